@@ -1,0 +1,80 @@
+//! Reflectance models, evaluated eight light directions at a time.
+//!
+//! Directions are in the local frame: +Z the shading normal, +X the tangent. One implementation serves the merged cut, the
+//! references and the tests. A new model is a file here, a variant of [`BrdfModel`] and of [`SurfaceBrdf`].
+
+mod ggx;
+mod lambert;
+mod microfacet;
+mod ward;
+
+pub use ggx::Ggx;
+pub use lambert::Lambert;
+pub use microfacet::LobeWidth;
+pub use ward::Ward;
+
+use crate::{
+    material::{BrdfModel, BrdfParameters},
+    simd::Vec3x8,
+};
+use glam::Vec3;
+use wide::f32x8;
+
+/// A reflectance model with its parameters.
+pub trait Brdf {
+    /// `f_r(wi, wo) cos θi` per colour for eight light directions `wi`; zero below the horizon.
+    ///
+    /// `inv_kappa` widens the lobe: the value is then close to the mean over light directions spread like a von Mises-Fisher
+    /// lobe of that inverse concentration. Zero gives the BRDF itself.
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
+
+    /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
+    fn lobe(&self) -> Option<LobeWidth>;
+
+    /// A light direction for importance sampling, from three numbers in [0, 1). It may lie below the horizon.
+    fn sample(&self, wo: Vec3, u: Vec3) -> Vec3;
+
+    /// Density of [`Self::sample`] per solid angle.
+    fn pdf(&self, wi: Vec3, wo: Vec3) -> f32;
+
+    /// [`Self::brdf_cos_x8`] for one direction.
+    fn brdf_cos(&self, wi: Vec3, wo: Vec3) -> Vec3 {
+        self.brdf_cos_x8(Vec3x8::splat(wi), wo, f32x8::ZERO).lane(0)
+    }
+}
+
+/// Any of the models, by value.
+#[derive(Clone, Copy, Debug)]
+pub enum SurfaceBrdf {
+    /// See [`Lambert`].
+    Lambert(Lambert),
+    /// See [`Ggx`].
+    Ggx(Ggx),
+    /// See [`Ward`].
+    Ward(Ward),
+}
+
+impl SurfaceBrdf {
+    /// The model with these parameters, clamped into their ranges.
+    pub fn new(model: BrdfModel, parameters: BrdfParameters) -> Self {
+        let p = parameters.sanitized();
+        match model {
+            BrdfModel::Lambert => Self::Lambert(Lambert::new(p.base_color)),
+            BrdfModel::Ggx => Self::Ggx(Ggx::new(&p)),
+            BrdfModel::Ward => Self::Ward(Ward::new(&p)),
+        }
+    }
+
+    /// The model behind the variant.
+    #[inline(always)]
+    pub fn as_brdf(&self) -> &dyn Brdf {
+        match self {
+            Self::Lambert(b) => b,
+            Self::Ggx(b) => b,
+            Self::Ward(b) => b,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,133 @@
+//! What the microfacet models share: anisotropic widths, the filtered lobe, and Fresnel.
+
+use crate::{material::BrdfParameters, simd::Vec3x8};
+use glam::Vec3;
+use wide::f32x8;
+
+/// Narrowest lobe that is evaluated: below, `f32` half vectors are too coarse for the peak.
+const MIN_ALPHA: f32 = 1e-3;
+
+/// Microfacet widths along the tangent and the bitangent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LobeWidth {
+    /// Along +X.
+    pub alpha_x: f32,
+    /// Along +Y.
+    pub alpha_y: f32,
+}
+
+impl LobeWidth {
+    /// `alpha = roughness²`, stretched by the anisotropy as in Burley 2012: aspect `sqrt(1 - 0.9 |anisotropy|)`.
+    pub fn new(parameters: &BrdfParameters) -> Self {
+        let alpha = parameters.roughness * parameters.roughness;
+        let aspect = (1.0 - 0.9 * parameters.anisotropy.abs()).sqrt();
+        let (long, short) = ((alpha / aspect).clamp(MIN_ALPHA, 1.0), (alpha * aspect).clamp(MIN_ALPHA, 1.0));
+        if parameters.anisotropy >= 0.0 {
+            Self { alpha_x: long, alpha_y: short }
+        } else {
+            Self { alpha_x: short, alpha_y: long }
+        }
+    }
+
+    /// The narrower of the two.
+    pub fn narrow(&self) -> f32 {
+        self.alpha_x.min(self.alpha_y)
+    }
+}
+
+/// Eight symmetric 2 x 2 matrices over the local x and y.
+#[derive(Clone, Copy)]
+pub(super) struct Sym2x8 {
+    pub xx: f32x8,
+    pub xy: f32x8,
+    pub yy: f32x8,
+}
+
+impl Sym2x8 {
+    pub fn diagonal(x: f32, y: f32) -> Self {
+        Self { xx: f32x8::splat(x), xy: f32x8::ZERO, yy: f32x8::splat(y) }
+    }
+
+    pub fn determinant(&self) -> f32x8 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// `vᵀ M v`.
+    pub fn quadratic(&self, x: f32x8, y: f32x8) -> f32x8 {
+        self.xx * x * x + self.xy * x * y * f32x8::splat(2.0) + self.yy * y * y
+    }
+
+    /// `vᵀ M⁻¹ v · det M`.
+    pub fn adjugate_quadratic(&self, x: f32x8, y: f32x8) -> f32x8 {
+        self.yy * x * x - self.xy * x * y * f32x8::splat(2.0) + self.xx * y * y
+    }
+}
+
+/// Half vectors and what comes with them.
+pub(super) struct HalfVectors {
+    /// Unit half vectors.
+    pub h: Vec3x8,
+    /// `wi · h = wo · h`.
+    pub wi_dot_h: f32x8,
+}
+
+impl HalfVectors {
+    #[inline(always)]
+    pub fn new(wi: Vec3x8, wo: Vec3) -> Self {
+        let sum = wi + Vec3x8::splat(wo);
+        let length = sum.dot(sum).max(f32x8::splat(1e-12)).sqrt();
+        let h = sum * (f32x8::ONE / length);
+        Self { h, wi_dot_h: f32x8::HALF * length }
+    }
+
+    /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector.
+    ///
+    /// With `a = wi · h` and `q = wi - a h`, `J Jᵀ` is the upper left block of `(I - h hᵀ - q qᵀ) / (4 a²)`:
+    /// the tangent plane of the half vector, foreshortened along the plane of incidence.
+    #[inline(always)]
+    pub fn light_spread(&self, wi: Vec3x8, inv_kappa: f32x8) -> Sym2x8 {
+        let q = wi - self.h * self.wi_dot_h;
+        let scale = inv_kappa * f32x8::HALF / (self.wi_dot_h * self.wi_dot_h).max(f32x8::splat(1e-4));
+        Sym2x8 {
+            xx: scale * (f32x8::ONE - self.h.x * self.h.x - q.x * q.x),
+            xy: -scale * (self.h.x * self.h.y + q.x * q.y),
+            yy: scale * (f32x8::ONE - self.h.y * self.h.y - q.y * q.y),
+        }
+    }
+}
+
+/// Normal-incidence reflectance, its value at grazing incidence, and diffuse albedo of a metallic-roughness material.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reflectance {
+    pub f0: Vec3,
+    pub f90: f32,
+    pub diffuse: Vec3,
+}
+
+impl Reflectance {
+    pub fn new(p: &BrdfParameters) -> Self {
+        let dielectric = ((p.ior - 1.0) / (p.ior + 1.0)).powi(2) * p.specular;
+        Self {
+            f0: Vec3::splat(dielectric).lerp(p.base_color, p.metalness),
+            f90: p.specular + (1.0 - p.specular) * p.metalness,
+            diffuse: p.base_color * (1.0 - p.metalness),
+        }
+    }
+
+    /// Schlick's Fresnel factor for eight angles.
+    #[inline(always)]
+    pub fn fresnel(&self, wi_dot_h: f32x8) -> Vec3x8 {
+        let c = (f32x8::ONE - wi_dot_h).max(f32x8::ZERO);
+        let c2 = c * c;
+        let grazing = c2 * c2 * c;
+        let f0 = Vec3x8::splat(self.f0);
+        f0 + (Vec3x8::splat(Vec3::splat(self.f90)) - f0) * grazing
+    }
+}
+
+/// 1 where both directions are above the horizon, else 0.
+#[inline(always)]
+pub(super) fn above_horizon(wi: Vec3x8, wo: Vec3) -> f32x8 {
+    let facing = if wo.z > 0.0 { f32x8::ONE } else { f32x8::ZERO };
+    wi.z.simd_gt(f32x8::ZERO) & facing
+}

@@ -1,0 +1,36 @@
+//! Colour: the sRGB transfer function at the border, luminance inside.
+
+use glam::Vec3;
+
+/// Rec. 709 luminance weights.
+pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// Luminance of a scene-linear Rec. 709 colour.
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(LUMINANCE)
+}
+
+/// Decodes one sRGB component (IEC 61966-2-1), 0 to 1.
+pub fn linear_from_srgb(x: f32) -> f32 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Encodes one linear component as sRGB, clamping to 0 to 1; NaN becomes 0.
+pub fn srgb_from_linear(x: f32) -> f32 {
+    let x = x.max(0.0).min(1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_round_trips_and_hits_the_known_middle_grey() {
+        for i in 0..=255 {
+            let x = i as f32 / 255.0;
+            assert!((srgb_from_linear(linear_from_srgb(x)) - x).abs() < 1e-5);
+        }
+        assert!((linear_from_srgb(0.5) - 0.214_041).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,201 @@
+//! Cuts as they are stored: 16 bits a node, eight nodes a texel.
+//!
+//! Layout of a node: bits 12 to 15 the depth (0 to 15), bits 0 to 11 the value as a fraction of 4095. Eight nodes make one
+//! `Rgba32Uint` texel, two to a component, the first in the low half. Each vertex's cut starts at a texel; a cut ends
+//! with the node that ends at the last leaf, and what is left of its last texel is zero. Texels lie row by row in a 2D
+//! texture [`TEXTURE_WIDTH`] wide. The paper stores 48 bits a node: index, leftleaf and value.
+
+use super::{CutError, merge::Cursor, validate_depths};
+
+/// Greatest stored value.
+pub const VALUE_MAX: u16 = 4095;
+/// Nodes in one texel.
+pub const NODES_PER_TEXEL: usize = 8;
+/// Bytes of one texel.
+pub const TEXEL_BYTES: usize = 16;
+/// Texels in one row of the texture: within WebGPU's default limits.
+pub const TEXTURE_WIDTH: usize = 8192;
+
+/// Packs a depth of at most 15 and a value from 0 to 1.
+#[inline(always)]
+pub fn pack_node(depth: u32, value: f32) -> u16 {
+    (depth as u16) << 12 | quantize(value)
+}
+
+/// A value from 0 to 1 as a multiple of 1/4095, rounded to nearest.
+#[inline(always)]
+pub fn quantize(value: f32) -> u16 {
+    (value * f32::from(VALUE_MAX) + 0.5) as u16
+}
+
+/// Depth of a packed node.
+#[inline(always)]
+pub fn depth(node: u16) -> u32 {
+    u32::from(node >> 12)
+}
+
+/// Value of a packed node.
+#[inline(always)]
+pub fn value(node: u16) -> f32 {
+    f32::from(node & VALUE_MAX) * (1.0 / VALUE_MAX as f32)
+}
+
+/// Number of nodes of the cut that starts at the front of `nodes`.
+///
+/// # Errors
+/// Nodes that do not partition the leaves of a tree of `height`.
+pub fn cut_len(height: u32, nodes: &[u16]) -> Result<usize, CutError> {
+    validate_depths(height, nodes.iter().map(|&n| depth(n)))
+}
+
+/// A position in a packed cut.
+#[derive(Clone, Copy, Debug)]
+pub struct PackedCursor<'a> {
+    nodes: &'a [u16],
+    height: u32,
+    position: usize,
+    end: u32,
+}
+
+impl<'a> PackedCursor<'a> {
+    /// At the first of `nodes`, which begin with a valid cut of a tree of `height`.
+    #[inline(always)]
+    pub fn new(height: u32, nodes: &'a [u16]) -> Self {
+        Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0])) }
+    }
+
+    /// Value of the current node.
+    #[inline(always)]
+    pub fn value(&self) -> f32 {
+        value(self.nodes[self.position])
+    }
+
+    /// The current node's stored value, 0 to [`VALUE_MAX`].
+    #[inline(always)]
+    pub fn stored_value(&self) -> u16 {
+        self.nodes[self.position] & VALUE_MAX
+    }
+}
+
+impl Cursor for PackedCursor<'_> {
+    #[inline(always)]
+    fn end(&self) -> u32 {
+        self.end
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.position += 1;
+        self.end += 1 << (self.height - depth(self.nodes[self.position]));
+    }
+}
+
+/// The visibility cuts of all vertices, packed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PackedCuts {
+    /// Nodes of all cuts; a multiple of eight. Read as `[u32; 4]` these are the texels.
+    nodes: Vec<u16>,
+    /// First texel of each vertex's cut. Vertices may share a cut.
+    offsets: Vec<u32>,
+}
+
+impl PackedCuts {
+    /// From stored arrays.
+    ///
+    /// # Errors
+    /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
+    pub fn from_parts(height: u32, nodes: Vec<u16>, offsets: Vec<u32>) -> Result<Self, (usize, CutError)> {
+        for (vertex, &offset) in offsets.iter().enumerate() {
+            let rest = nodes.get(offset as usize * NODES_PER_TEXEL..).unwrap_or(&[]);
+            cut_len(height, rest).map_err(|e| (vertex, e))?;
+        }
+        Ok(Self { nodes, offsets })
+    }
+
+    /// Appends a cut and returns its first texel.
+    pub fn push_cut(&mut self, cut: &[u16]) -> u32 {
+        let offset = (self.nodes.len() / NODES_PER_TEXEL) as u32;
+        self.nodes.extend_from_slice(cut);
+        self.nodes.resize(self.nodes.len().next_multiple_of(NODES_PER_TEXEL), 0);
+        offset
+    }
+
+    /// Appends a vertex whose cut starts at texel `offset`.
+    pub fn push_vertex(&mut self, offset: u32) {
+        self.offsets.push(offset);
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.offsets.len()
+    }
+
+    /// Whether there are no vertices.
+    pub fn is_empty(&self) -> bool {
+        self.offsets.is_empty()
+    }
+
+    /// The nodes from a vertex's first on; its cut ends where the leaves do.
+    #[inline(always)]
+    pub fn nodes_from(&self, vertex: u32) -> &[u16] {
+        &self.nodes[self.offsets[vertex as usize] as usize * NODES_PER_TEXEL..]
+    }
+
+    /// A vertex's cut and no more.
+    pub fn cut(&self, height: u32, vertex: u32) -> &[u16] {
+        let nodes = self.nodes_from(vertex);
+        let mut end = 0;
+        let count = nodes.iter().position(|&n| {
+            end += 1_u32 << (height - depth(n));
+            end == 1 << height
+        });
+        &nodes[..count.map_or(nodes.len(), |c| c + 1)]
+    }
+
+    /// All nodes, padding included.
+    pub fn nodes(&self) -> &[u16] {
+        &self.nodes
+    }
+
+    /// First texel of each vertex.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_round_trip_within_half_a_step() {
+        for d in 0..16 {
+            for i in 0..=1000 {
+                let v = i as f32 / 1000.0;
+                let node = pack_node(d, v);
+                assert_eq!(depth(node), d);
+                assert!((value(node) - v).abs() <= 0.5 / 4095.0 + 1e-7);
+            }
+        }
+        assert_eq!((value(pack_node(0, 0.0)), value(pack_node(15, 1.0))), (0.0, 1.0));
+    }
+
+    #[test]
+    fn cuts_start_at_texels_and_are_validated() {
+        let two = [pack_node(1, 0.0), pack_node(1, 1.0)];
+        let mut cuts = PackedCuts::default();
+        for _ in 0..3 {
+            let offset = cuts.push_cut(&two);
+            cuts.push_vertex(offset);
+        }
+        assert_eq!(cuts.offsets(), &[0, 1, 2]);
+        assert_eq!(cuts.nodes().len(), 24);
+        assert_eq!(cuts.cut(4, 2), &two);
+        let parts = |nodes: Vec<u16>, offsets| PackedCuts::from_parts(4, nodes, offsets);
+        assert!(parts(cuts.nodes().to_vec(), vec![0, 2]).is_ok());
+        assert_eq!(parts(cuts.nodes().to_vec(), vec![0, 3]).unwrap_err().0, 1);
+        assert!(parts(vec![pack_node(1, 0.0); 1], vec![0]).is_err());
+        assert!(parts(vec![pack_node(9, 0.0); 8], vec![0]).is_err());
+        assert!(parts(vec![pack_node(2, 0.0), pack_node(1, 0.0), pack_node(2, 0.0)], vec![0]).is_err());
+    }
+}

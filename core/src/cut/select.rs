@@ -1,0 +1,286 @@
+//! Selection of visibility cuts (paper, 3.2, Eq. 5).
+
+use super::packed::{VALUE_MAX, depth, pack_node, value};
+use serde::{Deserialize, Serialize};
+use std::collections::BinaryHeap;
+
+/// When a node of a visibility cut is fine enough.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CutCriterion {
+    /// Split while `|C| var > sigma²` (Eq. 5).
+    pub sigma: f32,
+    /// Stop at this many nodes, worst nodes first.
+    pub max_nodes: u32,
+    /// Stop when the squared errors of all nodes together are at most this squared: the total-error mode.
+    pub total_error: Option<f32>,
+}
+
+impl Default for CutCriterion {
+    fn default() -> Self {
+        Self { sigma: 2.0, max_nodes: u32::MAX, total_error: None }
+    }
+}
+
+/// Selects cuts of binary functions on `2^height` leaves; keeps its buffers between vertices.
+pub struct CutSelector {
+    height: u32,
+    criterion: CutCriterion,
+    /// Leaves that are one, below each node, by heap index.
+    ones: Vec<u32>,
+    /// Whether a node is split, by heap index.
+    split: Vec<bool>,
+}
+
+impl CutSelector {
+    /// For trees of `height`.
+    pub fn new(height: u32, criterion: CutCriterion) -> Self {
+        let nodes = 2 << height;
+        Self { height, criterion, ones: vec![0; nodes], split: vec![false; nodes] }
+    }
+
+    /// Appends the packed cut of `leaves` (each 0 or 1, in tree order) to `cut`, which must be empty, and returns the sum
+    /// of squared errors of the stored values over all leaves.
+    pub fn select(&mut self, leaves: &[u8], cut: &mut Vec<u16>) -> f64 {
+        assert_eq!(leaves.len(), 1 << self.height, "one value a leaf");
+        self.count_ones(leaves);
+        self.split.fill(false);
+        let unbounded = self.criterion.max_nodes as usize >= leaves.len() && self.criterion.total_error.is_none();
+        if !unbounded {
+            self.split_worst_first();
+        }
+        self.emit(unbounded, cut)
+    }
+
+    fn count_ones(&mut self, leaves: &[u8]) {
+        let n = leaves.len();
+        for (count, &leaf) in self.ones[n..].iter_mut().zip(leaves) {
+            *count = u32::from(leaf);
+        }
+        for i in (1..n).rev() {
+            self.ones[i] = self.ones[2 * i] + self.ones[2 * i + 1];
+        }
+    }
+
+    fn size(&self, node: usize) -> u32 {
+        1 << (self.height - node.ilog2())
+    }
+
+    /// `|C| var = |C| (mean - mean²)`: the squared error of a node of a binary function.
+    fn error(&self, node: usize) -> f32 {
+        let (ones, size) = (self.ones[node] as f32, self.size(node) as f32);
+        ones - ones * ones / size
+    }
+
+    fn exceeds_sigma(&self, node: usize) -> bool {
+        self.error(node) > self.criterion.sigma * self.criterion.sigma
+    }
+
+    /// Marks nodes for splitting, largest error first, until a bound holds.
+    fn split_worst_first(&mut self) {
+        let allowed = self.criterion.total_error.map(|e| f64::from(e) * f64::from(e));
+        // Errors are not negative, so their bits order like their values; ties go to the left node.
+        let entry = |s: &Self, node: usize| (s.error(node).to_bits(), std::cmp::Reverse(node));
+        let mut queue = BinaryHeap::from([entry(self, 1)]);
+        let mut total = f64::from(self.error(1));
+        let mut nodes = 1;
+        while let Some((error, std::cmp::Reverse(node))) = queue.pop() {
+            let fine = allowed.map_or(!self.exceeds_sigma(node), |allowed| total <= allowed);
+            if fine || nodes >= self.criterion.max_nodes || error == 0 {
+                break;
+            }
+            self.split[node] = true;
+            nodes += 1;
+            total -= f64::from(self.error(node));
+            for child in [2 * node, 2 * node + 1] {
+                total += f64::from(self.error(child));
+                queue.push(entry(self, child));
+            }
+        }
+    }
+
+    /// Writes the nodes left to right.
+    fn emit(&self, by_sigma: bool, cut: &mut Vec<u16>) -> f64 {
+        let mut squared_error = 0.0;
+        let mut writer = CutWriter::new(self.height, cut);
+        let mut stack = vec![1_usize];
+        while let Some(node) = stack.pop() {
+            if self.split[node] || (by_sigma && self.exceeds_sigma(node)) {
+                stack.extend([2 * node + 1, 2 * node]);
+                continue;
+            }
+            let (ones, size) = (f64::from(self.ones[node]), f64::from(self.size(node)));
+            let packed = pack_node(node.ilog2(), (ones / size) as f32);
+            let stored = f64::from(value(packed));
+            squared_error += ones - 2.0 * ones * stored + size * stored * stored;
+            writer.push(packed);
+        }
+        squared_error
+    }
+}
+
+/// Appends nodes left to right and replaces equal siblings by their parent, which loses nothing.
+pub(super) struct CutWriter<'a> {
+    height: u32,
+    cut: &'a mut Vec<u16>,
+    end: u32,
+}
+
+impl<'a> CutWriter<'a> {
+    pub(super) fn new(height: u32, cut: &'a mut Vec<u16>) -> Self {
+        assert!(cut.is_empty(), "cuts are written to empty buffers");
+        Self { height, cut, end: 0 }
+    }
+
+    pub(super) fn push(&mut self, node: u16) {
+        self.cut.push(node);
+        self.end += 1 << (self.height - depth(node));
+        while let [.., left, right] = self.cut[..] {
+            let parent_size = 2_u32 << (self.height - depth(right));
+            if left != right || self.end % parent_size != 0 {
+                break;
+            }
+            self.cut.pop();
+            let last = self.cut.len() - 1;
+            self.cut[last] = (right & VALUE_MAX) | ((depth(right) - 1) as u16) << 12;
+        }
+    }
+}
+
+/// Coarsens a packed cut: keeps only splits whose node has `|C| var > sigma²` by the stored means.
+///
+/// With a common `sigma` for all vertices this is the greedy choice of the priority queue over all of them: the errors
+/// of children never exceed that of their parent.
+pub fn prune(height: u32, sigma: f32, cut: &[u16]) -> Vec<u16> {
+    let mut pruned: Vec<u16> = Vec::with_capacity(cut.len());
+    let mut end = 0_u32;
+    for &node in cut {
+        pruned.push(node);
+        end += 1 << (height - depth(node));
+        while let [.., left, right] = pruned[..] {
+            let child_size = 1_u32 << (height - depth(right));
+            let siblings = depth(left) == depth(right) && end % (2 * child_size) == 0;
+            let mean = 0.5 * (value(left) + value(right));
+            if !siblings || 2.0 * child_size as f32 * (mean - mean * mean) > sigma * sigma {
+                break;
+            }
+            pruned.pop();
+            let last = pruned.len() - 1;
+            pruned[last] = pack_node(depth(right) - 1, mean);
+        }
+    }
+    pruned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::packed::cut_len;
+
+    fn leaves(height: u32, seed: u64) -> Vec<u8> {
+        // Runs of random lengths: visibility is coherent in tree order.
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let mut v = Vec::new();
+        let mut bit = 0;
+        while v.len() < 1 << height {
+            v.extend(std::iter::repeat_n(bit, rng.usize(1..60)));
+            bit = 1 - bit;
+        }
+        v.truncate(1 << height);
+        v
+    }
+
+    fn expand(height: u32, cut: &[u16]) -> Vec<f32> {
+        cut.iter().flat_map(|&n| std::iter::repeat_n(value(n), 1 << (height - depth(n)))).collect()
+    }
+
+    fn select(height: u32, criterion: CutCriterion, leaves: &[u8]) -> (Vec<u16>, f64) {
+        let mut cut = Vec::new();
+        let error = CutSelector::new(height, criterion).select(leaves, &mut cut);
+        assert_eq!(cut_len(height, &cut), Ok(cut.len()));
+        (cut, error)
+    }
+
+    fn squared_error(height: u32, cut: &[u16], leaves: &[u8]) -> f64 {
+        let differences = expand(height, cut).into_iter().zip(leaves).map(|(a, &b)| f64::from(a) - f64::from(b));
+        differences.map(|d| d * d).sum()
+    }
+
+    #[test]
+    fn every_node_keeps_the_bound_and_its_parent_breaks_it() {
+        let (height, sigma) = (10, 1.5);
+        for seed in 0..20 {
+            let leaves = leaves(height, seed);
+            let (cut, error) = select(height, CutCriterion { sigma, ..Default::default() }, &leaves);
+            assert!((error - squared_error(height, &cut, &leaves)).abs() < 1e-2);
+            let mean = |first: usize, size: usize| {
+                leaves[first..first + size].iter().map(|&x| f64::from(x)).sum::<f64>() / size as f64
+            };
+            let variance = |first, size: usize| size as f64 * (mean(first, size) - mean(first, size).powi(2));
+            // A node keeps the bound, or it stands for two equal siblings that do.
+            fn bounded(first: usize, size: usize, bound: f64, v: &dyn Fn(usize, usize) -> f64, m: &dyn Fn(usize, usize) -> f64) -> bool {
+                let half = size / 2;
+                v(first, size) <= bound + 1e-4
+                    || (m(first, half) == m(first + half, half)
+                        && bounded(first, half, bound, v, m)
+                        && bounded(first + half, half, bound, v, m))
+            }
+            let mut first = 0;
+            for &node in &cut {
+                let size = 1 << (height - depth(node));
+                assert!(bounded(first, size, f64::from(sigma * sigma), &variance, &mean));
+                if depth(node) > 0 {
+                    assert!(variance(first - first % (2 * size), 2 * size) > f64::from(sigma * sigma) - 1e-4);
+                }
+                first += size;
+            }
+        }
+    }
+
+    #[test]
+    fn sigma_zero_keeps_the_function_exactly() {
+        let leaves = leaves(9, 7);
+        let (cut, error) = select(9, CutCriterion { sigma: 0.0, ..Default::default() }, &leaves);
+        assert_eq!(error, 0.0);
+        let exact: Vec<f32> = leaves.iter().map(|&x| f32::from(x)).collect();
+        assert_eq!(expand(9, &cut), exact);
+        assert!(cut.len() < leaves.len(), "equal siblings merge");
+    }
+
+    #[test]
+    fn maximum_size_is_kept_by_splitting_the_worst_nodes() {
+        let leaves = leaves(10, 3);
+        let bound = |max_nodes| CutCriterion { sigma: 0.0, max_nodes, total_error: None };
+        let errors: Vec<f64> = [4, 16, 64, 1024].map(|k| {
+            let (cut, error) = select(10, bound(k), &leaves);
+            assert!(cut.len() <= k as usize);
+            error
+        }).to_vec();
+        assert!(errors.windows(2).all(|w| w[0] > w[1]), "{errors:?}");
+    }
+
+    #[test]
+    fn total_error_mode_stops_at_its_bound_and_not_before() {
+        let leaves = leaves(10, 5);
+        let criterion = |e| CutCriterion { sigma: 0.0, max_nodes: u32::MAX, total_error: Some(e) };
+        let (coarse, error) = select(10, criterion(6.0), &leaves);
+        assert!(error <= 36.0 + 0.01);
+        let (_, one_node_less) = select(10, CutCriterion { max_nodes: coarse.len() as u32 - 4, ..criterion(6.0) }, &leaves);
+        assert!(one_node_less > 36.0);
+    }
+
+    #[test]
+    fn pruning_is_monotone_and_keeps_means() {
+        let leaves = leaves(10, 9);
+        let (fine, _) = select(10, CutCriterion { sigma: 0.5, ..Default::default() }, &leaves);
+        let mut before = fine.len() + 1;
+        for sigma in [0.5, 1.0, 2.0, 4.0, 100.0] {
+            let cut = prune(10, sigma, &fine);
+            assert_eq!(cut_len(10, &cut), Ok(cut.len()));
+            assert!(cut.len() < before);
+            before = cut.len();
+            let mean = |c: &[u16]| expand(10, c).iter().sum::<f32>() / 1024.0;
+            assert!((mean(&cut) - mean(&fine)).abs() < 2e-3);
+        }
+        assert_eq!(before, 1);
+    }
+}

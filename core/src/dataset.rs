@@ -1,0 +1,149 @@
+//! The `.cuts` dataset: everything that relighting needs, in one file of the safetensors layout.
+//!
+//! Tensors (little endian; V vertices, T triangles, N lights):
+//!
+//! | name | type | shape | |
+//! |---|---|---|---|
+//! | `positions`, `normals` | f32 | V, 3 | tessellated mesh, metres |
+//! | `tangents` | f32 | V, 4 | xyz and handedness |
+//! | `uvs` | f32 | V, 2 | (0, 0) is the top left corner |
+//! | `triangles` | u32 | T, 3 | vertex indices |
+//! | `triangle_material`, `triangle_object` | u32 | T | indices into the metadata's lists |
+//! | `triangle_two_sided` | u8 | T | 1 if lit and seen from both sides |
+//! | `vertex_valid` | u8 | V | 0 if the vertex lies inside other geometry and has no say in interpolation |
+//! | `tree_order` | u32 | N | sample index of each leaf; samples are spherical Fibonacci points |
+//! | `cuts` | u32 | texels, 4 | packed nodes, see [`crate::cut::packed`] |
+//! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
+//! | `texture.0`, ... | u8 | bytes | image files as they were imported |
+//!
+//! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
+//! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
+
+mod error;
+mod read;
+mod write;
+
+pub use error::DatasetError;
+
+use crate::{
+    cut::{CutCriterion, packed::PackedCuts},
+    light_tree::{LightTree, TreeKind},
+    scene::Scene,
+};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Version of the layout that this program writes and the newest that it reads.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// A baked scene.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// The scene with its mesh as tessellated for the bake.
+    pub scene: Scene,
+    /// Per triangle: lit and seen from both sides.
+    pub two_sided: Vec<bool>,
+    /// Per vertex: may be used for interpolation.
+    pub vertex_valid: Vec<bool>,
+    /// The light tree.
+    pub tree: LightTree,
+    /// One visibility cut a vertex.
+    pub cuts: PackedCuts,
+    /// What it was baked with.
+    pub settings: BakeSettings,
+    /// Hash of the scene as imported, hexadecimal.
+    pub scene_hash: String,
+    /// How the bake went.
+    pub report: BakeReport,
+}
+
+/// Everything that decides the result of a bake. Threads and chunks do not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BakeSettings {
+    /// Number of light samples, `2^H`, at most 32,768.
+    pub lights: usize,
+    /// Clustering metric of the light tree.
+    pub tree: TreeKind,
+    /// Weight of the geometric metric in a mixed tree, 0 to 1.
+    pub beta: f32,
+    /// How fine the visibility cuts are.
+    pub criterion: CutCriterion,
+    /// Vertex clusters of the pilot visibility, `M`.
+    pub pilot_clusters: usize,
+    /// Most vertices after tessellation; `None` leaves the mesh as it is.
+    pub max_vertices: Option<usize>,
+    /// Most bytes for all cuts; cuts are coarsened by a common `sigma` until they fit.
+    pub max_bytes: Option<u64>,
+}
+
+/// What a bake did; the keys are those of `--report`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BakeReport {
+    /// Vertices after tessellation.
+    pub vertices: usize,
+    /// Triangles after tessellation.
+    pub triangles: usize,
+    /// Light samples.
+    pub lights: usize,
+    /// Clustering metric.
+    pub tree: TreeKind,
+    /// Weight of the geometric metric.
+    pub beta: f32,
+    /// Error bound of a cluster; larger than asked for if a byte budget forced it.
+    pub sigma: f32,
+    /// Mean number of nodes of a vertex's cut.
+    pub mean_cut: f64,
+    /// Largest cut.
+    pub max_cut: usize,
+    /// Root mean square over all vertices and lights of stored minus traced visibility.
+    pub rms_visibility: f64,
+    /// Bytes of nodes, padding and offsets.
+    pub bytes_cuts: u64,
+    /// Bytes of all tensors.
+    pub bytes_total: u64,
+    /// (vertex, light) pairs.
+    pub samples_resolved: u64,
+    /// Rays traced for them; directions below the horizon of a closed surface need none.
+    pub rays_traced: u64,
+    /// Pairs a second of the visibility phase.
+    pub samples_per_second: f64,
+    /// Greatest resident memory of the process.
+    pub peak_memory_bytes: u64,
+    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`.
+    pub seconds: BTreeMap<String, f64>,
+    /// Distinct bake points; vertices that agree in position and normal share one.
+    pub bake_points: usize,
+    /// Bake points inside other geometry.
+    pub buried_points: usize,
+    /// Vertices before tessellation.
+    pub source_vertices: usize,
+    /// Histogram of cut sizes: entry `i` counts bake points with `2^i` to `2^(i+1) - 1` nodes.
+    pub cut_size_histogram: Vec<u64>,
+    /// What the import and the bake remarked.
+    pub warnings: Vec<String>,
+}
+
+/// Hash of everything in a scene that a bake depends on, and of its materials, as hexadecimal.
+pub fn scene_hash(scene: &Scene) -> String {
+    let mesh = &scene.mesh;
+    let mut hasher = blake3::Hasher::new();
+    for part in [
+        bytemuck::cast_slice::<_, u8>(&mesh.positions),
+        bytemuck::cast_slice(&mesh.normals),
+        bytemuck::cast_slice(&mesh.uvs),
+        bytemuck::cast_slice(&mesh.triangles),
+        bytemuck::cast_slice(&mesh.triangle_material),
+    ] {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    }
+    for material in &scene.materials {
+        hasher.update(&[u8::from(material.double_sided)]);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! Why a dataset cannot be written or read.
+
+use crate::{cut::CutError, scene::MeshError};
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a dataset cannot be written or read. Paths come last.
+#[derive(Debug, Error)]
+pub enum DatasetError {
+    /// The file system refused.
+    #[error("cannot {action} the dataset: {source}; check the path, the permissions and the free space ({})", path.display())]
+    Io {
+        /// `read` or `write`.
+        action: &'static str,
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not a safetensors file, or a truncated one.
+    #[error("the file is no dataset, or was cut short ({reason}); bake the scene again with `lapidary bake` ({})", path.display())]
+    Foreign {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Written by a later version of Lapidary.
+    #[error("the dataset has format version {found}, this program reads up to {supported}; update Lapidary or bake again ({})", path.display())]
+    Newer {
+        /// Which file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+        /// The newest known.
+        supported: u32,
+    },
+    /// The contents contradict themselves.
+    #[error("the dataset is damaged: {reason}; copy it again from its source or bake again ({})", path.display())]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: Damage,
+    },
+}
+
+/// What is wrong inside a dataset.
+#[derive(Debug, Error)]
+pub enum Damage {
+    /// A tensor is not there.
+    #[error("tensor `{0}` is missing")]
+    Missing(String),
+    /// A tensor has another type or shape than its owner needs.
+    #[error("tensor `{name}` is {found}, not {expected}")]
+    Shape {
+        /// Name of the tensor.
+        name: String,
+        /// Type and shape found.
+        found: String,
+        /// Type and shape needed.
+        expected: String,
+    },
+    /// The bytes differ from those that were written.
+    #[error("tensor `{0}` does not match its checksum")]
+    Checksum(String),
+    /// The mesh is invalid.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A vertex's cut is invalid.
+    #[error("the cut of vertex {vertex} is invalid: {source}")]
+    Cut {
+        /// Which vertex.
+        vertex: usize,
+        /// Why.
+        source: CutError,
+    },
+    /// The tree order is no permutation of a power of two.
+    #[error("the order of the light tree is no permutation of 2^H samples")]
+    Tree,
+    /// A material refers to a texture that is not there.
+    #[error("material `{material}` refers to texture {texture}, but there are {count}")]
+    Texture {
+        /// Name of the material.
+        material: String,
+        /// The index.
+        texture: u32,
+        /// Number of textures.
+        count: usize,
+    },
+    /// The metadata cannot be read.
+    #[error("the metadata cannot be read ({0})")]
+    Metadata(String),
+}

@@ -1,0 +1,174 @@
+//! Reading a dataset: everything is checked before anything is used.
+
+use super::{
+    Dataset, DatasetError, FORMAT_VERSION,
+    error::Damage,
+    write::{Header, METADATA_KEY},
+};
+use crate::{
+    cut::packed::PackedCuts,
+    image::decode,
+    light_tree::LightTree,
+    scene::{Mesh, Object, Scene},
+    texture::Texture,
+};
+use safetensors::{Dtype, SafeTensors};
+use std::path::Path;
+
+impl Dataset {
+    /// Reads and checks a dataset.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no dataset, is of a newer format, or contradicts itself.
+    pub fn read(path: &Path) -> Result<Self, DatasetError> {
+        let bytes =
+            std::fs::read(path).map_err(|source| DatasetError::Io { action: "read", path: path.into(), source })?;
+        let foreign = |reason: String| DatasetError::Foreign { path: path.into(), reason };
+        let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| foreign(e.to_string()))?;
+        let json = metadata.metadata().as_ref().and_then(|m| m.get(METADATA_KEY));
+        let json = json.ok_or_else(|| foreign("it lacks Lapidary's metadata".into()))?;
+        check_version(json, path)?;
+        let tensors = SafeTensors::deserialize(&bytes).map_err(|e| foreign(e.to_string()))?;
+        Reader { tensors, path }.dataset(json).map_err(|reason| DatasetError::Damaged { path: path.into(), reason })
+    }
+}
+
+/// The version stands before all else: a newer header may not parse.
+fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
+    let value: serde_json::Value = serde_json::from_str(json)
+        .map_err(|e| DatasetError::Foreign { path: path.into(), reason: format!("its metadata is no JSON: {e}") })?;
+    let found = value["format_version"].as_u64().unwrap_or(0) as u32;
+    if found > FORMAT_VERSION {
+        return Err(DatasetError::Newer { path: path.into(), found, supported: FORMAT_VERSION });
+    }
+    Ok(())
+}
+
+struct Reader<'a> {
+    tensors: SafeTensors<'a>,
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    fn dataset(&self, json: &str) -> Result<Dataset, Damage> {
+        let header: Header = serde_json::from_str(json).map_err(|e| Damage::Metadata(e.to_string()))?;
+        self.check_sums(&header)?;
+        let tree = LightTree::from_order(self.permutation()?).map_err(|_| Damage::Tree)?;
+        let scene = self.scene(&header)?;
+        let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
+        let cuts = self.cuts(tree.height(), vertices)?;
+        Ok(Dataset {
+            two_sided: self.flags("triangle_two_sided", triangles)?,
+            vertex_valid: self.flags("vertex_valid", vertices)?,
+            scene,
+            tree,
+            cuts,
+            settings: header.settings,
+            scene_hash: header.scene_hash,
+            report: header.report,
+        })
+    }
+
+    fn check_sums(&self, header: &Header) -> Result<(), Damage> {
+        for (name, expected) in &header.checksums {
+            let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.clone()))?;
+            if blake3::hash(tensor.data()).to_hex().as_str() != expected {
+                return Err(Damage::Checksum(name.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    fn scene(&self, header: &Header) -> Result<Scene, Damage> {
+        let positions = self.array("positions", Dtype::F32, &[3], None)?;
+        let v = Some(positions.len());
+        let triangles = self.array("triangles", Dtype::U32, &[3], None)?;
+        let t = Some(triangles.len());
+        let mesh = Mesh {
+            positions,
+            normals: self.array("normals", Dtype::F32, &[3], v)?,
+            tangents: self.array("tangents", Dtype::F32, &[4], v)?,
+            uvs: self.array("uvs", Dtype::F32, &[2], v)?,
+            triangles,
+            triangle_material: self.array("triangle_material", Dtype::U32, &[], t)?,
+            triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,
+        };
+        mesh.validate(header.materials.len(), header.objects.len())?;
+        let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name));
+        let scene = Scene {
+            mesh,
+            materials: header.materials.clone(),
+            textures: textures.collect::<Result<_, _>>()?,
+            objects: header.objects.iter().map(|name| Object { name: name.clone() }).collect(),
+            cameras: header.cameras.clone(),
+        };
+        check_texture_indices(&scene)?;
+        Ok(scene)
+    }
+
+    fn texture(&self, index: usize, name: &str) -> Result<Texture, Damage> {
+        let bytes: Vec<u8> = self.array(&format!("texture.{index}"), Dtype::U8, &[], None)?;
+        if bytes.is_empty() {
+            return Ok(Texture::missing(name));
+        }
+        // The name tells the decoder the format, where the contents alone do not.
+        let decoded = decode(&bytes, Path::new(name)).map_err(|e| Damage::Metadata(e.to_string()))?;
+        Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })
+    }
+
+    fn cuts(&self, height: u32, vertices: usize) -> Result<PackedCuts, Damage> {
+        let texels: Vec<[u32; 4]> = self.array("cuts", Dtype::U32, &[4], None)?;
+        let nodes = bytemuck::cast_slice(&texels).to_vec();
+        let offsets = self.array("cut_offsets", Dtype::U32, &[], Some(vertices))?;
+        PackedCuts::from_parts(height, nodes, offsets).map_err(|(vertex, source)| Damage::Cut { vertex, source })
+    }
+
+    fn permutation(&self) -> Result<Vec<u32>, Damage> {
+        let order: Vec<u32> = self.array("tree_order", Dtype::U32, &[], None)?;
+        let mut seen = vec![false; order.len()];
+        let fresh = order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)));
+        if fresh { Ok(order) } else { Err(Damage::Tree) }
+    }
+
+    fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {
+        let bytes: Vec<u8> = self.array(name, Dtype::U8, &[], Some(count))?;
+        Ok(bytes.into_iter().map(|b| b != 0).collect())
+    }
+
+    /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
+    fn array<T: bytemuck::AnyBitPattern>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+        inner: &[usize],
+        count: Option<usize>,
+    ) -> Result<Vec<T>, Damage> {
+        let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.into()))?;
+        let shape = tensor.shape();
+        let fits = tensor.dtype() == dtype
+            && shape.split_first().is_some_and(|(&n, rest)| rest == inner && count.is_none_or(|c| c == n));
+        if !fits {
+            let rows = count.map_or("any number".to_owned(), |c| c.to_string());
+            return Err(Damage::Shape {
+                name: name.into(),
+                found: format!("{:?} {shape:?}", tensor.dtype()),
+                expected: format!("{dtype:?} of {rows} x {inner:?}"),
+            });
+        }
+        debug_assert_eq!(size_of::<T>(), inner.iter().product::<usize>() * dtype.bitsize() / 8, "{name} of {}", self.path.display());
+        // Copied one by one: the file's bytes need not be aligned.
+        Ok(tensor.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+}
+
+fn check_texture_indices(scene: &Scene) -> Result<(), Damage> {
+    for material in &scene.materials {
+        for slot in material.maps.slots() {
+            if slot.texture as usize >= scene.textures.len() {
+                let count = scene.textures.len();
+                return Err(Damage::Texture { material: material.name.clone(), texture: slot.texture, count });
+            }
+        }
+    }
+    Ok(())
+}

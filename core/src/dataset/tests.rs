@@ -1,0 +1,130 @@
+//! A dataset survives the disk, and nothing else does.
+
+use super::*;
+use crate::{
+    cut::packed::pack_node,
+    material::Material,
+    scene::{Mesh, Object},
+};
+use glam::{Vec2, Vec3, Vec4};
+use std::path::PathBuf;
+
+fn dataset() -> Dataset {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        normals: vec![Vec3::Y; 3],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        triangles: vec![[0, 2, 1]],
+        triangle_material: vec![0],
+        triangle_object: vec![0],
+    };
+    let scene = Scene {
+        mesh,
+        materials: vec![Material { name: "m".into(), ..Default::default() }],
+        objects: vec![Object { name: "o".into() }],
+        ..Default::default()
+    };
+    let mut cuts = PackedCuts::default();
+    for value in [0.0, 0.5, 1.0] {
+        let offset = cuts.push_cut(&[pack_node(1, value), pack_node(1, 0.25)]);
+        cuts.push_vertex(offset);
+    }
+    Dataset {
+        two_sided: vec![true],
+        vertex_valid: vec![true, false, true],
+        tree: LightTree::geometric(64).unwrap(),
+        cuts,
+        settings: BakeSettings {
+            lights: 64,
+            tree: TreeKind::Mixed,
+            beta: 0.5,
+            criterion: CutCriterion::default(),
+            pilot_clusters: 16,
+            max_vertices: None,
+            max_bytes: None,
+        },
+        scene_hash: scene_hash(&scene),
+        report: BakeReport { vertices: 3, ..Default::default() },
+        scene,
+    }
+}
+
+fn written() -> (tempfile::TempDir, PathBuf, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    dataset().write(&path).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    (folder, path, bytes)
+}
+
+/// What reading says after the file's bytes were changed.
+fn error_after(change: impl FnOnce(&mut Vec<u8>)) -> DatasetError {
+    let (_folder, path, mut bytes) = written();
+    change(&mut bytes);
+    std::fs::write(&path, bytes).unwrap();
+    Dataset::read(&path).unwrap_err()
+}
+
+#[test]
+fn everything_survives_the_disk() {
+    let (_folder, path, _) = written();
+    let (read, original) = (Dataset::read(&path).unwrap(), dataset());
+    assert_eq!(read.scene.mesh, original.scene.mesh);
+    assert_eq!(read.scene.materials, original.scene.materials);
+    assert_eq!((read.cuts, read.tree), (original.cuts, original.tree));
+    assert_eq!((read.two_sided, read.vertex_valid), (original.two_sided, original.vertex_valid));
+    assert_eq!((read.settings, read.report), (original.settings, original.report));
+}
+
+#[test]
+fn a_truncated_file_is_refused_at_every_length() {
+    let (_folder, path, bytes) = written();
+    for length in (0..bytes.len()).step_by(97) {
+        std::fs::write(&path, &bytes[..length]).unwrap();
+        assert!(matches!(Dataset::read(&path), Err(DatasetError::Foreign { .. })), "length {length}");
+    }
+}
+
+#[test]
+fn foreign_and_newer_files_are_told_apart() {
+    let foreign = error_after(|b| *b = b"v 0 0 0\nv 1 0 0\n# not a dataset at all\n".to_vec());
+    assert!(matches!(foreign, DatasetError::Foreign { .. }), "{foreign}");
+    let newer = error_after(|b| {
+        let at = b.windows(19).position(|w| w == b"\\\"format_version\\\":").unwrap();
+        b[at + 19] = b'9';
+    });
+    assert!(matches!(newer, DatasetError::Newer { found: 9, .. }), "{newer}");
+}
+
+#[test]
+fn a_single_flipped_bit_is_noticed() {
+    let (_folder, path, bytes) = written();
+    for back in [1, 40, 200, 400] {
+        let mut changed = bytes.clone();
+        let at = changed.len() - back;
+        changed[at] ^= 1;
+        std::fs::write(&path, changed).unwrap();
+        let error = Dataset::read(&path).unwrap_err();
+        assert!(matches!(error, DatasetError::Damaged { reason: error::Damage::Checksum(_), .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_failed_write_keeps_the_file_that_was_there() {
+    let (folder, path, before) = written();
+    let nowhere = folder.path().join("missing").join("a.cuts");
+    assert!(matches!(dataset().write(&nowhere), Err(DatasetError::Io { action: "write", .. })));
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+}
+
+#[test]
+fn the_hash_sees_geometry_and_ignores_names() {
+    let mut scene = dataset().scene;
+    let hash = scene_hash(&scene);
+    scene.materials[0].name = "renamed".into();
+    assert_eq!(scene_hash(&scene), hash);
+    scene.mesh.positions[1].x += 1e-6;
+    assert_ne!(scene_hash(&scene), hash);
+}

@@ -1,0 +1,127 @@
+//! Writing a dataset, atomically.
+
+use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION};
+use crate::{
+    atomic::{persist, temporary_beside},
+    camera::Camera,
+    material::Material,
+};
+use safetensors::{Dtype, tensor::TensorView};
+use serde::{Deserialize, Serialize};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, HashMap},
+    io,
+    path::Path,
+};
+
+/// Key of the JSON in the safetensors metadata.
+pub(super) const METADATA_KEY: &str = "lapidary";
+
+/// The JSON part of a dataset.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Header {
+    pub format_version: u32,
+    pub settings: BakeSettings,
+    pub scene_hash: String,
+    pub report: BakeReport,
+    pub materials: Vec<Material>,
+    pub objects: Vec<String>,
+    pub cameras: Vec<Camera>,
+    pub textures: Vec<String>,
+    /// BLAKE3 of each tensor's bytes, hexadecimal.
+    pub checksums: BTreeMap<String, String>,
+}
+
+/// A tensor about to be written.
+struct Tensor<'a> {
+    name: String,
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Cow<'a, [u8]>,
+}
+
+impl Dataset {
+    /// Writes the dataset to a temporary name beside `path` and renames it when it is complete, so that a failure leaves
+    /// whatever was there before.
+    ///
+    /// # Errors
+    /// A file that cannot be written, such as on a full disk.
+    pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
+        let tensors = self.tensors();
+        let header = self.header(&tensors);
+        self.write_tensors(path, &tensors, &header)
+            .map_err(|source| DatasetError::Io { action: "write", path: path.into(), source })
+    }
+
+    /// Bytes of all tensors.
+    pub fn tensor_bytes(&self) -> u64 {
+        self.tensors().iter().map(|t| t.bytes.len() as u64).sum()
+    }
+
+    fn write_tensors(&self, path: &Path, tensors: &[Tensor], header: &Header) -> io::Result<()> {
+        let file = temporary_beside(path)?;
+        let metadata = HashMap::from([(METADATA_KEY.to_owned(), serde_json::to_string(header)?)]);
+        let views = tensors.iter().map(|t| {
+            let view = TensorView::new(t.dtype, t.shape.clone(), &t.bytes).map_err(io::Error::other)?;
+            Ok((t.name.clone(), view))
+        });
+        let views = views.collect::<io::Result<Vec<_>>>()?;
+        safetensors::serialize_to_file(views, Some(metadata), file.path()).map_err(|e| match e {
+            safetensors::SafeTensorError::IoError(e) => e,
+            other => io::Error::other(other),
+        })?;
+        persist(file, path)
+    }
+
+    fn header(&self, tensors: &[Tensor]) -> Header {
+        let checksum = |t: &Tensor| (t.name.clone(), blake3::hash(&t.bytes).to_hex().to_string());
+        Header {
+            format_version: FORMAT_VERSION,
+            settings: self.settings.clone(),
+            scene_hash: self.scene_hash.clone(),
+            report: self.report.clone(),
+            materials: self.scene.materials.clone(),
+            objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
+            cameras: self.scene.cameras.clone(),
+            textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
+            checksums: tensors.iter().map(checksum).collect(),
+        }
+    }
+
+    fn tensors(&self) -> Vec<Tensor<'_>> {
+        let mesh = &self.scene.mesh;
+        let (v, t) = (mesh.positions.len(), mesh.triangles.len());
+        let nodes: &[u8] = bytemuck::cast_slice(self.cuts.nodes());
+        let flags = |flags: &[bool]| Cow::Owned(flags.iter().map(|&f| u8::from(f)).collect::<Vec<u8>>());
+        let mut tensors = vec![
+            tensor("positions", Dtype::F32, [v, 3], &mesh.positions),
+            tensor("normals", Dtype::F32, [v, 3], &mesh.normals),
+            tensor("tangents", Dtype::F32, [v, 4], &mesh.tangents),
+            tensor("uvs", Dtype::F32, [v, 2], &mesh.uvs),
+            tensor("triangles", Dtype::U32, [t, 3], &mesh.triangles),
+            tensor("triangle_material", Dtype::U32, [t], &mesh.triangle_material),
+            tensor("triangle_object", Dtype::U32, [t], &mesh.triangle_object),
+            tensor("tree_order", Dtype::U32, [self.tree.len()], self.tree.order()),
+            tensor("cuts", Dtype::U32, [nodes.len() / 16, 4], nodes),
+            tensor("cut_offsets", Dtype::U32, [v], self.cuts.offsets()),
+        ];
+        for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
+            tensors.push(Tensor { name: name.into(), dtype: Dtype::U8, shape: vec![values.len()], bytes: flags(values) });
+        }
+        for (i, texture) in self.scene.textures.iter().enumerate() {
+            let bytes: &[u8] = &texture.encoded;
+            tensors.push(tensor(&format!("texture.{i}"), Dtype::U8, [bytes.len()], bytes));
+        }
+        tensors
+    }
+}
+
+fn tensor<'a, T: bytemuck::NoUninit, const D: usize>(
+    name: &str,
+    dtype: Dtype,
+    shape: [usize; D],
+    values: &'a [T],
+) -> Tensor<'a> {
+    Tensor { name: name.into(), dtype, shape: shape.to_vec(), bytes: Cow::Borrowed(bytemuck::cast_slice(values)) }
+}

@@ -1,0 +1,291 @@
+//! Distant light: a latitude-longitude map of radiance, read from a file or made by a formula.
+//!
+//! The centre of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
+
+use crate::image::{Image, ImageError};
+use glam::{Vec2, Vec3};
+use std::{
+    f32::consts::{PI, TAU},
+    path::Path,
+};
+use thiserror::Error;
+
+mod procedural;
+
+pub use procedural::{constant, orientation, studio, sun_and_sky};
+
+/// Light from all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// The file's name, or the specification it was made from.
+    pub name: String,
+    /// Latitude-longitude radiance, of any size; finite and not negative.
+    pub map: Image,
+}
+
+/// Why there is no environment.
+#[derive(Debug, Error)]
+pub enum EnvironmentError {
+    /// The picture cannot be read.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The text names neither a file nor a formula.
+    #[error(
+        "{reason}; give the path of an .hdr or .exr file, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to 90), \
+         studio or orientation ({spec})"
+    )]
+    Spec {
+        /// What was given.
+        spec: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl Environment {
+    /// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns what was repaired, in sentences.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no picture.
+    pub fn read(path: &Path) -> Result<(Self, Vec<String>), EnvironmentError> {
+        let mut map = Image::read(path)?;
+        let mut warnings = Vec::new();
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if extension != "hdr" && extension != "exr" {
+            warnings.push(
+                "the environment is of low dynamic range, so its lights are too dim; use an .hdr or .exr file".into(),
+            );
+        }
+        repair(&mut map, &mut warnings);
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Ok((Self { name, map }, warnings))
+    }
+
+    /// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or
+    /// reads the file of that path. Also returns what was repaired, in sentences.
+    ///
+    /// # Errors
+    /// A formula with wrong arguments, or a path that cannot be read.
+    pub fn from_spec(spec: &str) -> Result<(Self, Vec<String>), EnvironmentError> {
+        let (formula, arguments) = match spec.split_once(':') {
+            Some((formula, arguments)) => (formula, Some(arguments)),
+            None => (spec, None),
+        };
+        let numbers = || arguments.map(parse_numbers).transpose();
+        let map = match (formula, arguments) {
+            ("constant", _) => numbers().and_then(|n| constant_from(n.as_deref())),
+            ("sun-sky", _) => numbers().and_then(|n| sky_from(n.as_deref())),
+            ("studio", None) => Ok(studio()),
+            ("orientation", None) => Ok(orientation()),
+            ("studio" | "orientation", Some(_)) => Err(format!("{formula} takes no numbers")),
+            _ if Path::new(spec).exists() || Path::new(spec).extension().is_some() => {
+                return Self::read(Path::new(spec));
+            }
+            _ => Err("there is no such environment".into()),
+        };
+        let map = map.map_err(|reason| EnvironmentError::Spec { spec: spec.into(), reason })?;
+        Ok((Self { name: spec.into(), map }, Vec::new()))
+    }
+
+    /// Radiance from a unit direction, bilinear between texels; wraps in longitude.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        let (w, h) = (self.map.width() as i64, self.map.height() as i64);
+        let p = uv_from_direction(direction) * Vec2::new(w as f32, h as f32) - 0.5;
+        let (base, f) = (p.floor(), p - p.floor());
+        let texel = |x: i64, y: i64| self.map.at(x.rem_euclid(w) as usize, y.clamp(0, h - 1) as usize);
+        let (x, y) = (base.x as i64, base.y as i64);
+        let top = texel(x, y).lerp(texel(x + 1, y), f.x);
+        let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), f.x);
+        top.lerp(bottom, f.y)
+    }
+}
+
+fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {
+    let number = |word: &str| word.trim().parse().ok().filter(|x: &f32| x.is_finite());
+    text.split(',').map(|w| number(w).ok_or_else(|| format!("\"{w}\" is not a number"))).collect()
+}
+
+fn constant_from(numbers: Option<&[f32]>) -> Result<Image, String> {
+    let radiance = match numbers {
+        None => Vec3::ONE,
+        Some(&[grey]) => Vec3::splat(grey),
+        Some(&[r, g, b]) => Vec3::new(r, g, b),
+        Some(other) => return Err(format!("constant takes three numbers and not {}", other.len())),
+    };
+    if radiance.min_element() < 0.0 { Err("radiance cannot be negative".into()) } else { Ok(constant(radiance)) }
+}
+
+fn sky_from(numbers: Option<&[f32]>) -> Result<Image, String> {
+    match numbers {
+        None => Ok(sun_and_sky(45f32.to_radians())),
+        Some(&[elevation]) if (0.0..=90.0).contains(&elevation) => Ok(sun_and_sky(elevation.to_radians())),
+        Some(_) => Err("sun-sky takes the elevation of the sun, 0 to 90 degrees".into()),
+    }
+}
+
+/// Replaces what cannot be radiance, and says so.
+fn repair(map: &mut Image, warnings: &mut Vec<String>) {
+    let (mut invalid, mut negative) = (0, 0);
+    for texel in &mut map.pixels {
+        if !texel.is_finite() {
+            invalid += 1;
+            *texel = Vec3::ZERO;
+        } else if texel.min_element() < 0.0 {
+            negative += 1;
+            *texel = texel.max(Vec3::ZERO);
+        }
+    }
+    if invalid > 0 {
+        warnings.push(format!(
+            "{invalid} texels of the environment were not finite and became black; save the map without clipped or \
+             empty pixels"
+        ));
+    }
+    if negative > 0 {
+        warnings.push(format!(
+            "{negative} texels of the environment were negative and were raised to zero; save the map in Rec. 709 \
+             primaries"
+        ));
+    }
+    if map.pixels.iter().all(|p| *p == Vec3::ZERO) {
+        warnings.push("the environment is black and gives no light; choose another map".into());
+    }
+    let [width, height] = map.size;
+    if width != 2 * height {
+        warnings.push(format!(
+            "the environment is {width} x {height} and shows distorted; a latitude-longitude map is twice as wide as high"
+        ));
+    }
+}
+
+/// Where a unit direction lies in a map: (0, 0) is the top left corner.
+pub fn uv_from_direction(direction: Vec3) -> Vec2 {
+    let u = 0.5 - direction.x.atan2(direction.z) / TAU;
+    Vec2::new(u, direction.y.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// The unit direction at a place in a map.
+pub fn direction_from_uv(uv: Vec2) -> Vec3 {
+    let (sin_phi, cos_phi) = ((0.5 - uv.x) * TAU).sin_cos();
+    let (sin_theta, cos_theta) = (uv.y * PI).sin_cos();
+    Vec3::new(sin_theta * sin_phi, cos_theta, sin_theta * cos_phi)
+}
+
+/// The direction of the centre of a texel of a map of `size`.
+pub fn texel_direction(x: u32, y: u32, size: [u32; 2]) -> Vec3 {
+    direction_from_uv(Vec2::new((x as f32 + 0.5) / size[0] as f32, (y as f32 + 0.5) / size[1] as f32))
+}
+
+/// Solid angle in steradians of each texel in a row of a map of `size`.
+pub fn texel_solid_angle(row: u32, size: [u32; 2]) -> f32 {
+    let step = std::f64::consts::PI / f64::from(size[1]);
+    let top = f64::from(row) * step;
+    // cos a - cos b as a product, which keeps its digits near the poles.
+    let cosines = 2.0 * (top + 0.5 * step).sin() * (0.5 * step).sin();
+    (std::f64::consts::TAU / f64::from(size[0]) * cosines) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::write_atomically;
+
+    fn written(image: &Image, name: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        image.write(&path).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn directions_and_maps_agree_on_the_convention() {
+        for (uv, direction) in [
+            (Vec2::new(0.5, 0.5), Vec3::Z),
+            (Vec2::new(0.25, 0.5), Vec3::X),
+            (Vec2::new(0.75, 0.5), Vec3::NEG_X),
+            (Vec2::new(0.3, 0.0), Vec3::Y),
+        ] {
+            assert!((direction_from_uv(uv) - direction).length() < 1e-6);
+        }
+        for i in 0..500 {
+            let direction = texel_direction(i * 7 % 64, i % 32, [64, 32]);
+            assert!((direction_from_uv(uv_from_direction(direction)) - direction).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn solid_angles_add_up_to_the_sphere() {
+        for size in [[1, 1], [7, 3], [1024, 512]] {
+            let sum: f64 = (0..size[1]).map(|row| f64::from(size[0]) * f64::from(texel_solid_angle(row, size))).sum();
+            assert!((sum - 4.0 * std::f64::consts::PI).abs() < 1e-5, "{size:?}: {sum}");
+        }
+    }
+
+    #[test]
+    fn lookup_is_exact_at_texel_centres_and_continuous_across_the_seam() {
+        let map = Image::from_fn([8, 4], |x, y| Vec3::new(x as f32, y as f32, 1.0));
+        let environment = Environment { name: "test".into(), map };
+        assert!((environment.radiance(texel_direction(5, 2, [8, 4])) - Vec3::new(5.0, 2.0, 1.0)).length() < 1e-4);
+        let seam = |x: f32| environment.radiance(Vec3::new(x, 0.0, -1.0).normalize());
+        assert!((seam(1e-5) - seam(-1e-5)).length() < 1e-3);
+        assert!((seam(0.0).x - 3.5).abs() < 1e-3); // the mean of the first and the last column
+    }
+
+    #[test]
+    fn negative_and_invalid_texels_are_repaired_counted_and_reported() {
+        let mut map = Image::filled([8, 4], Vec3::ONE);
+        map.pixels[3] = Vec3::new(-1.0, 2.0, 0.5);
+        map.pixels[4] = Vec3::new(f32::NAN, 1.0, 1.0);
+        map.pixels[9] = Vec3::new(1.0, f32::INFINITY, 1.0);
+        let (_folder, path) = written(&map, "bad.exr");
+        let (environment, warnings) = Environment::read(&path).unwrap();
+        assert_eq!(environment.map.pixels[3], Vec3::new(0.0, 2.0, 0.5));
+        assert_eq!(environment.map.pixels[4], Vec3::ZERO);
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[0].starts_with("2 texels") && warnings[1].starts_with("1 texels"));
+        let (_folder, path) = written(&Image::filled([8, 4], Vec3::ONE), "good.exr");
+        assert!(Environment::read(&path).unwrap().1.is_empty());
+    }
+
+    #[test]
+    fn black_low_range_and_oddly_shaped_maps_are_reported() {
+        let (_folder, path) = written(&Image::filled([5, 5], Vec3::ZERO), "black.png");
+        let warnings = Environment::read(&path).unwrap().1.join("\n");
+        for part in ["low dynamic range", "black", "5 x 5"] {
+            assert!(warnings.contains(part), "{warnings}");
+        }
+    }
+
+    #[test]
+    fn damaged_and_foreign_files_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let whole = {
+            let (_folder, path) = written(&Image::filled([64, 32], Vec3::ONE), "a.hdr");
+            std::fs::read(path).unwrap()
+        };
+        for (name, bytes) in
+            [("cut.hdr", &whole[..whole.len() / 2]), ("foreign.exr", b"solid cube"), ("empty.exr", b"")]
+        {
+            let path = folder.path().join(name);
+            write_atomically(&path, bytes).unwrap();
+            let message = Environment::read(&path).unwrap_err().to_string();
+            assert!(message.ends_with(&format!("({})", path.display())), "{message}");
+        }
+    }
+
+    #[test]
+    fn specifications_are_checked() {
+        for good in ["constant", "constant:0.5", "constant:1,2,3", "sun-sky", "sun-sky:10", "studio", "orientation"] {
+            let (environment, warnings) = Environment::from_spec(good).unwrap();
+            assert!(
+                warnings.is_empty() && environment.map.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0)
+            );
+        }
+        for bad in ["constant:1,2", "constant:-1", "constant:x", "sun-sky:91", "sun-sky:nan", "studio:3", "sunsky", ""]
+        {
+            let error = Environment::from_spec(bad).unwrap_err();
+            assert!(matches!(error, EnvironmentError::Spec { .. }), "{bad}: {error}");
+        }
+        assert!(matches!(Environment::from_spec("nowhere.hdr"), Err(EnvironmentError::Image(_))));
+    }
+}

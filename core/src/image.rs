@@ -1,0 +1,109 @@
+//! A floating-point RGB picture and its files.
+
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+mod read;
+mod write;
+
+pub use read::decode;
+pub use write::{encode_png, write_atomically};
+
+/// Why a picture could not be read or written.
+#[derive(Debug, Error)]
+pub enum ImageError {
+    /// The file system refused.
+    #[error("cannot {action} the picture: {source}; check the path, the permissions and the free space ({})", path.display())]
+    Io {
+        /// `read` or `write`.
+        action: &'static str,
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The contents are damaged or of a foreign format.
+    #[error("the file is not a picture that can be read ({reason}); it may be truncated: export it again as png, jpg, tga, hdr or exr ({})", path.display())]
+    Decode {
+        /// Which file.
+        path: PathBuf,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// The extension names no format that can be written.
+    #[error("the extension of the output names no picture format; end the name in .exr, .hdr or .png ({})", path.display())]
+    UnknownExtension {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The picture would not fit in memory.
+    #[error("a picture of {width} x {height} is larger than the limit of {limit} pixels; reduce its size ({})", path.display())]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Width in pixels.
+        width: u64,
+        /// Height in pixels.
+        height: u64,
+        /// The limit in pixels.
+        limit: u64,
+    },
+}
+
+/// A picture of scene-linear RGB, row by row from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// `width * height` pixels.
+    pub pixels: Vec<Vec3>,
+}
+
+impl Image {
+    /// A picture of one colour.
+    pub fn filled(size: [u32; 2], value: Vec3) -> Self {
+        Self { size, pixels: vec![value; size[0] as usize * size[1] as usize] }
+    }
+
+    /// A picture computed per pixel from its column and row.
+    pub fn from_fn(size: [u32; 2], mut f: impl FnMut(u32, u32) -> Vec3) -> Self {
+        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| f(x, y)).collect();
+        Self { size, pixels }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.size[0] as usize
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.size[1] as usize
+    }
+
+    /// The pixel at column `x`, row `y`.
+    pub fn at(&self, x: usize, y: usize) -> Vec3 {
+        self.pixels[y * self.width() + x]
+    }
+
+    /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no picture, or is too large.
+    pub fn read(path: &Path) -> Result<Self, ImageError> {
+        let bytes = std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+        let texture = decode(&bytes, path)?;
+        Ok(read::linear_image(&texture))
+    }
+
+    /// Writes an exr or hdr (scene-linear) or png (sRGB, clamped) by the extension of `path`, to a
+    /// temporary name that is renamed when complete.
+    ///
+    /// # Errors
+    /// An unknown extension, or a file that cannot be written; a file that was there before is kept then.
+    pub fn write(&self, path: &Path) -> Result<(), ImageError> {
+        let bytes = write::encode(self, path)?;
+        write_atomically(path, &bytes).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
+    }
+}

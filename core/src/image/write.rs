@@ -1,0 +1,147 @@
+//! Encoding of pictures, and replacing a file only when its successor is complete.
+
+use super::{Image, ImageError};
+use crate::color::srgb_from_linear;
+use exr::prelude::WritableImage;
+use glam::Vec3;
+use image::{ExtendedColorType, ImageEncoder, Rgb, codecs::hdr::HdrEncoder, codecs::png::PngEncoder};
+use std::{
+    io::{self, Cursor, Write},
+    path::Path,
+};
+
+/// The picture as a file of the format that the extension of `path` names: exr (32-bit float), hdr or png.
+///
+/// # Errors
+/// An extension that names none of them.
+pub(super) fn encode(image: &Image, path: &Path) -> Result<Vec<u8>, ImageError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
+    match extension.as_str() {
+        "exr" => encode_exr(image).map_err(failed),
+        "hdr" => encode_hdr(image).map_err(failed),
+        "png" => Ok(encode_png(image)),
+        _ => Err(ImageError::UnknownExtension { path: path.into() }),
+    }
+}
+
+/// OpenEXR with 32-bit floats, zip compressed: halves would clip a sun above 65,504.
+fn encode_exr(image: &Image) -> io::Result<Vec<u8>> {
+    use exr::prelude::{Encoding, SpecificChannels, Vec2};
+    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
+        let p = image.at(at.x(), at.y());
+        (p.x, p.y, p.z)
+    });
+    let encoding = Encoding { compression: exr::prelude::Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
+    let layer = exr::image::Layer::new(
+        (image.width(), image.height()),
+        exr::prelude::LayerAttributes::default(),
+        encoding,
+        channels,
+    );
+    let mut bytes = Cursor::new(Vec::new());
+    exr::image::Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(io::Error::other)?;
+    Ok(bytes.into_inner())
+}
+
+/// Radiance RGBE, which holds neither negative values nor NaN: both become zero.
+fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
+    let pixels: Vec<Rgb<f32>> =
+        image.pixels.iter().map(|p| Rgb(p.to_array().map(|c| if c > 0.0 { c.min(1e38) } else { 0.0 }))).collect();
+    let mut bytes = Vec::new();
+    HdrEncoder::new(&mut bytes).encode(&pixels, image.width(), image.height()).map_err(io::Error::other)?;
+    Ok(bytes)
+}
+
+/// The picture as an 8-bit sRGB png: values are clamped to 0 to 1, and NaN shows magenta.
+pub fn encode_png(image: &Image) -> Vec<u8> {
+    let bytes: Vec<u8> = image.pixels.iter().flat_map(|&p| srgb_bytes(p)).collect();
+    let mut encoded = Vec::new();
+    PngEncoder::new(&mut encoded)
+        .write_image(&bytes, image.size[0], image.size[1], ExtendedColorType::Rgb8)
+        .expect("writing to memory does not fail and the buffer has the size of the picture");
+    encoded
+}
+
+fn srgb_bytes(linear: Vec3) -> [u8; 3] {
+    if linear.is_nan() {
+        return [255, 0, 255];
+    }
+    linear.to_array().map(|c| (255.0 * srgb_from_linear(c) + 0.5) as u8)
+}
+
+/// Writes `bytes` to a temporary file beside `path` and renames it when it is complete and on disk.
+/// A file that was there before is kept if anything fails.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".lapidary-");
+    #[cfg(unix)]
+    {
+        // A temporary file is private by default; the finished one is as readable as any other output.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture() -> Image {
+        Image::from_fn([9, 5], |x, y| Vec3::new(0.1 * x as f32, 300.0 * y as f32, 70_000.0))
+    }
+
+    #[test]
+    fn exr_is_exact_and_hdr_keeps_seven_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = picture();
+        image.write(&folder.path().join("a.exr")).unwrap();
+        assert_eq!(Image::read(&folder.path().join("a.exr")).unwrap(), image);
+        let image = Image::from_fn([9, 5], |x, y| Vec3::new(2.0, 2.0 + x as f32, 1.0 + y as f32));
+        image.write(&folder.path().join("a.HDR")).unwrap();
+        let read = Image::read(&folder.path().join("a.HDR")).unwrap();
+        assert!(read.pixels.iter().zip(&image.pixels).all(|(a, b)| (*a - *b).length() < 0.01 * b.length()));
+        assert_ne!(read, picture());
+    }
+
+    #[test]
+    fn png_clamps_and_shows_nan_magenta() {
+        let values = [Vec3::splat(-1.0), Vec3::splat(9.0), Vec3::new(0.0, f32::NAN, 0.0), Vec3::splat(0.215_86)];
+        let image = Image { size: [4, 1], pixels: values.to_vec() };
+        let texture = crate::image::decode(&encode_png(&image), Path::new("a.png")).unwrap();
+        let expected = vec![[0, 0, 0, 255], [255; 4], [255, 0, 255, 255], [128, 128, 128, 255]];
+        assert_eq!(texture.texels, crate::texture::Texels::U8(expected));
+    }
+
+    #[test]
+    fn an_unknown_extension_is_an_error_that_names_the_known_ones() {
+        let message = picture().write(Path::new("a.gif")).unwrap_err().to_string();
+        assert!(message.contains(".exr, .hdr or .png") && message.ends_with("(a.gif)"), "{message}");
+    }
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing/a.png");
+        assert!(matches!(picture().write(&missing), Err(ImageError::Io { action: "write", .. })));
+        let target = folder.path().join("old");
+        write_atomically(&target, b"old").unwrap();
+        assert!(write_atomically(&target.join("below-a-file"), b"new").is_err());
+        // A folder cannot be replaced by a file: the rename, the last step, is what fails here.
+        std::fs::create_dir(folder.path().join("folder")).unwrap();
+        assert!(write_atomically(&folder.path().join("folder"), b"new").is_err());
+        assert_eq!(std::fs::read(&target).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        write_atomically(&target, b"new").unwrap();
+        assert_eq!(std::fs::read(&target).unwrap(), b"new");
+    }
+}

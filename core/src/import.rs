@@ -1,0 +1,194 @@
+//! Import of OBJ, glTF, GLB and PLY files into a [`Scene`], with a report of what was repaired.
+//!
+//! Each format has one reader that hands on a [`RawMesh`] as the file has it; [`repair`] then makes one clean mesh of
+//! it, the same way for all. What a file holds never panics: it is repaired with a warning, or an error.
+
+use crate::{
+    camera::Camera,
+    image::ImageError,
+    material::Material,
+    scene::{MeshError, Object, Scene},
+    texture::Texture,
+};
+use repair::RawMesh;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+mod gltf;
+mod material_file;
+mod mtl;
+mod obj;
+mod ply;
+mod repair;
+mod tangents;
+mod textures;
+
+pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material};
+
+/// More vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
+const MAX_ELEMENTS: u64 = 100_000_000;
+
+/// Why a file could not be imported.
+#[derive(Debug, Error)]
+pub enum ImportError {
+    /// The file system refused.
+    #[error("cannot read the file: {source}; check the path and the permissions ({})", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The contents are damaged, truncated or of a foreign format.
+    #[error("the file cannot be read as {format}: {reason}; export it again ({})", path.display())]
+    Parse {
+        /// Which file.
+        path: PathBuf,
+        /// What it was taken for.
+        format: &'static str,
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// The extension names no format that can be read.
+    #[error("files that end in \".{extension}\" cannot be imported; export the scene as .obj, .gltf, .glb or .ply ({})", path.display())]
+    Unsupported {
+        /// Which file.
+        path: PathBuf,
+        /// Its extension.
+        extension: String,
+    },
+    /// The mesh cannot be repaired.
+    #[error("{source} ({})", path.display())]
+    Mesh {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with the mesh.
+        source: MeshError,
+    },
+    /// The scene would not fit in memory.
+    #[error("the scene has {count} {what}, more than the limit of {limit}; reduce it or split it up ({})", path.display())]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// How many are allowed.
+        limit: u64,
+    },
+    /// A picture that a material names cannot be read.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+/// What an import found and repaired.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ImportReport {
+    /// Vertices of the imported mesh.
+    pub vertices: usize,
+    /// Triangles of the imported mesh.
+    pub triangles: usize,
+    /// Triangles without an area that were dropped.
+    pub degenerate_triangles: usize,
+    /// By how many the vertices in use shrank because they were equal in all attributes.
+    pub welded_vertices: usize,
+    /// By how many the vertices in use grew at creases and at seams of mirrored texture coordinates.
+    pub split_vertices: usize,
+    /// Vertices that no triangle used and that were dropped.
+    pub unreferenced_vertices: usize,
+    /// Vertices whose normals were missing or invalid and were computed from the faces.
+    pub normals_rebuilt: usize,
+    /// Vertices whose tangents were missing or invalid and were computed.
+    pub tangents_rebuilt: usize,
+    /// Vertices without texture coordinates, which took them from a box projection of one unit per metre.
+    pub uvs_projected: usize,
+    /// Triangles that were turned around because all their normals were on their back.
+    pub flipped_triangles: usize,
+    /// What else was wrong, what was done about it, and what to do.
+    pub warnings: Vec<String>,
+}
+
+/// A scene and the report of its import.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The scene; its mesh is valid.
+    pub scene: Scene,
+    /// What was found and repaired.
+    pub report: ImportReport,
+}
+
+/// What the reader of one format hands on.
+#[derive(Default)]
+struct Source {
+    mesh: RawMesh,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    objects: Vec<Object>,
+    cameras: Vec<Camera>,
+    warnings: Vec<String>,
+}
+
+/// Imports the scene in an obj, gltf, glb or ply file.
+///
+/// # Errors
+/// A file that cannot be read, is damaged, is too large, or holds no triangles.
+pub fn import(path: &Path) -> Result<Imported, ImportError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let read_format = match extension.as_str() {
+        "obj" => obj::read,
+        "gltf" | "glb" => gltf::read,
+        "ply" => ply::read,
+        _ => return Err(ImportError::Unsupported { path: path.into(), extension }),
+    };
+    let bytes = read_file(path)?;
+    finish(read_format(&bytes, path)?, path)
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
+    std::fs::read(path).map_err(|source| ImportError::Io { path: path.into(), source })
+}
+
+/// Repairs the mesh, and checks that it is valid.
+fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
+    let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
+    let mut report = ImportReport { warnings: source.warnings, ..Default::default() };
+    let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
+    mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
+    let mut scene = Scene {
+        mesh,
+        materials: source.materials,
+        textures: source.textures,
+        objects: source.objects,
+        cameras: source.cameras,
+    };
+    aim_cameras(&mut scene);
+    Ok(Imported { scene, report })
+}
+
+/// Moves each camera's target along its axis to the depth of the scene's centre, so that orbiting turns about it.
+fn aim_cameras(scene: &mut Scene) {
+    let bounds = scene.mesh.bounds();
+    for camera in &mut scene.cameras {
+        let forward = (camera.target - camera.eye).normalize_or(-glam::Vec3::Z);
+        let depth = (bounds.center() - camera.eye).dot(forward);
+        let distance = if depth > 0.0 { depth } else { bounds.diagonal() };
+        camera.target = camera.eye + distance * forward;
+    }
+}
+
+fn check_count(what: &'static str, count: u64, path: &Path) -> Result<(), ImportError> {
+    if count <= MAX_ELEMENTS {
+        return Ok(());
+    }
+    Err(ImportError::TooLarge { path: path.into(), what, count, limit: MAX_ELEMENTS })
+}
+
+/// Names for a warning: a few of them, and how many more there are.
+fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 5;
+    let shown = names.iter().take(SHOWN).map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }
+}

@@ -1,0 +1,175 @@
+//! The binary data of a glTF file: loaded from wherever it lies, and checked before the `gltf` crate, which trusts
+//! its offsets and counts, reads it.
+
+use super::super::{repair::RawMesh, textures::find_file};
+use base64::Engine;
+use glam::{Vec2, Vec3, Vec4};
+use gltf::{
+    Accessor, Semantic,
+    accessor::{DataType, Dimensions},
+    buffer::{Source, View},
+};
+use std::path::Path;
+
+/// The contents of all buffers, each at least as long as the file says.
+pub(super) struct Buffers {
+    data: Vec<Vec<u8>>,
+}
+
+impl Buffers {
+    pub fn load(gltf: &gltf::Gltf, path: &Path) -> Result<Self, String> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let load = |buffer: gltf::Buffer| {
+            let data = match buffer.source() {
+                Source::Bin => gltf.blob.clone().ok_or("the binary chunk is missing")?,
+                Source::Uri(uri) => read_uri(uri, folder)?,
+            };
+            if data.len() < buffer.length() {
+                let (index, found, expected) = (buffer.index(), data.len(), buffer.length());
+                return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated"));
+            }
+            Ok(data)
+        };
+        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, String>>()? })
+    }
+
+    /// The bytes of a view.
+    pub fn view(&self, view: &View) -> Result<&[u8], String> {
+        let end = view.offset().checked_add(view.length());
+        end.and_then(|end| self.data[view.buffer().index()].get(view.offset()..end))
+            .ok_or_else(|| format!("buffer view {} ends past its buffer", view.index()))
+    }
+
+    fn slice(&self, buffer: &gltf::Buffer) -> Option<&[u8]> {
+        self.data.get(buffer.index()).map(Vec::as_slice)
+    }
+
+    pub fn positions(&self, primitive: &gltf::Primitive) -> Result<Vec<Vec3>, String> {
+        let accessor = primitive.get(&Semantic::Positions).ok_or("a mesh has no positions")?;
+        self.check(&accessor, &[DataType::F32], Dimensions::Vec3)?;
+        let reader = primitive.reader(|b| self.slice(&b));
+        Ok(reader.read_positions().ok_or("positions are missing")?.map(Vec3::from_array).collect())
+    }
+
+    /// Zeros if the primitive has none.
+    pub fn normals(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec3>, String> {
+        let Some(accessor) = primitive.get(&Semantic::Normals) else { return Ok(vec![Vec3::ZERO; count]) };
+        self.check(&accessor, &[DataType::F32], Dimensions::Vec3)?;
+        let reader = primitive.reader(|b| self.slice(&b));
+        one_per_vertex(reader.read_normals().into_iter().flatten().map(Vec3::from_array), "normals", count)
+    }
+
+    /// Zeros if the primitive has none.
+    pub fn tangents(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec4>, String> {
+        let Some(accessor) = primitive.get(&Semantic::Tangents) else { return Ok(vec![Vec4::ZERO; count]) };
+        self.check(&accessor, &[DataType::F32], Dimensions::Vec4)?;
+        let reader = primitive.reader(|b| self.slice(&b));
+        one_per_vertex(reader.read_tangents().into_iter().flatten().map(Vec4::from_array), "tangents", count)
+    }
+
+    /// The first set; [`RawMesh::NO_UV`] if the primitive has none.
+    pub fn uvs(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec2>, String> {
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) else { return Ok(vec![RawMesh::NO_UV; count]) };
+        self.check(&accessor, &[DataType::F32, DataType::U8, DataType::U16], Dimensions::Vec2)?;
+        let reader = primitive.reader(|b| self.slice(&b));
+        let uvs = reader.read_tex_coords(0).into_iter().flat_map(|t| t.into_f32());
+        one_per_vertex(uvs.map(Vec2::from_array), "texture coordinates", count)
+    }
+
+    pub fn indices(&self, primitive: &gltf::Primitive) -> Result<Option<Vec<u32>>, String> {
+        let Some(accessor) = primitive.indices() else { return Ok(None) };
+        self.check(&accessor, &[DataType::U8, DataType::U16, DataType::U32], Dimensions::Scalar)?;
+        let reader = primitive.reader(|b| self.slice(&b));
+        Ok(Some(reader.read_indices().ok_or("indices are missing")?.into_u32().collect()))
+    }
+
+    /// Checks the type of an accessor, and that all it reaches lies within its buffers.
+    fn check(&self, accessor: &Accessor, types: &[DataType], dimensions: Dimensions) -> Result<(), String> {
+        let index = accessor.index();
+        if !types.contains(&accessor.data_type()) || accessor.dimensions() != dimensions {
+            let (data_type, found) = (accessor.data_type(), accessor.dimensions());
+            return Err(format!("accessor {index} is of type {data_type:?} {found:?}, which is not allowed there"));
+        }
+        if let Some(view) = accessor.view() {
+            self.check_range(&view, accessor.offset(), accessor.count(), accessor.size(), index)?;
+        } else if accessor.sparse().is_none() {
+            return Err(format!("accessor {index} has no data"));
+        }
+        if let Some(sparse) = accessor.sparse() {
+            let (indices, values) = (sparse.indices(), sparse.values());
+            let index_size = indices.index_type().size();
+            self.check_range(&indices.view(), indices.offset(), sparse.count(), index_size, index)?;
+            self.check_range(&values.view(), values.offset(), sparse.count(), accessor.size(), index)?;
+        }
+        Ok(())
+    }
+
+    fn check_range(
+        &self,
+        view: &View,
+        offset: usize,
+        count: usize,
+        size: usize,
+        accessor: usize,
+    ) -> Result<(), String> {
+        let available = self.view(view)?.len();
+        let stride = view.stride().unwrap_or(size);
+        let last = count.checked_sub(1).and_then(|last| last.checked_mul(stride));
+        let end = last.and_then(|last| last.checked_add(offset)?.checked_add(size));
+        match end {
+            Some(end) if end <= available && stride >= size => Ok(()),
+            _ => Err(format!("accessor {accessor} with {count} elements does not fit its {available} bytes")),
+        }
+    }
+}
+
+fn one_per_vertex<T>(values: impl Iterator<Item = T>, what: &str, count: usize) -> Result<Vec<T>, String> {
+    let values: Vec<T> = values.collect();
+    if values.len() == count {
+        Ok(values)
+    } else {
+        Err(format!("a mesh has {} {what} for {count} vertices", values.len()))
+    }
+}
+
+/// The contents of a `data:` URI or of a file in `folder`.
+pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let (_, encoded) = data.split_once(";base64,").ok_or("an embedded buffer is not in base64")?;
+        return base64::engine::general_purpose::STANDARD.decode(encoded).map_err(|e| format!("embedded data: {e}"));
+    }
+    let name = percent_decoded(uri);
+    let file = find_file(folder, &name).ok_or_else(|| format!("the file \"{name}\" is missing beside it"))?;
+    std::fs::read(file).map_err(|e| format!("the file \"{name}\" cannot be read: {e}"))
+}
+
+/// Replaces `%20` and the like; what is no such code stays.
+pub(super) fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let code = || u8::from_str_radix(std::str::from_utf8(after.get(..2)?).ok()?, 16).ok();
+        match (first == b'%').then(code).flatten() {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_codes_are_decoded_and_stray_signs_stay() {
+        assert_eq!(percent_decoded("a%20b%C3%A4.png"), "a bä.png");
+        assert_eq!(percent_decoded("100%.png%2"), "100%.png%2");
+    }
+}

@@ -1,0 +1,225 @@
+//! Metallic-roughness materials of a glTF file and their textures.
+
+use super::{
+    super::{Source, listed, textures::TextureLibrary},
+    buffers::{Buffers, percent_decoded, read_uri},
+};
+use crate::{
+    color::luminance,
+    image::decode,
+    material::{BrdfParameters, Material},
+    texture::{Channel, ColorSpace, Texture, TextureSlot},
+};
+use glam::{Vec2, Vec3};
+use gltf::{material::AlphaMode, texture::WrappingMode};
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Adds all materials in the order of the file.
+pub(super) fn add_materials(
+    source: &mut Source,
+    gltf: &gltf::Gltf,
+    bytes: &[u8],
+    buffers: &Buffers,
+    library: &mut TextureLibrary,
+) {
+    let normal_transforms = normal_transforms(bytes);
+    let mut reader = MaterialReader { gltf, buffers, library, normal_transforms, ignored: Ignored::default() };
+    source.materials = gltf.materials().map(|m| reader.material(&m)).collect();
+    reader.ignored.warn(&mut source.warnings);
+}
+
+/// The material of a primitive; the default of the format is added when the first primitive needs it.
+pub(super) fn index_of(source: &mut Source, gltf: &gltf::Document, primitive: &gltf::Primitive) -> u32 {
+    let default = gltf.materials().count();
+    let index = primitive.material().index().unwrap_or(default);
+    if index == source.materials.len() {
+        source.materials.push(Material { name: "default".into(), ..Default::default() });
+    }
+    index as u32
+}
+
+/// What materials asked for that is not shown.
+#[derive(Default)]
+struct Ignored {
+    transparent: Vec<String>,
+    emissive: Vec<String>,
+    second_uvs: Vec<String>,
+    not_repeated: Vec<String>,
+}
+
+impl Ignored {
+    fn warn(&self, warnings: &mut Vec<String>) {
+        for (names, text) in [
+            (&self.transparent, "are transparent or cut out and show opaque, because transparency is not supported"),
+            (&self.emissive, "emit light, which was left out; place lights where they are needed"),
+            (
+                &self.second_uvs,
+                "use a second set of texture coordinates and show with the first; unwrap them to one set",
+            ),
+            (
+                &self.not_repeated,
+                "clamp or mirror their textures, which repeat instead; keep coordinates within 0 to 1",
+            ),
+        ] {
+            if !names.is_empty() {
+                warnings.push(format!("the materials {} {text}", listed(names)));
+            }
+        }
+    }
+}
+
+/// `KHR_texture_transform` where the `gltf` crate does not offer it: on normal textures.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Transform {
+    offset: Vec2,
+    rotation: f32,
+    scale: Vec2,
+    tex_coord: Option<u32>,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { offset: Vec2::ZERO, rotation: 0.0, scale: Vec2::ONE, tex_coord: None }
+    }
+}
+
+impl From<gltf::texture::TextureTransform<'_>> for Transform {
+    fn from(t: gltf::texture::TextureTransform) -> Self {
+        let (offset, scale) = (Vec2::from_array(t.offset()), Vec2::from_array(t.scale()));
+        Self { offset, rotation: t.rotation(), scale, tex_coord: t.tex_coord() }
+    }
+}
+
+/// The transform of each material's normal texture, from the JSON itself; empty if the file has none.
+fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
+    let extension = b"KHR_texture_transform";
+    let chunk = gltf::Glb::from_slice(bytes);
+    let json = chunk.as_ref().map_or(bytes, |glb| &glb.json);
+    if !json.windows(extension.len()).any(|w| w == extension) {
+        return Vec::new();
+    }
+    let document: Value = serde_json::from_slice(json).unwrap_or_default();
+    let transform = |material: &Value| {
+        let value = material["normalTexture"]["extensions"]["KHR_texture_transform"].clone();
+        serde_json::from_value(value).unwrap_or_default()
+    };
+    document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(transform).collect())
+}
+
+struct MaterialReader<'a> {
+    gltf: &'a gltf::Gltf,
+    buffers: &'a Buffers,
+    library: &'a mut TextureLibrary,
+    normal_transforms: Vec<Transform>,
+    ignored: Ignored,
+}
+
+impl MaterialReader<'_> {
+    fn material(&mut self, source: &gltf::Material) -> Material {
+        let index = source.index().unwrap_or_default();
+        let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
+        if source.alpha_mode() != AlphaMode::Opaque {
+            self.ignored.transparent.push(name.clone());
+        }
+        if source.emissive_factor().iter().any(|c| *c > 0.0) {
+            self.ignored.emissive.push(name.clone());
+        }
+        let mut material = Material {
+            name,
+            parameters: parameters(source),
+            double_sided: source.double_sided(),
+            ..Default::default()
+        };
+        self.add_maps(&mut material, source);
+        material
+    }
+
+    fn add_maps(&mut self, material: &mut Material, source: &gltf::Material) {
+        let pbr = source.pbr_metallic_roughness();
+        let name = &material.name;
+        let maps = &mut material.maps;
+        if let Some(info) = pbr.base_color_texture() {
+            maps.base_color = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name) });
+        }
+        if let Some(info) = pbr.metallic_roughness_texture() {
+            let slot = self.slot(&info, name);
+            maps.roughness = Some(TextureSlot { channel: Channel::G, ..slot.clone() });
+            maps.metalness = Some(TextureSlot { channel: Channel::B, ..slot });
+        }
+        if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
+            maps.specular = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name) });
+        }
+        if let Some(normal) = source.normal_texture() {
+            let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
+            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name);
+            maps.normal = Some(TextureSlot { strength: normal.scale(), ..slot });
+        }
+    }
+
+    fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> TextureSlot {
+        let transform = info.texture_transform().map(Transform::from).unwrap_or_default();
+        self.slot_of(&info.texture(), info.tex_coord(), transform, material)
+    }
+
+    fn slot_of(&mut self, texture: &gltf::Texture, set: u32, transform: Transform, material: &str) -> TextureSlot {
+        let note = |list: &mut Vec<String>| {
+            if list.last().is_none_or(|last| last != material) {
+                list.push(material.to_owned());
+            }
+        };
+        if transform.tex_coord.unwrap_or(set) != 0 {
+            note(&mut self.ignored.second_uvs);
+        }
+        let sampler = texture.sampler();
+        if [sampler.wrap_s(), sampler.wrap_t()] != [WrappingMode::Repeat; 2] {
+            note(&mut self.ignored.not_repeated);
+        }
+        TextureSlot {
+            texture: self.texture(texture.source().index()),
+            scale: transform.scale,
+            offset: transform.offset,
+            rotation: transform.rotation,
+            ..Default::default()
+        }
+    }
+
+    /// Loads an image from a file, a `data:` URI or a buffer view.
+    fn texture(&mut self, image: usize) -> u32 {
+        let json = &self.gltf.as_json().images[image];
+        let name = json.name.clone().unwrap_or_else(|| format!("image {image}"));
+        let (gltf, buffers) = (self.gltf, self.buffers);
+        match &json.uri {
+            Some(uri) if !uri.starts_with("data:") => self.library.load(&percent_decoded(uri)),
+            Some(uri) => self
+                .library
+                .load_with(&format!("image {image}"), &name, || decode_embedded(&read_uri(uri, Path::new(""))?, &name)),
+            None => self.library.load_with(&format!("image {image}"), &name, || {
+                let view = json.buffer_view.and_then(|v| gltf.views().nth(v.value())).ok_or("it has no data")?;
+                decode_embedded(buffers.view(&view)?, &name)
+            }),
+        }
+    }
+}
+
+fn decode_embedded(bytes: &[u8], name: &str) -> Result<Texture, String> {
+    decode(bytes, &PathBuf::from(name)).map_err(|e| e.to_string())
+}
+
+fn parameters(source: &gltf::Material) -> BrdfParameters {
+    let pbr = source.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let specular =
+        source.specular().map_or(1.0, |s| s.specular_factor() * luminance(Vec3::from_array(s.specular_color_factor())));
+    BrdfParameters {
+        base_color: Vec3::new(r, g, b),
+        roughness: pbr.roughness_factor(),
+        metalness: pbr.metallic_factor(),
+        ior: source.ior().unwrap_or(1.5),
+        specular,
+        ..Default::default()
+    }
+    .sanitized()
+}

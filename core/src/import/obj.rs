@@ -1,0 +1,226 @@
+//! Wavefront OBJ, parsed by `tobj`.
+
+use super::{
+    ImportError, Source, check_count, listed, mtl,
+    repair::RawMesh,
+    textures::{TextureLibrary, find_file},
+};
+use crate::{material::Material, scene::Object};
+use glam::{Vec2, Vec3, Vec4};
+use std::{
+    cell::Cell,
+    collections::HashMap,
+    io::{BufRead, Read},
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+};
+
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
+    let parse_error = |reason: String| ImportError::Parse { path: path.into(), format: "OBJ", reason };
+    if bytes.contains(&0) {
+        return Err(parse_error("it holds binary data".into()));
+    }
+    let outline = outline(&String::from_utf8_lossy(bytes));
+    check_count("vertices", outline.vertices, path)?;
+    check_count("faces", outline.faces, path)?;
+    let models = parse(&outline).map_err(parse_error)?;
+    let mut source = Source::default();
+    let mut damaged = Damaged::default();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut objects = HashMap::new();
+    for model in models.iter().filter(|m| !m.mesh.indices.is_empty()) {
+        let name = if model.name == "unnamed_object" { stem.to_string() } else { model.name.clone() };
+        let object = *objects.entry(name.clone()).or_insert_with(|| {
+            source.objects.push(Object { name: name.clone() });
+            source.objects.len() as u32 - 1
+        });
+        let material = model.mesh.material_id.unwrap_or(outline.material_names.len());
+        add_model(&mut source.mesh, &model.mesh, object, material as u32);
+        damaged.note(&name, &model.mesh);
+    }
+    check_count("triangles", source.mesh.triangles.len() as u64, path)?;
+    damaged.warn(&mut source.warnings);
+    add_materials(&mut source, &outline, path);
+    Ok(source)
+}
+
+/// What a first pass over the text finds, and the text in the form that `tobj` reads.
+#[derive(Default)]
+struct Outline {
+    text: String,
+    /// In the order of first use; `tobj` refers to them by index.
+    material_names: Vec<String>,
+    libraries: Vec<String>,
+    vertices: u64,
+    faces: u64,
+}
+
+/// Joins continued lines, drops comments behind numbers, and collects the names of materials and libraries.
+/// Line numbers stay as they are.
+fn outline(file: &str) -> Outline {
+    let mut outline = Outline { text: String::with_capacity(file.len() + 64), ..Default::default() };
+    let mut known = HashMap::new();
+    let mut joined = 0;
+    for line in file.lines() {
+        if let Some(start) = line.strip_suffix('\\') {
+            outline.text.push_str(start);
+            outline.text.push(' ');
+            joined += 1;
+            continue;
+        }
+        outline.push_line(line, &mut known);
+        outline.text.extend(std::iter::repeat_n('\n', 1 + std::mem::take(&mut joined)));
+    }
+    outline
+}
+
+impl Outline {
+    fn push_line(&mut self, line: &str, known: &mut HashMap<String, ()>) {
+        let trimmed = line.trim();
+        let (key, value) = trimmed.split_once(char::is_whitespace).unwrap_or((trimmed, ""));
+        let value = value.trim();
+        match key {
+            "mtllib" => return self.libraries.push(value.to_owned()),
+            "usemtl" if value.is_empty() => return,
+            "usemtl" => {
+                if known.insert(value.to_owned(), ()).is_none() {
+                    self.material_names.push(value.to_owned());
+                }
+                self.text.push_str("usemtl ");
+                return self.text.push_str(value);
+            }
+            "v" => self.vertices += 1,
+            "f" => self.faces += 1,
+            _ => {}
+        }
+        let numeric = matches!(key, "v" | "vt" | "vn" | "f" | "l");
+        self.text.push_str(if numeric { trimmed.split('#').next().unwrap_or_default() } else { trimmed });
+    }
+}
+
+/// Reads lines and counts them, to say where an error is.
+struct LineCounter<'a> {
+    rest: &'a [u8],
+    lines: &'a Cell<usize>,
+}
+
+impl Read for LineCounter<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.rest.read(buffer)
+    }
+}
+
+impl BufRead for LineCounter<'_> {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        Ok(self.rest)
+    }
+
+    fn consume(&mut self, amount: usize) {
+        let (read, rest) = self.rest.split_at(amount);
+        self.lines.set(self.lines.get() + read.iter().filter(|b| **b == b'\n').count());
+        self.rest = rest;
+    }
+}
+
+/// Runs `tobj` over the text, whose materials are the names in use whether or not a library has them.
+fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
+    let lines = Cell::new(0);
+    let library = "mtllib names\n".as_bytes();
+    let mut reader = library.chain(LineCounter { rest: outline.text.as_bytes(), lines: &lines });
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let names = |_: &Path| {
+        let materials = outline.material_names.iter().map(|n| tobj::Material { name: n.clone(), ..Default::default() });
+        let indices = outline.material_names.iter().cloned().zip(0..).collect();
+        Ok((materials.collect(), indices))
+    };
+    // tobj computes with indices before it checks them: a file of absurd ones overflows, which panics in debug builds.
+    let parsed = catch_unwind(AssertUnwindSafe(|| tobj::load_obj_buf(&mut reader, &options, names)));
+    match parsed {
+        Ok(Ok((models, _))) => Ok(models),
+        Ok(Err(e)) => Err(format!("{e} at or before line {}", lines.get())),
+        Err(_) => Err(format!("an index is out of range at or before line {}", lines.get())),
+    }
+}
+
+fn triples(values: &[f32]) -> impl Iterator<Item = Vec3> {
+    values.chunks_exact(3).map(Vec3::from_slice)
+}
+
+/// Appends the mesh of one object and material. Normals and texture coordinates that only some of its faces have
+/// cannot be told to the vertices they belong to and count as missing.
+fn add_model(raw: &mut RawMesh, mesh: &tobj::Mesh, object: u32, material: u32) {
+    let (base, count) = (raw.positions.len(), mesh.positions.len() / 3);
+    raw.positions.extend(triples(&mesh.positions));
+    if mesh.normals.len() == 3 * count {
+        raw.normals.extend(triples(&mesh.normals));
+    }
+    if mesh.texcoords.len() == 2 * count {
+        // OBJ counts v from the bottom of the picture.
+        raw.uvs.extend(mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])));
+    }
+    raw.normals.resize(base + count, Vec3::ZERO);
+    raw.uvs.resize(base + count, RawMesh::NO_UV);
+    raw.tangents.resize(base + count, Vec4::ZERO);
+    for corners in mesh.indices.chunks_exact(3) {
+        raw.push_triangle(base, [corners[0], corners[1], corners[2]], material, object);
+    }
+}
+
+/// Objects whose normals or texture coordinates had to be dropped.
+#[derive(Default)]
+struct Damaged {
+    normals: Vec<String>,
+    uvs: Vec<String>,
+}
+
+impl Damaged {
+    fn note(&mut self, name: &str, mesh: &tobj::Mesh) {
+        let partial = |length: usize, width: usize| length > 0 && length / width != mesh.positions.len() / 3;
+        if partial(mesh.normals.len(), 3) {
+            self.normals.push(name.to_owned());
+        }
+        if partial(mesh.texcoords.len(), 2) {
+            self.uvs.push(name.to_owned());
+        }
+    }
+
+    fn warn(&self, warnings: &mut Vec<String>) {
+        for (what, names) in [("normals", &self.normals), ("texture coordinates", &self.uvs)] {
+            if !names.is_empty() {
+                warnings.push(format!(
+                    "only some faces of {} have {what}, which were therefore made anew for all of them; \
+                     export these objects with {what} throughout to keep them",
+                    listed(names)
+                ));
+            }
+        }
+    }
+}
+
+fn add_materials(source: &mut Source, outline: &Outline, path: &Path) {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut entries = HashMap::new();
+    for library in &outline.libraries {
+        // A name may hold spaces, and a statement may hold several names.
+        let whole = find_file(folder, library).map(|file| vec![Ok(file)]);
+        let files =
+            whole.unwrap_or_else(|| library.split_whitespace().map(|n| find_file(folder, n).ok_or(n)).collect());
+        for file in files {
+            let text = file.map_err(str::to_owned).and_then(|f| std::fs::read(&f).map_err(|_| library.clone()));
+            match text {
+                Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
+                Err(name) => source.warnings.push(format!(
+                    "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
+                )),
+            }
+        }
+    }
+    let mut library = TextureLibrary::beside(path);
+    mtl::add_materials(source, &outline.material_names, &entries, &mut library);
+    let count = source.materials.len() as u32;
+    if source.mesh.triangle_material.contains(&count) {
+        source.materials.push(Material { name: "default".into(), ..Default::default() });
+    }
+    source.textures = library.textures;
+    source.warnings.append(&mut library.warnings);
+}

@@ -1,0 +1,33 @@
+//! The mathematics and the data of Lapidary: scenes, BRDFs, light trees, cuts and the `.cuts` dataset.
+//!
+//! The method is that of Cheslack-Postava, Wang, Akerlund and Pellacini, *Fast, Realistic Lighting and Material
+//! Design using Nonlinear Cut Approximation* (SIGGRAPH Asia 2008), cited as "the paper" throughout. This crate knows neither GPU nor window; `precompute` and `render` both stand
+//! on it and do not know each other.
+//!
+//! # Conventions
+//!
+//! * Right-handed coordinates, Y up, metres. Radians inside, degrees at every interface.
+//! * Scene-linear Rec. 709 RGB in `f32`; environment texels are radiance (W m⁻² sr⁻¹, arbitrary scale).
+//! * Transforms are named `world_from_object`. Directions point away from the surface: `wi` to the
+//!   light, `wo` to the eye.
+//! * Latitude-longitude maps: the centre of the image is +Z, its left quarter +X, its top +Y.
+//!   A rotation is counter-clockwise seen from +Y and turns the environment, not the camera.
+//! * A BRDF value never holds the cosine unless its name says so (`brdf_cos`).
+//! * Everything random is seeded from (scene, vertex or pixel), never from time or thread.
+
+pub mod atomic;
+pub mod brdf;
+pub mod camera;
+pub mod color;
+pub mod cut;
+pub mod dataset;
+pub mod environment;
+pub mod image;
+pub mod import;
+pub mod light_tree;
+pub mod material;
+pub mod ray;
+pub mod scene;
+pub mod simd;
+pub mod sphere;
+pub mod texture;

@@ -1,0 +1,151 @@
+//! Materials: a BRDF model, its eight parameters, and the textures that modulate them.
+//!
+//! The paper (4.2) allows a BRDF up to eight floating-point parameters a pixel, all modulated by textures.
+//! All models here read the same eight, so that an artist can change the model and keep the look.
+
+use crate::texture::TextureSlot;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Which reflectance model a material uses; `brdf` has one file for each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BrdfModel {
+    /// Ideal diffuse reflection; reads the base colour only.
+    Lambert,
+    /// GGX microfacets with Fresnel over a diffuse base, metal or dielectric.
+    #[default]
+    Ggx,
+    /// Ward's lobe over a diffuse base, isotropic or anisotropic.
+    Ward,
+}
+
+/// The eight parameters of a BRDF (three of them a colour).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BrdfParameters {
+    /// Diffuse albedo of a dielectric, normal-incidence reflectance of a metal; linear, 0 to 1.
+    pub base_color: Vec3,
+    /// Perceptual roughness, 0 to 1; the microfacet width is `alpha = roughness²`.
+    pub roughness: f32,
+    /// 0 for a dielectric, 1 for a metal.
+    pub metalness: f32,
+    /// -1 to 1: how far the highlight is stretched along the tangent (positive) or across it.
+    pub anisotropy: f32,
+    /// Index of refraction of a dielectric, at least 1.
+    pub ior: f32,
+    /// Weight of a dielectric's specular lobe, 0 to 1.
+    pub specular: f32,
+}
+
+impl Default for BrdfParameters {
+    fn default() -> Self {
+        Self {
+            base_color: Vec3::splat(0.8),
+            roughness: 0.5,
+            metalness: 0.0,
+            anisotropy: 0.0,
+            ior: 1.5,
+            specular: 1.0,
+        }
+    }
+}
+
+impl BrdfParameters {
+    /// Clamps every parameter into its range; NaN becomes the default.
+    pub fn sanitized(self) -> Self {
+        let fallback = Self::default();
+        let clamp = |x: f32, low: f32, high: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
+        let color = self.base_color;
+        let component = |x: f32, d: f32| clamp(x, 0.0, 1.0, d);
+        Self {
+            base_color: Vec3::new(
+                component(color.x, fallback.base_color.x),
+                component(color.y, fallback.base_color.y),
+                component(color.z, fallback.base_color.z),
+            ),
+            roughness: clamp(self.roughness, 0.0, 1.0, fallback.roughness),
+            metalness: clamp(self.metalness, 0.0, 1.0, fallback.metalness),
+            anisotropy: clamp(self.anisotropy, -1.0, 1.0, fallback.anisotropy),
+            ior: clamp(self.ior, 1.0, 10.0, fallback.ior),
+            specular: clamp(self.specular, 0.0, 1.0, fallback.specular),
+        }
+    }
+}
+
+/// Textures that modulate a material. A map multiplies its parameter, as in glTF.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MaterialMaps {
+    /// Multiplies the base colour.
+    pub base_color: Option<TextureSlot>,
+    /// Multiplies the roughness.
+    pub roughness: Option<TextureSlot>,
+    /// Multiplies the metalness.
+    pub metalness: Option<TextureSlot>,
+    /// Multiplies the weight of the specular lobe.
+    pub specular: Option<TextureSlot>,
+    /// Tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
+    pub normal: Option<TextureSlot>,
+    /// Heights; `strength` is the height in metres of a texel of value one.
+    pub bump: Option<TextureSlot>,
+}
+
+impl MaterialMaps {
+    /// All slots that are in use, for loading and checking.
+    pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut TextureSlot> {
+        [
+            &mut self.base_color,
+            &mut self.roughness,
+            &mut self.metalness,
+            &mut self.specular,
+            &mut self.normal,
+            &mut self.bump,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// All slots that are in use.
+    pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
+        [&self.base_color, &self.roughness, &self.metalness, &self.specular, &self.normal, &self.bump]
+            .into_iter()
+            .flatten()
+    }
+}
+
+/// A material of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Material {
+    /// Name from the source file.
+    pub name: String,
+    /// Reflectance model.
+    pub model: BrdfModel,
+    /// Values that the maps multiply.
+    pub parameters: BrdfParameters,
+    /// Textures.
+    pub maps: MaterialMaps,
+    /// Both sides reflect: the surface is lit and seen from behind as well.
+    pub double_sided: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sanitizing_clamps_and_replaces_nan() {
+        let bad = BrdfParameters { roughness: 7.0, ior: 0.2, metalness: f32::NAN, ..Default::default() };
+        let good = bad.sanitized();
+        assert_eq!((good.roughness, good.ior, good.metalness), (1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_partial_json_material_takes_defaults_and_a_misspelt_key_is_an_error() {
+        let m: Material = serde_json::from_str(r#"{"model": "ward", "parameters": {"roughness": 0.3}}"#).unwrap();
+        assert_eq!(m.model, BrdfModel::Ward);
+        assert_eq!(m.parameters.ior, 1.5);
+        assert!(serde_json::from_str::<Material>(r#"{"parameters": {"rougness": 0.3}}"#).is_err());
+    }
+}

@@ -1,0 +1,89 @@
+//! Ray casting against a triangle mesh: closest hits one by one, and occlusion of whole direction sets
+//! from one origin (`ray::batch`), the inner loop of every bake.
+//!
+//! Both use one predicate (`ray::triangle`), so that a batch gives bit for bit what its rays give singly.
+
+mod batch;
+mod directions;
+mod triangle;
+
+pub use directions::DirectionSet;
+
+use crate::scene::Mesh;
+use glam::{Vec2, Vec3, Vec3A};
+use obvhs::{
+    BvhBuildParams,
+    bvh2::{Bvh2, builder::build_bvh2_from_tris},
+    ray::Ray,
+    triangle::Triangle,
+};
+use triangle::TriangleFrom;
+
+/// Where a ray first meets the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle in the mesh.
+    pub triangle: u32,
+    /// Distance along the unit direction in metres.
+    pub distance: f32,
+    /// Barycentric weights of the second and third corner.
+    pub barycentric: Vec2,
+    /// Whether the ray met the back of the triangle.
+    pub back_face: bool,
+}
+
+/// A mesh prepared for ray casting. Keeps its own copy of the corners, so that the mesh may change.
+pub struct Intersector {
+    bvh: Bvh2,
+    /// Corners in the order of the leaves of `bvh`.
+    leaf_triangles: Vec<[Vec3; 3]>,
+    /// Index in the mesh of each leaf triangle; with spatial splits one may stand in several leaves.
+    leaf_ids: Vec<u32>,
+}
+
+impl Intersector {
+    /// Builds the hierarchy; a few seconds for a million triangles.
+    pub fn new(mesh: &Mesh) -> Self {
+        let triangles: Vec<Triangle> = (0..mesh.triangles.len())
+            .map(|t| {
+                let [v0, v1, v2] = mesh.corners(t).map(Vec3A::from);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let bvh = build_bvh2_from_tris(&triangles, BvhBuildParams::slow_build(), &mut std::time::Duration::default());
+        let leaf_ids = bvh.primitive_indices.clone();
+        let leaf_triangles = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
+        Self { bvh, leaf_triangles, leaf_ids }
+    }
+
+    /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.
+    pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let mut closest = None;
+        let mut leaf_hit = obvhs::ray::RayHit::none();
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        self.bvh.ray_traverse(ray, &mut leaf_hit, |ray, leaf| {
+            match TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction) {
+                Some(hit) if hit.distance < ray.tmax => {
+                    closest = Some(Hit { triangle: self.leaf_ids[leaf], ..hit });
+                    hit.distance
+                }
+                _ => f32::INFINITY,
+            }
+        });
+        closest
+    }
+
+    /// Whether anything lies along a ray.
+    pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        !self.bvh.ray_traverse_miss(ray, |_, leaf| {
+            let crossed = TriangleFrom::new(origin, self.leaf_triangles[leaf]).crosses(direction);
+            if crossed { 0.0 } else { f32::INFINITY }
+        })
+    }
+
+    /// [`Self::occluded`] by testing every triangle: the oracle of the tests.
+    pub fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
+        self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))
+    }
+}

@@ -1,0 +1,189 @@
+//! A set of directions arranged for batches: packets of 64 in groups of 8, each bounded by planes through the origin.
+
+use glam::Vec3;
+
+/// Rays in one SIMD group.
+pub(super) const GROUP: usize = 8;
+/// Groups in one packet.
+pub(super) const GROUPS: usize = 8;
+/// Rays in one packet.
+pub(super) const PACKET: usize = GROUP * GROUPS;
+/// Planes that bound a group, seen along its axis a square.
+pub(super) const GROUP_PLANES: usize = 4;
+/// Planes that bound a packet, seen along its axis an octagon.
+pub(super) const PACKET_PLANES: usize = 8;
+
+/// Eight vectors, component by component.
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(32))]
+pub(super) struct Vec3Lanes {
+    pub x: [f32; 8],
+    pub y: [f32; 8],
+    pub z: [f32; 8],
+}
+
+impl Vec3Lanes {
+    pub(super) fn set(&mut self, lane: usize, v: Vec3) {
+        (self.x[lane], self.y[lane], self.z[lane]) = (v.x, v.y, v.z);
+    }
+
+    pub(super) fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+}
+
+/// 64 directions that lie close together. Unused lanes repeat the last direction.
+#[derive(Clone)]
+pub(super) struct Packet {
+    /// Mean direction; the packet visits near boxes along it first.
+    pub axis: Vec3,
+    /// Outward normals of the bounding planes of the whole packet, one a lane.
+    pub planes: Vec3Lanes,
+    /// Outward normals of the bounding planes of the groups: `group_planes[k]` has the `k`-th of each group.
+    pub group_planes: [Vec3Lanes; GROUP_PLANES],
+    /// The directions of each group.
+    pub rays: [Vec3Lanes; GROUPS],
+    /// Where each ray stands in the caller's order; lanes past `count` are unused.
+    pub targets: [u32; PACKET],
+    /// Number of rays in use.
+    pub count: usize,
+}
+
+/// Directions that are traced together from one origin after another.
+#[derive(Clone)]
+pub struct DirectionSet {
+    pub(super) packets: Vec<Packet>,
+    len: usize,
+}
+
+impl DirectionSet {
+    /// Arranges unit `directions` into packets. Results come back in the order given here.
+    pub fn new(directions: &[Vec3]) -> Self {
+        let mut order: Vec<u32> = (0..directions.len() as u32).collect();
+        sort_spatially(&mut order, directions);
+        let packets = order.chunks(PACKET).map(|chunk| Packet::new(chunk, directions)).collect();
+        Self { packets, len: directions.len() }
+    }
+
+    /// Number of directions.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+}
+
+/// Halves the set across its widest axis until groups are reached, so that neighbours in order are neighbours in space.
+fn sort_spatially(order: &mut [u32], directions: &[Vec3]) {
+    if order.len() <= GROUP {
+        return;
+    }
+    let (min, max) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &i| {
+        (lo.min(directions[i as usize]), hi.max(directions[i as usize]))
+    });
+    let axis = (max - min).max_position();
+    // Halves are whole packets (or whole groups inside one), so that no packet straddles a split.
+    let unit = if order.len() > PACKET { PACKET } else { GROUP };
+    let middle = (order.len() / 2).next_multiple_of(unit).min(order.len() - 1);
+    order.select_nth_unstable_by(middle, |&a, &b| {
+        let (da, db) = (directions[a as usize][axis], directions[b as usize][axis]);
+        da.total_cmp(&db).then(a.cmp(&b))
+    });
+    let (left, right) = order.split_at_mut(middle);
+    sort_spatially(left, directions);
+    sort_spatially(right, directions);
+}
+
+impl Packet {
+    fn new(members: &[u32], directions: &[Vec3]) -> Self {
+        let member = |i: usize| members[i.min(members.len() - 1)];
+        let mut packet = Self {
+            axis: Vec3::ZERO,
+            planes: Vec3Lanes::default(),
+            group_planes: Default::default(),
+            rays: Default::default(),
+            targets: std::array::from_fn(|i| member(i)),
+            count: members.len(),
+        };
+        let all: [Vec3; PACKET] = std::array::from_fn(|i| directions[member(i) as usize]);
+        packet.axis = all.iter().sum::<Vec3>().normalize_or(Vec3::Y);
+        for (lane, plane) in bounding_planes::<PACKET_PLANES>(&all).into_iter().enumerate() {
+            packet.planes.set(lane, plane);
+        }
+        for (group, rays) in all.chunks(GROUP).enumerate() {
+            for (lane, &ray) in rays.iter().enumerate() {
+                packet.rays[group].set(lane, ray);
+            }
+            for (k, plane) in bounding_planes::<GROUP_PLANES>(rays).into_iter().enumerate() {
+                packet.group_planes[k].set(group, plane);
+            }
+        }
+        packet
+    }
+}
+
+/// Outward normals of `K` planes through the origin that together enclose all `directions`. Directions too far apart
+/// for a cone give null normals, which exclude nothing.
+fn bounding_planes<const K: usize>(directions: &[Vec3]) -> [Vec3; K] {
+    let axis = directions.iter().sum::<Vec3>().normalize_or_zero();
+    if !(directions.iter().all(|d| d.dot(axis) > 0.2)) {
+        return [Vec3::ZERO; K];
+    }
+    // Widened by more than the rounding of any box test: a test must never exclude a ray that is in the box.
+    const SLACK: f32 = 1e-5;
+    let (u, v) = principal_axes(directions, axis);
+    std::array::from_fn(|k| {
+        let (sin, cos) = (std::f32::consts::TAU * k as f32 / K as f32).sin_cos();
+        let outward = cos * u + sin * v;
+        let slope = directions.iter().map(|d| d.dot(outward) / d.dot(axis)).fold(f32::NEG_INFINITY, f32::max);
+        (outward - (slope + SLACK) * axis).normalize()
+    })
+}
+
+/// Two axes perpendicular to `axis`, along and across the longest extent of the directions.
+fn principal_axes(directions: &[Vec3], axis: Vec3) -> (Vec3, Vec3) {
+    let (s, t) = axis.any_orthonormal_pair();
+    let (mut ss, mut st, mut tt) = (0.0, 0.0, 0.0);
+    for d in directions {
+        let (x, y) = (d.dot(s), d.dot(t));
+        (ss, st, tt) = (ss + x * x, st + x * y, tt + y * y);
+    }
+    let angle = 0.5 * f32::atan2(2.0 * st, ss - tt);
+    let u = angle.cos() * s + angle.sin() * t;
+    (u, axis.cross(u))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sphere::fibonacci_directions;
+
+    #[test]
+    fn every_direction_is_in_exactly_one_packet_and_inside_its_planes() {
+        for n in [1, 7, 64, 100, 4096] {
+            let directions = fibonacci_directions(n);
+            let set = DirectionSet::new(&directions);
+            let mut seen = vec![0; n];
+            for packet in &set.packets {
+                for i in 0..packet.count {
+                    seen[packet.targets[i] as usize] += 1;
+                    let d = packet.rays[i / GROUP].get(i % GROUP);
+                    assert_eq!(d, directions[packet.targets[i] as usize]);
+                    assert!((0..PACKET_PLANES).all(|k| packet.planes.get(k).dot(d) <= 0.0));
+                    assert!(packet.group_planes.iter().all(|p| p.get(i / GROUP).dot(d) <= 0.0));
+                }
+            }
+            assert!(seen.iter().all(|&s| s == 1));
+        }
+    }
+
+    #[test]
+    fn planes_exclude_directions_far_from_the_packet() {
+        let set = DirectionSet::new(&fibonacci_directions(4096));
+        let excluded = |p: &Packet| (0..PACKET_PLANES).any(|k| p.planes.get(k).dot(-p.axis) > 0.0);
+        assert!(set.packets.iter().all(excluded));
+    }
+}

@@ -1,0 +1,188 @@
+//! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
+
+use crate::{camera::Camera, material::Material, texture::Texture};
+use glam::{Vec2, Vec3, Vec4};
+use thiserror::Error;
+
+/// An indexed triangle mesh in world space. All vertex arrays have the same length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions in metres.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals, one per vertex.
+    pub normals: Vec<Vec3>,
+    /// Unit tangents along +u (xyz) and the handedness of the frame (w = ±1): `bitangent = w · n × t`.
+    pub tangents: Vec<Vec4>,
+    /// Texture coordinates; (0, 0) is the *top left* corner of an image, as in glTF.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices, counter-clockwise seen from the outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`], one per triangle.
+    pub triangle_material: Vec<u32>,
+    /// Index into [`Scene::objects`], one per triangle.
+    pub triangle_object: Vec<u32>,
+}
+
+/// A named part of the scene that can be selected as one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Object {
+    /// Name from the source file, or one made up from its position there.
+    pub name: String,
+}
+
+/// Everything that an import yields.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// All triangles of all objects, in world space.
+    pub mesh: Mesh,
+    /// Materials; at least one if there are triangles.
+    pub materials: Vec<Material>,
+    /// Textures that the materials refer to by index.
+    pub textures: Vec<Texture>,
+    /// Objects that the triangles refer to by index.
+    pub objects: Vec<Object>,
+    /// Cameras of the source file; may be empty.
+    pub cameras: Vec<Camera>,
+}
+
+/// Axis-aligned bounds in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The smallest box around `points`; empty bounds (`min > max`) for no points.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let empty = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+        points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Length of the diagonal in metres; zero for empty bounds.
+    pub fn diagonal(&self) -> f32 {
+        (self.max - self.min).max(Vec3::ZERO).length()
+    }
+
+    /// Centre of the box.
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+}
+
+/// What makes a mesh unusable. Importers repair or report before this; a dataset is checked when loaded.
+#[derive(Debug, Error, PartialEq)]
+pub enum MeshError {
+    /// Nothing to show.
+    #[error("the mesh has no triangles; check that the file holds faces and not only points or lines")]
+    Empty,
+    /// Arrays that belong together differ in length.
+    #[error("the mesh has {found} {array} for {expected} {owner}; the file is damaged, export or bake it again")]
+    Length {
+        /// Name of the array.
+        array: &'static str,
+        /// What it is counted per.
+        owner: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that it needs.
+        expected: usize,
+    },
+    /// An index points past its array.
+    #[error("triangle {triangle} refers to {array} {index}, but there are {count}; export the mesh again")]
+    Index {
+        /// Which triangle.
+        triangle: usize,
+        /// What the index is into.
+        array: &'static str,
+        /// The index.
+        index: u32,
+        /// Number of elements there.
+        count: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("{array} {index} is not a finite number; repair the mesh in the program that wrote it")]
+    NotFinite {
+        /// Name of the array.
+        array: &'static str,
+        /// Which element.
+        index: usize,
+    },
+}
+
+impl Mesh {
+    /// Bounds of all vertices.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around(self.positions.iter().copied())
+    }
+
+    /// The three corners of a triangle in metres.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+
+    /// Cross product of two edges: normal direction, twice the area long.
+    pub fn area_vector(&self, triangle: usize) -> Vec3 {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(c - a)
+    }
+
+    /// Checks lengths, indices and finiteness, against `materials` and `objects` entries to refer to.
+    ///
+    /// # Errors
+    /// The first [`MeshError`] found.
+    pub fn validate(&self, materials: usize, objects: usize) -> Result<(), MeshError> {
+        if self.triangles.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        self.validate_lengths()?;
+        self.validate_indices(materials, objects)?;
+        self.validate_finite()
+    }
+
+    fn validate_lengths(&self) -> Result<(), MeshError> {
+        let (v, t) = (self.positions.len(), self.triangles.len());
+        for (array, owner, found, expected) in [
+            ("normals", "vertices", self.normals.len(), v),
+            ("tangents", "vertices", self.tangents.len(), v),
+            ("texture coordinates", "vertices", self.uvs.len(), v),
+            ("material indices", "triangles", self.triangle_material.len(), t),
+            ("object indices", "triangles", self.triangle_object.len(), t),
+        ] {
+            if found != expected {
+                return Err(MeshError::Length { array, owner, found, expected });
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_indices(&self, materials: usize, objects: usize) -> Result<(), MeshError> {
+        let check = |triangle, array, index: u32, count| {
+            if (index as usize) < count {
+                Ok(())
+            } else {
+                Err(MeshError::Index { triangle, array, index, count })
+            }
+        };
+        for (t, corners) in self.triangles.iter().enumerate() {
+            for &vertex in corners {
+                check(t, "vertex", vertex, self.positions.len())?;
+            }
+            check(t, "material", self.triangle_material[t], materials)?;
+            check(t, "object", self.triangle_object[t], objects)?;
+        }
+        Ok(())
+    }
+
+    fn validate_finite(&self) -> Result<(), MeshError> {
+        fn check(array: &'static str, mut finite: impl Iterator<Item = bool>) -> Result<(), MeshError> {
+            finite.position(|f| !f).map_or(Ok(()), |index| Err(MeshError::NotFinite { array, index }))
+        }
+        check("position", self.positions.iter().map(|p| p.is_finite()))?;
+        check("normal", self.normals.iter().map(|n| n.is_finite()))?;
+        check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
+        check("texture coordinate", self.uvs.iter().map(|t| t.is_finite()))
+    }
+}

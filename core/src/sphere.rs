@@ -1,0 +1,68 @@
+//! Points and frames on the unit sphere.
+
+use glam::{Mat3, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// Solid angle of the whole sphere in steradians.
+pub const SPHERE: f32 = 4.0 * PI;
+
+/// The `i`-th of `n` spherical Fibonacci points: nearly uniform, each with solid angle `4π / n`.
+pub fn fibonacci_direction(i: usize, n: usize) -> Vec3 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9; // (√5 − 1) / 2: the most irrational turn
+    let y = 1.0 - (2.0 * i as f64 + 1.0) / n as f64;
+    let phi = std::f64::consts::TAU * (i as f64 * GOLDEN).fract();
+    let r = (1.0 - y * y).max(0.0).sqrt();
+    Vec3::new((r * phi.sin()) as f32, y as f32, (r * phi.cos()) as f32)
+}
+
+/// All `n` spherical Fibonacci points.
+pub fn fibonacci_directions(n: usize) -> Vec<Vec3> {
+    (0..n).map(|i| fibonacci_direction(i, n)).collect()
+}
+
+/// An orthonormal frame with `normal` as its third column.
+pub fn frame_around(normal: Vec3) -> Mat3 {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    Mat3::from_cols(tangent, bitangent, normal)
+}
+
+/// A uniformly distributed direction from two numbers in [0, 1).
+pub fn uniform_direction(u: f32, v: f32) -> Vec3 {
+    let y = 1.0 - 2.0 * u;
+    let r = (1.0 - y * y).max(0.0).sqrt();
+    let (sin, cos) = (TAU * v).sin_cos();
+    Vec3::new(r * sin, y, r * cos)
+}
+
+/// A cosine-distributed direction around +Z from two numbers in [0, 1); its pdf is `z / π`.
+pub fn cosine_direction(u: f32, v: f32) -> Vec3 {
+    let r = u.sqrt();
+    let (sin, cos) = (TAU * v).sin_cos();
+    Vec3::new(r * cos, r * sin, (1.0 - u).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fibonacci_points_are_unit_balanced_and_spread() {
+        let points = fibonacci_directions(4096);
+        assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-5));
+        let mean: Vec3 = points.iter().sum::<Vec3>() / 4096.0;
+        assert!(mean.length() < 1e-3);
+        // The integral of y² over the sphere is 4π/3: a clumped set would miss it.
+        let second: f32 = points.iter().map(|p| p.y * p.y).sum::<f32>() / 4096.0;
+        assert!((second - 1.0 / 3.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn cosine_directions_have_mean_height_two_thirds() {
+        let n = 64;
+        let heights = (0..n * n).map(|i| {
+            let (u, v) = ((i / n) as f32 + 0.5, (i % n) as f32 + 0.5);
+            cosine_direction(u / n as f32, v / n as f32).z
+        });
+        assert!((heights.sum::<f32>() / (n * n) as f32 - 2.0 / 3.0).abs() < 1e-3);
+    }
+}

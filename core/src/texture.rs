@@ -1,0 +1,176 @@
+//! Textures: the encoded file, its decoded texels, and bilinear lookup with repeat.
+
+use crate::color::linear_from_srgb;
+use glam::{Vec2, Vec4};
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, LazyLock};
+
+/// How texels become parameter values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorSpace {
+    /// 8-bit texels are sRGB encoded. Float texels are linear whatever the slot says.
+    Srgb,
+    /// Texels are the values: roughness, normals, heights.
+    #[default]
+    Linear,
+}
+
+/// Which component a scalar parameter reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Channel {
+    /// Red.
+    #[default]
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Alpha.
+    A,
+}
+
+/// A texture in use: which one, how it is read, and how it lies on the surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TextureSlot {
+    /// Index into the scene's textures.
+    pub texture: u32,
+    /// Colour space of 8-bit texels.
+    pub color_space: ColorSpace,
+    /// Component for scalar parameters; colours and normals read RGB.
+    pub channel: Channel,
+    /// Repetitions across the unit square of texture coordinates.
+    pub scale: Vec2,
+    /// Added after scaling and rotating.
+    pub offset: Vec2,
+    /// Counter-clockwise rotation of the coordinates in radians, before the offset (KHR_texture_transform).
+    pub rotation: f32,
+    /// Scales normals and heights; 1 leaves other maps alone.
+    pub strength: f32,
+}
+
+impl Default for TextureSlot {
+    fn default() -> Self {
+        Self {
+            texture: 0,
+            color_space: ColorSpace::Linear,
+            channel: Channel::R,
+            scale: Vec2::ONE,
+            offset: Vec2::ZERO,
+            rotation: 0.0,
+            strength: 1.0,
+        }
+    }
+}
+
+impl TextureSlot {
+    /// Texture coordinates after this slot's transform.
+    pub fn transform(&self, uv: Vec2) -> Vec2 {
+        let (sin, cos) = self.rotation.sin_cos();
+        let s = uv * self.scale;
+        Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
+    }
+}
+
+/// Decoded texels, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texels {
+    /// 8 bits a component, as in png, jpg and tga.
+    U8(Vec<[u8; 4]>),
+    /// Floating point, as in hdr, exr and 16-bit grey png.
+    F32(Vec<[f32; 4]>),
+}
+
+/// An image that materials use.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Name or path from the source file, for messages and for reloading.
+    pub name: String,
+    /// Size in texels; both at least 1.
+    pub size: [u32; 2],
+    /// The decoded texels, `size[0] * size[1]` of them.
+    pub texels: Texels,
+    /// The file as it was read, kept so that a dataset can hold it whole. Empty for a made-up texture.
+    pub encoded: Arc<[u8]>,
+}
+
+static LINEAR_FROM_SRGB_U8: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0)));
+
+impl Texture {
+    /// A visible default for a texture that could not be read: a magenta and grey chequerboard.
+    pub fn missing(name: &str) -> Self {
+        let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
+        Self {
+            name: name.to_owned(),
+            size: [8, 8],
+            texels: Texels::U8(texels.collect()),
+            encoded: Arc::from([]),
+        }
+    }
+
+    /// The texel at integer coordinates, repeated outside the image, in linear values.
+    pub fn texel(&self, x: i64, y: i64, color_space: ColorSpace) -> Vec4 {
+        let [w, h] = self.size.map(i64::from);
+        let index = (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
+        match (&self.texels, color_space) {
+            (Texels::F32(t), _) => Vec4::from_array(t[index]),
+            (Texels::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
+            (Texels::U8(t), ColorSpace::Srgb) => {
+                let [r, g, b, a] = t[index];
+                let lut = &*LINEAR_FROM_SRGB_U8;
+                Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], f32::from(a) / 255.0)
+            }
+        }
+    }
+
+    /// Bilinear lookup with repeat; `uv` (0, 0) is the top left corner of the image.
+    pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
+        let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;
+        let (base, f) = (p.floor(), p - p.floor());
+        let (x, y) = (base.x as i64, base.y as i64);
+        let top = self.texel(x, y, color_space).lerp(self.texel(x + 1, y, color_space), f.x);
+        let bottom = self.texel(x, y + 1, color_space).lerp(self.texel(x + 1, y + 1, color_space), f.x);
+        top.lerp(bottom, f.y)
+    }
+
+    /// Bilinear lookup of a slot: coordinates transformed, colour space applied.
+    pub fn sample_slot(&self, uv: Vec2, slot: &TextureSlot) -> Vec4 {
+        self.sample(slot.transform(uv), slot.color_space)
+    }
+
+    /// One component of a slot's lookup.
+    pub fn sample_channel(&self, uv: Vec2, slot: &TextureSlot) -> f32 {
+        self.sample_slot(uv, slot)[slot.channel as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_by_one() -> Texture {
+        let texels = Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]);
+        Texture { name: "t".into(), size: [2, 1], texels, encoded: Arc::from([]) }
+    }
+
+    #[test]
+    fn sampling_is_exact_at_texel_centres_and_repeats() {
+        let t = two_by_one();
+        for shift in [-3.0, 0.0, 2.0] {
+            assert_eq!(t.sample(Vec2::new(0.25 + shift, 0.5), ColorSpace::Linear).x, 0.0);
+            assert_eq!(t.sample(Vec2::new(0.75 + shift, 0.5), ColorSpace::Linear).x, 1.0);
+        }
+        assert!((t.sample(Vec2::new(0.5, 0.5), ColorSpace::Linear).x - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn srgb_slots_decode_before_filtering() {
+        let texels = Texels::U8(vec![[128, 128, 128, 255]]);
+        let t = Texture { size: [1, 1], texels, ..two_by_one() };
+        assert!((t.sample(Vec2::ZERO, ColorSpace::Srgb).x - 0.2158605).abs() < 1e-5);
+        assert!((t.sample(Vec2::ZERO, ColorSpace::Linear).x - 128.0 / 255.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,74 @@
+//! Painting pixel by pixel, and writing the images.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use glam::{Vec2, Vec3, vec2, vec3};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Luma, RgbImage};
+
+/// A 16-bit grey image: 8 bits would show as terraces in a bump map.
+pub type Grey16 = ImageBuffer<Luma<u16>, Vec<u16>>;
+
+/// Paints linear Rec. 709 colours into an sRGB image; `paint` gets the pixel centre in [0, 1), top left first.
+pub fn paint_color(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
+    paint_data(size, |uv| {
+        let linear = paint(uv).clamp(Vec3::ZERO, Vec3::ONE);
+        vec3(srgb(linear.x), srgb(linear.y), srgb(linear.z))
+    })
+}
+
+/// Paints numbers in [0, 1] as they are.
+pub fn paint_data(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
+    RgbImage::from_fn(size, size, |x, y| {
+        let value = paint(pixel_centre(x, y, size)).clamp(Vec3::ZERO, Vec3::ONE);
+        image::Rgb(value.to_array().map(|c| (c * 255.0 + 0.5) as u8))
+    })
+}
+
+/// Paints heights in [0, 1]. The lowest four bits stay empty: they would be noise, and do not compress.
+pub fn paint_height(size: u32, height: impl Fn(Vec2) -> f32) -> Grey16 {
+    Grey16::from_fn(size, size, |x, y| {
+        let value = height(pixel_centre(x, y, size)).clamp(0.0, 1.0);
+        Luma([((value * 4095.0 + 0.5) as u16) << 4])
+    })
+}
+
+/// Tangent-space normal map (+Y up) of a tiling height field in [0, 1] that is `depth` tiles deep.
+pub fn paint_normals(size: u32, depth: f32, height: impl Fn(Vec2) -> f32) -> RgbImage {
+    let step = 1.0 / size as f32;
+    paint_data(size, |uv| {
+        let slope_x = height(uv + vec2(step, 0.0)) - height(uv - vec2(step, 0.0));
+        let slope_y = height(uv - vec2(0.0, step)) - height(uv + vec2(0.0, step));
+        let normal = vec3(-slope_x, -slope_y, 2.0 * step / depth).normalize();
+        0.5 * normal + 0.5
+    })
+}
+
+/// Writes an 8-bit RGB PNG.
+pub fn save_png(picture: &RgbImage, path: &Path) -> Result<()> {
+    save(picture.as_raw(), picture.dimensions(), ExtendedColorType::Rgb8, path)
+}
+
+/// Writes a 16-bit grey PNG.
+pub fn save_png16(picture: &Grey16, path: &Path) -> Result<()> {
+    save(bytemuck::cast_slice(picture.as_raw()), picture.dimensions(), ExtendedColorType::L16, path)
+}
+
+fn save(bytes: &[u8], (width, height): (u32, u32), color: ExtendedColorType, path: &Path) -> Result<()> {
+    let mut encoded = Vec::new();
+    PngEncoder::new_with_quality(&mut encoded, CompressionType::Best, FilterType::Adaptive)
+        .write_image(bytes, width, height, color)
+        .with_context(|| format!("cannot encode {}", path.display()))?;
+    fs::write(path, encoded).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn pixel_centre(x: u32, y: u32, size: u32) -> Vec2 {
+    vec2(x as f32 + 0.5, y as f32 + 0.5) / size as f32
+}
+
+/// The sRGB transfer function.
+fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}

@@ -1,0 +1,144 @@
+//! Whole bakes of small scenes.
+
+use super::*;
+use crate::{
+    Preset,
+    observer::Silent,
+    sidedness::tests::{cuboid, floor, scene_of},
+};
+use glam::Vec3;
+use std::{
+    path::Path,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+fn scene() -> Scene {
+    let mut triangles = floor(2.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+    scene_of(&triangles)
+}
+
+fn settings() -> BakeSettings {
+    BakeSettings { lights: 512, pilot_clusters: 32, max_vertices: Some(600), ..Preset::Draft.settings() }
+}
+
+fn job(folder: &Path, name: &str) -> BakeJob {
+    BakeJob {
+        settings: settings(),
+        output: folder.join(name),
+        chunks: None,
+        resume: false,
+        import_secs: 0.0,
+        warnings: Vec::new(),
+    }
+}
+
+/// The tensors of a written dataset, without the report, which holds times.
+fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<Vec3>) {
+    let mesh = &dataset.scene.mesh;
+    (dataset.cuts.nodes().to_vec(), dataset.cuts.offsets().to_vec(), dataset.tree.order().to_vec(), mesh.positions.clone())
+}
+
+/// Cancels at the first progress of the visibility phase.
+#[derive(Default)]
+struct CancelInVisibility {
+    started: AtomicBool,
+    cancelled: AtomicBool,
+}
+
+impl Observer for CancelInVisibility {
+    fn event(&self, event: Event) {
+        match event {
+            Event::Started { phase: Phase::Visibility, .. } => self.started.store(true, Ordering::Relaxed),
+            Event::Advanced { .. } if self.started.load(Ordering::Relaxed) => self.cancelled.store(true, Ordering::Relaxed),
+            _ => {}
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn chunks_and_threads_do_not_change_a_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, chunks, threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let job = BakeJob { chunks, ..job(folder.path(), name) };
+        contents(&pool.install(|| bake(scene(), &job, &Silent)).unwrap())
+    };
+    let one = run("a.cuts", Some(1), 1);
+    assert_eq!(one, run("b.cuts", Some(7), 3));
+    assert_eq!(one, run("c.cuts", None, 2));
+    let other = BakeJob { settings: BakeSettings { beta: 0.1, ..settings() }, ..job(folder.path(), "d.cuts") };
+    assert_ne!(one, contents(&bake(scene(), &other, &Silent).unwrap()), "negative control");
+}
+
+#[test]
+fn a_cancelled_bake_resumes_to_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob { chunks: Some(5), ..job(folder.path(), "a.cuts") };
+    let whole = contents(&bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job.clone() }, &Silent).unwrap());
+    let interrupted = bake(scene(), &job, &CancelInVisibility::default());
+    assert!(matches!(interrupted, Err(BakeError::Cancelled)));
+    assert!(!job.output.exists());
+    let partial = Checkpoint::folder_of(&job.output);
+    assert!(partial.join("chunk-00000.bin").exists(), "what was finished is kept");
+    let resumed = bake(scene(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
+    assert_eq!(contents(&resumed), whole);
+    assert!(!partial.exists());
+    assert_eq!(contents(&Dataset::read(&job.output).unwrap()), whole);
+}
+
+#[test]
+fn report_adds_up_and_a_floor_of_two_triangles_gets_a_shadow() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = bake(scene(), &job(folder.path(), "a.cuts"), &Silent).unwrap();
+    let report = &dataset.report;
+    assert_eq!(report.samples_resolved, report.bake_points as u64 * 512);
+    assert_eq!(report.cut_size_histogram.iter().sum::<u64>(), report.bake_points as u64);
+    assert!(report.rms_visibility > 0.0 && report.rms_visibility < 0.2);
+    assert!(report.rays_traced < report.samples_resolved);
+    for phase in ["import", "tessellate", "pilot", "tree", "visibility", "pack", "total"] {
+        assert!(report.seconds.contains_key(phase), "{phase}");
+    }
+    // Straight under the box the zenith is blocked, far away it is open.
+    let zenith = |near: Vec3| {
+        let mesh = &dataset.scene.mesh;
+        let on_floor = (0..mesh.positions.len()).filter(|&v| mesh.positions[v].y == 0.0);
+        let distance = |v: &usize| mesh.positions[*v].distance(near);
+        let vertex = on_floor.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+        let leaf = (0..512).max_by(|&a, &b| {
+            let y = |l: usize| dataset.tree.leaf_directions()[l].y;
+            y(a).total_cmp(&y(b))
+        });
+        let mut end = 0;
+        let cut = dataset.cuts.cut(9, vertex as u32);
+        let node = cut.iter().find(|&&n| {
+            end += 512 >> lapidary_core::cut::packed::depth(n);
+            end > leaf.unwrap()
+        });
+        lapidary_core::cut::packed::value(*node.unwrap())
+    };
+    assert!(zenith(Vec3::new(0.3, 0.0, 0.2)) < 0.5);
+    assert!(zenith(Vec3::new(-1.8, 0.0, -1.8)) > 0.8);
+}
+
+#[test]
+fn a_byte_budget_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let free = bake(scene(), &job(folder.path(), "a.cuts"), &Silent).unwrap();
+    let half = (2 * free.cuts.nodes().len() as u64) / 2;
+    let settings = BakeSettings { max_bytes: Some(half), ..settings() };
+    let tight = bake(scene(), &BakeJob { settings, ..job(folder.path(), "b.cuts") }, &Silent).unwrap();
+    assert!(2 * tight.cuts.nodes().len() as u64 <= half);
+    assert!(tight.report.sigma > free.report.sigma && tight.report.mean_cut < free.report.mean_cut);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_an_error_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob { output: folder.path().join("no/such/folder/\0a.cuts"), ..job(folder.path(), "") };
+    assert!(matches!(bake(scene(), &job, &Silent), Err(BakeError::Checkpoint(CheckpointError::Io { .. }))));
+}

@@ -1,0 +1,194 @@
+//! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
+
+use crate::sidedness::{Sidedness, exact_key};
+use glam::Vec3;
+use lapidary_core::{
+    ray::Intersector,
+    scene::Mesh,
+    sphere::{fibonacci_directions, frame_around},
+};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Rays that decide whether a point lies inside other geometry.
+const BURIAL_RAYS: usize = 48;
+
+/// A place where visibility is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakePoint {
+    /// Position of the vertex in metres.
+    pub position: Vec3,
+    /// Unit normal, repaired to lie on the side of its triangles.
+    pub normal: Vec3,
+    /// Distance in metres by which rays start off the surface.
+    pub offset: f32,
+    /// Height above the tangent plane (as a cosine, at most 0) below which every direction is below the planes of all
+    /// the triangles around: a closed surface blocks it, and no ray is needed.
+    pub horizon: f32,
+    /// Sampled over the whole sphere, the lower half from the other side.
+    pub two_sided: bool,
+}
+
+/// The bake points of a mesh.
+#[derive(Clone, Debug, Default)]
+pub struct BakePoints {
+    /// Distinct points: vertices that agree in position, normal and sides share one.
+    pub points: Vec<BakePoint>,
+    /// The point of each vertex.
+    pub of_vertex: Vec<u32>,
+}
+
+impl BakePoint {
+    /// Where rays of the upper (true) or lower side start.
+    pub fn origin(&self, upper: bool) -> Vec3 {
+        self.position + self.normal * if upper { self.offset } else { -self.offset }
+    }
+
+    /// Whether a direction is sampled from the upper side.
+    pub fn is_upper(&self, direction: Vec3) -> bool {
+        let height = direction.dot(self.normal);
+        if self.two_sided { height >= 0.0 } else { height > self.horizon }
+    }
+}
+
+impl BakePoints {
+    /// One point for each distinct (position, normal, sides) of the mesh's vertices.
+    pub fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
+        let around = Surroundings::new(mesh, sides);
+        let smallest = 4e-6 * mesh.bounds().diagonal();
+        let largest = 2e-4 * mesh.bounds().diagonal();
+        let mut result = Self::default();
+        let mut known = HashMap::new();
+        for (v, &position) in mesh.positions.iter().enumerate() {
+            let normal = around.repaired_normal(v, mesh.normals[v]);
+            let point = BakePoint {
+                position,
+                normal,
+                offset: (0.02 * around.edge_length[v]).clamp(smallest, largest),
+                horizon: 0.0,
+                two_sided: around.two_sided[v],
+            };
+            let key = (exact_key(position), exact_key(normal), point.two_sided);
+            let id = *known.entry(key).or_insert_with(|| {
+                result.points.push(point);
+                result.points.len() as u32 - 1
+            });
+            result.of_vertex.push(id);
+        }
+        result.lower_horizons(mesh);
+        result
+    }
+
+    /// The horizon of a point is below every plane of the triangles at its vertices.
+    fn lower_horizons(&mut self, mesh: &Mesh) {
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let face = mesh.area_vector(t).normalize_or_zero();
+            for &v in corners {
+                let point = &mut self.points[self.of_vertex[v as usize] as usize];
+                // A direction at angle θ above the tangent plane may rise over a face tilted by δ if θ > -δ.
+                let sin_tilt = point.normal.cross(face).length().min(1.0);
+                let lowest = if point.normal.dot(face) > 0.0 { -sin_tilt } else { -1.0 };
+                point.horizon = point.horizon.min(lowest);
+            }
+        }
+    }
+
+    /// For each point: whether it lies inside a closed piece, since most of what it sees are back faces of such.
+    pub fn buried(&self, scene: &Intersector, sides: &Sidedness) -> Vec<bool> {
+        let sphere = fibonacci_directions(2 * BURIAL_RAYS);
+        let sees_insides = |point: &BakePoint, upper: bool| {
+            let frame = frame_around(point.normal * if upper { 1.0 } else { -1.0 });
+            let (mut back, mut rays) = (0, 0);
+            for d in sphere.iter().filter(|d| d.z > 0.05) {
+                let hit = scene.closest_hit(point.origin(upper), frame * *d);
+                rays += 1;
+                back += usize::from(hit.is_some_and(|h| h.back_face && sides.closed[h.triangle as usize]));
+            }
+            2 * back > rays
+        };
+        let buried = |p: &BakePoint| sees_insides(p, true) && (!p.two_sided || sees_insides(p, false));
+        self.points.par_iter().map(buried).collect()
+    }
+}
+
+/// What the triangles around each vertex say.
+struct Surroundings {
+    area: Vec<Vec3>,
+    edge_length: Vec<f32>,
+    two_sided: Vec<bool>,
+}
+
+impl Surroundings {
+    fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
+        let n = mesh.positions.len();
+        let (mut area, mut length, mut uses) = (vec![Vec3::ZERO; n], vec![0.0_f32; n], vec![0.0_f32; n]);
+        let mut two_sided = vec![false; n];
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.corners(t);
+            let mean_edge = (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0;
+            for &v in corners {
+                let v = v as usize;
+                area[v] += mesh.area_vector(t);
+                length[v] += mean_edge;
+                uses[v] += 1.0;
+                two_sided[v] |= sides.two_sided[t];
+            }
+        }
+        let edge_length = length.iter().zip(&uses).map(|(l, u)| l / u.max(1.0)).collect();
+        Self { area, edge_length, two_sided }
+    }
+
+    /// The vertex normal, or that of its faces where it is unusable or points away from them.
+    fn repaired_normal(&self, vertex: usize, normal: Vec3) -> Vec3 {
+        let face = self.area[vertex].normalize_or_zero();
+        let normal = normal.normalize_or_zero();
+        if normal == Vec3::ZERO || normal.dot(face) < 0.0 { face.try_normalize().unwrap_or(Vec3::Y) } else { normal }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sidedness::{
+        classify,
+        tests::{cuboid, floor, scene_of},
+    };
+    use lapidary_core::scene::Scene;
+
+    fn points(scene: &Scene) -> (BakePoints, Vec<bool>) {
+        let sides = classify(scene);
+        let points = BakePoints::new(&scene.mesh, &sides);
+        let buried = points.buried(&Intersector::new(&scene.mesh), &sides);
+        (points, buried)
+    }
+
+    #[test]
+    fn a_corner_of_a_cube_is_one_point_a_face() {
+        let (points, buried) = points(&scene_of(&cuboid(Vec3::ZERO, Vec3::ONE)));
+        assert_eq!(points.of_vertex.len(), 36);
+        assert_eq!(points.points.len(), 24);
+        assert!(buried.iter().all(|b| !b));
+        assert!(points.points.iter().all(|p| !p.two_sided && p.horizon > -1e-3));
+    }
+
+    #[test]
+    fn floor_vertices_inside_a_box_are_buried_and_those_beside_it_are_not() {
+        let mut triangles = floor(0.2, 0.0).to_vec();
+        triangles.extend(floor(4.0, 0.0));
+        triangles.extend(cuboid(Vec3::ZERO, Vec3::splat(0.5)));
+        let (points, buried) = points(&scene_of(&triangles));
+        for (point, buried) in points.points.iter().zip(buried) {
+            let inside = point.position.abs().max_element() < 0.4;
+            assert_eq!(buried, inside, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn a_normal_that_points_inward_is_replaced() {
+        let mut scene = scene_of(&floor(1.0, 0.0));
+        scene.mesh.normals[0] = Vec3::NEG_Y;
+        scene.mesh.normals[1] = Vec3::ZERO;
+        let (points, _) = points(&scene);
+        assert!(points.points.iter().all(|p| p.normal.dot(Vec3::Y) > 0.999));
+    }
+}

@@ -1,0 +1,42 @@
+//! Baking without renderer or window: for render farms and scripts.
+
+use clap::{Parser, Subcommand};
+use lapidary_precompute::cli::{BakeArgs, InfoArgs, VerifyArgs};
+use std::process::ExitCode;
+
+/// Bake scenes into visibility cuts, and inspect and verify the result
+#[derive(Parser)]
+#[command(name = "precompute", version, arg_required_else_help = true)]
+struct Cli {
+    /// Print nothing but errors
+    #[arg(long, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Bake a scene's visibility
+    Bake(BakeArgs),
+    /// Describe a dataset
+    Info(InfoArgs),
+    /// Trace random vertices of a dataset again and compare
+    Verify(VerifyArgs),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Bake(args) => args.run(cli.quiet).map(|_| ()),
+        Command::Info(args) => args.run(),
+        Command::Verify(args) => args.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The `bake`, `info` and `verify` commands, shared by the binaries `lapidary` and `precompute`.
+
+mod progress;
+
+pub use progress::{ProgressReporter, ProgressStyle};
+
+use crate::{BakeJob, Preset, Verification, bake};
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use lapidary_core::{
+    dataset::{BakeReport, BakeSettings, Dataset},
+    import::import,
+    light_tree::TreeKind,
+};
+use std::{path::PathBuf, time::Instant};
+
+/// Clustering metric of the light tree, as an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TreeOption {
+    /// Direction alone (Eq. 10 of the paper).
+    Geometric,
+    /// Pilot visibility alone (Eq. 11).
+    DataDriven,
+    /// Both, weighted by --beta (Eq. 12).
+    Mixed,
+}
+
+impl From<TreeOption> for TreeKind {
+    fn from(option: TreeOption) -> Self {
+        match option {
+            TreeOption::Geometric => Self::Geometric,
+            TreeOption::DataDriven => Self::DataDriven,
+            TreeOption::Mixed => Self::Mixed,
+        }
+    }
+}
+
+/// Preset, as an option.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PresetOption {
+    /// 8,192 lights, up to 30,000 vertices: seconds.
+    Draft,
+    /// 32,768 lights, sigma 2, up to 100,000 vertices.
+    #[default]
+    Normal,
+    /// 32,768 lights, sigma 1.5, up to 300,000 vertices.
+    High,
+}
+
+impl From<PresetOption> for Preset {
+    fn from(option: PresetOption) -> Self {
+        match option {
+            PresetOption::Draft => Self::Draft,
+            PresetOption::Normal => Self::Normal,
+            PresetOption::High => Self::High,
+        }
+    }
+}
+
+/// Options of `bake`.
+#[derive(Args, Clone, Debug)]
+pub struct BakeArgs {
+    /// Scene to bake: .obj, .gltf, .glb or .ply
+    pub scene: PathBuf,
+    /// Dataset to write
+    #[arg(short, long, value_name = "FILE.cuts")]
+    pub output: PathBuf,
+    /// Starting point for the options below
+    #[arg(long, value_enum, default_value_t)]
+    pub preset: PresetOption,
+    /// Number of light samples: a power of two up to 32768
+    #[arg(long, value_name = "N")]
+    pub lights: Option<usize>,
+    /// Metric that the light tree is clustered by
+    #[arg(long, value_enum)]
+    pub tree: Option<TreeOption>,
+    /// Weight of the geometric metric in a mixed tree, 0 to 1
+    #[arg(long, value_name = "B")]
+    pub beta: Option<f32>,
+    /// Error bound of a cluster: split while |C| var > sigma² (Eq. 5); 1.5 to 3, smaller is finer
+    #[arg(long, value_name = "S")]
+    pub sigma: Option<f32>,
+    /// Most nodes of a vertex's cut
+    #[arg(long, value_name = "K")]
+    pub max_cut: Option<u32>,
+    /// Bound the error of each whole cut instead of each cluster
+    #[arg(long, value_name = "E")]
+    pub total_error: Option<f32>,
+    /// Most bytes for all cuts together; they are coarsened until they fit
+    #[arg(long, value_name = "BYTES")]
+    pub max_bytes: Option<u64>,
+    /// Vertex clusters of the pilot visibility
+    #[arg(long, value_name = "M")]
+    pub pilot_clusters: Option<usize>,
+    /// Most vertices after tessellation
+    #[arg(long, value_name = "V")]
+    pub max_vertices: Option<usize>,
+    /// Leave the mesh as it is
+    #[arg(long, conflicts_with = "max_vertices")]
+    pub no_tessellate: bool,
+    /// Worker threads; the result does not depend on them
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+    /// Number of checkpoints; the result does not depend on them
+    #[arg(long, value_name = "C")]
+    pub chunks: Option<usize>,
+    /// Go on with an interrupted bake of the same scene, options and output
+    #[arg(long)]
+    pub resume: bool,
+    /// Write the bake report as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// How progress is shown on standard error
+    #[arg(long, value_enum, default_value_t)]
+    pub progress: ProgressStyle,
+}
+
+impl BakeArgs {
+    fn settings(&self) -> BakeSettings {
+        let mut s = Preset::from(self.preset).settings();
+        s.lights = self.lights.unwrap_or(s.lights);
+        s.tree = self.tree.map_or(s.tree, Into::into);
+        s.beta = self.beta.unwrap_or(s.beta);
+        s.criterion.sigma = self.sigma.unwrap_or(s.criterion.sigma);
+        s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);
+        s.criterion.total_error = self.total_error.or(s.criterion.total_error);
+        s.max_bytes = self.max_bytes.or(s.max_bytes);
+        s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
+        s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
+        s
+    }
+
+    /// Imports and bakes, with progress on standard error; Ctrl-C leaves a checkpoint.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, options out of range, an output that cannot be written, or Ctrl-C.
+    pub fn run(&self, quiet: bool) -> Result<BakeReport> {
+        let settings = crate::resolve(self.settings())?;
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+            pool.context("cannot start the worker threads; choose a smaller --threads")?;
+        }
+        let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
+        progress.cancel_on_interrupt();
+        let start = Instant::now();
+        let imported = import(&self.scene)?;
+        imported.report.warnings.iter().for_each(|w| progress.warn(w));
+        let job = BakeJob {
+            settings,
+            output: self.output.clone(),
+            chunks: self.chunks,
+            resume: self.resume,
+            import_secs: start.elapsed().as_secs_f64(),
+            warnings: imported.report.warnings,
+        };
+        let report = bake(imported.scene, &job, &progress)?.report;
+        progress.finish();
+        if let Some(path) = &self.report {
+            write_json(path, &report)?;
+        }
+        Ok(report)
+    }
+}
+
+/// Options of `info`.
+#[derive(Args, Clone, Debug)]
+pub struct InfoArgs {
+    /// Dataset to describe
+    pub file: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl InfoArgs {
+    /// Prints what a dataset holds.
+    ///
+    /// # Errors
+    /// A dataset that cannot be read.
+    pub fn run(&self) -> Result<()> {
+        let dataset = Dataset::read(&self.file)?;
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&info_json(&dataset))?);
+        } else {
+            print!("{}", info_text(&dataset));
+        }
+        Ok(())
+    }
+}
+
+fn info_json(dataset: &Dataset) -> serde_json::Value {
+    let scene = &dataset.scene;
+    serde_json::json!({
+        "settings": dataset.settings,
+        "report": dataset.report,
+        "scene_hash": dataset.scene_hash,
+        "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+        "objects": scene.objects.iter().map(|o| &o.name).collect::<Vec<_>>(),
+        "textures": scene.textures.iter().map(|t| &t.name).collect::<Vec<_>>(),
+        "cameras": scene.cameras,
+    })
+}
+
+fn info_text(dataset: &Dataset) -> String {
+    let (r, s, scene) = (&dataset.report, &dataset.settings, &dataset.scene);
+    let size = scene.mesh.bounds().max - scene.mesh.bounds().min;
+    let mut text = format!(
+        "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
+        r.vertices, r.triangles, size.x, size.y, size.z
+    );
+    text += &format!("scene      {} objects, {} materials, {} textures, {} cameras\n", scene.objects.len(), scene.materials.len(), scene.textures.len(), scene.cameras.len());
+    text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
+    text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);
+    text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
+    text += &format!("size       {:.1} MB of cuts, {:.1} MB in all\n", r.bytes_cuts as f64 / 1e6, r.bytes_total as f64 / 1e6);
+    text += &format!("bake       {:.1} s, {:.1} million samples a second\n", r.seconds.get("total").unwrap_or(&0.0), r.samples_per_second / 1e6);
+    for warning in &r.warnings {
+        text += &format!("warning    {warning}\n");
+    }
+    text
+}
+
+/// Options of `verify`.
+#[derive(Args, Clone, Debug)]
+pub struct VerifyArgs {
+    /// Dataset to verify
+    pub file: PathBuf,
+    /// Vertices to trace again
+    #[arg(long, value_name = "K", default_value_t = 256)]
+    pub vertices: usize,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl VerifyArgs {
+    /// Traces random vertices again and prints the difference.
+    ///
+    /// # Errors
+    /// A dataset that cannot be read, or that does not agree with what was traced.
+    pub fn run(&self) -> Result<()> {
+        let result = crate::verify(&Dataset::read(&self.file)?, self.vertices);
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&result)?);
+        } else {
+            print!("{}", verification_text(&result));
+        }
+        if !result.passed {
+            bail!("the dataset does not agree with its scene: bake it again");
+        }
+        Ok(())
+    }
+}
+
+fn verification_text(v: &Verification) -> String {
+    format!(
+        "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
+        v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
+    )
+}
+
+/// Writes a value as indented JSON, atomically.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Result<()> {
+    let json = serde_json::to_string_pretty(value)? + "\n";
+    lapidary_core::atomic::write_atomically(path, json.as_bytes())
+        .with_context(|| format!("cannot write {}; check the folder and the free space", path.display()))
+}

@@ -1,0 +1,24 @@
+//! Scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1).
+//!
+//! [`bake`] runs the phases in order: tessellate where visibility varies, sample pilot visibility, build the light tree,
+//! trace every bake point against every light and select its cut, pack. It reports through an [`Observer`], can be
+//! cancelled at any time, leaves a checkpoint, and gives the same bits for any number of threads and chunks.
+
+mod bake;
+mod bake_points;
+mod checkpoint;
+pub mod cli;
+mod memory;
+mod observer;
+mod pilot;
+mod settings;
+mod sidedness;
+mod tessellate;
+mod verify;
+mod visibility;
+
+pub use bake::{BakeError, BakeJob, bake};
+pub use checkpoint::CheckpointError;
+pub use observer::{Event, Observer, Phase, Silent};
+pub use settings::{Preset, SettingsError, resolve};
+pub use verify::{Verification, verify};

@@ -1,0 +1,78 @@
+//! The stream of messages from a long job, for a window or a command line alike.
+
+use serde::Serialize;
+
+/// A phase of a bake, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Reading the scene.
+    Import,
+    /// Subdividing where visibility varies.
+    Tessellate,
+    /// Visibility of a few vertices of each cluster.
+    Pilot,
+    /// Clustering the light samples.
+    Tree,
+    /// Visibility of all bake points, and their cuts.
+    Visibility,
+    /// Packing and writing.
+    Pack,
+}
+
+impl Phase {
+    /// Name as in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Import => "import",
+            Self::Tessellate => "tessellate",
+            Self::Pilot => "pilot",
+            Self::Tree => "tree",
+            Self::Visibility => "visibility",
+            Self::Pack => "pack",
+        }
+    }
+}
+
+/// A message from a job.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "event")]
+pub enum Event {
+    /// A phase began; `total` units of work lie ahead (0 if unknown).
+    Started {
+        /// Which phase.
+        phase: Phase,
+        /// Units of work.
+        total: u64,
+        /// What a unit is.
+        unit: &'static str,
+    },
+    /// `done` of the current phase's units are complete.
+    Advanced {
+        /// Units complete.
+        done: u64,
+    },
+    /// Something was repaired or left out.
+    Warning {
+        /// What, and what to do about it.
+        message: String,
+    },
+}
+
+/// Receives the messages of a job and may cancel it. Called from several threads.
+pub trait Observer: Sync {
+    /// A message.
+    fn event(&self, event: Event);
+
+    /// Whether the job should stop as soon as it can.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Hears nothing and never cancels.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn event(&self, _event: Event) {}
+}

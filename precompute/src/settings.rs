@@ -1,0 +1,109 @@
+//! Presets along quality and time, and the check that turns options into settings.
+
+use lapidary_core::{
+    cut::CutCriterion,
+    dataset::BakeSettings,
+    light_tree::{LightCountError, TreeKind, height_of},
+};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A named set of bake settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// A quarter of the lights and few vertices: seconds, for setting up a scene.
+    Draft,
+    /// The paper's 32,768 lights and sigma 2.
+    #[default]
+    Normal,
+    /// Finer cuts and three times the vertices, for final pictures.
+    High,
+}
+
+impl Preset {
+    /// The settings behind the name.
+    pub fn settings(self) -> BakeSettings {
+        let normal = BakeSettings {
+            lights: 32_768,
+            tree: TreeKind::Mixed,
+            beta: 0.5,
+            criterion: CutCriterion::default(),
+            pilot_clusters: 1024,
+            max_vertices: Some(100_000),
+            max_bytes: None,
+        };
+        let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
+        match self {
+            // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma is the same error in solid angle.
+            Self::Draft => BakeSettings {
+                lights: 8192,
+                criterion: sigma(1.5),
+                pilot_clusters: 256,
+                max_vertices: Some(30_000),
+                ..normal
+            },
+            Self::Normal => normal,
+            Self::High => BakeSettings { criterion: sigma(1.5), max_vertices: Some(300_000), ..normal },
+        }
+    }
+}
+
+/// Settings that no bake can be made with.
+#[derive(Debug, Error, PartialEq)]
+pub enum SettingsError {
+    /// Number of lights.
+    #[error(transparent)]
+    Lights(#[from] LightCountError),
+    /// A number outside its range.
+    #[error("{name} is {value}, but must lie between {low} and {high}")]
+    Range {
+        /// Which option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value.
+        low: f64,
+        /// Greatest value.
+        high: f64,
+    },
+}
+
+/// Checks settings once; nothing validates them again.
+///
+/// # Errors
+/// The first setting out of range.
+pub fn resolve(settings: BakeSettings) -> Result<BakeSettings, SettingsError> {
+    height_of(settings.lights)?;
+    let optional = |value: Option<f64>, low| value.unwrap_or(low);
+    for (name, value, low, high) in [
+        ("--beta", f64::from(settings.beta), 0.0, 1.0),
+        ("--sigma", f64::from(settings.criterion.sigma), 0.0, 1e3),
+        ("--max-cut", f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
+        ("--total-error", optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
+        ("--pilot-clusters", settings.pilot_clusters as f64, 1.0, 65_536.0),
+        ("--max-vertices", optional(settings.max_vertices.map(|v| v as f64), 3.0), 3.0, 1e8),
+        ("--max-bytes", optional(settings.max_bytes.map(|v| v as f64), 1024.0), 1024.0, 1e12),
+    ] {
+        if !(value >= low && value <= high) {
+            return Err(SettingsError::Range { name, value, low, high });
+        }
+    }
+    Ok(settings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_valid_and_bad_values_are_named() {
+        for preset in [Preset::Draft, Preset::Normal, Preset::High] {
+            assert!(resolve(preset.settings()).is_ok());
+        }
+        let normal = Preset::Normal.settings();
+        assert!(matches!(resolve(BakeSettings { lights: 1000, ..normal.clone() }), Err(SettingsError::Lights(_))));
+        let beta = resolve(BakeSettings { beta: f32::NAN, ..normal });
+        assert!(matches!(beta, Err(SettingsError::Range { name: "--beta", .. })));
+    }
+}

@@ -1,0 +1,207 @@
+//! The strip under an error map: what is shown, the colour bar, its ticks.
+
+use super::{NOT_FINITE, font, linear, magma::magma};
+use glam::Vec3;
+use lapidary_core::image::Image;
+use std::ops::Range;
+
+/// What the strip says.
+pub(super) struct Legend {
+    /// Name of the error.
+    pub title: &'static str,
+    /// The error at the right end of the bar.
+    pub top: f32,
+    /// Whether some pixels lie above `top`; its label then ends in `+`.
+    pub saturated: bool,
+    /// Number of pixels drawn in the colour of numbers that are not finite.
+    pub non_finite: usize,
+}
+
+/// Smallest width of the result in pixels, so that the labels fit under any picture.
+const MIN_WIDTH: usize = 240;
+/// Pictures are enlarged text by text pixel every so many pixels of width, to stay readable when shown small.
+const WIDTH_PER_TEXT_PIXEL: usize = 640;
+
+// The layout from top to bottom, in text pixels.
+const MARGIN: usize = 4;
+const TITLE: usize = MARGIN;
+const BAR: Range<usize> = TITLE + font::HEIGHT + 4..TITLE + font::HEIGHT + 14;
+const TICK: Range<usize> = BAR.end..BAR.end + 3;
+const LABEL: usize = TICK.end + 2;
+const HEIGHT: usize = LABEL + font::HEIGHT + MARGIN;
+
+const INTERVALS: usize = 4;
+
+/// Linear colours of the strip.
+const BACKGROUND: Vec3 = Vec3::splat(0.02);
+const TEXT: Vec3 = Vec3::splat(0.7);
+
+/// The picture with the strip below it.
+pub(super) fn append(picture: &Image, legend: &Legend) -> Image {
+    let mut strip = Strip::below(picture);
+    strip.title(legend);
+    strip.bar();
+    strip.ticks(legend);
+    strip.image
+}
+
+/// The strip at the foot of `image`, in units of `scale` pixels.
+struct Strip {
+    image: Image,
+    /// First row of the strip.
+    top: usize,
+    /// Pixels per text pixel.
+    scale: usize,
+}
+
+impl Strip {
+    fn below(picture: &Image) -> Self {
+        let scale = (picture.width() / WIDTH_PER_TEXT_PIXEL).max(1);
+        let size = [picture.width().max(MIN_WIDTH) as u32, (picture.height() + HEIGHT * scale) as u32];
+        let inside = |x: u32, y: u32| x < picture.size[0] && y < picture.size[1];
+        let pixel = |x, y| if inside(x, y) { picture.at(x as usize, y as usize) } else { BACKGROUND };
+        Self { image: Image::from_fn(size, pixel), top: picture.height(), scale }
+    }
+
+    /// Width in text pixels.
+    fn width(&self) -> usize {
+        self.image.width() / self.scale
+    }
+
+    fn fill(&mut self, columns: Range<usize>, rows: Range<usize>, color: Vec3) {
+        let stride = self.image.width();
+        for y in self.top + rows.start * self.scale..self.top + rows.end * self.scale {
+            self.image.pixels[y * stride..][columns.start * self.scale..columns.end * self.scale].fill(color);
+        }
+    }
+
+    fn text(&mut self, text: &str, left: usize, top: usize, color: Vec3) {
+        for (i, rows) in text.chars().filter_map(font::glyph).enumerate() {
+            for (y, row) in rows.into_iter().enumerate() {
+                for x in (0..font::WIDTH).filter(|x| row >> (font::WIDTH - 1 - x) & 1 == 1) {
+                    let column = left + i * ADVANCE + x;
+                    self.fill(column..column + 1, top + y..top + y + 1, color);
+                }
+            }
+        }
+    }
+
+    fn title(&mut self, legend: &Legend) {
+        self.text(legend.title, MARGIN, TITLE, TEXT);
+        if legend.non_finite > 0 {
+            let note = format!("not finite {}", legend.non_finite);
+            self.text(&note, self.width() - MARGIN - text_width(&note), TITLE, linear(NOT_FINITE));
+        }
+    }
+
+    fn bar(&mut self) {
+        let columns = self.bar_columns();
+        for x in columns.clone() {
+            let error = (x - columns.start) as f32 / (columns.len() - 1) as f32;
+            self.fill(x..x + 1, BAR, linear(magma(error)));
+        }
+    }
+
+    fn bar_columns(&self) -> Range<usize> {
+        MARGIN..self.width() - MARGIN
+    }
+
+    fn ticks(&mut self, legend: &Legend) {
+        let bar = self.bar_columns();
+        for i in 0..=INTERVALS {
+            let x = bar.start + i * (bar.len() - 1) / INTERVALS;
+            self.fill(x..x + 1, TICK, TEXT);
+            let text = legend.label(i);
+            let width = text_width(&text);
+            let left = x.saturating_sub(width / 2).clamp(bar.start, bar.end - width);
+            self.text(&text, left, LABEL, TEXT);
+        }
+    }
+}
+
+impl Legend {
+    fn label(&self, tick: usize) -> String {
+        let number = short_number(self.top * tick as f32 / INTERVALS as f32);
+        if tick == INTERVALS && self.saturated { number + "+" } else { number }
+    }
+}
+
+/// Distance of two characters in text pixels.
+const ADVANCE: usize = font::WIDTH + 1;
+
+fn text_width(text: &str) -> usize {
+    text.len() * ADVANCE - 1
+}
+
+/// The number with at most three significant digits, and an exponent where it is very small or large.
+fn short_number(value: f32) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value) {
+        return without_trailing_zeros(&format!("{value:.5}")).to_owned();
+    }
+    let scientific = format!("{value:.2e}");
+    match scientific.split_once('e') {
+        Some((mantissa, exponent)) => format!("{}e{exponent}", without_trailing_zeros(mantissa)),
+        None => scientific,
+    }
+}
+
+fn without_trailing_zeros(decimal: &str) -> &str {
+    decimal.trim_end_matches('0').trim_end_matches('.')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEGEND: Legend = Legend { title: "RELATIVE ERROR", top: 0.5, saturated: false, non_finite: 0 };
+
+    fn strip(legend: &Legend) -> Image {
+        append(&Image::filled([300, 5], Vec3::ZERO), legend)
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let numbers = [0.0, 0.125, 0.5, 1.0, 37.5, 2000.0, 0.00125, 2.5e-5, 5e7];
+        let texts = ["0", "0.125", "0.5", "1", "37.5", "2000", "0.00125", "2.5e-5", "5e7"];
+        assert_eq!(numbers.map(short_number), texts);
+    }
+
+    #[test]
+    fn the_bar_runs_through_the_whole_map() {
+        let image = strip(&LEGEND);
+        let y = 5 + BAR.start;
+        assert_eq!(image.at(MARGIN, y), linear(magma(0.0)));
+        assert_eq!(image.at(300 - MARGIN - 1, y), linear(magma(1.0)));
+        assert_eq!(image.at(300 - MARGIN, y), BACKGROUND);
+        assert_eq!(image.size, [300, 5 + HEIGHT as u32]);
+    }
+
+    #[test]
+    fn what_the_legend_says_is_drawn() {
+        let plain = strip(&LEGEND);
+        for other in [
+            Legend { top: 0.2, ..LEGEND },
+            Legend { saturated: true, ..LEGEND },
+            Legend { non_finite: 3, ..LEGEND },
+            Legend { title: "FLIP", ..LEGEND },
+        ] {
+            assert!(strip(&other) != plain);
+        }
+        assert!(strip(&LEGEND) == plain, "negative control: the same legend gives the same strip");
+    }
+
+    #[test]
+    fn every_character_used_is_in_the_font() {
+        let used = "RELATIVE ERROR ABSOLUTE ERROR FLIP not finite 0123456789.+-e";
+        assert!(used.chars().all(|c| font::glyph(c).is_some()));
+    }
+
+    #[test]
+    fn narrow_and_wide_pictures_have_room_for_the_text() {
+        for width in [0, 1, 239, 641, 1280, 1999] {
+            let image = append(&Image::filled([width, 1], Vec3::ZERO), &Legend { non_finite: 999_999, ..LEGEND });
+            assert!(image.width() >= MIN_WIDTH);
+            assert!(image.pixels.contains(&linear(NOT_FINITE)));
+        }
+    }
+}

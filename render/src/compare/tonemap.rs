@@ -1,0 +1,29 @@
+//! The tone map that metrics and previews share: exposure 1, clamped, sRGB, no curve.
+//!
+//! A curve would make the metrics depend on its design; without one they can be recomputed from a PNG by
+//! any other tool.
+
+use lapidary_core::{color::srgb_from_linear, image::Image};
+use rayon::prelude::*;
+
+/// The sRGB-encoded values, 0 to 1, that a display shows for a scene-linear picture; NaN becomes black.
+///
+/// The pixels of the result are *encoded*: writing it as PNG would encode them a second time.
+pub fn display(image: &Image) -> Image {
+    let pixels = image.pixels.par_iter().map(|rgb| rgb.map(srgb_from_linear)).collect();
+    Image { size: image.size, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn middle_grey_is_encoded_and_the_rest_is_clamped() {
+        let shown =
+            display(&Image { size: [2, 1], pixels: vec![Vec3::splat(0.214_041), Vec3::new(-1.0, 7.0, f32::NAN)] });
+        assert!((shown.pixels[0] - Vec3::splat(0.5)).length() < 1e-5);
+        assert!((shown.pixels[1] - Vec3::Y).length() < 1e-6);
+    }
+}
