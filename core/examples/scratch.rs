@@ -15,7 +15,7 @@ fn main(){
   let t0=std::time::Instant::now();
   for v in (0..m.positions.len()).step_by(step){ vis.fill(0); let nn=n[v]; traced+=sc.trace_batch(m.positions[v]+nn*eps,&set,|d|d.dot(nn)>0.0,&mut vis); pairs+=nl as u64; open+=vis.iter().map(|&x|x as u64).sum::<u64>(); }
   let s=t0.elapsed().as_secs_f64(); println!("{} pairs {:.1} M pairs/s/core, rays {:.1} M/s, open {:.3} of traced",pairs,pairs as f64/s/1e6,traced as f64/s/1e6,open as f64/traced as f64);
-  // oracle
+  
   let mut bad=0; let mut cnt=0; 
   for v in (0..m.positions.len()).step_by(step*7){ vis.fill(0); let nn=n[v]; let o=m.positions[v]+nn*eps; sc.trace_batch(o,&set,|d|d.dot(nn)>0.0,&mut vis); for i in (0..nl).step_by(61){ if dirs[i].dot(nn)>0.0 {cnt+=1; let b=!sc.occluded_by_brute_force(o,dirs[i]); if b!=(vis[i]==1){bad+=1;} if b==sc.occluded(o,dirs[i]){bad+=1;}}}}
   println!("mismatch {bad} of {cnt}");

@@ -5,6 +5,7 @@
 
 mod batch;
 mod directions;
+mod leaves;
 mod triangle;
 
 pub use directions::DirectionSet;
@@ -17,6 +18,7 @@ use obvhs::{
     ray::Ray,
     triangle::Triangle,
 };
+use leaves::LeafBlocks;
 use triangle::TriangleFrom;
 
 /// Where a ray first meets the mesh.
@@ -32,6 +34,11 @@ pub struct Hit {
     pub back_face: bool,
 }
 
+/// Large leaves: batches test eight triangles at a time. On the armadillo scene 16 triangles at a traversal cost of 6 gave
+/// 15.8 million pairs a second and core where the preset's 8 at 3 gave 13.0.
+const BUILD: BvhBuildParams =
+    BvhBuildParams { max_prims_per_leaf: 16, collapse_traversal_cost: 6.0, ..BvhBuildParams::slow_build() };
+
 /// A mesh prepared for ray casting. Keeps its own copy of the corners, so that the mesh may change.
 pub struct Intersector {
     bvh: Bvh2,
@@ -39,6 +46,8 @@ pub struct Intersector {
     leaf_triangles: Vec<[Vec3; 3]>,
     /// Index in the mesh of each leaf triangle; with spatial splits one may stand in several leaves.
     leaf_ids: Vec<u32>,
+    /// The same triangles, eight at a time.
+    blocks: LeafBlocks,
 }
 
 impl Intersector {
@@ -50,10 +59,11 @@ impl Intersector {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let bvh = build_bvh2_from_tris(&triangles, BvhBuildParams::slow_build(), &mut std::time::Duration::default());
+        let bvh = build_bvh2_from_tris(&triangles, BUILD, &mut std::time::Duration::default());
         let leaf_ids = bvh.primitive_indices.clone();
-        let leaf_triangles = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
-        Self { bvh, leaf_triangles, leaf_ids }
+        let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
+        let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
+        Self { bvh, leaf_triangles, leaf_ids, blocks }
     }
 
     /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.

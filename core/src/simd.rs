@@ -29,6 +29,7 @@ impl Vec3x8 {
     }
 
     /// One of the eight.
+    #[inline(always)]
     pub fn lane(&self, i: usize) -> Vec3 {
         Vec3::new(self.x.to_array()[i], self.y.to_array()[i], self.z.to_array()[i])
     }
@@ -37,6 +38,16 @@ impl Vec3x8 {
     #[inline(always)]
     pub fn dot(self, other: Self) -> f32x8 {
         self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Cross products.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
     }
 
     /// Component-wise product, as for colours.

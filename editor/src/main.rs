@@ -1,1 +1,27 @@
-fn main() {}
+//! The `lapidary` program: a command line over baking, rendering and comparing.
+
+mod cli;
+mod commands;
+mod console;
+mod demo;
+mod options;
+mod outcome;
+mod outputs;
+mod progress;
+mod view_args;
+
+use clap::Parser;
+use cli::Cli;
+use lapidary_precompute::cli::error_text;
+use outcome::Outcome;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = cli.command.run(console::Console { quiet: cli.quiet });
+    let outcome = outcome.unwrap_or_else(|error| {
+        eprintln!("error: {}", error_text(&error));
+        Outcome::of_error(&error)
+    });
+    outcome.into()
+}

@@ -2,7 +2,7 @@
 
 mod progress;
 
-pub use progress::{ProgressReporter, ProgressStyle};
+pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
 
 use crate::{BakeJob, Preset, Verification, bake};
 use anyhow::{Context, Result, bail};
@@ -12,7 +12,7 @@ use lapidary_core::{
     import::import,
     light_tree::TreeKind,
 };
-use std::{path::PathBuf, time::Instant};
+use std::{io::Write, path::PathBuf, time::Instant};
 
 /// Clustering metric of the light tree, as an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -180,11 +180,10 @@ impl InfoArgs {
     pub fn run(&self) -> Result<()> {
         let dataset = Dataset::read(&self.file)?;
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&info_json(&dataset))?);
+            print_out(&json_text(&info_json(&dataset))?)
         } else {
-            print!("{}", info_text(&dataset));
+            print_out(&info_text(&dataset))
         }
-        Ok(())
     }
 }
 
@@ -241,9 +240,9 @@ impl VerifyArgs {
     pub fn run(&self) -> Result<()> {
         let result = crate::verify(&Dataset::read(&self.file)?, self.vertices);
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&result)?);
+            print_out(&json_text(&result)?)?;
         } else {
-            print!("{}", verification_text(&result));
+            print_out(&verification_text(&result))?;
         }
         if !result.passed {
             bail!("the dataset does not agree with its scene: bake it again");
@@ -259,12 +258,38 @@ fn verification_text(v: &Verification) -> String {
     )
 }
 
+/// Prints to standard output. A reader that left early is no error, a full disk is.
+///
+/// # Errors
+/// Standard output that cannot be written.
+pub fn print_out(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e).context("cannot write to standard output"),
+        _ => Ok(()),
+    }
+}
+
+/// An error and its causes in one line. Most of our errors tell their cause themselves; it is not said twice.
+pub fn error_text(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
+
+fn json_text(value: &impl serde::Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(value)? + "\n")
+}
+
 /// Writes a value as indented JSON, atomically.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Result<()> {
-    let json = serde_json::to_string_pretty(value)? + "\n";
-    lapidary_core::atomic::write_atomically(path, json.as_bytes())
+    lapidary_core::atomic::write_atomically(path, json_text(value)?.as_bytes())
         .with_context(|| format!("cannot write {}; check the folder and the free space", path.display()))
 }

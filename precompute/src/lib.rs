@@ -19,6 +19,7 @@ mod visibility;
 
 pub use bake::{BakeError, BakeJob, bake};
 pub use checkpoint::CheckpointError;
+pub use memory::available as available_memory;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
 pub use verify::{Verification, verify};

@@ -14,6 +14,7 @@ use thiserror::Error;
 
 pub mod flip;
 pub mod map;
+mod ssim;
 pub mod tonemap;
 
 /// Why two pictures cannot be compared.
@@ -33,6 +34,9 @@ pub enum CompareError {
     /// There are no pixels.
     #[error("the pictures have no pixels; render them with a width and height of at least 1")]
     Empty,
+    /// The end of an error map's range is not positive.
+    #[error("the range of an error map must end at a positive number")]
+    Range,
     /// No pixel can be compared.
     #[error(
         "none of the {pixels} pixels is a finite number in both pictures; check that the renders finished and \
@@ -59,9 +63,7 @@ pub struct Metrics {
     /// Infinite for pictures that look equal: `null` in JSON.
     #[serde(with = "infinite_as_null")]
     pub psnr: f64,
-    /// Structural similarity of the luma in 8 bits, 1 for equal pictures, as `image-compare` defines it: over
-    /// blocks of 8 x 8 pixels, with sums where Wang et al. (2004) have means for the variances. That makes
-    /// their constant C2 matter 64 times less, so that faint noise on flat areas costs more than in other programs.
+    /// Mean structural similarity of the luma that a display shows, 1 for equal pictures (Wang et al. 2004).
     pub ssim: f64,
     /// Mean LDR-FLIP at 67 pixels per degree, 0 for equal pictures to 1 ([`flip`]).
     pub flip: f64,
@@ -179,10 +181,7 @@ impl Pair {
     }
 
     fn ssim(&self) -> f64 {
-        let [test, reference] = [&self.test, &self.reference].map(luma);
-        image_compare::gray_similarity_structure(&image_compare::Algorithm::MSSIMSimple, &test, &reference)
-            .expect("the sizes were found equal")
-            .score
+        ssim::ssim(&luma(&self.test), &luma(&self.reference), self.test.width())
     }
 
     fn mean_flip(&self) -> f64 {
@@ -206,10 +205,9 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count as f64
 }
 
-/// The luma of a displayed picture in 8 bits.
-fn luma(shown: &Image) -> image::GrayImage {
-    let bytes = shown.pixels.iter().map(|rgb| (255.0 * rgb.dot(LUMINANCE)).round() as u8).collect();
-    image::GrayImage::from_raw(shown.size[0], shown.size[1], bytes).expect("there is one byte per pixel")
+/// The luma of a displayed picture.
+fn luma(shown: &Image) -> Vec<f64> {
+    shown.pixels.iter().map(|rgb| f64::from(rgb.dot(LUMINANCE))).collect()
 }
 
 /// JSON has no infinity.

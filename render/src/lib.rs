@@ -1,1 +1,20 @@
+//! Dataset, lighting, materials and camera to image.
+//!
+//! [`Renderer::render`] merges cuts on the CPU (paper, 4.2); [`Renderer::samples_reference`] and
+//! [`Renderer::path_reference`] trace rays instead, to see what the cuts lose and what the light samples lose.
+//! All three sample the pixel and look up the surface by the same code, so that edges and textures do not count as
+//! error. [`compare`] measures pictures.
 
+mod background;
+pub mod compare;
+mod lighting;
+mod path;
+mod refine;
+mod renderer;
+mod samples;
+mod shade;
+mod surface;
+mod view;
+
+pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
+pub use view::{Background, Progress, Quiet, View};

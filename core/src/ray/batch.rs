@@ -7,12 +7,14 @@
 
 use super::{
     DirectionSet, Intersector,
-    directions::{GROUP, GROUP_PLANES, GROUPS, PACKET, PACKET_PLANES, Packet, Vec3Lanes},
-    triangle::TriangleFrom,
+    directions::{GROUP, GROUP_PLANES, GROUPS, PACKET, PACKET_PLANES, Packet},
+    leaves::BlockFrom,
 };
+use crate::simd::Vec3x8;
 use glam::Vec3;
 use multiversion::multiversion;
 use obvhs::bvh2::node::Bvh2Node;
+use wide::f32x8;
 
 /// Which rays of a packet are still under way: eight bits a group.
 type Active = [u8; GROUPS];
@@ -54,7 +56,7 @@ impl Intersector {
 fn wanted_rays(packet: &Packet, wanted: &impl Fn(Vec3) -> bool) -> Active {
     let mut active = [0; GROUPS];
     for i in 0..packet.count {
-        active[i / GROUP] |= u8::from(wanted(packet.rays[i / GROUP].get(i % GROUP))) << (i % GROUP);
+        active[i / GROUP] |= u8::from(wanted(packet.rays[i / GROUP].lane(i % GROUP))) << (i % GROUP);
     }
     active
 }
@@ -82,9 +84,8 @@ fn trace_packet(
             continue;
         }
         if node.prim_count > 0 {
-            let first = node.first_index as usize;
-            for &corners in &scene.leaf_triangles[first..first + node.prim_count as usize] {
-                block(packet, &TriangleFrom::new(origin, corners), groups, &mut active);
+            for corners in scene.blocks.of_leaf(node.first_index, node.prim_count) {
+                block(packet, &BlockFrom::new(origin, corners), groups, &mut active);
             }
             live = live_groups(&active);
             if live == 0 {
@@ -116,62 +117,43 @@ fn live_groups(active: &Active) -> u8 {
 #[inline(always)]
 fn reached_groups(packet: &Packet, origin: Vec3, node: &Bvh2Node, groups: u8) -> u8 {
     let (min, max) = (Vec3::from(node.aabb.min) - origin, Vec3::from(node.aabb.max) - origin);
-    let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
-    if groups == 0 || beyond(&packet.planes, center, half) != [0; PACKET_PLANES] {
+    let center = Vec3x8::splat(0.5 * (min + max));
+    let half = Vec3x8::splat(0.5 * (max - min));
+    if groups == 0 || beyond(&packet.planes, center, half) != 0 {
         return 0;
     }
-    let mut outside = [0_u32; 8];
-    for k in 0..GROUP_PLANES {
-        let past = beyond(&packet.group_planes[k], center, half);
-        for g in 0..8 {
-            outside[g] |= past[g];
+    let outside = (0..GROUP_PLANES).fold(0, |outside, k| outside | beyond(&packet.group_planes[k], center, half));
+    groups & !outside
+}
+
+/// Bit `i` is set if the box lies wholly on the outer side of plane `i` through the origin.
+#[inline(always)]
+fn beyond(planes: &Vec3x8, center: Vec3x8, half: Vec3x8) -> u8 {
+    let extent = planes.x.abs() * half.x + planes.y.abs() * half.y + planes.z.abs() * half.z;
+    (planes.dot(center) - extent).simd_gt(f32x8::ZERO).to_bitmask() as u8
+}
+
+/// Ends the rays of `groups` that cross any of eight triangles.
+#[inline(always)]
+fn block(packet: &Packet, triangles: &BlockFrom, groups: u8, active: &mut Active) {
+    let mut near = triangles.near_cone(Vec3x8::splat(packet.axis), f32x8::splat(packet.sin_sq));
+    while near != 0 {
+        let edges = triangles.edges_of(near.trailing_zeros() as usize);
+        near &= near - 1;
+        let mut rest = groups;
+        while rest != 0 {
+            let g = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            active[g] &= !crossings(&packet.rays[g], &edges);
         }
     }
-    groups & !bits(&outside)
 }
 
-/// For each of eight planes through the origin: 1 if the box lies wholly on its outer side.
+/// Which of eight rays cross the triangle, one bit each; the same arithmetic as [`super::triangle::TriangleFrom::crosses`].
 #[inline(always)]
-fn beyond(planes: &Vec3Lanes, center: Vec3, half: Vec3) -> [u32; 8] {
-    std::array::from_fn(|i| {
-        let (x, y, z) = (planes.x[i], planes.y[i], planes.z[i]);
-        let nearest = x * center.x + y * center.y + z * center.z
-            - (x.abs() * half.x + y.abs() * half.y + z.abs() * half.z);
-        u32::from(nearest > 0.0)
-    })
-}
-
-#[inline(always)]
-fn bits(flags: &[u32; 8]) -> u8 {
-    (0..8).fold(0, |mask, i| mask | (flags[i] as u8) << i)
-}
-
-/// Ends the rays of `groups` that cross the triangle.
-#[inline(always)]
-fn block(packet: &Packet, triangle: &TriangleFrom, groups: u8, active: &mut Active) {
-    if triangle.side == 0.0 {
-        return;
-    }
-    let mut rest = groups;
-    while rest != 0 {
-        let g = rest.trailing_zeros() as usize;
-        rest &= rest - 1;
-        active[g] &= !crossings(&packet.rays[g], triangle);
-    }
-}
-
-/// Which of eight rays cross the triangle, one bit each; the same arithmetic as [`TriangleFrom::crosses`].
-#[inline(always)]
-fn crossings(rays: &Vec3Lanes, triangle: &TriangleFrom) -> u8 {
-    let [a, b, c] = triangle.edges;
-    let inside: [u32; 8] = std::array::from_fn(|i| {
-        let (x, y, z) = (rays.x[i], rays.y[i], rays.z[i]);
-        let da = a.x * x + a.y * y + a.z * z;
-        let db = b.x * x + b.y * y + b.z * z;
-        let dc = c.x * x + c.y * y + c.z * z;
-        u32::from(da >= 0.0) & u32::from(db >= 0.0) & u32::from(dc >= 0.0)
-    });
-    bits(&inside)
+fn crossings(rays: &Vec3x8, edges: &[Vec3x8; 3]) -> u8 {
+    let inside = |edge: &Vec3x8| edge.dot(*rays).simd_ge(f32x8::ZERO);
+    (inside(&edges[0]) & inside(&edges[1]) & inside(&edges[2])).to_bitmask() as u8
 }
 
 const _: () = assert!(PACKET <= 64 && PACKET_PLANES == 8 && GROUPS == 8);

@@ -1,5 +1,6 @@
 //! A set of directions arranged for batches: packets of 64 in groups of 8, each bounded by planes through the origin.
 
+use crate::simd::Vec3x8;
 use glam::Vec3;
 
 /// Rays in one SIMD group.
@@ -13,36 +14,19 @@ pub(super) const GROUP_PLANES: usize = 4;
 /// Planes that bound a packet, seen along its axis an octagon.
 pub(super) const PACKET_PLANES: usize = 8;
 
-/// Eight vectors, component by component.
-#[derive(Clone, Copy, Default)]
-#[repr(C, align(32))]
-pub(super) struct Vec3Lanes {
-    pub x: [f32; 8],
-    pub y: [f32; 8],
-    pub z: [f32; 8],
-}
-
-impl Vec3Lanes {
-    pub(super) fn set(&mut self, lane: usize, v: Vec3) {
-        (self.x[lane], self.y[lane], self.z[lane]) = (v.x, v.y, v.z);
-    }
-
-    pub(super) fn get(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
-    }
-}
-
 /// 64 directions that lie close together. Unused lanes repeat the last direction.
 #[derive(Clone)]
 pub(super) struct Packet {
     /// Mean direction; the packet visits near boxes along it first.
     pub axis: Vec3,
+    /// Squared sine of the half-angle of the cone around `axis` that holds all rays; 1 if it is no cone.
+    pub sin_sq: f32,
     /// Outward normals of the bounding planes of the whole packet, one a lane.
-    pub planes: Vec3Lanes,
+    pub planes: Vec3x8,
     /// Outward normals of the bounding planes of the groups: `group_planes[k]` has the `k`-th of each group.
-    pub group_planes: [Vec3Lanes; GROUP_PLANES],
+    pub group_planes: [Vec3x8; GROUP_PLANES],
     /// The directions of each group.
-    pub rays: [Vec3Lanes; GROUPS],
+    pub rays: [Vec3x8; GROUPS],
     /// Where each ray stands in the caller's order; lanes past `count` are unused.
     pub targets: [u32; PACKET],
     /// Number of rays in use.
@@ -102,27 +86,29 @@ impl Packet {
         let member = |i: usize| members[i.min(members.len() - 1)];
         let mut packet = Self {
             axis: Vec3::ZERO,
-            planes: Vec3Lanes::default(),
-            group_planes: Default::default(),
-            rays: Default::default(),
+            sin_sq: 1.0,
+            planes: Vec3x8::splat(Vec3::ZERO),
+            group_planes: [Vec3x8::splat(Vec3::ZERO); GROUP_PLANES],
+            rays: [Vec3x8::splat(Vec3::ZERO); GROUPS],
             targets: std::array::from_fn(|i| member(i)),
             count: members.len(),
         };
         let all: [Vec3; PACKET] = std::array::from_fn(|i| directions[member(i) as usize]);
         packet.axis = all.iter().sum::<Vec3>().normalize_or(Vec3::Y);
-        for (lane, plane) in bounding_planes::<PACKET_PLANES>(&all).into_iter().enumerate() {
-            packet.planes.set(lane, plane);
-        }
-        for (group, rays) in all.chunks(GROUP).enumerate() {
-            for (lane, &ray) in rays.iter().enumerate() {
-                packet.rays[group].set(lane, ray);
-            }
-            for (k, plane) in bounding_planes::<GROUP_PLANES>(rays).into_iter().enumerate() {
-                packet.group_planes[k].set(group, plane);
-            }
-        }
+        packet.sin_sq = cone_sin_sq(packet.axis, &all);
+        packet.planes = Vec3x8::from_array(bounding_planes::<PACKET_PLANES>(&all));
+        let groups: [&[Vec3]; GROUPS] = std::array::from_fn(|g| &all[g * GROUP..(g + 1) * GROUP]);
+        packet.rays = groups.map(|rays| Vec3x8::from_array(std::array::from_fn(|lane| rays[lane])));
+        let planes = groups.map(bounding_planes::<GROUP_PLANES>);
+        packet.group_planes = std::array::from_fn(|k| Vec3x8::from_array(planes.map(|p| p[k])));
         packet
     }
+}
+
+/// Squared sine of the half-angle of the cone around `axis` that holds all directions, widened by more than rounding.
+fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
+    let cos = directions.iter().map(|d| d.dot(axis)).fold(1.0, f32::min);
+    if cos > 0.2 { (1.0 - cos * cos + 1e-4).min(1.0) } else { 1.0 }
 }
 
 /// Outward normals of `K` planes through the origin that together enclose all `directions`. Directions too far apart
@@ -170,10 +156,10 @@ mod tests {
             for packet in &set.packets {
                 for i in 0..packet.count {
                     seen[packet.targets[i] as usize] += 1;
-                    let d = packet.rays[i / GROUP].get(i % GROUP);
+                    let d = packet.rays[i / GROUP].lane(i % GROUP);
                     assert_eq!(d, directions[packet.targets[i] as usize]);
-                    assert!((0..PACKET_PLANES).all(|k| packet.planes.get(k).dot(d) <= 0.0));
-                    assert!(packet.group_planes.iter().all(|p| p.get(i / GROUP).dot(d) <= 0.0));
+                    assert!((0..PACKET_PLANES).all(|k| packet.planes.lane(k).dot(d) <= 0.0));
+                    assert!(packet.group_planes.iter().all(|p| p.lane(i / GROUP).dot(d) <= 0.0));
                 }
             }
             assert!(seen.iter().all(|&s| s == 1));
@@ -183,7 +169,7 @@ mod tests {
     #[test]
     fn planes_exclude_directions_far_from_the_packet() {
         let set = DirectionSet::new(&fibonacci_directions(4096));
-        let excluded = |p: &Packet| (0..PACKET_PLANES).any(|k| p.planes.get(k).dot(-p.axis) > 0.0);
+        let excluded = |p: &Packet| (0..PACKET_PLANES).any(|k| p.planes.lane(k).dot(-p.axis) > 0.0);
         assert!(set.packets.iter().all(excluded));
     }
 }

@@ -235,7 +235,7 @@ pub fn lamp_shade() -> Mesh {
     let (low, high, wall) = (vec2(0.235, 1.36), vec2(0.165, 1.66), vec2(0.004, 0.0));
     let profile =
         [line(low, high, 6), line(high, high - wall, 1), line(high - wall, low - wall, 6), line(low - wall, low, 1)];
-    turn(&profile, 44)
+    turn(&profile, 36)
 }
 
 /// The lamp's globe.

@@ -20,7 +20,7 @@ pub fn still_life(cloth_resolution: usize) -> Scene {
     scene.add("Backdrop", backdrop::sweep(), "Painted canvas", Affine3A::IDENTITY);
     add_draped_block(&mut scene, cloth_resolution);
     add_pottery(&mut scene);
-    add_shader_ball(&mut scene, at(vec3(0.66, 0.0, 0.24), -8.0));
+    add_shader_ball(&mut scene, at(vec3(0.68, 0.0, 0.27), -10.0));
     add_pears(&mut scene);
     scene.add("Lantern", filigree::joined(0.36), "Patinated bronze", at(vec3(-0.34, 0.0, 0.28), 10.0));
     scene.add("Gem", gem::resting(0.16), "Garnet", at(vec3(0.09, 0.0, 0.46), -22.0));
@@ -30,7 +30,7 @@ pub fn still_life(cloth_resolution: usize) -> Scene {
 
 fn cameras() -> Vec<Camera> {
     vec![
-        Camera { name: "main", eye: vec3(0.36, 0.72, 1.90), target: vec3(0.02, 0.165, 0.02), vertical_fov: 35.0 },
+        Camera { name: "main", eye: vec3(0.40, 0.76, 2.02), target: vec3(0.03, 0.165, 0.02), vertical_fov: 35.0 },
         Camera { name: "detail", eye: vec3(-0.06, 0.30, 1.12), target: vec3(0.09, 0.105, 0.20), vertical_fov: 30.0 },
     ]
 }
@@ -79,8 +79,8 @@ fn add_pears(scene: &mut Scene) {
     let mut whole = body.clone();
     whole.append(&stem);
     let lying = pear::lying(&whole, 0.6);
-    let standing = at(vec3(-0.61, 0.0, 0.20), 150.0);
-    let tipped = at(vec3(-0.715, 0.0, 0.25), 172.0) * lying;
+    let standing = at(vec3(-0.545, 0.0, 0.18), 150.0);
+    let tipped = at(vec3(-0.635, 0.0, 0.255), 172.0) * lying;
     let body = scene.piece("Pear", body, "Pear skin");
     let stem = scene.piece("Stem", stem, "Stem");
     for (name, placed) in [("standing", standing), ("lying", tipped)] {
@@ -148,35 +148,45 @@ mod tests {
         }
     }
 
+    fn grouped(a: &str, b: &str) -> bool {
+        GROUPS.iter().any(|g| g.contains(&a) && (g.len() == 1 || g.contains(&b)))
+    }
+
+    /// Bounding circle, seen from above, of what lies below `height`.
+    fn circle(mesh: &crate::mesh::Mesh, height: f32) -> Option<(Vec2, f32)> {
+        let seen: Vec<Vec2> = mesh.positions.iter().filter(|p| p.y < height).map(|p| vec2(p.x, p.z)).collect();
+        let centre = seen.iter().sum::<Vec2>() / seen.len() as f32;
+        let radius = seen.iter().fold(0.0, |radius: f32, p| radius.max(p.distance(centre)));
+        (!seen.is_empty()).then_some((centre, radius))
+    }
+
     #[test]
     fn pieces_keep_apart() {
         let scene = still_life(8);
-        let grouped = |a: &str, b: &str| GROUPS.iter().any(|g| g.contains(&a) && (g.len() == 1 || g.contains(&b)));
-        for (i, a) in scene.nodes.iter().enumerate() {
-            for b in &scene.nodes[i + 1..] {
-                let is_cloth = a.name == "Cloth" || b.name == "Cloth";
-                if !is_cloth && !grouped(&a.name, &b.name) {
-                    let gap = circle_gap(&placed(&scene, a), &placed(&scene, b));
-                    assert!(gap > 0.0, "{} and {} overlap by {}", a.name, b.name, -gap);
-                }
+        let nodes = scene.nodes.iter().filter(|node| node.name != "Cloth");
+        let circles = nodes.map(|node| (&node.name, circle(&placed(&scene, node), f32::INFINITY)));
+        let circles: Vec<_> = circles.filter_map(|(name, circle)| Some((name, circle?))).collect();
+        for (i, (a, (centre_a, radius_a))) in circles.iter().enumerate() {
+            for (b, (centre_b, radius_b)) in &circles[i + 1..] {
+                let gap = centre_a.distance(*centre_b) - radius_a - radius_b;
+                assert!(grouped(a, b) || gap > 0.0, "{a} and {b} overlap by {}", -gap);
             }
         }
     }
 
-    /// Distance between the bounding circles seen from above.
-    fn circle_gap(a: &crate::mesh::Mesh, b: &crate::mesh::Mesh) -> f32 {
-        let circle = |mesh: &crate::mesh::Mesh| {
-            let seen = mesh.positions.iter().map(|p| vec2(p.x, p.z));
-            let centre = seen.clone().sum::<Vec2>() / mesh.positions.len() as f32;
-            (centre, seen.fold(0.0, |radius: f32, p| radius.max(p.distance(centre))))
-        };
-        let ((centre_a, radius_a), (centre_b, radius_b)) = (circle(a), circle(b));
-        centre_a.distance(centre_b) - radius_a - radius_b
-    }
-
+    /// At the resolution that is shipped: the folds differ with it.
     #[test]
-    fn the_budget_holds() {
-        let scene = still_life(104);
+    fn nothing_stands_on_the_cloth_and_the_budget_holds() {
+        let scene = still_life(crate::CLOTH_RESOLUTION);
         assert!((30_000..60_000).contains(&scene.vertex_count()), "{}", scene.vertex_count());
+        let cloth = scene.nodes.iter().find(|node| node.name == "Cloth").map(|node| placed(&scene, node)).unwrap();
+        for node in scene.nodes.iter().filter(|node| !grouped(&node.name, "Cloth")) {
+            // The cloth lies flat, away from the block: only what is near the floor can touch it.
+            if let Some((centre, radius)) = circle(&placed(&scene, node), 0.05) {
+                let gaps = cloth.positions.iter().map(|p| vec2(p.x, p.z).distance(centre) - radius);
+                let gap = gaps.fold(f32::INFINITY, f32::min);
+                assert!(gap > 0.0 || node.name == "Backdrop", "{} stands on the cloth: {gap}", node.name);
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::noise::{cells, fractal, gradient, lerp, smoothstep, unit};
 
 /// Walnut, grain along U. Linear base colour.
 pub fn walnut(uv: Vec2) -> Vec3 {
-    grain(uv, [vec3(0.050, 0.024, 0.013), vec3(0.185, 0.098, 0.052)], 7, 21)
+    grain(uv, [vec3(0.050, 0.024, 0.013), vec3(0.185, 0.098, 0.052)], 8, 21)
 }
 
 /// Oak, grain along U. Linear base colour.
@@ -18,14 +18,14 @@ pub fn oak(uv: Vec2) -> Vec3 {
 
 /// Wood: year rings cut lengthwise, wandering with slow noise, over fine fibres and pores.
 fn grain(uv: Vec2, [dark, light]: [Vec3; 2], rings: i32, seed: u32) -> Vec3 {
-    let wander = 0.13 * fractal(uv, (1, 2), 3, seed) + 0.012 * fractal(uv, (4, 24), 2, seed + 9);
+    let wander = 0.055 * fractal(uv, (1, 2), 2, seed) + 0.006 * fractal(uv, (3, 16), 2, seed + 9);
     let phase = rings as f32 * (uv.y + wander);
     // Each ring darkens slowly towards its late wood and ends abruptly.
     let within = phase - phase.floor();
     let late = within.powi(2) * (1.0 - smoothstep(0.90, 1.0, within));
     let fibre = 0.5 + 0.5 * gradient(uv, (6, 160), seed + 3);
     let streak = 0.5 + 0.5 * fractal(uv, (2, 14), 3, seed + 5);
-    let tone = (0.85 - 0.75 * late + 0.30 * (streak - 0.5) + 0.22 * (fibre - 0.5)).clamp(0.0, 1.0);
+    let tone = (0.85 - 0.75 * late + 0.45 * (streak - 0.5) + 0.30 * (fibre - 0.5)).clamp(0.0, 1.0);
     dark.lerp(light, tone) * (1.0 - 0.45 * pore(uv, seed + 7))
 }
 

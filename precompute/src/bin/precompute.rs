@@ -1,7 +1,7 @@
 //! Baking without renderer or window: for render farms and scripts.
 
 use clap::{Parser, Subcommand};
-use lapidary_precompute::cli::{BakeArgs, InfoArgs, VerifyArgs};
+use lapidary_precompute::cli::{BakeArgs, InfoArgs, VerifyArgs, error_text};
 use std::process::ExitCode;
 
 /// Bake scenes into visibility cuts, and inspect and verify the result
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", error_text(&error));
             ExitCode::FAILURE
         }
     }

@@ -40,17 +40,25 @@ const NOT_FINITE: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 /// This share of the pixels lies within the range of the bar, so that a few outliers do not darken the rest.
 const SHARE_IN_RANGE: f32 = 0.99;
 
-/// The error of each pixel of `test` against `reference`, in the colours of magma. The range is 0 to 1 for
-/// FLIP; otherwise it ends at the 99th percentile of the errors, rounded up to 1, 2 or 5 times a power of ten.
+/// The error of each pixel of `test` against `reference`, in the colours of magma. The range ends at `top`, which
+/// makes several maps comparable; without it at 1 for FLIP and otherwise at the 99th percentile of the errors, rounded
+/// up to 1, 2 or 5 times a power of ten.
 ///
 /// # Errors
-/// Sizes that differ and pictures without pixels.
-pub fn error_map(test: &Image, reference: &Image, kind: ErrorMap) -> Result<ErrorMapImage, CompareError> {
+/// Sizes that differ, pictures without pixels, and a `top` that is not positive.
+pub fn error_map(
+    test: &Image,
+    reference: &Image,
+    kind: ErrorMap,
+    top: Option<f32>,
+) -> Result<ErrorMapImage, CompareError> {
     let pair = Pair::of(test, reference)?;
     let errors = kind.errors(&pair);
-    let top = match kind {
-        ErrorMap::Flip => 1.0,
-        ErrorMap::Relative | ErrorMap::Absolute => top_of_range(pair.of_finite(&errors).collect()),
+    let top = match (top, kind) {
+        (Some(top), _) if top > 0.0 && top.is_finite() => top,
+        (Some(_), _) => return Err(CompareError::Range),
+        (None, ErrorMap::Flip) => 1.0,
+        (None, ErrorMap::Relative | ErrorMap::Absolute) => top_of_range(pair.of_finite(&errors).collect()),
     };
     let color = |(&error, &finite): (&f32, &bool)| linear(if finite { magma(error / top) } else { NOT_FINITE });
     let pixels = errors.par_iter().zip(&pair.finite).map(color).collect();
@@ -147,9 +155,22 @@ mod tests {
         let reference = gradient(0.0);
         let mut test = gradient(0.1);
         test.pixels[33].x += 1e6;
-        let map = error_map(&test, &reference, ErrorMap::Absolute).unwrap();
+        let map = error_map(&test, &reference, ErrorMap::Absolute, None).unwrap();
         assert!((map.range[1] - 0.1).abs() < 1e-6 || (map.range[1] - 0.2).abs() < 1e-6);
         assert_eq!(map.image.at(33, 0), linear(magma(1.0)));
+    }
+
+    #[test]
+    fn a_given_top_makes_maps_comparable() {
+        let reference = gradient(0.0);
+        let map = |offset, top| error_map(&gradient(offset), &reference, ErrorMap::Absolute, top);
+        let pixel = |offset, top| map(offset, top).unwrap().image.at(20, 10);
+        assert_eq!(map(0.1, Some(0.4)).unwrap().range, [0.0, 0.4]);
+        assert!(pixel(0.1, Some(0.4)).x < pixel(0.2, Some(0.4)).x);
+        assert!((pixel(0.1, None) - pixel(0.2, None)).length() < 1e-3, "negative control: each fills its own range");
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert_eq!(map(0.1, Some(bad)), Err(CompareError::Range));
+        }
     }
 
     #[test]
@@ -172,7 +193,7 @@ mod tests {
         test.pixels[3] *= 2.0;
         test.pixels[35].y = f32::NAN;
         for kind in KINDS {
-            let map = error_map(&test, &reference, kind).unwrap().image;
+            let map = error_map(&test, &reference, kind, None).unwrap().image;
             assert_eq!(map.at(20, 19), linear(magma(0.0)), "{kind:?}");
             assert!(map.at(3, 0).x > map.at(20, 19).x, "{kind:?}");
             assert_eq!(map.at(35, 0), linear(NOT_FINITE), "{kind:?}");
@@ -185,10 +206,10 @@ mod tests {
         let nan = Image::filled([1, 1], Vec3::NAN);
         let none = Image::filled([0, 0], Vec3::ONE);
         for kind in KINDS {
-            assert!(error_map(&one, &one, kind).is_ok());
-            assert_eq!(error_map(&nan, &one, kind).unwrap().image.at(0, 0), linear(NOT_FINITE));
-            assert_eq!(error_map(&none, &none, kind), Err(CompareError::Empty));
-            assert!(error_map(&one, &none, kind).is_err());
+            assert!(error_map(&one, &one, kind, None).is_ok());
+            assert_eq!(error_map(&nan, &one, kind, None).unwrap().image.at(0, 0), linear(NOT_FINITE));
+            assert_eq!(error_map(&none, &none, kind, None), Err(CompareError::Empty));
+            assert!(error_map(&one, &none, kind, None).is_err());
         }
     }
 }

@@ -1,0 +1,74 @@
+//! Leaf triangles eight at a time, and their edge planes from an origin.
+
+use crate::simd::Vec3x8;
+use glam::Vec3;
+use obvhs::bvh2::Bvh2;
+use wide::f32x8;
+
+/// Triangles of all leaves in blocks of eight; a leaf starts a block of its own.
+pub(super) struct LeafBlocks {
+    /// The corners of eight triangles; unused lanes repeat the first triangle's first corner and cross nothing.
+    corners: Vec<[Vec3x8; 3]>,
+    /// First block of the leaf whose first triangle is at this position.
+    first_block: Vec<u32>,
+}
+
+impl LeafBlocks {
+    pub fn new(bvh: &Bvh2, triangles: &[[Vec3; 3]]) -> Self {
+        let mut blocks = Self { corners: Vec::new(), first_block: vec![0; triangles.len()] };
+        for leaf in bvh.nodes.iter().filter(|n| n.prim_count > 0) {
+            let first = leaf.first_index as usize;
+            blocks.first_block[first] = blocks.corners.len() as u32;
+            for eight in triangles[first..first + leaf.prim_count as usize].chunks(8) {
+                let corner = |lane: usize, c: usize| eight.get(lane).map_or(eight[0][0], |t| t[c]);
+                blocks.corners.push([0, 1, 2].map(|c| Vec3x8::from_array(std::array::from_fn(|lane| corner(lane, c)))));
+            }
+        }
+        blocks
+    }
+
+    /// The blocks of a leaf.
+    #[inline(always)]
+    pub fn of_leaf(&self, first_index: u32, count: u32) -> &[[Vec3x8; 3]] {
+        let first = self.first_block[first_index as usize] as usize;
+        &self.corners[first..first + count.div_ceil(8) as usize]
+    }
+}
+
+/// [`super::TriangleFrom`] for eight triangles, by the same arithmetic.
+pub(super) struct BlockFrom {
+    edges: [Vec3x8; 3],
+    /// Triangles that a ray from the origin can cross at all.
+    crossable: u32,
+}
+
+impl BlockFrom {
+    #[inline(always)]
+    pub fn new(origin: Vec3, corners: &[Vec3x8; 3]) -> Self {
+        let o = Vec3x8::splat(origin);
+        let [a, b, c] = corners.map(|p| p - o);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let side = a.dot(normal);
+        let sign = side.simd_lt(f32x8::ZERO).select(-f32x8::ONE, f32x8::ONE);
+        let crossable = side.simd_ne(f32x8::ZERO).to_bitmask();
+        Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], crossable }
+    }
+
+    /// Triangles that some ray within the cone around `axis` may cross; `sin_sq` is the squared sine of its half-angle.
+    ///
+    /// A cone lies wholly outside an edge plane if its axis is farther outside than its half-angle.
+    #[inline(always)]
+    pub fn near_cone(&self, axis: Vec3x8, sin_sq: f32x8) -> u32 {
+        let outside = |e: &Vec3x8| {
+            let d = e.dot(axis);
+            d.simd_lt(f32x8::ZERO) & (d * d).simd_gt(sin_sq * e.dot(*e))
+        };
+        self.crossable & !(outside(&self.edges[0]) | outside(&self.edges[1]) | outside(&self.edges[2])).to_bitmask()
+    }
+
+    /// The edge planes of one triangle, eight times each.
+    #[inline(always)]
+    pub fn edges_of(&self, lane: usize) -> [Vec3x8; 3] {
+        self.edges.map(|e| Vec3x8::splat(e.lane(lane)))
+    }
+}

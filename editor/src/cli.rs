@@ -1,0 +1,149 @@
+//! The commands and what `--help` says.
+
+use crate::{
+    commands::{
+        bake,
+        compare::{self, CompareArgs},
+        reference::{self, ReferenceArgs},
+        render::{self, RenderArgs},
+    },
+    console::Console,
+    demo::{self, DemoArgs},
+    outcome::Outcome,
+};
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use lapidary_precompute::cli::{BakeArgs, InfoArgs, VerifyArgs};
+
+const ABOUT: &str = "Relight scenes with visibility that was baked once: noise-free shadows and reflections of whole \
+environments, for any material, and always measured against ray tracing.";
+
+const TUTORIAL: &str = "\
+A first tour, on the data that comes with the program:
+
+  lapidary demo
+      bakes a still life, renders it, traces the references, and writes out/demo/report.html to look at
+
+Then with a scene of your own:
+
+  lapidary bake scene.gltf -o scene.cuts --preset draft
+      bakes its visibility; draft takes seconds to a minute, normal and high are finer
+  lapidary info scene.cuts
+      says what is in the dataset: mesh, light tree, cut sizes, error, bytes, times
+  lapidary verify scene.cuts
+      traces some vertices again, ray by ray, and compares
+  lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
+      relights it: any environment, turned by any angle, without a new bake
+  lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --base-color 0.9,0.6,0.3 --out gold.png
+      gives the whole scene another material
+  lapidary reference scene.cuts --env sky.hdr --rotate 30 --out truth.exr
+      traces rays for the same picture: slower, and right
+  lapidary compare sky.exr truth.exr --map rel --out error.png
+      measures the difference, and draws where it is
+
+`lapidary COMMAND --help` explains every option.
+
+Exit codes: 0 done, 1 error, 2 wrong options, 3 `compare` found a difference out of bounds, 130 stopped by Ctrl-C.";
+
+/// The command line.
+#[derive(Parser)]
+#[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, arg_required_else_help = true)]
+pub struct Cli {
+    /// No progress, warnings, notes or summaries; errors are still printed, and what `info` and `verify` are asked for
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Show all of it on bundled data: bake, render, trace, compare, and write a report to look at
+    #[command(after_help = "\
+Takes under two minutes on two cores. Writes pictures (PNG and EXR), report.json (every figure) and report.html.
+
+Example:
+  lapidary demo --out /tmp/demo")]
+    Demo(DemoArgs),
+    /// Bake a scene's visibility into a dataset
+    #[command(after_help = "\
+Ctrl-C leaves a checkpoint beside the output (exit code 130); the same command with --resume goes on from there.
+Units are metres. The result is the same, bit for bit, for any number of threads and chunks.
+
+Examples:
+  lapidary bake scene.obj -o scene.cuts --preset draft
+  lapidary bake scene.gltf -o scene.cuts --sigma 1.5 --max-vertices 200000 --report bake.json
+  lapidary bake scene.gltf -o scene.cuts --resume")]
+    Bake(BakeArgs),
+    /// Describe a dataset
+    #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
+    Info(InfoArgs),
+    /// Trace random vertices of a dataset again and compare
+    #[command(after_help = "Fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
+verify scene.cuts --vertices 1000")]
+    Verify(VerifyArgs),
+    /// Render with cuts: seconds, free of noise
+    #[command(after_help = "\
+Examples:
+  lapidary render scene.cuts --env sky.hdr --out picture.png
+  lapidary render scene.cuts --env sun-sky:30 --rotate 120 --size 1280x960 --aa 4 --out picture.exr --out picture.png
+  lapidary render scene.cuts --env studio --roughness 0.3 --eye 0.3,0.5,3.5 --target 0,0.4,0 --stats stats.json")]
+    Render(RenderArgs),
+    /// Trace rays for the same picture, to measure against
+    #[command(after_help = "\
+Ctrl-C writes the picture as far as it is (exit code 130).
+
+Examples:
+  lapidary reference scene.cuts --env sky.hdr --out truth.exr
+  lapidary reference scene.cuts --env sky.hdr --kind path --spp 256 --out truth.exr")]
+    Reference(ReferenceArgs),
+    /// Measure how far a picture is from a reference
+    #[command(after_help = "\
+rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
+psnr (decibels), ssim (1 for equal), flip (0 for equal): on what a display shows.
+Bounds compare literally: for psnr and ssim, where larger is better, use --fail-below.
+
+Examples:
+  lapidary compare picture.exr truth.exr
+  lapidary compare picture.exr truth.exr --map flip --out flip.png
+  lapidary compare picture.exr truth.exr --json metrics.json --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
+    Compare(CompareArgs),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Whatever went wrong, in words for the user.
+    pub fn run(&self, console: Console) -> Result<Outcome> {
+        match self {
+            Self::Demo(args) => demo::run(args, console),
+            Self::Bake(args) => bake::run(args, console),
+            Self::Info(args) => args.run().map(|()| Outcome::Done),
+            Self::Verify(args) => args.run().map(|()| Outcome::Done),
+            Self::Render(args) => render::run(args, console),
+            Self::Reference(args) => reference::run(args, console),
+            Self::Compare(args) => compare::run(args, console),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn options_are_consistent_and_every_one_is_explained() {
+        let mut command = Cli::command();
+        command.build();
+        command.clone().debug_assert();
+        for command in command.get_subcommands().filter(|c| c.get_name() != "help") {
+            let undocumented = command.get_arguments().filter(|a| a.get_help().is_none());
+            let names: Vec<_> = undocumented.map(|a| a.get_id().to_string()).collect();
+            assert!(names.is_empty(), "{}: {names:?}", command.get_name());
+        }
+    }
+}

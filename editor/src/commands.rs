@@ -1,0 +1,6 @@
+//! One file for each command; `info` and `verify` lie in `lapidary_precompute::cli`, the demonstration in `demo`.
+
+pub mod bake;
+pub mod compare;
+pub mod reference;
+pub mod render;

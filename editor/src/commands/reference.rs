@@ -1,0 +1,90 @@
+//! `lapidary reference`: the picture by ray tracing.
+
+use crate::{
+    console::Console,
+    outcome::Outcome,
+    outputs::{check_pictures, write_pictures},
+    progress::StepProgress,
+    view_args::{Shot, ViewArgs},
+};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use lapidary_core::image::Image;
+use lapidary_precompute::{
+    Observer,
+    cli::{ProgressReporter, ProgressStyle},
+};
+use lapidary_render::Renderer;
+use std::{path::PathBuf, time::Instant};
+
+/// Options of `reference`.
+#[derive(Args, Clone, Debug)]
+pub struct ReferenceArgs {
+    #[command(flatten)]
+    view: ViewArgs,
+    /// What is traced
+    #[arg(long, value_enum, default_value_t)]
+    kind: Kind,
+    /// Samples a pixel of --kind path, 1 to 1000000 [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    spp: Option<u32>,
+    /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Vec<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// All light samples of the dataset with a ray each at every pixel: shows what the cuts lose
+    #[default]
+    Samples,
+    /// The continuous environment by multiple importance sampling: shows the whole error, with some noise
+    Path,
+}
+
+/// Samples a pixel by default: noise about that of a clean preview.
+const DEFAULT_SPP: u32 = 64;
+
+/// Traces and writes the picture, or as much of it as there is at Ctrl-C.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
+    check_pictures(&args.out)?;
+    if args.kind == Kind::Samples && args.spp.is_some() {
+        bail!("--spp goes with --kind path; --kind samples traces every light sample once");
+    }
+    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+    interrupt.cancel_on_interrupt();
+    let shot = args.view.resolve(console)?;
+    let start = Instant::now();
+    let image = trace(args, &shot, &interrupt, console);
+    write_pictures(&image, &args.out)?;
+    let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
+    if interrupt.cancelled() {
+        console.note(format_args!("stopped early: the picture is unfinished ({})", names.join(", ")));
+        return Ok(Outcome::Interrupted);
+    }
+    console.summary(format_args!("{}: {:.1} s", names.join(", "), start.elapsed().as_secs_f64()))?;
+    Ok(Outcome::Done)
+}
+
+fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Image {
+    let renderer = Renderer::new(&shot.dataset);
+    let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
+    match args.kind {
+        Kind::Samples => {
+            let progress = progress("pixels");
+            let image = renderer.samples_reference(&shot.view, &shot.light, &progress);
+            progress.finish();
+            image
+        }
+        Kind::Path => {
+            let progress = progress("passes");
+            let spp = args.spp.unwrap_or(DEFAULT_SPP);
+            let image = renderer.path_reference(&shot.view, &shot.light, spp, &progress);
+            progress.finish();
+            image
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! `lapidary render`: a picture by merged cuts.
+
+use crate::{
+    console::Console,
+    outcome::Outcome,
+    outputs::{check_folder, check_pictures, write_pictures},
+    view_args::ViewArgs,
+};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use lapidary_precompute::cli::write_json;
+use lapidary_render::{BrdfSampling, RenderStats, Renderer};
+use std::path::PathBuf;
+
+/// Options of `render`.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    view: ViewArgs,
+    /// Most nodes of the illumination cut: more follow small lights more closely, and cost time
+    #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
+    illum_cut: u32,
+    /// How the BRDF is sampled
+    #[arg(long, value_enum, default_value_t)]
+    brdf: BrdfOption,
+    /// What computes
+    #[arg(long, value_enum, default_value_t)]
+    backend: Backend,
+    /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
+    #[arg(long, value_name = "FILE")]
+    out: Vec<PathBuf>,
+    /// Write times and counts as JSON
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum BrdfOption {
+    /// Halve nodes that are wider than the lobe can bear, during the merge
+    #[default]
+    Refine,
+    /// Once for each node of the merged cut, as in the paper
+    Once,
+}
+
+impl From<BrdfOption> for BrdfSampling {
+    fn from(option: BrdfOption) -> Self {
+        match option {
+            BrdfOption::Refine => Self::Refine,
+            BrdfOption::Once => Self::Once,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Backend {
+    /// All cores of this machine
+    #[default]
+    Cpu,
+}
+
+/// Renders and writes the picture.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
+    check_pictures(&args.out)?;
+    args.stats.iter().try_for_each(|path| check_folder(path))?;
+    let shot = args.view.resolve(console)?;
+    let renderer = Renderer::new(&shot.dataset);
+    let Backend::Cpu = args.backend;
+    let (image, stats) = renderer.render(&shot.view, &shot.light, args.illum_cut, args.brdf.into());
+    write_pictures(&image, &args.out)?;
+    if let Some(path) = &args.stats {
+        write_json(path, &stats)?;
+    }
+    if args.out.is_empty() && args.stats.is_none() {
+        console.note("nothing was written; add --out FILE.png or --out FILE.exr");
+    }
+    console.summary(summary(&args.out, shot.view.size, &stats))?;
+    Ok(Outcome::Done)
+}
+
+fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {
+    let names: Vec<String> = out.iter().map(|p| format!("{}: ", p.display())).collect();
+    format!(
+        "{}{width} x {height} in {:.2} s, {:.0} merged nodes and {:.0} BRDF evaluations a sample",
+        names.concat(),
+        stats.seconds,
+        stats.mean_merged_nodes,
+        stats.mean_brdf_evaluations
+    )
+}

@@ -1,0 +1,38 @@
+//! The bake of the still life, sized for two minutes in all.
+
+use super::{data::DataFolder, steps::Steps};
+use anyhow::Result;
+use lapidary_core::{
+    dataset::{BakeSettings, Dataset},
+    import::{Imported, import},
+};
+use lapidary_precompute::{BakeError, BakeJob, Preset, bake};
+use std::{path::Path, time::Instant};
+
+/// Most vertices: the scene's own, and some for the shadows on the backdrop.
+const MAX_VERTICES: usize = 64_000;
+
+/// Imports and bakes into the output folder; goes on with an interrupted bake.
+///
+/// # Errors
+/// Data that cannot be read, a folder that cannot be written, or Ctrl-C.
+pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<Dataset> {
+    steps.begin("baking the still life: visibility of every light sample from every vertex");
+    let start = Instant::now();
+    let Imported { scene, report } = import(&data.still_life())?;
+    let job = BakeJob {
+        settings: BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() },
+        output: out.join("still-life.cuts"),
+        chunks: None,
+        resume: true,
+        import_secs: start.elapsed().as_secs_f64(),
+        warnings: report.warnings,
+    };
+    let dataset = match bake(scene.clone(), &job, &steps.reporter) {
+        // A checkpoint of an older version or other data.
+        Err(BakeError::Checkpoint(_)) => bake(scene, &BakeJob { resume: false, ..job }, &steps.reporter)?,
+        result => result?,
+    };
+    steps.reporter.finish();
+    Ok(dataset)
+}

@@ -1,0 +1,78 @@
+//! The bundled scenes and environments, wherever they lie.
+
+use crate::console::Console;
+use anyhow::{Result, bail};
+use lapidary_core::environment::Environment;
+use std::path::{Path, PathBuf};
+
+/// Where the source tree has them.
+const IN_SOURCE_TREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
+
+/// Names of the environments' files, without extension.
+const ENVIRONMENTS: [&str; 3] = ["studio", "sun-and-sky", "window-room"];
+
+/// The folder of bundled data.
+pub struct DataFolder(PathBuf);
+
+impl DataFolder {
+    /// The folder given, or that of the source tree.
+    ///
+    /// # Errors
+    /// A folder without the still life.
+    pub fn find(given: Option<&Path>) -> Result<Self> {
+        let folder = Self(given.unwrap_or(Path::new(IN_SOURCE_TREE)).to_owned());
+        if !folder.still_life().is_file() {
+            bail!(
+                "the bundled data are not there; give their folder with --data or the variable LAPIDARY_DATA ({})",
+                folder.0.display()
+            );
+        }
+        Ok(folder)
+    }
+
+    /// The scene.
+    pub fn still_life(&self) -> PathBuf {
+        self.0.join("still-life/still-life.gltf")
+    }
+
+    /// All environments.
+    ///
+    /// # Errors
+    /// One that cannot be read.
+    pub fn environments(&self, console: Console) -> Result<Environments> {
+        let read = |name: &str| {
+            let (environment, warnings) =
+                Environment::read(&self.0.join("environments").join(name).with_extension("hdr"))?;
+            warnings.iter().for_each(|w| console.warning(w));
+            Ok(Environment { name: name.into(), ..environment })
+        };
+        Ok(Environments(ENVIRONMENTS.into_iter().map(read).collect::<Result<_>>()?))
+    }
+}
+
+/// The environments by name.
+pub struct Environments(Vec<Environment>);
+
+impl Environments {
+    /// All of them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|e| e.name.as_str())
+    }
+
+    /// One of them.
+    pub fn get(&self, name: &str) -> &Environment {
+        self.0.iter().find(|e| e.name == name).expect("pictures are planned with bundled environments")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_source_tree_has_the_data_and_another_folder_is_refused() {
+        assert!(DataFolder::find(None).is_ok());
+        let error = DataFolder::find(Some(Path::new("nowhere"))).err().map(|e| e.to_string());
+        assert!(error.is_some_and(|e| e.contains("--data") && e.ends_with("(nowhere)")));
+    }
+}

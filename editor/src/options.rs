@@ -1,0 +1,117 @@
+//! Values of options, from text.
+
+use glam::Vec3;
+
+/// Largest width and height of a picture in pixels.
+pub const MAX_SIDE: u32 = 32_768;
+
+/// Three finite numbers separated by commas.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn vector(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').map(finite).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("three numbers are needed, as in 0.3,0.5,3.5, not {}", numbers.len())),
+    }
+}
+
+/// Three numbers from 0 to 1 separated by commas, or one for all three.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn color(text: &str) -> Result<Vec3, String> {
+    let color = if text.contains(',') { vector(text)? } else { Vec3::splat(finite(text)?) };
+    if color.min_element() >= 0.0 && color.max_element() <= 1.0 {
+        Ok(color)
+    } else {
+        Err("a base color lies between 0 and 1".into())
+    }
+}
+
+/// A width and a height in pixels, as in 640x480.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?]));
+    sides.ok_or_else(|| format!("a size is WIDTHxHEIGHT in pixels, as in 640x480, each 1 to {MAX_SIDE}"))
+}
+
+/// A finite number.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn finite(text: &str) -> Result<f32, String> {
+    text.trim().parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| format!("\"{text}\" is not a number"))
+}
+
+/// A number from 0 to 1.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn fraction(text: &str) -> Result<f32, String> {
+    between(text, 0.0, 1.0)
+}
+
+/// A number that is not negative.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn non_negative(text: &str) -> Result<f32, String> {
+    between(text, 0.0, f32::MAX)
+}
+
+/// A number above zero.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn positive(text: &str) -> Result<f32, String> {
+    between(text, f32::MIN_POSITIVE, f32::MAX).map_err(|_| format!("\"{text}\" is not a number above zero"))
+}
+
+/// A vertical field of view in degrees.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn field_of_view(text: &str) -> Result<f32, String> {
+    between(text, 1.0, 170.0)
+}
+
+fn between(text: &str, low: f32, high: f32) -> Result<f32, String> {
+    let value = finite(text)?;
+    match (low..=high).contains(&value) {
+        true => Ok(value),
+        false if high == f32::MAX => Err(format!("{value} is below {low}")),
+        false => Err(format!("{value} is not between {low} and {high}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_values_are_read() {
+        assert_eq!(vector("-1, 2.5,3e1"), Ok(Vec3::new(-1.0, 2.5, 30.0)));
+        assert_eq!(color("0.2"), Ok(Vec3::splat(0.2)));
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert_eq!(fraction("1"), Ok(1.0));
+        assert_eq!(positive("0.1"), Ok(0.1));
+    }
+
+    #[test]
+    fn bad_values_say_what_is_wrong() {
+        for bad in ["1,2", "1,2,3,4", "a,b,c", "1,nan,2", ""] {
+            assert!(vector(bad).is_err(), "{bad}");
+        }
+        for bad in ["640", "0x480", "640x-1", "99999x2", "x", "1x1x1"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        assert!(color("0.5,0.5,1.5").is_err() && color("0.5,0.5").is_err());
+        assert!(fraction("1.1").is_err() && fraction("nan").is_err());
+        assert!(positive("0").is_err() && non_negative("-1").is_err() && field_of_view("180").is_err());
+    }
+}

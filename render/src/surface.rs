@@ -1,0 +1,207 @@
+//! What a camera ray meets: position, frame after bump and normal map, and the BRDF with its textured parameters.
+
+use glam::{Mat3, Vec2, Vec3};
+use lapidary_core::{
+    brdf::SurfaceBrdf,
+    dataset::Dataset,
+    material::{BrdfParameters, Material},
+    ray::{Hit, Intersector},
+    texture::{ColorSpace, TextureSlot},
+};
+
+/// A point of a surface as seen along one ray.
+#[derive(Clone, Debug)]
+pub struct SurfacePoint {
+    /// The vertices of its triangle.
+    pub vertices: [u32; 3],
+    /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
+    pub weights: [f32; 3],
+    /// Where shadow rays start: just off the face, on the side that is seen.
+    pub ray_origin: Vec3,
+    /// Interpolated normal before bump and normal map, on the side that is seen. No light from below it is received.
+    pub smooth_normal: Vec3,
+    /// Tangent, bitangent and shading normal as columns.
+    pub world_from_local: Mat3,
+    /// Direction to the eye in the local frame.
+    pub wo: Vec3,
+    /// Reflectance with this point's parameters.
+    pub brdf: SurfaceBrdf,
+}
+
+/// A one-sided surface seen from behind reflects nothing.
+#[derive(Clone, Debug)]
+pub enum Seen {
+    /// Nothing is there.
+    Background,
+    /// The back of a one-sided surface.
+    Back,
+    /// A point to shade.
+    Surface(Box<SurfacePoint>),
+}
+
+/// Looks up surface points of a dataset.
+pub struct Surfaces<'a> {
+    dataset: &'a Dataset,
+    intersector: &'a Intersector,
+    /// Distance in metres that shadow rays start off a surface, at most.
+    largest_offset: f32,
+}
+
+impl<'a> Surfaces<'a> {
+    /// For all points of `dataset`.
+    pub fn new(dataset: &'a Dataset, intersector: &'a Intersector) -> Self {
+        let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
+        Self { dataset, intersector, largest_offset }
+    }
+
+    /// What a ray meets first.
+    pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> Seen {
+        match self.intersector.closest_hit(origin, direction) {
+            None => Seen::Background,
+            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => Seen::Back,
+            Some(hit) => Seen::Surface(Box::new(self.point(&hit, -direction))),
+        }
+    }
+
+    fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
+        let scene = &self.dataset.scene;
+        let mesh = &scene.mesh;
+        let triangle = hit.triangle as usize;
+        let vertices = mesh.triangles[triangle];
+        let b = Vec3::new(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y);
+        let [p0, p1, p2] = mesh.corners(triangle);
+        let side = if hit.back_face { -1.0 } else { 1.0 };
+        let face_normal = mesh.area_vector(triangle).normalize_or(wo) * side;
+        let normal = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.normals[v as usize] * w).sum::<Vec3>() * side;
+        let smooth_normal = facing(normal.try_normalize().unwrap_or(face_normal), wo);
+        let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.uvs[v as usize] * w).sum::<Vec2>();
+        let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
+        let handedness = mesh.tangents[vertices[0] as usize].w * side;
+        let smooth = frame(smooth_normal, tangent, handedness);
+        let material = &scene.materials[mesh.triangle_material[triangle] as usize];
+        let slopes = || surface_slopes(mesh.corners(triangle), vertices.map(|v| mesh.uvs[v as usize]));
+        let normal = self.bumped_normal(material, uv, &smooth, slopes);
+        let world_from_local = frame(facing(normal, wo), tangent, handedness);
+        let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
+        let offset = (0.02 * edge).clamp(0.02 * self.largest_offset, self.largest_offset);
+        SurfacePoint {
+            vertices,
+            weights: self.valid_weights(vertices, b),
+            ray_origin: p0 * b.x + p1 * b.y + p2 * b.z + face_normal * offset,
+            smooth_normal,
+            world_from_local,
+            wo: world_from_local.transpose() * wo,
+            brdf: SurfaceBrdf::new(material.model, self.parameters(material, uv)),
+        }
+    }
+
+    /// Barycentric weights with those of buried vertices given to the others.
+    fn valid_weights(&self, vertices: [u32; 3], weights: Vec3) -> [f32; 3] {
+        let valid = vertices.map(|v| self.dataset.vertex_valid[v as usize]);
+        let kept: [f32; 3] = std::array::from_fn(|i| if valid[i] { weights[i].max(0.0) } else { 0.0 });
+        let sum: f32 = kept.iter().sum();
+        if sum > 1e-6 { kept.map(|w| w / sum) } else { weights.to_array() }
+    }
+
+    /// The material's values times its maps.
+    fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
+        let textures = &self.dataset.scene.textures;
+        let scalar = |slot: &Option<TextureSlot>| {
+            slot.as_ref().map_or(1.0, |s| textures[s.texture as usize].sample_channel(uv, s))
+        };
+        let (maps, mut p) = (&material.maps, material.parameters);
+        if let Some(slot) = &maps.base_color {
+            p.base_color *= textures[slot.texture as usize].sample_slot(uv, slot).truncate();
+        }
+        p.roughness *= scalar(&maps.roughness);
+        p.metalness *= scalar(&maps.metalness);
+        p.specular *= scalar(&maps.specular);
+        p
+    }
+
+    /// The normal after normal map and bump map.
+    fn bumped_normal(
+        &self,
+        material: &Material,
+        uv: Vec2,
+        smooth: &Mat3,
+        slopes: impl Fn() -> Option<[Vec3; 2]>,
+    ) -> Vec3 {
+        let mut normal = smooth.z_axis;
+        if let Some(slot) = &material.maps.normal {
+            let texel = self.dataset.scene.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
+            let n = (2.0 * texel - 1.0) * Vec3::new(slot.strength, slot.strength, 1.0);
+            normal = (*smooth * n).try_normalize().unwrap_or(normal);
+        }
+        if let (Some(slot), Some([per_u, per_v])) = (&material.maps.bump, slopes()) {
+            let [du, dv] = self.height_slopes(uv, slot);
+            // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
+            normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
+        }
+        normal
+    }
+
+    /// Change of height in metres per unit of u and v, by central differences over one texel.
+    fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
+        let texture = &self.dataset.scene.textures[slot.texture as usize];
+        let height = |uv: Vec2| texture.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
+        let texel = Vec2::new(texture.size[0] as f32, texture.size[1] as f32) * slot.scale;
+        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)].map(|step| {
+            slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element())
+        })
+    }
+}
+
+/// Gradients of u and v along a triangle: the surface gradient of a function is `per_u ∂f/∂u + per_v ∂f/∂v`.
+/// `None` where the texture coordinates are degenerate.
+fn surface_slopes([a, b, c]: [Vec3; 3], uv: [Vec2; 3]) -> Option<[Vec3; 2]> {
+    let (e1, e2) = (b - a, c - a);
+    let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
+    let n = e1.cross(e2);
+    let area_sq = n.length_squared();
+    if !(area_sq > 0.0) {
+        return None;
+    }
+    // Gradients of the barycentric weights of b and c.
+    let (gb, gc) = (e2.cross(n) / area_sq, n.cross(e1) / area_sq);
+    let per_u = gb * d1.x + gc * d2.x;
+    let per_v = gb * d1.y + gc * d2.y;
+    (per_u.is_finite() && per_v.is_finite()).then_some([per_u, per_v])
+}
+
+/// A frame around `normal` with its first axis along `tangent` as far as that is possible.
+fn frame(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
+    let t = (tangent - normal * normal.dot(tangent)).try_normalize();
+    let t = t.unwrap_or_else(|| normal.any_orthonormal_vector());
+    Mat3::from_cols(t, normal.cross(t) * handedness.signum(), normal)
+}
+
+/// The normal, bent just enough to face the eye: interpolation and bump maps can turn it away at silhouettes.
+fn facing(normal: Vec3, wo: Vec3) -> Vec3 {
+    const LEAST_COS: f32 = 0.02;
+    let cos = normal.dot(wo);
+    if cos >= LEAST_COS { normal } else { (normal + wo * (LEAST_COS - cos)).normalize() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_invert_the_parametrisation() {
+        let corners = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), Vec3::new(1.0, 0.0, -4.0)];
+        let uv = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)];
+        let [per_u, per_v] = surface_slopes(corners, uv).unwrap();
+        assert!((per_u - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-6);
+        assert!((per_v - Vec3::new(0.0, 0.0, -0.25)).length() < 1e-6);
+        assert!(surface_slopes([Vec3::ZERO; 3], uv).is_none());
+    }
+
+    #[test]
+    fn normals_that_turn_away_are_bent_to_the_eye() {
+        let wo = Vec3::Z;
+        assert_eq!(facing(Vec3::Z, wo), Vec3::Z);
+        let bent = facing(Vec3::new(1.0, 0.0, -0.2).normalize(), wo);
+        assert!(bent.dot(wo) > 0.015 && bent.x > 0.99);
+    }
+}

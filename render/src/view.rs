@@ -1,0 +1,82 @@
+//! What a picture shows and how its pixels are sampled.
+
+use glam::Vec2;
+use lapidary_core::{camera::Camera, image::Image};
+
+/// What is seen where nothing is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Background {
+    /// The environment.
+    #[default]
+    Environment,
+    /// Black: for measuring errors on surfaces alone.
+    Black,
+}
+
+/// A camera and a picture size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Where from.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples a pixel; 1 is its centre.
+    pub aa: u32,
+    /// What is seen where nothing is.
+    pub background: Background,
+}
+
+impl View {
+    /// A view with one sample at the centre of each pixel, before the environment.
+    pub fn new(camera: Camera, size: [u32; 2]) -> Self {
+        Self { camera, size, aa: 1, background: Background::Environment }
+    }
+
+    /// Positions inside a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
+    /// (Roberts 2018), which fills the square evenly for any number.
+    pub fn pixel_offsets(&self) -> Vec<Vec2> {
+        const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3); // 1/p and 1/p² for the plastic number p
+        (0..self.aa.max(1)).map(|i| (Vec2::splat(0.5) + STEP * i as f32).fract()).collect()
+    }
+}
+
+/// Hears how a reference advances, and may stop it.
+pub trait Progress: Sync {
+    /// `done` of `total` units of work are complete.
+    fn advanced(&self, done: u64, total: u64);
+
+    /// The picture so far; called between passes.
+    fn preview(&self, _image: &Image) {}
+
+    /// Whether to stop with the picture so far.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Hears nothing.
+pub struct Quiet;
+
+impl Progress for Quiet {
+    fn advanced(&self, _done: u64, _total: u64) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn offsets_are_the_centre_or_fill_the_pixel() {
+        let mut view = View::new(Camera::look_at(Vec3::Z, Vec3::ZERO, 40.0), [8, 8]);
+        assert_eq!(view.pixel_offsets(), [Vec2::splat(0.5)]);
+        view.aa = 16;
+        let offsets = view.pixel_offsets();
+        let mean = offsets.iter().sum::<Vec2>() / 16.0;
+        assert!((mean - 0.5).abs().max_element() < 0.1, "{mean}");
+        let quadrant = |q: Vec2| offsets.iter().filter(|o| o.cmpge(q).all() && o.cmplt(q + 0.5).all()).count();
+        for q in [Vec2::ZERO, Vec2::new(0.5, 0.0), Vec2::new(0.0, 0.5), Vec2::splat(0.5)] {
+            assert!((3..=6).contains(&quadrant(q)));
+        }
+    }
+}
