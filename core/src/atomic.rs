@@ -42,3 +42,23 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)?;
     persist(file, path)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("old");
+        write_atomically(&target, b"old").unwrap();
+        assert!(write_atomically(&target.join("below-a-file"), b"new").is_err());
+        // A folder cannot be replaced by a file: the rename, the last step, is what fails here.
+        std::fs::create_dir(folder.path().join("folder")).unwrap();
+        assert!(write_atomically(&folder.path().join("folder"), b"new").is_err());
+        assert_eq!(std::fs::read(&target).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        write_atomically(&target, b"new").unwrap();
+        assert_eq!(std::fs::read(&target).unwrap(), b"new");
+    }
+}

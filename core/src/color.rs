@@ -17,7 +17,7 @@ pub fn linear_from_srgb(x: f32) -> f32 {
 
 /// Encodes one linear component as sRGB, clamping to 0 to 1; NaN becomes 0.
 pub fn srgb_from_linear(x: f32) -> f32 {
-    let x = x.max(0.0).min(1.0);
+    let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 

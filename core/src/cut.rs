@@ -68,7 +68,7 @@ pub fn validate_depths(height: u32, depths: impl IntoIterator<Item = u32>) -> Re
             return Err(CutError::Depth { node, depth, height });
         }
         let size = 1 << (height - depth);
-        if first % size != 0 || first + size > 1 << height {
+        if !first.is_multiple_of(size) || first + size > 1 << height {
             return Err(CutError::Misplaced { node, depth, first });
         }
         first += size;

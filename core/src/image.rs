@@ -1,5 +1,6 @@
 //! A floating-point RGB picture and its files.
 
+use crate::atomic::write_atomically;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -8,7 +9,7 @@ mod read;
 mod write;
 
 pub use read::decode;
-pub use write::{encode_png, write_atomically};
+pub use write::encode_png;
 
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]
@@ -92,7 +93,8 @@ impl Image {
     /// # Errors
     /// A file that cannot be read, is no picture, or is too large.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes = std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+        let bytes =
+            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
         let texture = decode(&bytes, path)?;
         Ok(read::linear_image(&texture))
     }

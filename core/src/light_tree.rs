@@ -14,7 +14,6 @@ pub use features::{Features, PilotVisibility};
 pub use lighting::Lighting;
 pub use radiance::{EnvironmentSampler, GridEnergy};
 
-
 use crate::sphere::fibonacci_directions;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -58,7 +57,11 @@ pub struct LightTree {
 /// Any other number.
 pub fn height_of(lights: usize) -> Result<u32, LightCountError> {
     let height = lights.checked_ilog2().unwrap_or(0);
-    if lights.is_power_of_two() && (1..=MAX_HEIGHT).contains(&height) { Ok(height) } else { Err(LightCountError(lights)) }
+    if lights.is_power_of_two() && (1..=MAX_HEIGHT).contains(&height) {
+        Ok(height)
+    } else {
+        Err(LightCountError(lights))
+    }
 }
 
 impl LightTree {

@@ -40,14 +40,7 @@ pub struct BrdfParameters {
 
 impl Default for BrdfParameters {
     fn default() -> Self {
-        Self {
-            base_color: Vec3::splat(0.8),
-            roughness: 0.5,
-            metalness: 0.0,
-            anisotropy: 0.0,
-            ior: 1.5,
-            specular: 1.0,
-        }
+        Self { base_color: Vec3::splat(0.8), roughness: 0.5, metalness: 0.0, anisotropy: 0.0, ior: 1.5, specular: 1.0 }
     }
 }
 

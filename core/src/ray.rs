@@ -12,13 +12,13 @@ pub use directions::DirectionSet;
 
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3, Vec3A};
+use leaves::LeafBlocks;
 use obvhs::{
     BvhBuildParams,
     bvh2::{Bvh2, builder::build_bvh2_from_tris},
     ray::Ray,
     triangle::Triangle,
 };
-use leaves::LeafBlocks;
 use triangle::TriangleFrom;
 
 /// Where a ray first meets the mesh.

@@ -160,11 +160,7 @@ impl Mesh {
 
     fn validate_indices(&self, materials: usize, objects: usize) -> Result<(), MeshError> {
         let check = |triangle, array, index: u32, count| {
-            if (index as usize) < count {
-                Ok(())
-            } else {
-                Err(MeshError::Index { triangle, array, index, count })
-            }
+            if (index as usize) < count { Ok(()) } else { Err(MeshError::Index { triangle, array, index, count }) }
         };
         for (t, corners) in self.triangles.iter().enumerate() {
             for &vertex in corners {

@@ -103,12 +103,7 @@ impl Texture {
     /// A visible default for a texture that could not be read: a magenta and grey chequerboard.
     pub fn missing(name: &str) -> Self {
         let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
-        Self {
-            name: name.to_owned(),
-            size: [8, 8],
-            texels: Texels::U8(texels.collect()),
-            encoded: Arc::from([]),
-        }
+        Self { name: name.to_owned(), size: [8, 8], texels: Texels::U8(texels.collect()), encoded: Arc::from([]) }
     }
 
     /// The texel at integer coordinates, repeated outside the image, in linear values.

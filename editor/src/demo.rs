@@ -8,20 +8,15 @@ mod report;
 mod stage;
 mod steps;
 
-use crate::{
-    console::Console,
-    outcome::Outcome,
-    outputs::create_folder,
-    report_html,
-};
+use crate::{console::Console, outcome::Outcome, outputs::create_folder, report_html};
 use anyhow::{Context, Result};
 use clap::Args;
 use data::DataFolder;
-use lapidary_core::{atomic::write_atomically, dataset::Dataset};
+pub use ladder::{CUT_SIZES, MAP_TOP, Rung};
+use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::{cli::write_json, verify};
-pub use ladder::{Ladder, Rung};
 pub use report::Report;
-pub use stage::{Picture, PictureSettings};
+pub use stage::Picture;
 use std::{
     path::{Path, PathBuf},
     time::Instant,
@@ -58,11 +53,7 @@ pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
     let ladder = ladder::climb(&dataset, &environments, &args.out, &steps)?;
     let report = Report::new(&dataset, verification, gallery, ladder, start.elapsed().as_secs_f64());
     write_report(&report, &args.out)?;
-    console.summary(format_args!(
-        "{:.0} s; open {}",
-        report.seconds,
-        args.out.join("report.html").display()
-    ))?;
+    console.summary(format_args!("{:.0} s; open {}", report.seconds, args.out.join("report.html").display()))?;
     Ok(Outcome::Done)
 }
 

@@ -8,6 +8,7 @@ mod options;
 mod outcome;
 mod outputs;
 mod progress;
+mod report_html;
 mod view_args;
 
 use clap::Parser;

@@ -187,7 +187,8 @@ impl CameraArgs {
         let found = scene.cameras.iter().find(|c| c.name == *name);
         if found.is_none() {
             let names: Vec<&str> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
-            let known = if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
+            let known =
+                if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
             bail!("the scene has no camera \"{name}\"; {known}");
         }
         Ok(found)

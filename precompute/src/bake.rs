@@ -65,7 +65,9 @@ pub enum BakeError {
     #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// More memory than there is.
-    #[error("the bake needs about {needed} MB of memory, {available} MB are free; lower --max-vertices or close other programs")]
+    #[error(
+        "the bake needs about {needed} MB of memory, {available} MB are free; lower --max-vertices or close other programs"
+    )]
     Memory {
         /// Estimated need.
         needed: u64,
@@ -312,7 +314,8 @@ fn pack(
 
 /// Coarsens all cuts by a common sigma, the smallest of a geometric series that fits the bytes.
 fn fit_budget(cuts: Vec<Vec<u16>>, height: u32, max_bytes: Option<u64>, sigma: f32) -> (Vec<Vec<u16>>, f32) {
-    let bytes = |cuts: &[Vec<u16>]| cuts.iter().map(|c| (c.len().next_multiple_of(NODES_PER_TEXEL) * 2) as u64).sum::<u64>();
+    let bytes =
+        |cuts: &[Vec<u16>]| cuts.iter().map(|c| (c.len().next_multiple_of(NODES_PER_TEXEL) * 2) as u64).sum::<u64>();
     let (mut fitted, mut coarser) = (cuts, sigma.max(0.25));
     let Some(budget) = max_bytes else { return (fitted, sigma) };
     if bytes(&fitted) <= budget {
@@ -370,7 +373,9 @@ struct Clock<'a> {
 impl<'a> Clock<'a> {
     fn new(observer: &'a dyn Observer, import_secs: f64) -> Self {
         let mut seconds: BTreeMap<String, f64> =
-            [Phase::Tessellate, Phase::Pilot, Phase::Tree, Phase::Visibility, Phase::Pack].map(|p| (p.name().to_owned(), 0.0)).into();
+            [Phase::Tessellate, Phase::Pilot, Phase::Tree, Phase::Visibility, Phase::Pack]
+                .map(|p| (p.name().to_owned(), 0.0))
+                .into();
         seconds.insert(Phase::Import.name().into(), import_secs);
         Self { observer, start: Instant::now(), seconds }
     }

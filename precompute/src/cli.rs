@@ -179,11 +179,7 @@ impl InfoArgs {
     /// A dataset that cannot be read.
     pub fn run(&self) -> Result<()> {
         let dataset = Dataset::read(&self.file)?;
-        if self.json {
-            print_out(&json_text(&info_json(&dataset))?)
-        } else {
-            print_out(&info_text(&dataset))
-        }
+        if self.json { print_out(&json_text(&info_json(&dataset))?) } else { print_out(&info_text(&dataset)) }
     }
 }
 
@@ -207,12 +203,26 @@ fn info_text(dataset: &Dataset) -> String {
         "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
         r.vertices, r.triangles, size.x, size.y, size.z
     );
-    text += &format!("scene      {} objects, {} materials, {} textures, {} cameras\n", scene.objects.len(), scene.materials.len(), scene.textures.len(), scene.cameras.len());
+    text += &format!(
+        "scene      {} objects, {} materials, {} textures, {} cameras\n",
+        scene.objects.len(),
+        scene.materials.len(),
+        scene.textures.len(),
+        scene.cameras.len()
+    );
     text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
     text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);
     text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
-    text += &format!("size       {:.1} MB of cuts, {:.1} MB in all\n", r.bytes_cuts as f64 / 1e6, r.bytes_total as f64 / 1e6);
-    text += &format!("bake       {:.1} s, {:.1} million samples a second\n", r.seconds.get("total").unwrap_or(&0.0), r.samples_per_second / 1e6);
+    text += &format!(
+        "size       {:.1} MB of cuts, {:.1} MB in all\n",
+        r.bytes_cuts as f64 / 1e6,
+        r.bytes_total as f64 / 1e6
+    );
+    text += &format!(
+        "bake       {:.1} s, {:.1} million samples a second\n",
+        r.seconds.get("total").unwrap_or(&0.0),
+        r.samples_per_second / 1e6
+    );
     for warning in &r.warnings {
         text += &format!("warning    {warning}\n");
     }

@@ -32,13 +32,7 @@ const ROUNDS: usize = 12;
 
 /// Splits edges of `mesh` until it has close to `budget` vertices or visibility is linear enough. `sides` keeps one entry
 /// a triangle. Stops early, with what it has, if cancelled.
-pub fn tessellate(
-    mesh: &mut Mesh,
-    sides: &mut Sidedness,
-    scene: &Intersector,
-    budget: usize,
-    observer: &dyn Observer,
-) {
+pub fn tessellate(mesh: &mut Mesh, sides: &mut Sidedness, scene: &Intersector, budget: usize, observer: &dyn Observer) {
     let area: f32 = (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum();
     let unit = (1.15 * area / budget.max(1) as f32).sqrt();
     let mut pilot = Pilot { scene, directions: DirectionSet::new(&fibonacci_directions(DIRECTIONS)) };
@@ -156,10 +150,8 @@ fn wanted_edges(mesh: &Mesh, sides: &Sidedness, edges: &Edges, pilot: &mut Pilot
     let points = BakePoints::new(mesh, sides);
     let candidates: Vec<u32> =
         (0..edges.ends.len() as u32).filter(|&e| edges.length_sq[e as usize].sqrt() > SHORTEST * unit).collect();
-    let needed: HashSet<u32> = candidates
-        .iter()
-        .flat_map(|&e| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]))
-        .collect();
+    let needed: HashSet<u32> =
+        candidates.iter().flat_map(|&e| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize])).collect();
     let mut needed: Vec<u32> = needed.into_iter().collect();
     needed.sort_unstable();
     let seen: HashMap<u32, Seen> = needed.par_iter().map(|&p| (p, pilot.seen(&points.points[p as usize]))).collect();

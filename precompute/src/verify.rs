@@ -2,7 +2,10 @@
 
 use crate::{bake_points::BakePoints, sidedness::Sidedness, visibility::VisibilitySampler};
 use lapidary_core::{
-    cut::{CutSelector, packed::{depth, value}},
+    cut::{
+        CutSelector,
+        packed::{depth, value},
+    },
     dataset::Dataset,
     ray::Intersector,
 };
@@ -71,7 +74,8 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
     let mut squared_error = 0.0;
     for &node in stored {
         let end = leaf + (1 << (height - depth(node)));
-        squared_error += visible[leaf..end].iter().map(|&v| (f64::from(v) - f64::from(value(node))).powi(2)).sum::<f64>();
+        squared_error +=
+            visible[leaf..end].iter().map(|&v| (f64::from(v) - f64::from(value(node))).powi(2)).sum::<f64>();
         leaf = end;
     }
     (squared_error, again == stored)
@@ -80,7 +84,10 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BakeJob, Preset, Silent, bake, sidedness::tests::{cuboid, floor, scene_of}};
+    use crate::{
+        BakeJob, Preset, Silent, bake,
+        sidedness::tests::{cuboid, floor, scene_of},
+    };
     use glam::Vec3;
     use lapidary_core::{cut::packed::PackedCuts, dataset::BakeSettings};
 

@@ -9,11 +9,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    dataset::Dataset,
-    environment::Environment,
-    image::Image,
-    light_tree::EnvironmentSampler,
-    ray::Intersector,
+    dataset::Dataset, environment::Environment, image::Image, light_tree::EnvironmentSampler, ray::Intersector,
 };
 use rayon::prelude::*;
 use serde::Serialize;

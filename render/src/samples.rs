@@ -14,8 +14,22 @@ use wide::f32x8;
 
 /// Pixels of a 4 x 4 block in the order of the passes: each pass halves the distance to the nearest one done.
 const PASSES: [(u32, u32); 16] = [
-    (0, 0), (2, 2), (2, 0), (0, 2), (1, 1), (3, 3), (3, 1), (1, 3),
-    (1, 0), (3, 2), (3, 0), (1, 2), (0, 1), (2, 3), (2, 1), (0, 3),
+    (0, 0),
+    (2, 2),
+    (2, 0),
+    (0, 2),
+    (1, 1),
+    (3, 3),
+    (3, 1),
+    (1, 3),
+    (1, 0),
+    (3, 2),
+    (3, 0),
+    (1, 2),
+    (0, 1),
+    (2, 3),
+    (2, 1),
+    (0, 3),
 ];
 
 impl Renderer<'_> {

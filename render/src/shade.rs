@@ -6,7 +6,10 @@
 use crate::{lighting::SceneLighting, refine::Refinement, surface::SurfacePoint};
 use glam::Vec3;
 use lapidary_core::{
-    cut::{merge::merge, packed::{PackedCursor, PackedCuts}},
+    cut::{
+        merge::merge,
+        packed::{PackedCursor, PackedCuts},
+    },
     simd::Vec3x8,
 };
 use wide::f32x8;

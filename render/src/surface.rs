@@ -146,9 +146,8 @@ impl<'a> Surfaces<'a> {
         let texture = &self.dataset.scene.textures[slot.texture as usize];
         let height = |uv: Vec2| texture.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
         let texel = Vec2::new(texture.size[0] as f32, texture.size[1] as f32) * slot.scale;
-        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)].map(|step| {
-            slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element())
-        })
+        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)]
+            .map(|step| slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element()))
     }
 }
 

@@ -6,8 +6,15 @@ use crate::sphere::{cosine_direction, fibonacci_directions, frame_around, unifor
 fn models() -> Vec<(String, SurfaceBrdf)> {
     let mut all = Vec::new();
     for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
-        for (roughness, metalness, anisotropy) in [(0.3, 0.0, 0.0), (0.6, 1.0, 0.0), (0.5, 0.5, 0.8), (1.0, 0.0, -0.5)] {
-            let p = BrdfParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness, metalness, anisotropy, ..Default::default() };
+        for (roughness, metalness, anisotropy) in [(0.3, 0.0, 0.0), (0.6, 1.0, 0.0), (0.5, 0.5, 0.8), (1.0, 0.0, -0.5)]
+        {
+            let p = BrdfParameters {
+                base_color: Vec3::new(0.9, 0.6, 0.3),
+                roughness,
+                metalness,
+                anisotropy,
+                ..Default::default()
+            };
             all.push((format!("{model:?} {roughness} {metalness} {anisotropy}"), SurfaceBrdf::new(model, p)));
         }
     }
@@ -52,10 +59,12 @@ fn albedo_is_at_most_one_and_that_of_lambert_exact() {
     for (name, brdf) in models() {
         for wo in outgoing() {
             let n = 256;
-            let sum: Vec3 = grid(n).map(|(u, v)| {
-                let wi = cosine_direction(u, v);
-                brdf.as_brdf().brdf_cos(wi, wo) / (wi.z / std::f32::consts::PI)
-            }).sum();
+            let sum: Vec3 = grid(n)
+                .map(|(u, v)| {
+                    let wi = cosine_direction(u, v);
+                    brdf.as_brdf().brdf_cos(wi, wo) / (wi.z / std::f32::consts::PI)
+                })
+                .sum();
             let albedo = sum / (n * n) as f32;
             // The glTF layering (1 - F) exceeds one by a trace at grazing angles.
             assert!(albedo.max_element() <= 1.02, "{name}: {albedo}");
@@ -69,7 +78,9 @@ fn albedo_is_at_most_one_and_that_of_lambert_exact() {
 /// The density integrates to the fraction of samples, cell by cell of the sphere (a chi-square test in spirit).
 #[test]
 fn sampling_follows_its_density() {
-    let cells = |d: Vec3| ((d.z * 0.5 + 0.5) * 7.99) as usize * 8 + ((d.y.atan2(d.x) / std::f32::consts::TAU + 0.5) * 7.99) as usize;
+    let cells = |d: Vec3| {
+        ((d.z * 0.5 + 0.5) * 7.99) as usize * 8 + ((d.y.atan2(d.x) / std::f32::consts::TAU + 0.5) * 7.99) as usize
+    };
     for (name, brdf) in models() {
         for wo in outgoing() {
             let b = brdf.as_brdf();
@@ -101,17 +112,20 @@ fn filtered_lobe_is_close_to_the_mean_over_the_spread() {
         let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
         let kappa = 100.0_f32;
         // von Mises-Fisher around the axis, by inversion.
-        let cap: Vec<Vec3> = grid(64).map(|(u, v)| {
-            let cos = 1.0 + (u + (1.0 - u) * (-2.0 * kappa).exp()).ln() / kappa;
-            let (s, c) = (std::f32::consts::TAU * v).sin_cos();
-            let r = (1.0 - cos * cos).max(0.0).sqrt();
-            Vec3::new(r * c, r * s, cos)
-        }).collect();
+        let cap: Vec<Vec3> = grid(64)
+            .map(|(u, v)| {
+                let cos = 1.0 + (u + (1.0 - u) * (-2.0 * kappa).exp()).ln() / kappa;
+                let (s, c) = (std::f32::consts::TAU * v).sin_cos();
+                let r = (1.0 - cos * cos).max(0.0).sqrt();
+                Vec3::new(r * c, r * s, cos)
+            })
+            .collect();
         let (mut filtered_error, mut plain_error, mut total) = (0.0, 0.0, 0.0);
         for tilt in [0.0, 0.08, 0.16, 0.24, 0.32] {
             let axis = (mirror + tilt * Vec3::Y).normalize();
             let frame = frame_around(axis);
-            let mean: f32 = cap.iter().map(|&d| brdf.as_brdf().brdf_cos(frame * d, wo).x).sum::<f32>() / cap.len() as f32;
+            let mean: f32 =
+                cap.iter().map(|&d| brdf.as_brdf().brdf_cos(frame * d, wo).x).sum::<f32>() / cap.len() as f32;
             let filtered = brdf.as_brdf().brdf_cos_x8(Vec3x8::splat(axis), wo, f32x8::splat(1.0 / kappa)).lane(0).x;
             let plain = brdf.as_brdf().brdf_cos(axis, wo).x;
             filtered_error += (filtered - mean).abs();

@@ -87,7 +87,10 @@ fn emit(split: &[bool]) -> Vec<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{cut::packed::{cut_len, depth}, light_tree::LightTree};
+    use crate::{
+        cut::packed::{cut_len, depth},
+        light_tree::LightTree,
+    };
     use glam::Vec3;
 
     fn lighting(bright: usize) -> Lighting {

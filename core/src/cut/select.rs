@@ -136,7 +136,7 @@ impl<'a> CutWriter<'a> {
         self.end += 1 << (self.height - depth(node));
         while let [.., left, right] = self.cut[..] {
             let parent_size = 2_u32 << (self.height - depth(right));
-            if left != right || self.end % parent_size != 0 {
+            if left != right || !self.end.is_multiple_of(parent_size) {
                 break;
             }
             self.cut.pop();
@@ -158,7 +158,7 @@ pub fn prune(height: u32, sigma: f32, cut: &[u16]) -> Vec<u16> {
         end += 1 << (height - depth(node));
         while let [.., left, right] = pruned[..] {
             let child_size = 1_u32 << (height - depth(right));
-            let siblings = depth(left) == depth(right) && end % (2 * child_size) == 0;
+            let siblings = depth(left) == depth(right) && end.is_multiple_of(2 * child_size);
             let mean = 0.5 * (value(left) + value(right));
             if !siblings || 2.0 * child_size as f32 * (mean - mean * mean) > sigma * sigma {
                 break;
@@ -217,7 +217,13 @@ mod tests {
             };
             let variance = |first, size: usize| size as f64 * (mean(first, size) - mean(first, size).powi(2));
             // A node keeps the bound, or it stands for two equal siblings that do.
-            fn bounded(first: usize, size: usize, bound: f64, v: &dyn Fn(usize, usize) -> f64, m: &dyn Fn(usize, usize) -> f64) -> bool {
+            fn bounded(
+                first: usize,
+                size: usize,
+                bound: f64,
+                v: &dyn Fn(usize, usize) -> f64,
+                m: &dyn Fn(usize, usize) -> f64,
+            ) -> bool {
                 let half = size / 2;
                 v(first, size) <= bound + 1e-4
                     || (m(first, half) == m(first + half, half)
@@ -250,11 +256,13 @@ mod tests {
     fn maximum_size_is_kept_by_splitting_the_worst_nodes() {
         let leaves = leaves(10, 3);
         let bound = |max_nodes| CutCriterion { sigma: 0.0, max_nodes, total_error: None };
-        let errors: Vec<f64> = [4, 16, 64, 1024].map(|k| {
-            let (cut, error) = select(10, bound(k), &leaves);
-            assert!(cut.len() <= k as usize);
-            error
-        }).to_vec();
+        let errors: Vec<f64> = [4, 16, 64, 1024]
+            .map(|k| {
+                let (cut, error) = select(10, bound(k), &leaves);
+                assert!(cut.len() <= k as usize);
+                error
+            })
+            .to_vec();
         assert!(errors.windows(2).all(|w| w[0] > w[1]), "{errors:?}");
     }
 
@@ -264,7 +272,8 @@ mod tests {
         let criterion = |e| CutCriterion { sigma: 0.0, max_nodes: u32::MAX, total_error: Some(e) };
         let (coarse, error) = select(10, criterion(6.0), &leaves);
         assert!(error <= 36.0 + 0.01);
-        let (_, one_node_less) = select(10, CutCriterion { max_nodes: coarse.len() as u32 - 4, ..criterion(6.0) }, &leaves);
+        let (_, one_node_less) =
+            select(10, CutCriterion { max_nodes: coarse.len() as u32 - 4, ..criterion(6.0) }, &leaves);
         assert!(one_node_less > 36.0);
     }
 

@@ -155,7 +155,12 @@ impl Reader<'_> {
                 expected: format!("{dtype:?} of {rows} x {inner:?}"),
             });
         }
-        debug_assert_eq!(size_of::<T>(), inner.iter().product::<usize>() * dtype.bitsize() / 8, "{name} of {}", self.path.display());
+        debug_assert_eq!(
+            size_of::<T>(),
+            inner.iter().product::<usize>() * dtype.bitsize() / 8,
+            "{name} of {}",
+            self.path.display()
+        );
         // Copied one by one: the file's bytes need not be aligned.
         Ok(tensor.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
     }

@@ -50,8 +50,11 @@ impl Dataset {
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
         let tensors = self.tensors();
         let header = self.header(&tensors);
-        self.write_tensors(path, &tensors, &header)
-            .map_err(|source| DatasetError::Io { action: "write", path: path.into(), source })
+        self.write_tensors(path, &tensors, &header).map_err(|source| DatasetError::Io {
+            action: "write",
+            path: path.into(),
+            source,
+        })
     }
 
     /// Bytes of all tensors.
@@ -107,7 +110,12 @@ impl Dataset {
             tensor("cut_offsets", Dtype::U32, [v], self.cuts.offsets()),
         ];
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
-            tensors.push(Tensor { name: name.into(), dtype: Dtype::U8, shape: vec![values.len()], bytes: flags(values) });
+            tensors.push(Tensor {
+                name: name.into(),
+                dtype: Dtype::U8,
+                shape: vec![values.len()],
+                bytes: flags(values),
+            });
         }
         for (i, texture) in self.scene.textures.iter().enumerate() {
             let bytes: &[u8] = &texture.encoded;

@@ -6,7 +6,7 @@ use exr::prelude::WritableImage;
 use glam::Vec3;
 use image::{ExtendedColorType, ImageEncoder, Rgb, codecs::hdr::HdrEncoder, codecs::png::PngEncoder};
 use std::{
-    io::{self, Cursor, Write},
+    io::{self, Cursor},
     path::Path,
 };
 
@@ -70,28 +70,6 @@ fn srgb_bytes(linear: Vec3) -> [u8; 3] {
     linear.to_array().map(|c| (255.0 * srgb_from_linear(c) + 0.5) as u8)
 }
 
-/// Writes `bytes` to a temporary file beside `path` and renames it when it is complete and on disk.
-/// A file that was there before is kept if anything fails.
-///
-/// # Errors
-/// What the file system says.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lapidary-");
-    #[cfg(unix)]
-    {
-        // A temporary file is private by default; the finished one is as readable as any other output.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,19 +107,8 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_keeps_the_old_file_and_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().unwrap();
-        let missing = folder.path().join("missing/a.png");
+    fn a_folder_that_is_missing_is_an_error() {
+        let missing = tempfile::tempdir().unwrap().path().join("missing/a.png");
         assert!(matches!(picture().write(&missing), Err(ImageError::Io { action: "write", .. })));
-        let target = folder.path().join("old");
-        write_atomically(&target, b"old").unwrap();
-        assert!(write_atomically(&target.join("below-a-file"), b"new").is_err());
-        // A folder cannot be replaced by a file: the rename, the last step, is what fails here.
-        std::fs::create_dir(folder.path().join("folder")).unwrap();
-        assert!(write_atomically(&folder.path().join("folder"), b"new").is_err());
-        assert_eq!(std::fs::read(&target).unwrap(), b"old");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-        write_atomically(&target, b"new").unwrap();
-        assert_eq!(std::fs::read(&target).unwrap(), b"new");
     }
 }

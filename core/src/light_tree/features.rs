@@ -135,10 +135,13 @@ mod tests {
         let features = Features::of_kind(TreeKind::DataDriven, 0.5, &fibonacci_directions(lights), &pilot);
         let mut ratio = 0.0;
         for s in 1..lights {
-            let exact: f32 = (0..512).map(|c| {
-                let at = |l: usize| f32::from(pilot.fractions[c * lights + l]) / 255.0;
-                (at(s) - at(0)).powi(2)
-            }).sum::<f32>() / 512.0;
+            let exact: f32 = (0..512)
+                .map(|c| {
+                    let at = |l: usize| f32::from(pilot.fractions[c * lights + l]) / 255.0;
+                    (at(s) - at(0)).powi(2)
+                })
+                .sum::<f32>()
+                / 512.0;
             ratio += distance_sq(&features, 0, s as u32) / (VISIBILITY_SCALE * exact) / 31.0;
         }
         assert!((ratio - 1.0).abs() < 0.1, "mean ratio of squared distances {ratio}");

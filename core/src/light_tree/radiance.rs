@@ -95,9 +95,10 @@ struct Entry {
 }
 
 fn assign_cells(lights: usize, grid: [usize; 2]) -> Vec<Entry> {
-    (0..grid[1]).into_par_iter().flat_map_iter(|row| {
-        (0..grid[0]).flat_map(move |column| cell_entries(lights, grid, row, column))
-    }).collect()
+    (0..grid[1])
+        .into_par_iter()
+        .flat_map_iter(|row| (0..grid[0]).flat_map(move |column| cell_entries(lights, grid, row, column)))
+        .collect()
 }
 
 fn cell_entries(lights: usize, [columns, rows]: [usize; 2], row: usize, column: usize) -> Vec<Entry> {
@@ -105,7 +106,8 @@ fn cell_entries(lights: usize, [columns, rows]: [usize; 2], row: usize, column: 
     let part = 1.0 / (SUBSAMPLES * SUBSAMPLES) as f64;
     let mut entries: Vec<Entry> = Vec::with_capacity(SUBSAMPLES);
     for i in 0..SUBSAMPLES * SUBSAMPLES {
-        let sub = |i: usize, cell: usize, cells: usize| (cell as f64 + (i as f64 + 0.5) / SUBSAMPLES as f64) / cells as f64;
+        let sub =
+            |i: usize, cell: usize, cells: usize| (cell as f64 + (i as f64 + 0.5) / SUBSAMPLES as f64) / cells as f64;
         let (u, v) = (sub(i % SUBSAMPLES, column, columns), sub(i / SUBSAMPLES, row, rows));
         let sample = nearest_fibonacci((0.5 - u) * TAU, (PI * v).cos(), lights);
         match entries.iter_mut().find(|e| e.sample == sample) {
@@ -140,27 +142,34 @@ fn resample(map: &Image, [columns, rows]: [usize; 2]) -> Vec<Vec3> {
     let height_edge = |i: usize, n: usize| -(PI * i as f64 / n as f64).cos();
     let row_overlaps = overlaps(map.height(), rows, height_edge);
     let column_overlaps = overlaps(map.width(), columns, |i, n| TAU * i as f64 / n as f64);
-    let narrow: Vec<Vec3> = (0..map.height()).into_par_iter().flat_map_iter(|y| {
-        column_overlaps.iter().map(move |o| o.iter().map(|&(x, w)| map.at(x, y) * w).sum())
-    }).collect();
-    row_overlaps.par_iter().flat_map_iter(|o| {
-        let narrow = &narrow;
-        (0..columns).map(move |c| o.iter().map(|&(y, w)| narrow[y * columns + c] * w).sum())
-    }).collect()
+    let narrow: Vec<Vec3> = (0..map.height())
+        .into_par_iter()
+        .flat_map_iter(|y| column_overlaps.iter().map(move |o| o.iter().map(|&(x, w)| map.at(x, y) * w).sum()))
+        .collect();
+    row_overlaps
+        .par_iter()
+        .flat_map_iter(|o| {
+            let narrow = &narrow;
+            (0..columns).map(move |c| o.iter().map(|&(y, w)| narrow[y * columns + c] * w).sum())
+        })
+        .collect()
 }
 
 /// For each of `target` intervals: the source intervals that it meets, with the length of the overlap.
 fn overlaps(source: usize, target: usize, edge: impl Fn(usize, usize) -> f64) -> Vec<Vec<(usize, f32)>> {
     let mut first = 0;
-    (0..target).map(|t| {
-        let (low, high) = (edge(t, target), edge(t + 1, target));
-        while first + 1 < source && edge(first + 1, source) <= low {
-            first += 1;
-        }
-        (first..source).take_while(|&s| edge(s, source) < high).map(|s| {
-            (s, (high.min(edge(s + 1, source)) - low.max(edge(s, source))).max(0.0) as f32)
-        }).collect()
-    }).collect()
+    (0..target)
+        .map(|t| {
+            let (low, high) = (edge(t, target), edge(t + 1, target));
+            while first + 1 < source && edge(first + 1, source) <= low {
+                first += 1;
+            }
+            (first..source)
+                .take_while(|&s| edge(s, source) < high)
+                .map(|s| (s, (high.min(edge(s + 1, source)) - low.max(edge(s, source))).max(0.0) as f32))
+                .collect()
+        })
+        .collect()
 }
 
 /// Index of the Fibonacci sample nearest to the direction of longitude `phi` and height `y`, in closed form
@@ -179,7 +188,9 @@ fn nearest_fibonacci(phi: f64, y: f64, n: usize) -> u32 {
     let p = DVec2::new(phi, y - (1.0 - 1.0 / count));
     let determinant = a.perp_dot(b);
     let c = DVec2::new(p.perp_dot(b) / determinant, a.perp_dot(p) / determinant).floor();
-    let direction = |phi: f64, y: f64| DVec3::new((1.0 - y * y).max(0.0).sqrt() * phi.sin(), y, (1.0 - y * y).max(0.0).sqrt() * phi.cos());
+    let direction = |phi: f64, y: f64| {
+        DVec3::new((1.0 - y * y).max(0.0).sqrt() * phi.sin(), y, (1.0 - y * y).max(0.0).sqrt() * phi.cos())
+    };
     let wanted = direction(phi, y);
     let corner = |s: usize| {
         let k = c + DVec2::new((s % 2) as f64, (s / 2) as f64);
@@ -202,10 +213,12 @@ mod tests {
     }
 
     fn energy_of(map: &Image) -> f64 {
-        (0..map.height()).map(|y| {
-            let row: f64 = (0..map.width()).map(|x| f64::from(map.at(x, y).x)).sum();
-            row * cell_solid_angle(y, [map.width(), map.height()])
-        }).sum()
+        (0..map.height())
+            .map(|y| {
+                let row: f64 = (0..map.width()).map(|x| f64::from(map.at(x, y).x)).sum();
+                row * cell_solid_angle(y, [map.width(), map.height()])
+            })
+            .sum()
     }
 
     #[test]
@@ -253,7 +266,8 @@ mod tests {
             let turn = glam::Mat3::from_rotation_y(-degree.to_radians());
             fibonacci_directions(4096).iter().map(|&d| env.radiance(turn * d)).collect()
         };
-        let drift = |v: &[f64]| v.iter().copied().fold(0.0, f64::max) / v.iter().copied().fold(f64::MAX, f64::min) - 1.0;
+        let drift =
+            |v: &[f64]| v.iter().copied().fold(0.0, f64::max) / v.iter().copied().fold(f64::MAX, f64::min) - 1.0;
         let sampled: Vec<f64> = (0..90).map(|d| of(&point(4.0 * d as f32))).collect();
         assert!(drift(&sampled) > 0.01);
     }
@@ -261,7 +275,9 @@ mod tests {
     #[test]
     fn a_rotation_turns_counter_clockwise_seen_from_above() {
         // Bright at +Z (centre of the image); turned by 90 degrees it must stand at +X.
-        let env = environment([128, 64], |x, y| Vec3::splat(if (62..66).contains(&x) && (30..34).contains(&y) { 1.0 } else { 0.0 }));
+        let env = environment([128, 64], |x, y| {
+            Vec3::splat(if (62..66).contains(&x) && (30..34).contains(&y) { 1.0 } else { 0.0 })
+        });
         let sampler = EnvironmentSampler::new(1024);
         let energy = sampler.grid_energy(&env);
         let centroid = |rotation: f32| {

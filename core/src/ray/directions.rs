@@ -90,7 +90,7 @@ impl Packet {
             planes: Vec3x8::splat(Vec3::ZERO),
             group_planes: [Vec3x8::splat(Vec3::ZERO); GROUP_PLANES],
             rays: [Vec3x8::splat(Vec3::ZERO); GROUPS],
-            targets: std::array::from_fn(|i| member(i)),
+            targets: std::array::from_fn(member),
             count: members.len(),
         };
         let all: [Vec3; PACKET] = std::array::from_fn(|i| directions[member(i) as usize]);

@@ -116,8 +116,10 @@ fn warn_of_literal_bounds(args: &CompareArgs, console: Console) {
 
 fn exceeded(args: &CompareArgs, metrics: &Metrics) -> Vec<String> {
     // Phrased so that NaN is out of bounds.
-    let above = |b: &Bound| metrics.get(&b.metric).filter(|found| !(*found <= b.value)).map(|v| (b.clone(), v, "above"));
-    let below = |b: &Bound| metrics.get(&b.metric).filter(|found| !(*found >= b.value)).map(|v| (b.clone(), v, "below"));
+    let above =
+        |b: &Bound| metrics.get(&b.metric).filter(|found| !(*found <= b.value)).map(|v| (b.clone(), v, "above"));
+    let below =
+        |b: &Bound| metrics.get(&b.metric).filter(|found| !(*found >= b.value)).map(|v| (b.clone(), v, "below"));
     let all = args.fail_above.iter().filter_map(above).chain(args.fail_below.iter().filter_map(below));
     all.map(|(bound, found, side)| format!("{} is {found:.6}, {side} {}", bound.metric, bound.value)).collect()
 }

@@ -7,12 +7,9 @@ use super::{
 };
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{
-    Progress,
-    compare::{
-        Metrics, compare,
-        map::{ErrorMap, error_map},
-    },
+use lapidary_render::compare::{
+    Metrics, compare,
+    map::{ErrorMap, error_map},
 };
 use serde::Serialize;
 use std::{path::Path, time::Instant};

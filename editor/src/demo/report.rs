@@ -26,13 +26,7 @@ pub struct Report {
 
 impl Report {
     /// Collects what the steps gave.
-    pub fn new(
-        dataset: &Dataset,
-        verification: Verification,
-        gallery: Gallery,
-        ladder: Ladder,
-        seconds: f64,
-    ) -> Self {
+    pub fn new(dataset: &Dataset, verification: Verification, gallery: Gallery, ladder: Ladder, seconds: f64) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             threads: std::thread::available_parallelism().map_or(1, usize::from),

@@ -36,7 +36,12 @@ fn job(folder: &Path, name: &str) -> BakeJob {
 /// The tensors of a written dataset, without the report, which holds times.
 fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<Vec3>) {
     let mesh = &dataset.scene.mesh;
-    (dataset.cuts.nodes().to_vec(), dataset.cuts.offsets().to_vec(), dataset.tree.order().to_vec(), mesh.positions.clone())
+    (
+        dataset.cuts.nodes().to_vec(),
+        dataset.cuts.offsets().to_vec(),
+        dataset.tree.order().to_vec(),
+        mesh.positions.clone(),
+    )
 }
 
 /// Cancels at the first progress of the visibility phase.
@@ -50,7 +55,9 @@ impl Observer for CancelInVisibility {
     fn event(&self, event: Event) {
         match event {
             Event::Started { phase: Phase::Visibility, .. } => self.started.store(true, Ordering::Relaxed),
-            Event::Advanced { .. } if self.started.load(Ordering::Relaxed) => self.cancelled.store(true, Ordering::Relaxed),
+            Event::Advanced { .. } if self.started.load(Ordering::Relaxed) => {
+                self.cancelled.store(true, Ordering::Relaxed)
+            }
             _ => {}
         }
     }
@@ -79,7 +86,9 @@ fn chunks_and_threads_do_not_change_a_bit() {
 fn a_cancelled_bake_resumes_to_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let job = BakeJob { chunks: Some(5), ..job(folder.path(), "a.cuts") };
-    let whole = contents(&bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job.clone() }, &Silent).unwrap());
+    let whole = contents(
+        &bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job.clone() }, &Silent).unwrap(),
+    );
     let interrupted = bake(scene(), &job, &CancelInVisibility::default());
     assert!(matches!(interrupted, Err(BakeError::Cancelled)));
     assert!(!job.output.exists());

@@ -60,10 +60,8 @@ fn windowed(values: Vec<Moments>, width: usize) -> Vec<Moments> {
     };
     let pixel = |i: usize| (i % width, i / width);
     let count = values.len();
-    let rows: Vec<Moments> = (0..count)
-        .into_par_iter()
-        .map(|i| mean(&|x| values[pixel(i).1 * width + x], pixel(i).0, width))
-        .collect();
+    let rows: Vec<Moments> =
+        (0..count).into_par_iter().map(|i| mean(&|x| values[pixel(i).1 * width + x], pixel(i).0, width)).collect();
     (0..count).into_par_iter().map(|i| mean(&|y| rows[y * width + pixel(i).0], pixel(i).1, height)).collect()
 }
 

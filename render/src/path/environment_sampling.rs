@@ -21,8 +21,9 @@ impl EnvironmentDistribution {
     pub fn new(map: &Image) -> Self {
         let solid_angle: Vec<f32> = (0..map.size[1]).map(|row| texel_solid_angle(row, map.size)).collect();
         let mut sum = 0.0;
-        let running = map.pixels.iter().enumerate().map(|(i, &texel)| {
-            sum += f64::from(luminance(texel)) * f64::from(solid_angle[i / map.width()]);
+        let running = (0..map.pixels.len()).map(|i| {
+            let (x, y) = (i % map.width(), i / map.width());
+            sum += f64::from(mean_luminance(map, x, y)) * f64::from(solid_angle[y]);
             sum
         });
         Self { size: map.size, running: running.collect(), solid_angle }
@@ -71,6 +72,20 @@ impl EnvironmentDistribution {
     }
 }
 
+/// Mean luminance over a texel of the bilinear interpolation between texel centres: a bright texel reaches into its
+/// neighbours, which must be sampled accordingly or they give fireflies.
+fn mean_luminance(map: &Image, x: usize, y: usize) -> f32 {
+    const TENT: [(isize, f32); 3] = [(-1, 0.125), (0, 0.75), (1, 0.125)]; // integrals of the tent over three texels
+    let (width, height) = (map.width() as isize, map.height() as isize);
+    let texel = |dx: isize, dy: isize| {
+        map.at((x as isize + dx).rem_euclid(width) as usize, (y as isize + dy).clamp(0, height - 1) as usize)
+    };
+    TENT.iter()
+        .flat_map(|&(dy, wy)| TENT.iter().map(move |&(dx, wx)| (dx, dy, wx * wy)))
+        .map(|(dx, dy, w)| w * luminance(texel(dx, dy)))
+        .sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,7 +102,7 @@ mod tests {
             assert!((distribution.pdf(direction) / pdf - 1.0).abs() < 1e-3);
             solid_angle += 1.0 / f64::from(pdf) / f64::from(n);
         }
-        let lit: f64 = (0..128).filter(|i| map.pixels[*i].x > 0.0).map(|i| f64::from(texel_solid_angle(i as u32 / 16, map.size))).sum();
+        let lit: f64 = (0..128).map(|i| f64::from(texel_solid_angle(i as u32 / 16, map.size))).sum();
         assert!((solid_angle / lit - 1.0).abs() < 0.02, "{solid_angle} of {lit}");
     }
 

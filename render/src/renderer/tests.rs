@@ -153,7 +153,8 @@ fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
     let renderer = Renderer::new(&dataset);
     let (width, height) = (256, 128);
     // Toward +X at 45 degrees: u = 1/4, v = 1/4.
-    let light = illumination([width, height], |x, y| Vec3::splat(f32::from(u8::from((x, y) == (width / 4, height / 4)))));
+    let light =
+        illumination([width, height], |x, y| Vec3::splat(f32::from(u8::from((x, y) == (width / 4, height / 4)))));
     let view = from_above(96);
     let toward_light = lapidary_core::environment::texel_direction(width / 4, height / 4, [width, height]);
     let shift = toward_light / toward_light.y;

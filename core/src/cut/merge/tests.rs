@@ -123,7 +123,8 @@ proptest! {
         let expanded: Vec<Vec<f32>> = cuts.iter().map(Cut::expand).collect();
         let leaf = |i: usize, f: &dyn Fn(&[f32]) -> f32| f(&expanded.iter().map(|e| e[i]).collect::<Vec<_>>());
         let weights = [0.2, 0.5, 0.3, 0.25, 0.125];
-        let operations: [&dyn Fn(&[f32]) -> f32; 3] = [
+        type Operation<'a> = &'a dyn Fn(&[f32]) -> f32;
+        let operations: [Operation; 3] = [
             &|v| v.iter().product(),
             &|v| v.iter().sum(),
             &|v| v.iter().zip(weights).map(|(x, w)| x * w).sum(),

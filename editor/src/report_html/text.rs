@@ -1,0 +1,37 @@
+//! Numbers and words for the page.
+
+/// Text with the characters escaped that mean something in HTML.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A whole number in groups of three digits.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&[u8]> = digits.as_bytes().rchunks(3).rev().collect();
+    let groups: Vec<String> = groups.into_iter().map(|g| String::from_utf8_lossy(g).into_owned()).collect();
+    groups.join("\u{202f}")
+}
+
+/// Seconds with three significant digits.
+pub fn seconds(value: f64) -> String {
+    let decimals = if value < 1.0 { 2 } else { usize::from(value < 100.0) };
+    format!("{value:.decimals$} s")
+}
+
+/// Bytes in megabytes.
+pub fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_rounded() {
+        assert_eq!([7, 1234, 1_234_567].map(grouped), ["7", "1\u{202f}234", "1\u{202f}234\u{202f}567"]);
+        assert_eq!([0.254, 6.28, 113.7].map(seconds), ["0.25 s", "6.3 s", "114 s"]);
+        assert_eq!(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
+    }
+}
