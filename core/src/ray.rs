@@ -59,7 +59,8 @@ impl Intersector {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let bvh = build_bvh2_from_tris(&triangles, BUILD, &mut std::time::Duration::default());
+        let mut bvh = build_bvh2_from_tris(&triangles, BUILD, &mut std::time::Duration::default());
+        widen_boxes(&mut bvh);
         let leaf_ids = bvh.primitive_indices.clone();
         let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
         let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
@@ -97,3 +98,16 @@ impl Intersector {
         self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))
     }
 }
+
+/// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes.
+fn widen_boxes(bvh: &mut Bvh2) {
+    const SLACK: f32 = 4e-6;
+    for node in &mut bvh.nodes {
+        let largest = node.aabb.min.abs().max(node.aabb.max.abs()).max_element();
+        node.aabb.min -= SLACK * largest;
+        node.aabb.max += SLACK * largest;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -35,7 +35,8 @@ const ROUNDS: usize = 12;
 pub fn tessellate(mesh: &mut Mesh, sides: &mut Sidedness, scene: &Intersector, budget: usize, observer: &dyn Observer) {
     let area: f32 = (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum();
     let unit = (1.15 * area / budget.max(1) as f32).sqrt();
-    let mut pilot = Pilot { scene, directions: DirectionSet::new(&fibonacci_directions(DIRECTIONS)) };
+    let mut pilot =
+        Pilot { scene, directions: DirectionSet::new(&fibonacci_directions(DIRECTIONS)), errors: HashMap::new() };
     for _ in 0..ROUNDS {
         if observer.cancelled() || mesh.positions.len() >= budget {
             break;
@@ -89,6 +90,13 @@ impl Edges {
         Self { weld, ends, length_sq, of_triangle, triangles }
     }
 
+    fn key(&self, mesh: &Mesh, edge: u32) -> EdgeKey {
+        let (a, b) = self.ends[edge as usize];
+        let mut key = [a, b].map(|v| mesh.positions[v as usize].to_array().map(f32::to_bits));
+        key.sort_unstable();
+        key
+    }
+
     /// The longest edge of a triangle; ties go by index, alike on both sides of an edge.
     fn longest(&self, triangle: u32) -> u32 {
         let edges = self.of_triangle[triangle as usize];
@@ -130,7 +138,12 @@ impl Edges {
 struct Pilot<'a> {
     scene: &'a Intersector,
     directions: DirectionSet,
+    /// Errors at the midpoints of edges, kept from round to round: most edges stay whole.
+    errors: HashMap<EdgeKey, f32>,
 }
+
+/// The bits of both ends' positions, which, unlike numbers, stay the same when others are split.
+type EdgeKey = [[u32; 3]; 2];
 
 type Seen = [u8; DIRECTIONS];
 
@@ -143,34 +156,40 @@ impl Pilot<'_> {
         }
         visible
     }
+
+    /// Traces the ends and midpoints of those edges whose error is not known yet.
+    fn learn_errors(&mut self, mesh: &Mesh, sides: &Sidedness, edges: &Edges, candidates: &[u32]) {
+        let unknown: Vec<u32> =
+            candidates.iter().copied().filter(|&e| !self.errors.contains_key(&edges.key(mesh, e))).collect();
+        let points = BakePoints::new(mesh, sides);
+        let ends = |e: u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
+        let needed: HashSet<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
+        let seen: HashMap<u32, Seen> =
+            needed.into_par_iter().map(|p| (p, self.seen(&points.points[p as usize]))).collect();
+        let error = |e: u32| {
+            let [a, b] = ends(e);
+            let middle = self.seen(&midpoint(&points.points[a as usize], &points.points[b as usize]));
+            midpoint_error(&middle, &seen[&a], &seen[&b])
+        };
+        let found: Vec<(EdgeKey, f32)> = unknown.par_iter().map(|&e| (edges.key(mesh, e), error(e))).collect();
+        self.errors.extend(found);
+    }
 }
 
 /// Edges to split, the most urgent first.
 fn wanted_edges(mesh: &Mesh, sides: &Sidedness, edges: &Edges, pilot: &mut Pilot, unit: f32) -> Vec<u32> {
-    let points = BakePoints::new(mesh, sides);
-    let candidates: Vec<u32> =
-        (0..edges.ends.len() as u32).filter(|&e| edges.length_sq[e as usize].sqrt() > SHORTEST * unit).collect();
-    let needed: HashSet<u32> =
-        candidates.iter().flat_map(|&e| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize])).collect();
-    let mut needed: Vec<u32> = needed.into_iter().collect();
-    needed.sort_unstable();
-    let seen: HashMap<u32, Seen> = needed.par_iter().map(|&p| (p, pilot.seen(&points.points[p as usize]))).collect();
+    let length = |e: u32| edges.length_sq[e as usize].sqrt() / unit;
+    let (long, candidates): (Vec<u32>, Vec<u32>) =
+        (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
+    pilot.learn_errors(mesh, sides, edges, &candidates);
+    // Long edges come first, by length; then what is visibly wrong, by how much surface it is wrong on.
     let urgency = |e: u32| {
-        let length = edges.length_sq[e as usize].sqrt();
-        let ends = end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
-        let [a, b] = ends.map(|p| &points.points[p as usize]);
-        let middle = pilot.seen(&midpoint(a, b));
-        let error = midpoint_error(&middle, &seen[&ends[0]], &seen[&ends[1]]);
-        // Long edges come first, by length; then what is visibly wrong, by how much surface it is wrong on.
-        if length > LONGEST * unit {
-            1e3 + length / unit
-        } else if error > TOLERANCE {
-            error * (length / unit).powi(2)
-        } else {
-            0.0
-        }
+        let error = pilot.errors[&edges.key(mesh, e)];
+        if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }
     };
-    let mut ranked: Vec<(f32, u32)> = candidates.par_iter().map(|&e| (urgency(e), e)).filter(|r| r.0 > 0.0).collect();
+    let long = long.into_iter().map(|e| (1e3 + length(e), e));
+    let mut ranked: Vec<(f32, u32)> =
+        long.chain(candidates.iter().map(|&e| (urgency(e), e))).filter(|r| r.0 > 0.0).collect();
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     ranked.into_iter().map(|r| r.1).collect()
 }

@@ -133,18 +133,15 @@ mod tests {
         let fractions: Vec<u8> = (0..lights * 512).map(|_| if rng.bool() { 255 } else { 0 }).collect();
         let pilot = PilotVisibility { lights, fractions };
         let features = Features::of_kind(TreeKind::DataDriven, 0.5, &fibonacci_directions(lights), &pilot);
-        let mut ratio = 0.0;
-        for s in 1..lights {
-            let exact: f32 = (0..512)
-                .map(|c| {
-                    let at = |l: usize| f32::from(pilot.fractions[c * lights + l]) / 255.0;
-                    (at(s) - at(0)).powi(2)
-                })
-                .sum::<f32>()
-                / 512.0;
-            ratio += distance_sq(&features, 0, s as u32) / (VISIBILITY_SCALE * exact) / 31.0;
-        }
-        assert!((ratio - 1.0).abs() < 0.1, "mean ratio of squared distances {ratio}");
+        let exact = |a: usize, b: usize| -> f32 {
+            let at = |c: usize, l: usize| f32::from(pilot.fractions[c * lights + l]) / 255.0;
+            (0..512).map(|c| (at(c, a) - at(c, b)).powi(2)).sum::<f32>() / 512.0
+        };
+        let pairs: Vec<(usize, usize)> = (0..lights).flat_map(|a| (0..a).map(move |b| (a, b))).collect();
+        let ratio =
+            |&(a, b): &(usize, usize)| distance_sq(&features, a as u32, b as u32) / (VISIBILITY_SCALE * exact(a, b));
+        let mean = pairs.iter().map(ratio).sum::<f32>() / pairs.len() as f32;
+        assert!((mean - 1.0).abs() < 0.1, "mean ratio of squared distances {mean}");
     }
 
     #[test]

@@ -162,3 +162,70 @@ fn swapped_nodes_are_noticed() {
     assert_eq!(product_integral(&[&a, &b]), 1.0);
     assert_eq!(product_integral(&[&swapped, &b]), 2.0);
 }
+
+/// The cut of a function by Eq. 5, top down.
+fn select(values: &[f32], sigma: f64) -> Cut {
+    let height = values.len().ilog2();
+    let mut nodes = Vec::new();
+    let mut stack = vec![(0_usize, values.len(), 0_u8)];
+    while let Some((first, size, depth)) = stack.pop() {
+        let leaves = &values[first..first + size];
+        if variance_sum(leaves) > sigma * sigma {
+            stack.push((first + size / 2, size / 2, depth + 1));
+            stack.push((first, size / 2, depth + 1));
+        } else {
+            nodes.push(CutNode { depth, value: mean(leaves) as f32 });
+        }
+    }
+    Cut::new(height, nodes).unwrap()
+}
+
+fn mean(values: &[f32]) -> f64 {
+    values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64
+}
+
+/// `|C| var` of a cluster.
+fn variance_sum(values: &[f32]) -> f64 {
+    let mean = mean(values);
+    values.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum()
+}
+
+/// `|Σ a b - |C| <a> <b>||` for every cluster of the merged cut.
+fn double_product_errors(a: &[f32], b: &[f32], cuts: [&Cut; 2]) -> Vec<f64> {
+    let mut cursors = cuts.map(Cut::cursor);
+    let mut errors = Vec::new();
+    merge(a.len() as u32, &mut cursors, |interval, _| {
+        let range = interval.first as usize..interval.end as usize;
+        let (a, b) = (&a[range.clone()], &b[range]);
+        let exact: f64 = a.iter().zip(b).map(|(&x, &y)| f64::from(x) * f64::from(y)).sum();
+        errors.push((exact - a.len() as f64 * mean(a) * mean(b)).abs());
+    });
+    errors
+}
+
+proptest! {
+    /// Paper, 3.3, Eq. 8.
+    #[test]
+    fn double_product_error_is_within_sigma_a_sigma_b_per_cluster(
+        a in prop::collection::vec(0.0_f32..4.0, 256),
+        b in prop::collection::vec(0.0_f32..1.0, 256),
+        sigma_a in 0.5_f64..4.0,
+        sigma_b in 0.1_f64..2.0,
+    ) {
+        let cuts = [&select(&a, sigma_a), &select(&b, sigma_b)];
+        for error in double_product_errors(&a, &b, cuts) {
+            prop_assert!(error <= sigma_a * sigma_b + 1e-4, "{} > {} {}", error, sigma_a, sigma_b);
+        }
+    }
+}
+
+#[test]
+fn cuts_coarser_than_their_sigma_break_the_bound() {
+    // Negative control of the bound: two functions that vary together, as one cluster.
+    let step: Vec<f32> = (0..256).map(|i| if i < 128 { 0.0 } else { 1.0 }).collect();
+    let root = Cut::new(8, vec![CutNode { depth: 0, value: 0.5 }]).unwrap();
+    let errors = double_product_errors(&step, &step, [&root, &root]);
+    assert!(errors[0] > 1.0, "{errors:?}");
+    let fine = select(&step, 1.0);
+    assert!(double_product_errors(&step, &step, [&fine, &fine]).iter().all(|&e| e <= 1.0));
+}

@@ -1,0 +1,100 @@
+//! Batches, single rays and brute force agree to the bit; closest hits agree with plain geometry.
+
+use super::*;
+use crate::sphere::fibonacci_directions;
+
+/// Triangles of many sizes around the origin.
+fn soup(seed: u64, count: usize) -> Mesh {
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut mesh = Mesh::default();
+    let mut point = |scale: f32| Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * scale;
+    for i in 0..count {
+        let center = point(8.0);
+        let size = if i % 10 == 0 { 3.0 } else { 0.4 };
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([center + point(size), center + point(size), center + point(size)]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    mesh
+}
+
+#[test]
+fn batches_single_rays_and_brute_force_agree_to_the_bit() {
+    for (seed, lights) in [(1, 64), (2, 1000), (3, 8192)] {
+        let scene = Intersector::new(&soup(seed, 400));
+        let directions = fibonacci_directions(lights);
+        let set = DirectionSet::new(&directions);
+        for origin in [Vec3::ZERO, Vec3::new(2.0, 1.0, -3.0), Vec3::new(0.0, 9.0, 0.0)] {
+            let mut visible = vec![0; lights];
+            let traced = scene.trace_batch(origin, &set, |d| d.x > -0.2, &mut visible);
+            assert_eq!(traced, directions.iter().filter(|d| d.x > -0.2).count() as u64);
+            let mut blocked = 0;
+            for (v, &d) in visible.iter().zip(&directions) {
+                let occluded = scene.occluded_by_brute_force(origin, d);
+                assert_eq!(scene.occluded(origin, d), occluded);
+                assert_eq!(*v == 1, d.x > -0.2 && !occluded, "direction {d}");
+                blocked += usize::from(occluded);
+            }
+            let open = lights - blocked;
+            assert!(origin.y > 8.0 || (blocked > 0 && open > 0), "a scene that tells them apart");
+        }
+    }
+}
+
+#[test]
+fn closest_hits_lie_on_their_triangle_and_nothing_is_nearer() {
+    let mesh = soup(7, 900);
+    let scene = Intersector::new(&mesh);
+    let mut hits = 0;
+    for d in fibonacci_directions(500) {
+        let Some(hit) = scene.closest_hit(Vec3::ZERO, d) else {
+            assert!(!scene.occluded_by_brute_force(Vec3::ZERO, d));
+            continue;
+        };
+        hits += 1;
+        let [a, b, c] = mesh.corners(hit.triangle as usize);
+        let (u, v) = (hit.barycentric.x, hit.barycentric.y);
+        let point = a * (1.0 - u - v) + b * u + c * v;
+        assert!((point - d * hit.distance).length() < 1e-3, "{hit:?}");
+        let seen_from_behind = mesh.area_vector(hit.triangle as usize).dot(d) > 0.0;
+        assert_eq!(hit.back_face, seen_from_behind);
+        let nearest = (0..mesh.triangles.len())
+            .filter_map(|t| TriangleFrom::new(Vec3::ZERO, mesh.corners(t)).hit(d))
+            .map(|h| h.distance)
+            .fold(f32::INFINITY, f32::min);
+        assert!((hit.distance - nearest).abs() < 1e-4);
+    }
+    assert!(hits > 100);
+}
+
+#[test]
+fn no_ray_slips_between_neighbouring_triangles() {
+    // A closed box seen from inside, with rays aimed at its edges, diagonals and corners.
+    let p = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let mut mesh = Mesh::default();
+    for axis in 0..3 {
+        for side in [-1.0_f32, 1.0] {
+            let corner = |u: f32, v: f32| {
+                let mut c = [0.0; 3];
+                (c[axis], c[(axis + 1) % 3], c[(axis + 2) % 3]) = (side, u, v);
+                p(c[0], c[1], c[2])
+            };
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+    }
+    let scene = Intersector::new(&mesh);
+    let origin = p(0.137, -0.291, 0.353);
+    let mut rng = fastrand::Rng::with_seed(4);
+    for _ in 0..20_000 {
+        let t = 2.0 * rng.f32() - 1.0;
+        for target in [p(t, 1.0, 1.0), p(1.0, t, -1.0), p(-1.0, -1.0, t), p(t, t, 1.0), p(1.0, t, t)] {
+            let direction = (target - origin).normalize();
+            assert!(scene.occluded_by_brute_force(origin, direction), "toward {target}");
+            assert!(scene.occluded(origin, direction), "toward {target}, by the hierarchy");
+        }
+    }
+    let outside = p(0.0, 3.0, 0.0);
+    assert!(!scene.occluded(outside, Vec3::Y), "negative control");
+}
