@@ -1,1 +1,157 @@
-//! End-to-end tests.
+//! Bad input gets a message that names the file and says what to do; nothing good is lost.
+
+mod common;
+
+use common::{SMALL, Stage, only_file};
+use std::fs;
+
+#[test]
+fn damaged_and_foreign_datasets_are_refused() {
+    let stage = Stage::new();
+    stage.bake("good.cuts", "");
+    let bytes = fs::read(stage.path("good.cuts")).expect("a dataset");
+    for (name, contents) in [
+        ("short.cuts", bytes[..bytes.len() / 2].to_vec()),
+        ("empty.cuts", Vec::new()),
+        ("foreign.cuts", fs::read(stage.path("scene.obj")).expect("the scene")),
+        ("flipped.cuts", bytes.iter().enumerate().map(|(i, b)| b ^ u8::from(i == bytes.len() - 100)).collect()),
+    ] {
+        fs::write(stage.path(name), contents).expect("a writable folder");
+        for command in
+            [format!("info {name}"), format!("verify {name}"), format!("render {name} --env studio --out a.png")]
+        {
+            let message = stage.fail(&command);
+            assert!(message.contains("bake") && message.contains(name), "{command}: {message}");
+        }
+    }
+    assert!(!stage.path("a.png").exists());
+    stage.succeed("info good.cuts");
+}
+
+#[test]
+fn damaged_scenes_are_refused_by_name() {
+    let stage = Stage::new();
+    for (name, text) in [
+        ("nan.obj", "v 0 0 0\nv nan 0 1\nv 1 0 0\nf 1 2 3\n"),
+        ("index.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 9\n"),
+        ("empty.obj", "# nothing\n"),
+        ("points.obj", "v 0 0 0\nv 0 0 1\n"),
+        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+        ("broken.gltf", "{\"asset\": {\"version\": \"2.0\""),
+        ("broken.glb", "glTF but not really"),
+        ("broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"),
+        ("scene.fbx", "anything"),
+    ] {
+        stage.write(name, text.into());
+        let message = stage.fail(&format!("bake {name} -o a.cuts --progress none"));
+        assert!(message.contains(name), "{name}: {message}");
+    }
+    assert!(stage.fail("bake missing.obj -o a.cuts").contains("missing.obj"));
+    assert!(!stage.path("a.cuts").exists());
+}
+
+#[test]
+fn missing_materials_and_zero_area_triangles_are_warnings() {
+    let stage = Stage::new();
+    let scene = fs::read_to_string(stage.path("scene.obj")).expect("the scene");
+    stage.write("poor.obj", scene.replace("scene.mtl", "gone.mtl") + "f 1 1 2\n");
+    let output = stage.run(&format!(
+        "bake poor.obj -o a.cuts {} --progress bar --report r.json",
+        SMALL.replace("--progress none", "")
+    ));
+    let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && warnings.contains("gone.mtl"), "{warnings}");
+    assert!(stage.json("r.json")["warnings"].to_string().contains("gone.mtl"));
+    assert_eq!(stage.dataset("a.cuts").scene.objects.len(), 2);
+}
+
+#[test]
+fn environments_that_are_no_radiance_are_repaired_aloud_or_refused() {
+    use glam::Vec3;
+    use lapidary_core::image::Image;
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let map = Image::from_fn([8, 4], |x, _| match x {
+        0 => Vec3::splat(-1.0),
+        1 => Vec3::splat(f32::NAN),
+        _ => Vec3::ONE,
+    });
+    map.write(&stage.path("odd.exr")).expect("a writable folder");
+    let output = stage.run("render a.cuts --env odd.exr --size 16x12 --out a.exr");
+    let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && warnings.contains("negative") && warnings.contains("finite"), "{warnings}");
+    let picture = Image::read(&stage.path("a.exr")).expect("a picture");
+    assert!(picture.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0));
+    let exr = fs::read(stage.path("odd.exr")).expect("the map");
+    fs::write(stage.path("short.exr"), &exr[..exr.len() / 2]).expect("a writable folder");
+    stage.write("foreign.hdr", "not a picture".into());
+    for name in ["short.exr", "foreign.hdr", "missing.hdr"] {
+        assert!(stage.fail(&format!("render a.cuts --env {name} --out b.exr")).contains(name), "{name}");
+    }
+    assert!(!stage.path("b.exr").exists());
+}
+
+#[test]
+fn impossible_options_are_refused_before_any_work() {
+    let stage = Stage::new();
+    for (options, word) in [
+        ("--lights 1000", "power of two"),
+        ("--beta 2", "--beta"),
+        ("--sigma nan", "--sigma"),
+        ("--max-vertices 99999999", "memory"),
+    ] {
+        let output = stage.run(&format!("bake scene.obj -o a.cuts {options}"));
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && message.contains(word), "{options}: {message}");
+    }
+    stage.bake("a.cuts", "");
+    for options in [
+        "--size 0x5 --out a.png",
+        "--out a.gif",
+        "--roughness 7 --out a.png",
+        "--fov 0 --out a.png",
+        "--backend gpu --out a.png",
+    ] {
+        let output = stage.run(&format!("render a.cuts --env studio {options}"));
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{options}");
+        assert!(!output.stderr.is_empty());
+    }
+    assert!(!stage.path("a.png").exists() && !stage.path("a.gif").exists());
+}
+
+#[test]
+fn an_output_that_cannot_be_written_keeps_what_was_there() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    fs::create_dir(stage.path("folder")).expect("a writable folder");
+    assert!(stage.fail("bake scene.obj -o gone/a.cuts --progress none").contains("gone"));
+    assert!(stage.fail("render a.cuts --env studio --size 8x6 --out gone/a.png").contains("gone"));
+    stage.fail("render a.cuts --env studio --size 8x6 --out folder");
+    assert_eq!(only_file(&stage.path("folder")), 0);
+    stage.succeed("info a.cuts");
+}
+
+/// A file system of half a megabyte, where one can be mounted.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_keeps_the_old_dataset_and_says_so() {
+    use std::process::Command;
+    let stage = Stage::new();
+    let disk = stage.path("disk");
+    fs::create_dir(&disk).expect("a writable folder");
+    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=512k", "tmpfs"]).arg(&disk).output();
+    if !mount.is_ok_and(|o| o.status.success()) {
+        eprintln!("SKIPPED: a small file system cannot be mounted here");
+        return;
+    }
+    let old = "what was there";
+    fs::write(disk.join("a.cuts"), old).expect("a writable disk");
+    let output = stage.run("bake scene.obj -o disk/a.cuts --lights 8192 --pilot-clusters 16 --max-vertices 6000 --sigma 0.5 --progress none");
+    let kept = fs::read_to_string(disk.join("a.cuts")).unwrap_or_default();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    let unmounted = Command::new("umount").arg(&disk).status();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("space") && message.contains("a.cuts"), "{message}");
+    assert_eq!(kept, old);
+    assert!(unmounted.is_ok_and(|s| s.success()));
+}

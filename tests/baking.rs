@@ -1,1 +1,113 @@
-//! End-to-end tests.
+//! `bake`, `info` and `verify` from end to end.
+
+mod common;
+
+use common::{Stage, contents, keys};
+
+#[test]
+fn the_report_has_the_keys_that_scripts_depend_on() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "--report report.json");
+    let report = stage.json("report.json");
+    for key in [
+        "vertices",
+        "triangles",
+        "lights",
+        "tree",
+        "beta",
+        "sigma",
+        "mean_cut",
+        "max_cut",
+        "rms_visibility",
+        "bytes_cuts",
+        "bytes_total",
+        "samples_resolved",
+        "rays_traced",
+        "samples_per_second",
+        "peak_memory_bytes",
+        "seconds",
+    ] {
+        assert!(!report[key].is_null(), "{key}");
+    }
+    let phases = ["import", "pack", "pilot", "tessellate", "total", "tree", "visibility"];
+    assert_eq!(keys(&report["seconds"]), phases);
+    assert_eq!((report["lights"].as_u64(), report["tree"].as_str()), (Some(1024), Some("mixed")));
+    let samples = report["samples_resolved"].as_u64();
+    assert_eq!(samples, report["bake_points"].as_u64().map(|points| 1024 * points));
+    let stored = std::fs::metadata(stage.path("a.cuts")).expect("a dataset").len();
+    assert!(report["bytes_total"].as_u64().is_some_and(|b| b < stored && b > stored / 2));
+}
+
+#[test]
+fn info_and_verify_agree_with_the_bake() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    assert!(stage.succeed("info a.cuts").contains("light tree 1024 samples"));
+    let info: serde_json::Value = serde_json::from_str(&stage.succeed("info a.cuts --json")).expect("JSON");
+    assert_eq!(info["report"]["lights"].as_u64(), Some(1024));
+    let verified: serde_json::Value =
+        serde_json::from_str(&stage.succeed("verify a.cuts --vertices 9999 --json")).expect("JSON");
+    assert_eq!(verified["different_cuts"].as_u64(), Some(0));
+    assert!(verified["passed"].as_bool() == Some(true) && verified["rms_visibility"].as_f64().is_some_and(|r| r > 0.0));
+}
+
+#[test]
+fn threads_and_chunks_do_not_change_a_bit_and_settings_do() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "--threads 1 --chunks 1");
+    stage.bake("b.cuts", "--threads 4 --chunks 9");
+    stage.bake("c.cuts", "--sigma 3");
+    let [a, b, c] = ["a.cuts", "b.cuts", "c.cuts"].map(|name| contents(&stage.dataset(name)));
+    assert!(a == b && a != c);
+}
+
+#[test]
+fn a_two_triangle_floor_is_tessellated_only_if_asked() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let out = stage.run("bake scene.obj -o b.cuts --lights 256 --no-tessellate --progress none");
+    assert!(out.status.success());
+    assert!(stage.dataset("a.cuts").scene.mesh.positions.len() > 300);
+    assert_eq!(stage.dataset("b.cuts").scene.mesh.triangles.len(), 14);
+}
+
+/// Ctrl-C leaves a checkpoint and exit code 130; `--resume` gives what an uninterrupted bake gives.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_bake_resumes_to_the_same_bits() {
+    let stage = Stage::new();
+    let options =
+        "bake scene.obj -o a.cuts --lights 32768 --pilot-clusters 16 --max-vertices 3000 --chunks 200 --progress none";
+    let mut child = stage.command(options).stderr(std::process::Stdio::null()).spawn().expect("the program starts");
+    let first_chunk = stage.path("a.cuts.partial/chunk-00000.bin");
+    while !first_chunk.exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "the bake ended before it could be interrupted");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(killed.is_ok_and(|s| s.success()));
+    assert_eq!(child.wait().expect("a child").code(), Some(130));
+    assert!(first_chunk.exists() && !stage.path("a.cuts").exists());
+    stage.succeed(&format!("{options} --resume"));
+    stage.succeed(&options.replace("a.cuts", "b.cuts"));
+    assert!(contents(&stage.dataset("a.cuts")) == contents(&stage.dataset("b.cuts")));
+    assert!(!stage.path("a.cuts.partial").exists());
+}
+
+#[test]
+fn quiet_bakes_print_nothing() {
+    let stage = Stage::new();
+    let output = stage.run("--quiet bake scene.obj -o a.cuts --lights 256 --no-tessellate");
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn help_teaches_every_command() {
+    let stage = Stage::new();
+    let help = stage.succeed("--help");
+    for command in ["demo", "bake", "info", "verify", "render", "reference", "compare"] {
+        assert!(help.contains(command), "{command}");
+        assert!(stage.succeed(&format!("{command} --help")).contains("Usage"), "{command}");
+    }
+    assert!(!help.contains("frobnicate"), "negative control");
+}

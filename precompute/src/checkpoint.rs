@@ -96,7 +96,7 @@ impl Checkpoint {
         if folder.exists() {
             fs::remove_dir_all(&folder).map_err(|e| io_error("remove", &folder, e))?;
         }
-        fs::create_dir_all(&folder).map_err(|e| io_error("write", &folder, e))?;
+        fs::create_dir(&folder).map_err(|e| io_error("write", &folder, e))?;
         let checkpoint = Self { folder, manifest };
         let json = serde_json::to_vec(&checkpoint.manifest).unwrap_or_default();
         checkpoint.write("bake.json", &json)?;

@@ -21,7 +21,7 @@ const BOTTOM: f64 = 46.0;
 pub fn error_chart(title: &str, series: &[Series]) -> String {
     let sizes: Vec<u32> = series[0].points.iter().map(|p| p.0).collect();
     let largest = series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
-    let axis = Axis { step: tick_step(largest), top: largest * 1.08 };
+    let axis = Axis { step: tick_step(largest), top: (largest * 1.08).max(1e-6) };
     let x = |size: u32| {
         let span = f64::from(sizes[sizes.len() - 1]).log2() - f64::from(sizes[0]).log2();
         LEFT + (WIDTH - LEFT - RIGHT) * (f64::from(size).log2() - f64::from(sizes[0]).log2()) / span

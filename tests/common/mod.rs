@@ -1,0 +1,108 @@
+//! What the end-to-end tests share: running the binary, a small scene, comparing datasets.
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+use lapidary_core::dataset::Dataset;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+/// The built program.
+pub const LAPIDARY: &str = env!("CARGO_BIN_EXE_lapidary");
+
+/// A folder for one test, with a small scene in it: a box over a floor of two triangles.
+pub struct Stage(tempfile::TempDir);
+
+impl Stage {
+    pub fn new() -> Self {
+        let stage = Self(tempfile::tempdir().expect("a temporary folder"));
+        stage.write("scene.obj", box_over_floor());
+        stage.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\n".into());
+        stage
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, contents: String) {
+        fs::write(self.path(name), contents).expect("a writable folder");
+    }
+
+    /// Runs `lapidary` in the folder, options separated by blanks.
+    pub fn run(&self, options: &str) -> Output {
+        let output = self.command(options).output().expect("the program starts");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(!errors.contains("panicked"), "{options}: {errors}");
+        output
+    }
+
+    pub fn command(&self, options: &str) -> Command {
+        let mut command = Command::new(LAPIDARY);
+        command.args(options.split_whitespace()).current_dir(self.0.path());
+        command
+    }
+
+    /// Runs and expects success; returns standard output.
+    pub fn succeed(&self, options: &str) -> String {
+        let output = self.run(options);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{options}: {errors}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// Runs and expects exit code 1; returns standard error.
+    pub fn fail(&self, options: &str) -> String {
+        let output = self.run(options);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{options}: {errors}");
+        errors
+    }
+
+    /// Bakes the small scene to `name` with few lights.
+    pub fn bake(&self, name: &str, more: &str) -> String {
+        self.succeed(&format!("bake scene.obj -o {name} {SMALL} {more}"))
+    }
+
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_slice(&fs::read(self.path(name)).expect("a JSON file")).expect("JSON")
+    }
+
+    pub fn dataset(&self, name: &str) -> Dataset {
+        Dataset::read(&self.path(name)).expect("a dataset")
+    }
+}
+
+/// Options of a small bake.
+pub const SMALL: &str = "--lights 1024 --pilot-clusters 64 --max-vertices 800 --progress none";
+
+/// Everything in a dataset but the report, which holds times.
+pub fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<[u32; 3]>) {
+    let (cuts, mesh) = (&dataset.cuts, &dataset.scene.mesh);
+    (cuts.nodes().to_vec(), cuts.offsets().to_vec(), dataset.tree.order().to_vec(), mesh.triangles.clone())
+}
+
+/// Keys of a JSON object, sorted.
+pub fn keys(value: &serde_json::Value) -> Vec<&str> {
+    value.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+/// Whether a file exists and no half-written companion lies beside it.
+pub fn only_file(folder: &Path) -> usize {
+    fs::read_dir(folder).expect("a folder").count()
+}
+
+fn box_over_floor() -> String {
+    let mut text = String::from("mtllib scene.mtl\nusemtl white\no floor\n");
+    for (x, z) in [(-2, -2), (-2, 2), (2, 2), (2, -2)] {
+        text += &format!("v {x} 0 {z}\n");
+    }
+    text += "f 1 2 3\nf 1 3 4\no box\n";
+    for y in [0.5, 1.0] {
+        for (x, z) in [(-0.25, -0.25), (-0.25, 0.25), (0.25, 0.25), (0.25, -0.25)] {
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    text + "f 8 7 6 5\nf 9 10 11 12\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n"
+}
