@@ -102,10 +102,11 @@ impl Intersector {
 /// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes.
 fn widen_boxes(bvh: &mut Bvh2) {
     const SLACK: f32 = 4e-6;
+    let Some(root) = bvh.nodes.first() else { return };
+    let slack = SLACK * root.aabb.min.abs().max(root.aabb.max.abs()).max_element();
     for node in &mut bvh.nodes {
-        let largest = node.aabb.min.abs().max(node.aabb.max.abs()).max_element();
-        node.aabb.min -= SLACK * largest;
-        node.aabb.max += SLACK * largest;
+        node.aabb.min -= slack;
+        node.aabb.max += slack;
     }
 }
 

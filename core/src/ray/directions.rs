@@ -27,6 +27,8 @@ pub(super) struct Packet {
     pub group_planes: [Vec3x8; GROUP_PLANES],
     /// The directions of each group.
     pub rays: [Vec3x8; GROUPS],
+    /// Inverses of the components of the directions, for slab tests; finite.
+    pub inverse_rays: [Vec3x8; GROUPS],
     /// Where each ray stands in the caller's order; lanes past `count` are unused.
     pub targets: [u32; PACKET],
     /// Number of rays in use.
@@ -90,6 +92,7 @@ impl Packet {
             planes: Vec3x8::splat(Vec3::ZERO),
             group_planes: [Vec3x8::splat(Vec3::ZERO); GROUP_PLANES],
             rays: [Vec3x8::splat(Vec3::ZERO); GROUPS],
+            inverse_rays: [Vec3x8::splat(Vec3::ZERO); GROUPS],
             targets: std::array::from_fn(member),
             count: members.len(),
         };
@@ -99,6 +102,7 @@ impl Packet {
         packet.planes = Vec3x8::from_array(bounding_planes::<PACKET_PLANES>(&all));
         let groups: [&[Vec3]; GROUPS] = std::array::from_fn(|g| &all[g * GROUP..(g + 1) * GROUP]);
         packet.rays = groups.map(|rays| Vec3x8::from_array(std::array::from_fn(|lane| rays[lane])));
+        packet.inverse_rays = groups.map(|rays| Vec3x8::from_array(std::array::from_fn(|lane| inverse(rays[lane]))));
         let planes = groups.map(bounding_planes::<GROUP_PLANES>);
         packet.group_planes = std::array::from_fn(|k| Vec3x8::from_array(planes.map(|p| p[k])));
         packet
@@ -109,6 +113,11 @@ impl Packet {
 fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
     let cos = directions.iter().map(|d| d.dot(axis)).fold(1.0, f32::min);
     if cos > 0.2 { (1.0 - cos * cos + 1e-4).min(1.0) } else { 1.0 }
+}
+
+/// One over each component, kept finite so that zero times it is zero.
+fn inverse(v: Vec3) -> Vec3 {
+    Vec3::from_array(v.to_array().map(|c| 1.0 / if c.abs() < 1e-18 { 1e-18_f32.copysign(c) } else { c }))
 }
 
 /// Outward normals of `K` planes through the origin that together enclose all `directions`. Directions too far apart

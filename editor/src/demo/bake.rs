@@ -10,7 +10,7 @@ use lapidary_precompute::{BakeError, BakeJob, Preset, bake};
 use std::{path::Path, time::Instant};
 
 /// Most vertices: the scene's own, and some for the shadows on the backdrop.
-const MAX_VERTICES: usize = 64_000;
+const MAX_VERTICES: usize = 60_000;
 
 /// Imports and bakes into the output folder; goes on with an interrupted bake.
 ///

@@ -83,7 +83,7 @@ pub fn take(dataset: &Dataset, environments: &Environments, out: &Path, steps: &
 }
 
 fn hero_settings() -> PictureSettings {
-    PictureSettings { environment: "studio".into(), illum_cut: 512, size: [1200, 800], aa: 3, ..Default::default() }
+    PictureSettings { environment: "studio".into(), size: [960, 640], aa: 2, ..Default::default() }
 }
 
 /// "sun-and-sky" as words.

@@ -64,7 +64,7 @@ pub struct Ladder {
 
 /// The view of the ladder: small, for each pixel of the reference takes thousands of rays.
 fn settings() -> PictureSettings {
-    PictureSettings { size: [240, 180], aa: 1, ..Default::default() }
+    PictureSettings { environment: "studio".into(), size: [160, 120], aa: 1, ..Default::default() }
 }
 
 /// Renders, traces and compares.
@@ -110,7 +110,7 @@ fn rung(stage: &Stage, illum_cut: u32, refine: bool, truth: &Image) -> Result<Ru
 
 /// Glossy metal at a small cut, where refinement shows most.
 fn close_up(stage: &Stage, steps: &Steps) -> Result<Detail> {
-    let settings = PictureSettings { camera: "detail", illum_cut: 64, size: [360, 270], aa: 1, ..Default::default() };
+    let settings = PictureSettings { camera: "detail", illum_cut: 64, size: [360, 270], aa: 1, ..settings() };
     let once = PictureSettings { refine: false, ..settings.clone() };
     let (once, once_image) = stage.render("detail-once", "sampled once a node", once)?;
     let (refined, refined_image) = stage.render("detail-refine", "refined in the merge", settings.clone())?;

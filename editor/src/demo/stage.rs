@@ -34,7 +34,7 @@ impl Default for PictureSettings {
             rotation_degrees: 0.0,
             illum_cut: 256,
             refine: true,
-            size: [480, 360],
+            size: [400, 300],
             aa: 2,
         }
     }
