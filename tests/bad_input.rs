@@ -111,6 +111,16 @@ fn impossible_options_are_refused_before_any_work() {
         "--roughness 7 --out a.png",
         "--fov 0 --out a.png",
         "--backend gpu --out a.png",
+        "--eye 1,2 --out a.png",
+        "--eye 1,2,3 --out a.png",
+        "--target 1,2,3 --out a.png",
+        "--eye 1,2,3 --target 1,2,3 --out a.png",
+        "--camera main --out a.png",
+        "--base-color 2,0,0 --out a.png",
+        "--roughness 0.1 --material m.json --out a.png",
+        "--material missing.json --out a.png",
+        "--aa 0 --out a.png",
+        "--size 32768x32768 --out a.png",
     ] {
         let output = stage.run(&format!("render a.cuts --env studio {options}"));
         assert!(matches!(output.status.code(), Some(1 | 2)), "{options}");
@@ -129,6 +139,62 @@ fn an_output_that_cannot_be_written_keeps_what_was_there() {
     stage.fail("render a.cuts --env studio --size 8x6 --out folder");
     assert_eq!(only_file(&stage.path("folder")), 0);
     stage.succeed("info a.cuts");
+}
+
+#[test]
+fn outputs_are_checked_before_the_work() {
+    let stage = Stage::new();
+    stage.write("not-even-a-dataset.cuts", String::new());
+    let early = stage.fail("render not-even-a-dataset.cuts --env studio --out a.gif");
+    assert!(early.contains(".exr") && early.contains("a.gif"), "{early}");
+    let late = stage.fail("render not-even-a-dataset.cuts --env studio --out a.png");
+    assert!(late.contains("not-even-a-dataset.cuts"), "negative control: {late}");
+}
+
+#[test]
+fn pictures_that_cannot_be_compared_are_refused() {
+    use glam::Vec3;
+    use lapidary_core::image::Image;
+    let stage = Stage::new();
+    for (name, size) in [("a.exr", [8, 6]), ("b.exr", [6, 8])] {
+        Image::filled(size, Vec3::ONE).write(&stage.path(name)).expect("a writable folder");
+    }
+    let message = stage.fail("compare a.exr b.exr");
+    assert!(message.contains("8 x 6") && message.contains("6 x 8"), "{message}");
+    assert!(stage.fail("compare a.exr missing.exr").contains("missing.exr"));
+    assert!(stage.fail("compare scene.obj a.exr").contains("scene.obj"));
+    assert!(stage.fail("compare a.exr a.exr --json gone/m.json").contains("gone"));
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_is_not_resumed() {
+    let stage = Stage::new();
+    fs::create_dir(stage.path("a.cuts.partial")).expect("a writable folder");
+    stage.write("a.cuts.partial/bake.json", "{}".into());
+    let message = stage.fail(&format!("bake scene.obj -o a.cuts {SMALL} --resume"));
+    assert!(message.contains("--resume") && message.contains("a.cuts.partial"), "{message}");
+    stage.bake("a.cuts", "");
+}
+
+#[test]
+fn the_demonstration_needs_its_data() {
+    let stage = Stage::new();
+    let message = stage.fail("demo --data nowhere");
+    assert!(message.contains("LAPIDARY_DATA") && message.contains("nowhere"), "{message}");
+    assert!(!stage.path("out").exists());
+}
+
+/// Standard output that is full, as when redirected to a full disk.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_standard_output_is_an_error() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
+    let output = stage.command("info a.cuts").stdout(full).output().expect("the program starts");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message.contains("standard output") && !message.contains("panicked"), "{message}");
 }
 
 /// A file system of half a megabyte, where one can be mounted.

@@ -101,3 +101,76 @@ fn the_bundled_still_life_bakes_and_renders() {
     let mean = picture.pixels.iter().map(|p| p.y).sum::<f32>() / picture.pixels.len() as f32;
     assert!((0.02..5.0).contains(&mean), "{mean}");
 }
+
+#[test]
+fn a_bound_below_is_for_metrics_where_larger_is_better() {
+    let stage = baked();
+    for (name, angle) in [("a", 0), ("b", 90)] {
+        stage.succeed(&format!("render a.cuts {VIEW} --rotate {angle} --out {name}.exr"));
+    }
+    let run = |options: &str| {
+        let output = stage.run(&format!("compare a.exr b.exr {options}"));
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_eq!(run("--fail-below ssim=0.9999").0, Some(3));
+    assert_eq!(run("--fail-below ssim=-1").0, Some(0));
+    let (code, hint) = run("--fail-above psnr=1");
+    assert!(code == Some(3) && hint.contains("--fail-below psnr=1"), "{hint}");
+    assert_eq!(run("--out map.png").0, Some(2), "a map needs its kind");
+}
+
+#[test]
+fn equal_pictures_have_no_error_and_infinity_becomes_null() {
+    let stage = baked();
+    stage.succeed(&format!("render a.cuts {VIEW} --out a.exr"));
+    stage.succeed("compare a.exr a.exr --json m.json --fail-above rmse=0 --fail-above flip=0 --fail-below ssim=1");
+    assert!(stage.json("m.json")["psnr"].is_null());
+}
+
+#[test]
+fn pixels_that_are_not_finite_are_told_and_left_out() {
+    use glam::Vec3;
+    let stage = Stage::new();
+    let good = Image::filled([16, 16], Vec3::splat(0.5));
+    let mut bad = good.clone();
+    bad.pixels[7] = Vec3::splat(f32::NAN);
+    good.write(&stage.path("good.exr")).expect("a writable folder");
+    bad.write(&stage.path("bad.exr")).expect("a writable folder");
+    let output = stage.run("compare bad.exr good.exr --json m.json");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 pixels are not finite"));
+    assert_eq!(stage.json("m.json")["rmse"].as_f64(), Some(0.0));
+    assert_eq!(stage.run("compare bad.exr good.exr --fail-above non_finite_pixels=0").status.code(), Some(3));
+}
+
+#[test]
+fn quiet_commands_print_nothing_and_loud_ones_do() {
+    let stage = baked();
+    for command in [
+        format!("render a.cuts {VIEW} --out a.exr"),
+        format!("reference a.cuts {VIEW} --out r.exr"),
+        "compare a.exr a.exr".into(),
+    ] {
+        let quiet = stage.run(&format!("--quiet {command}"));
+        assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty(), "{command}");
+        assert!(!stage.succeed(&command).is_empty(), "negative control: {command}");
+    }
+}
+
+/// Ctrl-C keeps what there is of a reference.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_reference_writes_its_picture_and_says_so() {
+    let stage = baked();
+    let options = format!("reference a.cuts {VIEW} --kind path --spp 1000000 --out r.exr --out r.png");
+    let mut command = stage.command(&options);
+    let child = command.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(killed.is_ok_and(|s| s.success()));
+    let output = child.wait_with_output().expect("a child");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{errors}");
+    assert!(errors.contains("unfinished") && errors.contains("r.exr") && !errors.contains("panicked"), "{errors}");
+    let picture = Image::read(&stage.path("r.exr")).expect("a picture");
+    assert!(picture.pixels.iter().any(|p| p.y > 0.0) && stage.path("r.png").exists());
+}

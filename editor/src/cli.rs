@@ -22,7 +22,8 @@ const TUTORIAL: &str = "\
 A first tour, on the data that comes with the program:
 
   lapidary demo
-      bakes a still life, renders it, traces the references, and writes out/demo/report.html to look at
+      bakes a still life, renders it, traces the references, and writes a report:
+      out/demo/report.html
 
 Then with a scene of your own:
 
@@ -34,7 +35,7 @@ Then with a scene of your own:
       traces some vertices again, ray by ray, and compares
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
       relights it: any environment, turned by any angle, without a new bake
-  lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --base-color 0.9,0.6,0.3 --out gold.png
+  lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
       gives the whole scene another material
   lapidary reference scene.cuts --env sky.hdr --rotate 30 --out truth.exr
       traces rays for the same picture: slower, and right
@@ -43,11 +44,16 @@ Then with a scene of your own:
 
 `lapidary COMMAND --help` explains every option.
 
-Exit codes: 0 done, 1 error, 2 wrong options, 3 `compare` found a difference out of bounds, 130 stopped by Ctrl-C.";
+Exit codes:
+  0    done
+  1    an error, which is told on standard error
+  2    wrong options
+  3    `compare` found a metric out of bounds
+  130  stopped by Ctrl-C";
 
 /// The command line.
 #[derive(Parser)]
-#[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, arg_required_else_help = true)]
+#[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, arg_required_else_help = true, max_term_width = 110)]
 pub struct Cli {
     /// No progress, warnings, notes or summaries; errors are still printed, and what `info` and `verify` are asked for
     #[arg(long, global = true)]
@@ -88,8 +94,9 @@ verify scene.cuts --vertices 1000")]
     #[command(after_help = "\
 Examples:
   lapidary render scene.cuts --env sky.hdr --out picture.png
-  lapidary render scene.cuts --env sun-sky:30 --rotate 120 --size 1280x960 --aa 4 --out picture.exr --out picture.png
-  lapidary render scene.cuts --env studio --roughness 0.3 --eye 0.3,0.5,3.5 --target 0,0.4,0 --stats stats.json")]
+  lapidary render scene.cuts --env sun-sky:30 --rotate 120 --size 1280x960 --aa 4 --out a.exr --out a.png
+  lapidary render scene.cuts --env studio --eye 0.3,0.5,3.5 --target 0,0.4,0 --fov 35 --out close.png
+  lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json")]
     Render(RenderArgs),
     /// Trace rays for the same picture, to measure against
     #[command(after_help = "\
@@ -108,7 +115,7 @@ Bounds compare literally: for psnr and ssim, where larger is better, use --fail-
 Examples:
   lapidary compare picture.exr truth.exr
   lapidary compare picture.exr truth.exr --map flip --out flip.png
-  lapidary compare picture.exr truth.exr --json metrics.json --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
+  lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
     Compare(CompareArgs),
 }
 

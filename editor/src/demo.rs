@@ -12,7 +12,7 @@ use crate::{console::Console, outcome::Outcome, outputs::create_folder, report_h
 use anyhow::{Context, Result};
 use clap::Args;
 use data::DataFolder;
-pub use ladder::{CUT_SIZES, MAP_TOP, Rung};
+pub use ladder::{CUT_SIZES, MAP_TOP, PATH_SAMPLES, Rung};
 use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::{cli::write_json, verify};
 pub use report::Report;
@@ -29,8 +29,8 @@ pub struct DemoArgs {
     /// Folder for pictures, report.json and report.html; it is created if it is not there
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
-    /// Folder with the bundled scenes and environments [default: LAPIDARY_DATA, or that of the source tree]
-    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA")]
+    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }
 

@@ -3,7 +3,10 @@
 use glam::Vec3;
 
 /// Largest width and height of a picture in pixels.
-pub const MAX_SIDE: u32 = 32_768;
+const MAX_SIDE: u32 = 32_768;
+
+/// Most pixels of a picture: as many as can be read back.
+const MAX_PIXELS: u64 = 1 << 28;
 
 /// Three finite numbers separated by commas.
 ///
@@ -37,7 +40,12 @@ pub fn color(text: &str) -> Result<Vec3, String> {
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?]));
-    sides.ok_or_else(|| format!("a size is WIDTHxHEIGHT in pixels, as in 640x480, each 1 to {MAX_SIDE}"))
+    let [width, height] =
+        sides.ok_or_else(|| format!("a size is WIDTHxHEIGHT in pixels, as in 640x480, each 1 to {MAX_SIDE}"))?;
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!("{width} x {height} is more than the limit of {MAX_PIXELS} pixels"));
+    }
+    Ok([width, height])
 }
 
 /// A finite number.
@@ -107,7 +115,7 @@ mod tests {
         for bad in ["1,2", "1,2,3,4", "a,b,c", "1,nan,2", ""] {
             assert!(vector(bad).is_err(), "{bad}");
         }
-        for bad in ["640", "0x480", "640x-1", "99999x2", "x", "1x1x1"] {
+        for bad in ["640", "0x480", "640x-1", "99999x2", "32768x32768", "x", "1x1x1"] {
             assert!(size(bad).is_err(), "{bad}");
         }
         assert!(color("0.5,0.5,1.5").is_err() && color("0.5,0.5").is_err());

@@ -3,7 +3,7 @@
 mod chart;
 mod text;
 
-use crate::demo::{CUT_SIZES, MAP_TOP, Picture, Report, Rung};
+use crate::demo::{CUT_SIZES, MAP_TOP, PATH_SAMPLES, Picture, Report, Rung};
 use chart::{Series, error_chart, histogram};
 use lapidary_render::compare::Metrics;
 use text::{escaped, grouped, megabytes, seconds};
@@ -54,11 +54,11 @@ fn hero(report: &Report) -> String {
         picture.settings.aa,
     );
     figure("hero", picture, &caption)
-        + "<h1>One bake, then any light and any material, free of noise</h1>\
+        + "<div><h1>One bake, then any light and any material, free of noise</h1>\
            <p>Each vertex keeps a <em>visibility cut</em>: a coarse partition of the sky into clusters of directions, \
            each seen or blocked to a known degree, fine only where shadows need it. An environment becomes an \
            <em>illumination cut</em> over the same tree. A pixel walks both in one pass, and evaluates the material \
-           where they meet.</p>"
+           where they meet.</p></div>"
 }
 
 fn key_figures(report: &Report) -> String {
@@ -139,7 +139,7 @@ fn refinement(report: &Report) -> String {
         )
     };
     let truth = format!(
-        "<b>Path-traced reference</b>{}; no light samples, no cuts;<br>some noise of its own",
+        "<b>Path-traced reference</b>{} at {PATH_SAMPLES} samples a pixel; no cuts;<br>its noise is part of the errors here",
         seconds(detail.path_reference.seconds)
     );
     format!(
@@ -198,57 +198,57 @@ fn capitalized(text: &str) -> String {
 }
 
 fn bake(report: &Report) -> String {
-    let (b, v) = (&report.bake, &report.verification);
-    let row =
-        |name: &str, value: String, text: &str| format!("<tr><td>{name}</td><td>{value}</td><td>{text}</td></tr>");
-    let phase = |name: &str| seconds(*b.seconds.get(name).unwrap_or(&0.0));
-    let rows = [
-        row(
-            "Vertices",
-            grouped(b.vertices as u64),
-            &format!(
-                "after adding {} where shadows cross a coarse surface",
-                grouped((b.vertices - b.source_vertices) as u64)
-            ),
-        ),
-        row("Light samples", grouped(b.lights as u64), "directions, even over the sphere; leaves of the light tree"),
-        row(
-            "Nodes a cut",
-            format!("{:.1}", b.mean_cut),
-            &format!("on average, {} at most; 16 bits each", grouped(b.max_cut as u64)),
-        ),
-        row(
-            "Visibility RMS",
-            format!("{:.3}", b.rms_visibility),
-            "stored against traced, over all vertices and lights",
-        ),
-        row("Cuts", megabytes(b.bytes_cuts), &format!("of {} for the whole dataset", megabytes(b.bytes_total))),
-        row(
-            "Pairs resolved",
-            format!("{:.0} million", b.samples_resolved as f64 / 1e6),
-            &format!("of vertex and light, {:.1} million a second", b.samples_per_second / 1e6),
-        ),
-        row("Buried points", grouped(b.buried_points as u64), "lie inside other geometry and have no say"),
-        row(
-            "Traced again",
-            format!("{} vertices", v.vertices),
-            &format!("ray by ray; {} of their cuts differ", v.different_cuts),
-        ),
-        row("Pilot", phase("pilot"), "visibility of a few vertices, to cluster the lights by"),
-        row("Light tree", phase("tree"), "clustering by direction and pilot visibility"),
-        row("Visibility", phase("visibility"), "tracing all pairs and selecting the cuts"),
-        row("Whole bake", phase("total"), &format!("with {} of memory at most", megabytes(b.peak_memory_bytes))),
-    ];
+    let b = &report.bake;
     let warnings: String = b.warnings.iter().map(|w| format!("<p>Warning: {}</p>", escaped(w))).collect();
     format!(
         "<section><h2>The bake</h2><p>Cuts are split until each cluster’s error is below a bound (sigma {:.1}), so their \
          size follows the scene: open places need few nodes, the lantern’s filigree many. A cut of one node sees \
          everything or nothing.</p>{warnings}\
-         <div class=\"grid two\"><div><table>{}</table></div><div>{}</div></div></section>",
+         <div class=\"grid two\"><div><table>{}</table></div><div>{}<table>{}</table></div></div></section>",
         b.sigma,
-        rows.concat(),
+        bake_contents(report),
         histogram(&b.cut_size_histogram),
+        bake_times(report),
     )
+}
+
+fn row(name: &str, value: &str, text: &str) -> String {
+    format!("<tr><td>{name}</td><td>{value}</td><td>{text}</td></tr>")
+}
+
+fn bake_contents(report: &Report) -> String {
+    let (b, v) = (&report.bake, &report.verification);
+    let added = grouped((b.vertices - b.source_vertices) as u64);
+    let rows = [
+        row("Vertices", &grouped(b.vertices as u64), &format!("{added} of them added where shadows need them")),
+        row("Triangles", &grouped(b.triangles as u64), "after tessellation"),
+        row("Light samples", &grouped(b.lights as u64), "directions, even over the sphere: leaves of the light tree"),
+        row("Nodes a cut", &format!("{:.1}", b.mean_cut), &format!("on average, {} at most; 16 bits each", b.max_cut)),
+        row("Visibility RMS", &format!("{:.3}", b.rms_visibility), "stored against traced, over vertices and lights"),
+        row("Cuts", &megabytes(b.bytes_cuts), &format!("of {} for the whole dataset", megabytes(b.bytes_total))),
+        row("Pairs", &format!("{:.0} M", b.samples_resolved as f64 / 1e6), "of vertex and light"),
+        row("Buried points", &grouped(b.buried_points as u64), "lie inside other geometry and have no say"),
+        row(
+            "Traced again",
+            &grouped(v.vertices as u64),
+            &format!("vertices, ray by ray; {} cuts differ", v.different_cuts),
+        ),
+    ];
+    rows.concat()
+}
+
+fn bake_times(report: &Report) -> String {
+    let b = &report.bake;
+    let phase = |name: &str| seconds(*b.seconds.get(name).unwrap_or(&0.0));
+    let speed = format!("all pairs traced, {:.1} million a second, and cuts selected", b.samples_per_second / 1e6);
+    let rows = [
+        row("Tessellation", &phase("tessellate"), "edges split where visibility bends between their ends"),
+        row("Pilot", &phase("pilot"), "visibility of a few vertices, to cluster the lights by"),
+        row("Light tree", &phase("tree"), "lights clustered by direction and pilot visibility"),
+        row("Visibility", &phase("visibility"), &speed),
+        row("Whole bake", &phase("total"), &format!("{} of memory at most", megabytes(b.peak_memory_bytes))),
+    ];
+    rows.concat()
 }
 
 fn footer(report: &Report) -> String {

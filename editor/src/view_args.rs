@@ -2,7 +2,7 @@
 
 use crate::{console::Console, options};
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
@@ -13,7 +13,7 @@ use lapidary_core::{
     scene::Scene,
 };
 use lapidary_precompute::available_memory;
-use lapidary_render::{Illumination, View};
+use lapidary_render::{Background, Illumination, View};
 use std::path::PathBuf;
 
 /// Dataset, light, material and view.
@@ -83,6 +83,28 @@ struct CameraArgs {
     /// Samples a pixel, 1 to 256; 1 is its center
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     aa: u32,
+    /// What is seen where there is no surface; black leaves the environment out of measured errors
+    #[arg(long, value_enum, default_value_t)]
+    background: BackgroundOption,
+}
+
+/// What is seen where there is no surface, as an option.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum BackgroundOption {
+    /// The environment
+    #[default]
+    Environment,
+    /// Black
+    Black,
+}
+
+impl From<BackgroundOption> for Background {
+    fn from(option: BackgroundOption) -> Self {
+        match option {
+            BackgroundOption::Environment => Self::Environment,
+            BackgroundOption::Black => Self::Black,
+        }
+    }
 }
 
 /// What to make a picture of.
@@ -107,7 +129,11 @@ impl ViewArgs {
         let mut dataset = Dataset::read(&self.file)?;
         self.material.apply(&mut dataset.scene)?;
         let camera = self.camera.resolve(&dataset.scene)?;
-        let view = View { aa: self.camera.aa, ..View::new(camera, self.camera.size) };
+        let view = View {
+            aa: self.camera.aa,
+            background: self.camera.background.into(),
+            ..View::new(camera, self.camera.size)
+        };
         Ok(Shot { dataset, view, light })
     }
 }
@@ -214,7 +240,15 @@ impl CameraArgs {
 mod tests {
     use super::*;
 
-    const NOTHING: CameraArgs = CameraArgs { camera: None, eye: None, target: None, fov: None, size: [4, 4], aa: 1 };
+    const NOTHING: CameraArgs = CameraArgs {
+        camera: None,
+        eye: None,
+        target: None,
+        fov: None,
+        size: [4, 4],
+        aa: 1,
+        background: BackgroundOption::Environment,
+    };
 
     fn scene(cameras: Vec<Camera>) -> Scene {
         let mut scene = Scene { cameras, materials: vec![Material::default(); 2], ..Default::default() };

@@ -68,40 +68,41 @@ pub struct BakeArgs {
     /// Starting point for the options below
     #[arg(long, value_enum, default_value_t)]
     pub preset: PresetOption,
-    /// Number of light samples: a power of two up to 32768
+    /// Number of light samples: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub lights: Option<usize>,
-    /// Metric that the light tree is clustered by
+    /// Metric that the light tree is clustered by [default: mixed]
     #[arg(long, value_enum)]
     pub tree: Option<TreeOption>,
-    /// Weight of the geometric metric in a mixed tree, 0 to 1
+    /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
     #[arg(long, value_name = "B")]
     pub beta: Option<f32>,
-    /// Error bound of a cluster: split while |C| var > sigma² (Eq. 5); 1.5 to 3, smaller is finer
+    /// Error bound of a cluster: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
+    /// is finer [default: that of the preset]
     #[arg(long, value_name = "S")]
     pub sigma: Option<f32>,
-    /// Most nodes of a vertex's cut
+    /// Most nodes of a vertex's cut, 1 or more [default: no limit]
     #[arg(long, value_name = "K")]
     pub max_cut: Option<u32>,
-    /// Bound the error of each whole cut instead of each cluster
+    /// Bound the error of each whole cut instead of each cluster, 0 to 1000 [default: off]
     #[arg(long, value_name = "E")]
     pub total_error: Option<f32>,
-    /// Most bytes for all cuts together; they are coarsened until they fit
+    /// Most bytes for all cuts together, 1024 or more; they are coarsened until they fit [default: no limit]
     #[arg(long, value_name = "BYTES")]
     pub max_bytes: Option<u64>,
-    /// Vertex clusters of the pilot visibility
+    /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
     #[arg(long, value_name = "M")]
     pub pilot_clusters: Option<usize>,
-    /// Most vertices after tessellation
+    /// Most vertices after tessellation, 3 or more [default: that of the preset]
     #[arg(long, value_name = "V")]
     pub max_vertices: Option<usize>,
     /// Leave the mesh as it is
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
-    /// Worker threads; the result does not depend on them
+    /// Worker threads; the result does not depend on them [default: one for each core]
     #[arg(long, value_name = "T")]
     pub threads: Option<usize>,
-    /// Number of checkpoints; the result does not depend on them
+    /// Number of checkpoints; the result does not depend on them [default: one every few seconds]
     #[arg(long, value_name = "C")]
     pub chunks: Option<usize>,
     /// Go on with an interrupted bake of the same scene, options and output
@@ -234,7 +235,7 @@ fn info_text(dataset: &Dataset) -> String {
 pub struct VerifyArgs {
     /// Dataset to verify
     pub file: PathBuf,
-    /// Vertices to trace again
+    /// Vertices to trace again, picked at random but always the same
     #[arg(long, value_name = "K", default_value_t = 256)]
     pub vertices: usize,
     /// Print JSON

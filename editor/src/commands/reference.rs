@@ -20,8 +20,6 @@ use std::{path::PathBuf, time::Instant};
 /// Options of `reference`.
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceArgs {
-    #[command(flatten)]
-    view: ViewArgs,
     /// What is traced
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
@@ -31,6 +29,8 @@ pub struct ReferenceArgs {
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -15,9 +15,7 @@ use std::path::PathBuf;
 /// Options of `render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
-    #[command(flatten)]
-    view: ViewArgs,
-    /// Most nodes of the illumination cut: more follow small lights more closely, and cost time
+    /// Most nodes of the illumination cut, 1 to 32768: more follow small lights more closely, and cost time
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
@@ -32,6 +30,8 @@ pub struct RenderArgs {
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]

@@ -82,8 +82,15 @@ pub fn take(dataset: &Dataset, environments: &Environments, out: &Path, steps: &
     Ok(gallery)
 }
 
+/// Wide and close, with smooth edges.
 fn hero_settings() -> PictureSettings {
-    PictureSettings { environment: "studio".into(), size: [960, 640], aa: 2, ..Default::default() }
+    PictureSettings {
+        environment: "studio".into(),
+        fov_degrees: Some(27.5),
+        size: [1024, 576],
+        aa: 4,
+        ..Default::default()
+    }
 }
 
 /// "sun-and-sky" as words.
@@ -99,7 +106,7 @@ fn variations() -> [(&'static str, &'static str, BrdfParameters); 3] {
         ..Default::default()
     };
     [
-        ("clay", "clay: roughness 0.9", ggx([0.62, 0.58, 0.54], 0.9, 0.0)),
+        ("clay", "clay: roughness 0.9", ggx([0.42, 0.39, 0.36], 0.9, 0.0)),
         ("lacquer", "black lacquer: roughness 0.25", ggx([0.02, 0.02, 0.022], 0.25, 0.0)),
         ("gold", "satin gold: roughness 0.4", ggx([1.0, 0.77, 0.34], 0.4, 1.0)),
     ]

@@ -21,7 +21,7 @@ pub const CUT_SIZES: [u32; 5] = [32, 64, 128, 256, 512];
 pub const MAP_TOP: f32 = 0.5;
 
 /// Samples a pixel of the path-traced reference.
-const PATH_SAMPLES: u32 = 64;
+pub const PATH_SAMPLES: u32 = 64;
 
 /// One cut size and way of sampling the BRDF.
 #[derive(Clone, Debug, Serialize)]
@@ -64,7 +64,7 @@ pub struct Ladder {
 
 /// The view of the ladder: small, for each pixel of the reference takes thousands of rays.
 fn settings() -> PictureSettings {
-    PictureSettings { environment: "studio".into(), size: [160, 120], aa: 1, ..Default::default() }
+    PictureSettings { environment: "studio".into(), size: [240, 180], aa: 1, ..Default::default() }
 }
 
 /// Renders, traces and compares.

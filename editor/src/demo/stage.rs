@@ -12,6 +12,8 @@ use std::path::Path;
 pub struct PictureSettings {
     /// Name of the camera.
     pub camera: &'static str,
+    /// Vertical field of view, if not that of the camera.
+    pub fov_degrees: Option<f32>,
     /// Name of the environment.
     pub environment: String,
     /// Turn of the environment.
@@ -30,6 +32,7 @@ impl Default for PictureSettings {
     fn default() -> Self {
         Self {
             camera: "main",
+            fov_degrees: None,
             environment: "sun-and-sky".into(),
             rotation_degrees: 0.0,
             illum_cut: 256,
@@ -72,7 +75,8 @@ impl<'a> Stage<'a> {
 
     pub fn view(&self, settings: &PictureSettings) -> View {
         let camera = self.dataset.scene.cameras.iter().find(|c| c.name == settings.camera);
-        let camera = camera.expect("pictures are planned with the cameras of the still life").clone();
+        let mut camera = camera.expect("pictures are planned with the cameras of the still life").clone();
+        camera.fov_y = settings.fov_degrees.map_or(camera.fov_y, f32::to_radians);
         View { aa: settings.aa, ..View::new(camera, settings.size) }
     }
 

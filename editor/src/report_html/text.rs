@@ -31,7 +31,7 @@ mod tests {
     #[test]
     fn numbers_are_grouped_and_rounded() {
         assert_eq!([7, 1234, 1_234_567].map(grouped), ["7", "1\u{202f}234", "1\u{202f}234\u{202f}567"]);
-        assert_eq!([0.254, 6.28, 113.7].map(seconds), ["0.25 s", "6.3 s", "114 s"]);
+        assert_eq!([0.254, 6.31, 113.7].map(seconds), ["0.25 s", "6.3 s", "114 s"]);
         assert_eq!(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
     }
 }
