@@ -1,6 +1,6 @@
 //! Import of OBJ, glTF, GLB and PLY files into a [`Scene`], with a report of what was repaired.
 //!
-//! Each format has one reader that hands on a [`RawMesh`] as the file has it; [`repair`] then makes one clean mesh of
+//! Each format has one reader that hands on a `RawMesh` as the file has it; `repair` then makes one clean mesh of
 //! it, the same way for all. What a file holds never panics: it is repaired with a warning, or an error.
 
 use crate::{

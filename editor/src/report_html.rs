@@ -181,7 +181,7 @@ fn gallery(report: &Report) -> String {
     };
     format!(
         "<section><h2>Any environment</h2><p>The bake knows nothing of light: a new environment only needs a new \
-         illumination cut, found in milliseconds.</p>{}</section>\
+         illumination cut, whose making is part of the times below.</p>{}</section>\
          <section><h2>Any rotation</h2><p>“{}” turned about the vertical. Energy is conserved at every angle.</p>{}</section>\
          <section><h2>Any material</h2><p>Materials enter at the pixel, so they too are free to change. Here the whole \
          scene takes one.</p>{}</section>",

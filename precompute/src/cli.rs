@@ -304,3 +304,18 @@ pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Resu
     lapidary_core::atomic::write_atomically(path, json_text(value)?.as_bytes())
         .with_context(|| format!("cannot write {}; check the folder and the free space", path.display()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_are_told_once() {
+        let cause = || anyhow::anyhow!("no space left");
+        assert_eq!(error_text(&cause().context("cannot write")), "cannot write: no space left");
+        assert_eq!(
+            error_text(&cause().context("cannot write: no space left (a.cuts)")),
+            "cannot write: no space left (a.cuts)"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! Scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1).
 //!
-//! [`bake`] runs the phases in order: tessellate where visibility varies, sample pilot visibility, build the light tree,
+//! [`bake()`] runs the phases in order: tessellate where visibility varies, sample pilot visibility, build the light tree,
 //! trace every bake point against every light and select its cut, pack. It reports through an [`Observer`], can be
 //! cancelled at any time, leaves a checkpoint, and gives the same bits for any number of threads and chunks.
 
