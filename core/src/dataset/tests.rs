@@ -120,6 +120,17 @@ fn a_failed_write_keeps_the_file_that_was_there() {
 }
 
 #[test]
+#[cfg(unix)]
+fn others_may_read_what_was_written() {
+    use std::os::unix::fs::PermissionsExt;
+    let (folder, path, _) = written();
+    let plain = folder.path().join("plain");
+    std::fs::write(&plain, b"as any other output").unwrap();
+    let mode = |path: &std::path::Path| std::fs::metadata(path).unwrap().permissions().mode();
+    assert_eq!(mode(&path), mode(&plain));
+}
+
+#[test]
 fn the_hash_sees_geometry_and_ignores_names() {
     let mut scene = dataset().scene;
     let hash = scene_hash(&scene);

@@ -1,11 +1,7 @@
 //! Writing a dataset, atomically.
 
 use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION};
-use crate::{
-    atomic::{persist, temporary_beside},
-    camera::Camera,
-    material::Material,
-};
+use crate::{atomic::write_atomically, camera::Camera, material::Material};
 use safetensors::{Dtype, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -63,18 +59,15 @@ impl Dataset {
     }
 
     fn write_tensors(&self, path: &Path, tensors: &[Tensor], header: &Header) -> io::Result<()> {
-        let file = temporary_beside(path)?;
         let metadata = HashMap::from([(METADATA_KEY.to_owned(), serde_json::to_string(header)?)]);
         let views = tensors.iter().map(|t| {
             let view = TensorView::new(t.dtype, t.shape.clone(), &t.bytes).map_err(io::Error::other)?;
             Ok((t.name.clone(), view))
         });
         let views = views.collect::<io::Result<Vec<_>>>()?;
-        safetensors::serialize_to_file(views, Some(metadata), file.path()).map_err(|e| match e {
-            safetensors::SafeTensorError::IoError(e) => e,
-            other => io::Error::other(other),
-        })?;
-        persist(file, path)
+        // By way of memory: the library's own writing to a file replaces it by a private one that is not synced.
+        let bytes = safetensors::serialize(views, Some(metadata)).map_err(io::Error::other)?;
+        write_atomically(path, &bytes)
     }
 
     fn header(&self, tensors: &[Tensor]) -> Header {
