@@ -1,7 +1,7 @@
 //! Pilot visibility (paper, 3.4): clusters of bake points, and how much of each cluster every light sees.
 //!
-//! The paper traces every vertex twice. Here a few members stand for each cluster: 8 of the armadillo scene's 57 gave the
-//! mean cut of all of them to within 1 %, at a seventh of the time.
+//! The paper traces every vertex twice. Here a few members stand for each cluster: on the armadillo scene 4 and 8 of some 57
+//! both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so all of them are not worth seven times the rays.
 
 use crate::{
     BakeError,

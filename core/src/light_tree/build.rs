@@ -7,7 +7,7 @@
 use super::Features;
 use rayon::join;
 
-/// Recomputations of the two centres. More changed the mean cut by less than 0.3 %.
+/// Recomputations of the two centres ("a few times" in Hašan et al. 2006).
 const ITERATIONS: usize = 6;
 
 /// Nodes below this many samples are split on the calling thread.
