@@ -65,6 +65,8 @@ struct Edges {
     of_triangle: Vec<[u32; 3]>,
     /// Triangles of each edge.
     triangles: Vec<Vec<u32>>,
+    /// Vertices that splitting each edge makes: one, or at a seam one for each pair of vertices at its ends.
+    copies: Vec<usize>,
 }
 
 impl Edges {
@@ -72,6 +74,7 @@ impl Edges {
         let weld = weld_positions(mesh);
         let mut ids: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
         let (mut ends, mut length_sq, mut triangles) = (Vec::new(), Vec::new(), Vec::<Vec<u32>>::new());
+        let (mut copies, mut pairs) = (Vec::new(), HashSet::new());
         let mut of_triangle = Vec::with_capacity(mesh.triangles.len());
         for (t, corners) in mesh.triangles.iter().enumerate() {
             of_triangle.push(std::array::from_fn(|i| {
@@ -81,13 +84,16 @@ impl Edges {
                     ends.push(key);
                     length_sq.push(mesh.positions[a as usize].distance_squared(mesh.positions[b as usize]));
                     triangles.push(Vec::new());
+                    copies.push(0);
                     ends.len() as u32 - 1
                 });
                 triangles[id as usize].push(t as u32);
+                let (u, v) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+                copies[id as usize] += usize::from(pairs.insert((u.min(v), u.max(v))));
                 id
             }));
         }
-        Self { weld, ends, length_sq, of_triangle, triangles }
+        Self { weld, ends, length_sq, of_triangle, triangles, copies }
     }
 
     fn key(&self, mesh: &Mesh, edge: u32) -> EdgeKey {
@@ -110,12 +116,15 @@ impl Edges {
     /// Edges to split: `wanted` in order of urgency and what conformity adds to each, while new vertices are left.
     fn within_budget(&self, wanted: &[u32], budget: usize) -> HashSet<u32> {
         let mut chosen = HashSet::new();
+        let mut left = budget;
         for &edge in wanted {
             let mut added = Vec::new();
             self.close(edge, &chosen, &mut added);
-            if chosen.len() + added.len() > budget {
+            let vertices: usize = added.iter().map(|&e| self.copies[e as usize]).sum();
+            if vertices > left {
                 break;
             }
+            left -= vertices;
             chosen.extend(added);
         }
         chosen
