@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{SMALL, Stage, only_file};
+use common::{SMALL, Stage, files_in};
 use std::fs;
 
 #[test]
@@ -137,7 +137,7 @@ fn an_output_that_cannot_be_written_keeps_what_was_there() {
     assert!(stage.fail("bake scene.obj -o gone/a.cuts --progress none").contains("gone"));
     assert!(stage.fail("render a.cuts --env studio --size 8x6 --out gone/a.png").contains("gone"));
     stage.fail("render a.cuts --env studio --size 8x6 --out folder");
-    assert_eq!(only_file(&stage.path("folder")), 0);
+    assert_eq!(files_in(&stage.path("folder")), 0);
     stage.succeed("info a.cuts");
 }
 

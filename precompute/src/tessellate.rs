@@ -30,7 +30,7 @@ const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.
 const ROUNDS: usize = 12;
 
-/// Splits edges of `mesh` until it has close to `budget` vertices or visibility is linear enough. `sides` keeps one entry
+/// Splits edges of `mesh` until it has at most `budget` vertices or visibility is linear enough. `sides` keeps one entry
 /// a triangle. Stops early, with what it has, if cancelled.
 pub fn tessellate(mesh: &mut Mesh, sides: &mut Sidedness, scene: &Intersector, budget: usize, observer: &dyn Observer) {
     let area: f32 = (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum();
@@ -57,7 +57,6 @@ pub fn tessellate(mesh: &mut Mesh, sides: &mut Sidedness, scene: &Intersector, b
 
 /// Undirected edges by welded position.
 struct Edges {
-    weld: Vec<u32>,
     /// The two welded ends of each edge, the smaller first.
     ends: Vec<(u32, u32)>,
     length_sq: Vec<f32>,
@@ -93,7 +92,7 @@ impl Edges {
                 id
             }));
         }
-        Self { weld, ends, length_sq, of_triangle, triangles, copies }
+        Self { ends, length_sq, of_triangle, triangles, copies }
     }
 
     fn key(&self, mesh: &Mesh, edge: u32) -> EdgeKey {
@@ -251,7 +250,6 @@ fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges, chosen: &H
         parts.extend(half(mesh, &mut midpoints, edge_opposite(1), [c, a, middle]));
         replace_triangle(mesh, sides, t, &parts);
     }
-    debug_assert!(edges.weld.len() <= mesh.positions.len());
 }
 
 /// Puts the first part in the triangle's place and the others at the end.

@@ -88,8 +88,8 @@ pub fn keys(value: &serde_json::Value) -> Vec<&str> {
     value.as_object().expect("an object").keys().map(String::as_str).collect()
 }
 
-/// Whether a file exists and no half-written companion lies beside it.
-pub fn only_file(folder: &Path) -> usize {
+/// Number of files in a folder.
+pub fn files_in(folder: &Path) -> usize {
     fs::read_dir(folder).expect("a folder").count()
 }
 

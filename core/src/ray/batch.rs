@@ -5,7 +5,7 @@
 //! are small against the distance between rays, most boxes slip between. Leaves are tested eight triangles and eight rays
 //! at a time.
 //! The box tests only ever drop boxes that no ray enters, so the result is that of tracing each ray alone.
-//! Loops run over arrays of eight and are compiled for several instruction sets, chosen at run time.
+//! Vectors of eight are two of 128 bits; the loop is compiled for several instruction sets, chosen at run time.
 
 use super::{
     DirectionSet, Intersector,
