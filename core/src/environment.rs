@@ -10,6 +10,7 @@ use std::{
 };
 use thiserror::Error;
 
+mod blur;
 mod procedural;
 
 pub use procedural::{constant, orientation, studio, sun_and_sky};

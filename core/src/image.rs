@@ -1,6 +1,6 @@
 //! A floating-point RGB picture and its files.
 
-use crate::atomic::write_atomically;
+use crate::{atomic::write_atomically, texture::Texture};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -93,10 +93,7 @@ impl Image {
     /// # Errors
     /// A file that cannot be read, is no picture, or is too large.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
-        let texture = decode(&bytes, path)?;
-        Ok(read::linear_image(&texture))
+        Ok(read::linear_image(&Texture::read(path)?))
     }
 
     /// Writes an exr or hdr (scene-linear) or png (sRGB, clamped) by the extension of `path`, to a

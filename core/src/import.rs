@@ -160,7 +160,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mut scene = Scene {
         mesh,
         materials: source.materials,
-        textures: source.textures,
+        textures: source.textures.into_iter().map(Into::into).collect(),
         objects: source.objects,
         cameras: source.cameras,
     };

@@ -2,6 +2,7 @@
 
 use crate::{camera::Camera, material::Material, texture::Texture};
 use glam::{Vec2, Vec3, Vec4};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// An indexed triangle mesh in world space. All vertex arrays have the same length.
@@ -37,8 +38,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials; at least one if there are triangles.
     pub materials: Vec<Material>,
-    /// Textures that the materials refer to by index.
-    pub textures: Vec<Texture>,
+    /// Textures that the materials refer to by index; shared, since they are large and never change.
+    pub textures: Vec<Arc<Texture>>,
     /// Objects that the triangles refer to by index.
     pub objects: Vec<Object>,
     /// Cameras of the source file; may be empty.

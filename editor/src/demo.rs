@@ -19,6 +19,7 @@ pub use report::Report;
 pub use stage::Picture;
 use std::{
     path::{Path, PathBuf},
+    sync::Arc,
     time::Instant,
 };
 use steps::Steps;
@@ -47,7 +48,7 @@ pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.out)?;
     let steps = Steps::new(console);
     let environments = data.environments(console)?;
-    let dataset = bake::bake_still_life(&data, &args.out, &steps)?;
+    let dataset = Arc::new(bake::bake_still_life(&data, &args.out, &steps)?);
     let verification = verify(&dataset, VERIFIED_VERTICES);
     let gallery = gallery::take(&dataset, &environments, &args.out, &steps)?;
     let ladder = ladder::climb(&dataset, &environments, &args.out, &steps)?;

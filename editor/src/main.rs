@@ -1,12 +1,15 @@
 //! The `lapidary` program: a command line over baking, rendering and comparing.
 
+mod actions;
 mod cli;
 mod commands;
 mod console;
 mod demo;
+mod document;
 mod options;
 mod outcome;
 mod outputs;
+mod preferences;
 mod progress;
 mod report_html;
 mod view_args;

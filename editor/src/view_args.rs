@@ -14,7 +14,7 @@ use lapidary_core::{
 };
 use lapidary_precompute::available_memory;
 use lapidary_render::{Background, Illumination, View};
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 /// Dataset, light, material and view.
 #[derive(Args, Clone, Debug)]
@@ -102,7 +102,7 @@ impl From<BackgroundOption> for Background {
     fn from(option: BackgroundOption) -> Self {
         match option {
             BackgroundOption::Environment => Self::Environment,
-            BackgroundOption::Black => Self::Black,
+            BackgroundOption::Black => Self::Flat(Vec3::ZERO),
         }
     }
 }
@@ -111,7 +111,7 @@ impl From<BackgroundOption> for Background {
 #[derive(Debug)]
 pub struct Shot {
     /// The baked scene, with the materials asked for.
-    pub dataset: Dataset,
+    pub dataset: Arc<Dataset>,
     /// Camera and picture size.
     pub view: View,
     /// The environment as it is turned and scaled.
@@ -134,7 +134,7 @@ impl ViewArgs {
             background: self.camera.background.into(),
             ..View::new(camera, self.camera.size)
         };
-        Ok(Shot { dataset, view, light })
+        Ok(Shot { dataset: dataset.into(), view, light })
     }
 }
 
@@ -142,7 +142,11 @@ impl LightArgs {
     fn resolve(&self, console: Console) -> Result<Illumination> {
         let (environment, warnings) = Environment::from_spec(&self.env)?;
         warnings.iter().for_each(|w| console.warning(w));
-        Ok(Illumination { environment, rotation: self.rotate.to_radians(), intensity: self.intensity })
+        Ok(Illumination {
+            environment: environment.into(),
+            rotation: self.rotate.to_radians(),
+            intensity: self.intensity,
+        })
     }
 }
 
@@ -154,7 +158,7 @@ impl MaterialArgs {
             None => self.ggx(),
         };
         if let Some(material) = material {
-            replace_materials(scene, &material);
+            replace_materials(&mut scene.materials, &material);
         }
         Ok(())
     }
@@ -172,9 +176,9 @@ impl MaterialArgs {
     }
 }
 
-/// Gives all of the scene one material. What is seen from both sides stays so: that was baked.
-pub fn replace_materials(scene: &mut Scene, material: &Material) {
-    for old in &mut scene.materials {
+/// Gives all of a scene one material. What is seen from both sides stays so: that was baked.
+pub fn replace_materials(materials: &mut [Material], material: &Material) {
+    for old in materials {
         *old = Material { double_sided: old.double_sided, ..material.clone() };
     }
 }

@@ -5,16 +5,23 @@
 //! All three sample the pixel and look up the surface by the same code, so that edges and textures do not count as
 //! error. [`compare`] measures pictures.
 
+mod appearance;
 mod background;
 pub mod compare;
 mod lighting;
 mod path;
+mod post;
 mod refine;
 mod renderer;
 mod samples;
 mod shade;
 mod surface;
 mod view;
+mod view_mode;
 
+pub use appearance::Appearance;
+pub use lighting::{LightRig, SceneLighting};
+pub use post::{Post, ToneMap};
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
 pub use view::{Background, Progress, Quiet, View};
+pub use view_mode::ViewMode;

@@ -15,7 +15,7 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use rayon::prelude::*;
 
-impl Renderer<'_> {
+impl Renderer {
     /// Direct light of the continuous environment, `spp` samples a pixel in passes of one each. If cancelled, the
     /// picture of the passes that are complete.
     pub fn path_reference(&self, view: &View, light: &Illumination, spp: u32, progress: &dyn Progress) -> Image {
@@ -61,7 +61,7 @@ fn seed(pixel: usize, pass: u32) -> u64 {
 
 /// One-sample estimates of direct light.
 struct DirectLight<'a> {
-    renderer: &'a Renderer<'a>,
+    renderer: &'a Renderer,
     sky: &'a Sky<'a>,
     distribution: &'a EnvironmentDistribution,
 }

@@ -1,19 +1,21 @@
 //! The CPU renderer: camera rays, surface points, and the merge at every pixel.
 
 use crate::{
-    background::Sky,
-    lighting::SceneLighting,
+    appearance::Appearance,
+    background::{Backdrop, Sky},
+    lighting::{LightRig, SceneLighting},
     shade::{Shader, Work},
     surface::{Seen, Surfaces},
-    view::{Background, View},
+    view::View,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    dataset::Dataset, environment::Environment, image::Image, light_tree::EnvironmentSampler, ray::Intersector,
-};
+use lapidary_core::{dataset::Dataset, environment::Environment, image::Image, ray::Intersector};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::{sync::OnceLock, time::Instant};
+use std::{
+    sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError},
+    time::Instant,
+};
 
 pub use crate::shade::BrdfSampling;
 
@@ -21,7 +23,7 @@ pub use crate::shade::BrdfSampling;
 #[derive(Clone, Debug)]
 pub struct Illumination {
     /// The map.
-    pub environment: Environment,
+    pub environment: Arc<Environment>,
     /// Turn of the map in radians, counter-clockwise seen from +Y.
     pub rotation: f32,
     /// Scales radiance.
@@ -44,17 +46,41 @@ pub struct RenderStats {
 }
 
 /// A dataset ready to be rendered.
-pub struct Renderer<'a> {
-    pub(crate) dataset: &'a Dataset,
-    pub(crate) intersector: Intersector,
+pub struct Renderer {
+    pub(crate) dataset: Arc<Dataset>,
+    appearance: Appearance,
+    pub(crate) intersector: Arc<Intersector>,
     /// Made at the first use: the references by paths do without.
-    sampler: OnceLock<EnvironmentSampler>,
+    rig: OnceLock<Mutex<LightRig>>,
 }
 
-impl<'a> Renderer<'a> {
-    /// Builds what rays need; seconds for a million triangles.
-    pub fn new(dataset: &'a Dataset) -> Self {
-        Self { dataset, intersector: Intersector::new(&dataset.scene.mesh), sampler: OnceLock::new() }
+impl Renderer {
+    /// Builds what rays need; seconds for a million triangles. The scene looks as the dataset has it.
+    pub fn new(dataset: impl Into<Arc<Dataset>>) -> Self {
+        let dataset = dataset.into();
+        let intersector = Arc::new(Intersector::new(&dataset.scene.mesh));
+        let appearance = Appearance::of(&dataset.scene);
+        Self { dataset, appearance, intersector, rig: OnceLock::new() }
+    }
+
+    /// Gives the scene other materials; there must be as many.
+    pub fn set_appearance(&mut self, appearance: Appearance) {
+        assert_eq!(
+            appearance.materials.len(),
+            self.appearance.materials.len(),
+            "one material for each index of the mesh"
+        );
+        self.appearance = appearance;
+    }
+
+    /// The dataset.
+    pub fn dataset(&self) -> &Arc<Dataset> {
+        &self.dataset
+    }
+
+    /// Casts rays on the mesh.
+    pub fn intersector(&self) -> &Arc<Intersector> {
+        &self.intersector
     }
 
     /// Renders with cuts, the illumination cut of at most `illum_cut` nodes.
@@ -65,13 +91,26 @@ impl<'a> Renderer<'a> {
         illum_cut: u32,
         sampling: BrdfSampling,
     ) -> (Image, RenderStats) {
-        self.sampler();
+        drop(self.rig());
         let start = Instant::now();
         let lighting = self.lighting(light, illum_cut);
+        let (image, stats) = self.render_lit(view, light, &lighting, sampling);
+        (image, RenderStats { seconds: start.elapsed().as_secs_f64(), ..stats })
+    }
+
+    /// Renders under a light that was prepared: `light` is only seen directly.
+    pub fn render_lit(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lighting: &SceneLighting,
+        sampling: BrdfSampling,
+    ) -> (Image, RenderStats) {
+        let start = Instant::now();
         let cuts = &self.dataset.cuts;
         let height = self.dataset.tree.height();
         let frame = Frame::new(self, view, light);
-        let shader = || (Shader::new(&lighting, cuts, height, sampling), 0_u64);
+        let shader = || (Shader::new(lighting, cuts, height, sampling), 0_u64);
         let rows = (0..view.size[1]).into_par_iter().map_init(shader, |(shader, _), y| {
             shader.work = Work::default();
             let mut shaded = 0;
@@ -91,12 +130,15 @@ impl<'a> Renderer<'a> {
         (Image { size: view.size, pixels }, stats)
     }
 
-    pub(crate) fn lighting(&self, light: &Illumination, illum_cut: u32) -> SceneLighting {
-        SceneLighting::new(self.sampler(), &self.dataset.tree, light, illum_cut)
+    /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. A turned or scaled environment
+    /// takes milliseconds, another one some more.
+    pub fn lighting(&self, light: &Illumination, illum_cut: u32) -> SceneLighting {
+        self.rig().lighting(&self.dataset.tree, light, illum_cut)
     }
 
-    fn sampler(&self) -> &EnvironmentSampler {
-        self.sampler.get_or_init(|| EnvironmentSampler::new(self.dataset.tree.len()))
+    fn rig(&self) -> MutexGuard<'_, LightRig> {
+        let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(self.dataset.tree.len())));
+        rig.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -116,14 +158,21 @@ fn stats(rows: &[(Vec<Vec3>, Work, u64)], seconds: f64) -> RenderStats {
 pub(crate) struct Frame<'a> {
     view: &'a View,
     sky: Sky<'a>,
+    backdrop: Backdrop<'a>,
     surfaces: Surfaces<'a>,
     offsets: Vec<Vec2>,
 }
 
 impl<'a> Frame<'a> {
     pub(crate) fn new(renderer: &'a Renderer, view: &'a View, light: &'a Illumination) -> Self {
-        let surfaces = Surfaces::new(renderer.dataset, &renderer.intersector);
-        Self { view, sky: Sky::new(light), surfaces, offsets: view.pixel_offsets() }
+        let surfaces = Surfaces::new(&renderer.dataset, &renderer.appearance, &renderer.intersector);
+        Self {
+            view,
+            sky: Sky::new(light),
+            backdrop: Backdrop::new(view.background, light),
+            surfaces,
+            offsets: view.pixel_offsets(),
+        }
     }
 
     /// The mean over the pixel's samples of `shade`, or of what is seen where there is no surface.
@@ -146,8 +195,7 @@ impl<'a> Frame<'a> {
         match self.surfaces.seen_along(camera.eye, direction) {
             Seen::Surface(point) => shade(&point),
             Seen::Back => Vec3::ZERO,
-            Seen::Background if self.view.background == Background::Black => Vec3::ZERO,
-            Seen::Background => self.sky.radiance(direction),
+            Seen::Background => self.backdrop.radiance(direction),
         }
     }
 

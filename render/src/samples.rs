@@ -32,7 +32,7 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-impl Renderer<'_> {
+impl Renderer {
     /// All light samples without cuts. If cancelled, pixels not reached repeat their block's first.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
         let samples = LightSamples::new(self, light);

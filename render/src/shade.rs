@@ -12,10 +12,12 @@ use lapidary_core::{
     },
     simd::Vec3x8,
 };
+use serde::{Deserialize, Serialize};
 use wide::f32x8;
 
 /// How the BRDF is sampled on the nodes of the merged cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum BrdfSampling {
     /// Once a node at its direction, as in the paper (Eq. 6).
     Once,

@@ -1,5 +1,6 @@
 //! What a camera ray meets: position, frame after bump and normal map, and the BRDF with its textured parameters.
 
+use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
     brdf::SurfaceBrdf,
@@ -42,16 +43,17 @@ pub enum Seen {
 /// Looks up surface points of a dataset.
 pub struct Surfaces<'a> {
     dataset: &'a Dataset,
+    appearance: &'a Appearance,
     intersector: &'a Intersector,
     /// Distance in metres that shadow rays start off a surface, at most.
     largest_offset: f32,
 }
 
 impl<'a> Surfaces<'a> {
-    /// For all points of `dataset`.
-    pub fn new(dataset: &'a Dataset, intersector: &'a Intersector) -> Self {
+    /// For all points of `dataset`, as they look under `appearance`.
+    pub fn new(dataset: &'a Dataset, appearance: &'a Appearance, intersector: &'a Intersector) -> Self {
         let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
-        Self { dataset, intersector, largest_offset }
+        Self { dataset, appearance, intersector, largest_offset }
     }
 
     /// What a ray meets first.
@@ -64,8 +66,7 @@ impl<'a> Surfaces<'a> {
     }
 
     fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
-        let scene = &self.dataset.scene;
-        let mesh = &scene.mesh;
+        let mesh = &self.dataset.scene.mesh;
         let triangle = hit.triangle as usize;
         let vertices = mesh.triangles[triangle];
         let b = Vec3::new(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y);
@@ -78,7 +79,7 @@ impl<'a> Surfaces<'a> {
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
         let smooth = frame(smooth_normal, tangent, handedness);
-        let material = &scene.materials[mesh.triangle_material[triangle] as usize];
+        let material = &self.appearance.materials[mesh.triangle_material[triangle] as usize];
         let slopes = || surface_slopes(mesh.corners(triangle), vertices.map(|v| mesh.uvs[v as usize]));
         let normal = self.bumped_normal(material, uv, &smooth, slopes);
         let world_from_local = frame(facing(normal, wo), tangent, handedness);
@@ -105,7 +106,7 @@ impl<'a> Surfaces<'a> {
 
     /// The material's values times its maps.
     fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
-        let textures = &self.dataset.scene.textures;
+        let textures = &self.appearance.textures;
         let scalar = |slot: &Option<TextureSlot>| {
             slot.as_ref().map_or(1.0, |s| textures[s.texture as usize].sample_channel(uv, s))
         };
@@ -129,7 +130,7 @@ impl<'a> Surfaces<'a> {
     ) -> Vec3 {
         let mut normal = smooth.z_axis;
         if let Some(slot) = &material.maps.normal {
-            let texel = self.dataset.scene.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
+            let texel = self.appearance.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
             let n = (2.0 * texel - 1.0) * Vec3::new(slot.strength, slot.strength, 1.0);
             normal = (*smooth * n).try_normalize().unwrap_or(normal);
         }
@@ -143,7 +144,7 @@ impl<'a> Surfaces<'a> {
 
     /// Change of height in metres per unit of u and v, by central differences over one texel.
     fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
-        let texture = &self.dataset.scene.textures[slot.texture as usize];
+        let texture = &self.appearance.textures[slot.texture as usize];
         let height = |uv: Vec2| texture.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
         let texel = Vec2::new(texture.size[0] as f32, texture.size[1] as f32) * slot.scale;
         [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)]

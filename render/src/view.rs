@@ -1,16 +1,20 @@
 //! What a picture shows and how its pixels are sampled.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use lapidary_core::{camera::Camera, image::Image};
 
 /// What is seen where nothing is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
     /// The environment.
     #[default]
     Environment,
-    /// Black: for measuring errors on surfaces alone.
-    Black,
+    /// The environment out of focus: blurred to the given standard deviation in radians.
+    Blurred(f32),
+    /// One radiance; black is for measuring errors on surfaces alone.
+    Flat(Vec3),
+    /// Nothing: the picture has no coverage there.
+    Transparent,
 }
 
 /// A camera and a picture size.
@@ -64,7 +68,6 @@ impl Progress for Quiet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn offsets_are_the_centre_or_fill_the_pixel() {

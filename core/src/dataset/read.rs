@@ -94,7 +94,7 @@ impl Reader<'_> {
             triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,
         };
         mesh.validate(header.materials.len(), header.objects.len())?;
-        let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name));
+        let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name).map(Into::into));
         let scene = Scene {
             mesh,
             materials: header.materials.clone(),

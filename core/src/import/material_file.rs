@@ -123,7 +123,7 @@ fn load_slot(
         None => {
             let mut texture = decode(&bytes, &path)?;
             texture.name.clone_from(&slot.file);
-            scene.textures.push(texture);
+            scene.textures.push(texture.into());
             scene.textures.len() - 1
         }
     };

@@ -29,6 +29,7 @@ pub struct EnvironmentSampler {
 }
 
 /// A map resampled to the grid of an [`EnvironmentSampler`]: energy (radiance times solid angle) of each cell.
+#[derive(Clone, Debug)]
 pub struct GridEnergy(Vec<Vec3>);
 
 impl EnvironmentSampler {

@@ -70,7 +70,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
 }
 
 fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Image {
-    let renderer = Renderer::new(&shot.dataset);
+    let renderer = Renderer::new(shot.dataset.clone());
     let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
     match args.kind {
         Kind::Samples => {

@@ -67,7 +67,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
     let shot = args.view.resolve(console)?;
-    let renderer = Renderer::new(&shot.dataset);
+    let renderer = Renderer::new(shot.dataset.clone());
     let Backend::Cpu = args.backend;
     let (image, stats) = renderer.render(&shot.view, &shot.light, args.illum_cut, args.brdf.into());
     write_pictures(&image, &args.out)?;

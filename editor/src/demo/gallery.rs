@@ -12,9 +12,9 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, Material},
 };
-use lapidary_render::Progress;
+use lapidary_render::{Appearance, Progress};
 use serde::Serialize;
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 /// The pictures.
 #[derive(Clone, Debug, Serialize)]
@@ -39,7 +39,7 @@ const PICTURES: u64 = 10;
 ///
 /// # Errors
 /// A folder that cannot be written, or Ctrl-C.
-pub fn take(dataset: &Dataset, environments: &Environments, out: &Path, steps: &Steps) -> Result<Gallery> {
+pub fn take(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, steps: &Steps) -> Result<Gallery> {
     steps.begin("rendering: environments, rotations and materials, all of one bake");
     let progress = steps.progress("pictures", "pictures");
     let mut taken = 0;
@@ -70,9 +70,10 @@ pub fn take(dataset: &Dataset, environments: &Environments, out: &Path, steps: &
         materials: variations()
             .into_iter()
             .map(|(name, title, parameters)| {
-                let mut varied = dataset.clone();
-                replace_materials(&mut varied.scene, &Material { parameters, ..Default::default() });
-                let stage = Stage::new(&varied, environments, out);
+                let mut stage = Stage::new(dataset, environments, out);
+                let mut appearance = Appearance::of(&dataset.scene);
+                replace_materials(&mut appearance.materials, &Material { parameters, ..Default::default() });
+                stage.renderer.set_appearance(appearance);
                 let settings = PictureSettings { environment: "studio".into(), ..Default::default() };
                 take(&stage, &format!("material-{name}"), title, settings)
             })

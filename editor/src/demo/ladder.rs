@@ -12,7 +12,7 @@ use lapidary_render::compare::{
     map::{ErrorMap, error_map},
 };
 use serde::Serialize;
-use std::{path::Path, time::Instant};
+use std::{path::Path, sync::Arc, time::Instant};
 
 /// Sizes of the illumination cut.
 pub const CUT_SIZES: [u32; 5] = [32, 64, 128, 256, 512];
@@ -71,7 +71,7 @@ fn settings() -> PictureSettings {
 ///
 /// # Errors
 /// A folder that cannot be written, or Ctrl-C.
-pub fn climb(dataset: &Dataset, environments: &Environments, out: &Path, steps: &Steps) -> Result<Ladder> {
+pub fn climb(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, steps: &Steps) -> Result<Ladder> {
     let stage = Stage::new(dataset, environments, out);
     steps.begin("tracing the reference: every light sample from every pixel");
     let (samples_reference, truth) = trace_samples(&stage, steps)?;

@@ -5,7 +5,7 @@ use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{BrdfSampling, Illumination, RenderStats, Renderer, View};
 use serde::Serialize;
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 /// What decides a picture.
 #[derive(Clone, Debug, Serialize)]
@@ -62,19 +62,18 @@ pub struct Picture {
 
 /// A dataset, lights and a folder for pictures.
 pub struct Stage<'a> {
-    pub renderer: Renderer<'a>,
-    pub dataset: &'a Dataset,
+    pub renderer: Renderer,
     pub environments: &'a Environments,
     pub out: &'a Path,
 }
 
 impl<'a> Stage<'a> {
-    pub fn new(dataset: &'a Dataset, environments: &'a Environments, out: &'a Path) -> Self {
-        Self { renderer: Renderer::new(dataset), dataset, environments, out }
+    pub fn new(dataset: &Arc<Dataset>, environments: &'a Environments, out: &'a Path) -> Self {
+        Self { renderer: Renderer::new(dataset.clone()), environments, out }
     }
 
     pub fn view(&self, settings: &PictureSettings) -> View {
-        let camera = self.dataset.scene.cameras.iter().find(|c| c.name == settings.camera);
+        let camera = self.renderer.dataset().scene.cameras.iter().find(|c| c.name == settings.camera);
         let mut camera = camera.expect("pictures are planned with the cameras of the still life").clone();
         camera.fov_y = settings.fov_degrees.map_or(camera.fov_y, f32::to_radians);
         View { aa: settings.aa, ..View::new(camera, settings.size) }
@@ -82,7 +81,7 @@ impl<'a> Stage<'a> {
 
     pub fn light(&self, settings: &PictureSettings) -> Illumination {
         Illumination {
-            environment: self.environments.get(&settings.environment).clone(),
+            environment: self.environments.get(&settings.environment).clone().into(),
             rotation: settings.rotation_degrees.to_radians(),
             intensity: 1.0,
         }

@@ -1,7 +1,7 @@
 //! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
 
 use super::*;
-use crate::{Quiet, compare::compare};
+use crate::{Background, Quiet, compare::compare};
 use glam::Vec4;
 use lapidary_core::{
     camera::Camera,
@@ -102,18 +102,18 @@ fn glossy(roughness: f32) -> BrdfParameters {
 
 fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
     let environment = Environment { name: "test".into(), map: Image::from_fn(size, f) };
-    Illumination { environment, rotation: 0.0, intensity: 1.0 }
+    Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 }
 }
 
 fn from_above(size: u32) -> View {
     // Inside the floor on all sides; a hair off the vertical fixes which way is up in the picture.
     let camera = Camera::look_at(Vec3::new(0.0, 6.0, 0.01), Vec3::ZERO, 30.0);
-    View { background: Background::Black, ..View::new(camera, [size, size]) }
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
 }
 
 fn from_the_side(size: u32) -> View {
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 3.5), Vec3::ZERO, 30.0);
-    View { background: Background::Black, ..View::new(camera, [size, size]) }
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
 }
 
 fn ggx(mut dataset: Dataset) -> Dataset {
@@ -128,7 +128,7 @@ fn rel_rmse(test: &Image, reference: &Image) -> f64 {
 #[test]
 fn a_white_floor_in_a_white_furnace_is_white_for_all_three() {
     let dataset = dataset(mesh(4, false), white());
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let (view, light) = (from_above(24), illumination([64, 32], |_, _| Vec3::ONE));
     let pictures = [
         renderer.render(&view, &light, 256, BrdfSampling::Refine).0,
@@ -150,7 +150,7 @@ fn a_white_floor_in_a_white_furnace_is_white_for_all_three() {
 #[test]
 fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
     let dataset = dataset(mesh(64, true), white());
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let (width, height) = (256, 128);
     // Toward +X at 45 degrees: u = 1/4, v = 1/4.
     let light =
@@ -189,11 +189,11 @@ fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
 #[test]
 fn rotation_turns_the_light_and_not_the_camera() {
     let dataset = ggx(dataset(mesh(16, true), glossy(0.6)));
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let mut light = illumination([64, 32], |x, y| Vec3::splat(if x < 16 { 4.0 } else { 0.1 } + y as f32 * 0.01));
     let view = |angle: f32| {
         let eye = glam::Quat::from_rotation_y(angle) * Vec3::new(0.0, 1.5, 3.5);
-        View { background: Background::Black, ..View::new(Camera::look_at(eye, Vec3::ZERO, 30.0), [32, 32]) }
+        View { background: Background::Flat(Vec3::ZERO), ..View::new(Camera::look_at(eye, Vec3::ZERO, 30.0), [32, 32]) }
     };
     let quarter = std::f32::consts::FRAC_PI_2;
     let straight = renderer.path_reference(&view(0.0), &light, 128, &Quiet);
@@ -208,7 +208,7 @@ fn rotation_turns_the_light_and_not_the_camera() {
 #[test]
 fn full_cuts_equal_brute_force_where_visibility_is_linear() {
     let dataset = ggx(dataset(mesh(8, false), glossy(0.5)));
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let light = illumination([64, 32], |x, y| Vec3::splat(f32::from(u8::from(x % 9 == 0 && y < 14)) * 20.0 + 0.1));
     let view = from_the_side(32);
     let reference = renderer.samples_reference(&view, &light, &Quiet);
@@ -222,7 +222,7 @@ fn full_cuts_equal_brute_force_where_visibility_is_linear() {
 #[test]
 fn refinement_beats_sampling_once_at_few_more_evaluations() {
     let dataset = ggx(dataset(mesh(24, true), glossy(0.35)));
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let sun = |x: u32, y: u32| if (30..33).contains(&x) && (20..22).contains(&y) { 300.0 } else { 0.5 };
     let light = illumination([128, 64], |x, y| Vec3::splat(sun(x, y)));
     let view = from_the_side(48);
@@ -247,7 +247,7 @@ fn buried_vertices_have_no_say() {
     };
     blind(&mut dataset);
     let least = |d: &Dataset| {
-        let picture = Renderer::new(d).render(&from_above(16), &light, 64, BrdfSampling::Refine).0;
+        let picture = Renderer::new(d.clone()).render(&from_above(16), &light, 64, BrdfSampling::Refine).0;
         picture.pixels.iter().map(|p| p.x).fold(f32::INFINITY, f32::min)
     };
     assert!(least(&dataset) < 0.8, "a blind vertex darkens its triangles");
@@ -268,7 +268,7 @@ fn a_cancelled_reference_is_a_whole_coarse_picture() {
         }
     }
     let dataset = dataset(mesh(4, false), white());
-    let renderer = Renderer::new(&dataset);
+    let renderer = Renderer::new(dataset.clone());
     let light = illumination([8, 4], |_, _| Vec3::ONE);
     let stop = StopAfterOnePass(false.into());
     let picture = renderer.samples_reference(&from_above(16), &light, &stop);

@@ -1,0 +1,148 @@
+//! What the interface asks for. Panels only read the document; everything they want done is an [`Action`].
+
+use crate::document::Edit;
+use lapidary_core::{camera::Camera, material::MaterialMaps, texture::TextureSlot};
+use std::path::PathBuf;
+
+/// Something to be done after the interface of a frame has run. A path of `None` is asked for by a dialog.
+#[derive(Clone, Debug)]
+pub enum Action {
+    /// Change the document. Edits of the same label and target during one gesture become one step of undo.
+    Edit {
+        /// The new value.
+        edit: Edit,
+        /// What undo calls it, as "Roughness".
+        label: &'static str,
+    },
+    /// A slider was let go or a text field left: the next edit is a new step of undo.
+    EndGesture,
+    /// Take back the last edit.
+    Undo,
+    /// Do the last undone edit again.
+    Redo,
+    /// Open a scene, a dataset or a session.
+    Open(Option<PathBuf>),
+    /// Open the bundled scene.
+    OpenBundled,
+    /// Write the session.
+    Save,
+    /// Write the session under another name.
+    SaveAs(Option<PathBuf>),
+    /// Write the picture.
+    ExportPicture(Option<PathBuf>),
+    /// Use a picture as a map of a material.
+    LoadTexture {
+        /// Which material.
+        material: usize,
+        /// Which map.
+        map: MapKind,
+        /// The picture.
+        path: Option<PathBuf>,
+    },
+    /// Replace a material by that of a file.
+    LoadMaterial {
+        /// Which material.
+        material: usize,
+        /// The material file.
+        path: Option<PathBuf>,
+    },
+    /// Write a material to a file.
+    SaveMaterial {
+        /// Which material.
+        material: usize,
+        /// The material file.
+        path: Option<PathBuf>,
+    },
+    /// Light the scene by a map.
+    LoadEnvironment(Option<PathBuf>),
+    /// Add maps to the library of environments.
+    AddToLibrary(Option<PathBuf>),
+    /// Bake the scene with the document's settings; with `resume` from its checkpoint.
+    Bake {
+        /// Go on from the checkpoint.
+        resume: bool,
+    },
+    /// Stop the bake; its checkpoint stays.
+    CancelBake,
+    /// Move the camera.
+    Camera(Camera),
+    /// Move back so that the selection, or the scene, is in view.
+    FrameSelection,
+    /// Frame the whole scene.
+    FrameAll,
+    /// Select an object, or nothing.
+    SelectObject(Option<u32>),
+    /// Select a material, or nothing.
+    SelectMaterial(Option<usize>),
+    /// Put the camera on the clipboard as text.
+    CopyCamera,
+    /// Take the camera from the clipboard.
+    PasteCamera,
+    /// Change how the window looks.
+    Preferences(crate::preferences::Preferences),
+    /// Show or hide the keyboard map.
+    ToggleKeys,
+    /// Look for files that moved, in this folder.
+    Relink(Option<PathBuf>),
+    /// Close the window, after asking about unsaved changes.
+    Quit,
+}
+
+/// A map of a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MapKind {
+    /// Multiplies the base colour.
+    BaseColor,
+    /// Multiplies the roughness.
+    Roughness,
+    /// Multiplies the metalness.
+    Metalness,
+    /// Multiplies the specular weight.
+    Specular,
+    /// Tangent-space normals.
+    Normal,
+    /// Heights.
+    Bump,
+}
+
+impl MapKind {
+    /// All of them, in the order of the panel.
+    pub const ALL: [Self; 6] =
+        [Self::BaseColor, Self::Roughness, Self::Metalness, Self::Specular, Self::Normal, Self::Bump];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::BaseColor => "Base color",
+            Self::Roughness => "Roughness",
+            Self::Metalness => "Metalness",
+            Self::Specular => "Specular",
+            Self::Normal => "Normal map",
+            Self::Bump => "Bump map",
+        }
+    }
+
+    /// The slot of this map.
+    pub fn slot(self, maps: &MaterialMaps) -> &Option<TextureSlot> {
+        match self {
+            Self::BaseColor => &maps.base_color,
+            Self::Roughness => &maps.roughness,
+            Self::Metalness => &maps.metalness,
+            Self::Specular => &maps.specular,
+            Self::Normal => &maps.normal,
+            Self::Bump => &maps.bump,
+        }
+    }
+
+    /// The slot of this map, to be changed.
+    pub fn slot_mut(self, maps: &mut MaterialMaps) -> &mut Option<TextureSlot> {
+        match self {
+            Self::BaseColor => &mut maps.base_color,
+            Self::Roughness => &mut maps.roughness,
+            Self::Metalness => &mut maps.metalness,
+            Self::Specular => &mut maps.specular,
+            Self::Normal => &mut maps.normal,
+            Self::Bump => &mut maps.bump,
+        }
+    }
+}

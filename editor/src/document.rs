@@ -1,0 +1,188 @@
+//! What an artist edits and a session file keeps: plain data, changed only by [`Edit`]s.
+
+mod edit;
+
+pub use edit::{Edit, Redo};
+
+use glam::Vec3;
+use lapidary_core::{camera::Camera, dataset::BakeSettings, material::Material, texture::Texture};
+use lapidary_precompute::Preset;
+use lapidary_render::{Appearance, Background, BrdfSampling, Post, ViewMode};
+use serde::{Deserialize, Serialize};
+use std::{path::PathBuf, sync::Arc};
+
+/// Everything that is edited, as it is now. Copying it copies no texels.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// The scene file that is baked; `None` for a dataset opened by itself.
+    pub scene: Option<PathBuf>,
+    /// The dataset that is shown; `None` until there is a bake.
+    pub dataset: Option<PathBuf>,
+    /// One for each material index of the mesh.
+    pub materials: Vec<Material>,
+    /// What the materials' maps refer to by index. Only ever grows while a document is open, so that undoing an edit
+    /// finds its texture again; sessions keep those in use.
+    pub textures: Vec<TextureEntry>,
+    /// The light.
+    pub environment: EnvironmentSettings,
+    /// Where from. Moving it is not an edit that undo takes back, as in other tools.
+    pub camera: Camera,
+    /// Cameras to go back to, by name.
+    pub bookmarks: Vec<Camera>,
+    /// How the picture is made and shown.
+    pub view: ViewSettings,
+    /// What the next bake is made with.
+    pub bake: BakeSettings,
+}
+
+/// A texture and where it came from.
+#[derive(Clone, Debug)]
+pub struct TextureEntry {
+    /// The texels.
+    pub texture: Arc<Texture>,
+    /// The file it was loaded from; `None` if it came with the scene.
+    pub file: Option<PathBuf>,
+}
+
+/// The environment: which map, and how it lies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct EnvironmentSettings {
+    /// The path of a map, or a formula as `Environment::from_spec` reads it.
+    pub spec: String,
+    /// Turn in degrees, counter-clockwise seen from +Y.
+    pub rotation_degrees: f32,
+    /// Scales radiance; 0 or more.
+    pub intensity: f32,
+    /// How the map was made to lie.
+    pub orientation: Orientation,
+}
+
+/// Where the centre of a map lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Orientation {
+    /// +Z, as OpenEXR, Mitsuba and MaterialX have it.
+    #[default]
+    OpenExr,
+    /// +X, as Blender and three.js have it.
+    Blender,
+}
+
+impl Orientation {
+    /// Degrees that are added to the rotation.
+    pub fn yaw_degrees(self) -> f32 {
+        match self {
+            Self::OpenExr => 0.0,
+            Self::Blender => 90.0,
+        }
+    }
+}
+
+impl Default for EnvironmentSettings {
+    fn default() -> Self {
+        Self { spec: "studio".into(), rotation_degrees: 0.0, intensity: 1.0, orientation: Orientation::default() }
+    }
+}
+
+impl EnvironmentSettings {
+    /// The whole turn in radians.
+    pub fn rotation(&self) -> f32 {
+        (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
+    }
+}
+
+/// What is seen where there is no surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BackgroundKind {
+    /// The environment.
+    #[default]
+    Environment,
+    /// The environment out of focus.
+    Blurred,
+    /// One colour.
+    Flat,
+    /// A chequerboard stands for nothing.
+    Transparent,
+}
+
+/// How the picture is made and shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ViewSettings {
+    /// Exposure and tone curve.
+    pub post: Post,
+    /// What is seen where there is no surface.
+    pub background: BackgroundKind,
+    /// Blur of a blurred background, as a standard deviation in degrees.
+    pub blur_degrees: f32,
+    /// Scene-linear colour of a flat background.
+    pub background_color: Vec3,
+    /// Most nodes of the illumination cut, 1 to 32,768.
+    pub illum_cut: u32,
+    /// How the BRDF is sampled on merged nodes.
+    pub sampling: BrdfSampling,
+    /// Jittered frames that are averaged at rest, 1 to 256.
+    pub aa: u32,
+    /// What the pixels show.
+    pub mode: ViewMode,
+    /// Draws the triangles' edges over the picture.
+    pub wireframe: bool,
+    /// Milliseconds that a picture may take while something moves; resolution adapts to it.
+    pub frame_budget_ms: f32,
+}
+
+impl Default for ViewSettings {
+    fn default() -> Self {
+        Self {
+            post: Post::default(),
+            background: BackgroundKind::default(),
+            blur_degrees: 8.0,
+            background_color: Vec3::splat(0.05),
+            illum_cut: 256,
+            sampling: BrdfSampling::default(),
+            aa: 16,
+            mode: ViewMode::default(),
+            wireframe: false,
+            frame_budget_ms: 100.0,
+        }
+    }
+}
+
+impl ViewSettings {
+    /// The background for the renderers.
+    pub fn background(&self) -> Background {
+        match self.background {
+            BackgroundKind::Environment => Background::Environment,
+            BackgroundKind::Blurred => Background::Blurred(self.blur_degrees.to_radians()),
+            BackgroundKind::Flat => Background::Flat(self.background_color),
+            BackgroundKind::Transparent => Background::Transparent,
+        }
+    }
+}
+
+impl Document {
+    /// An empty document: nothing is open.
+    pub fn empty() -> Self {
+        Self {
+            scene: None,
+            dataset: None,
+            materials: Vec::new(),
+            textures: Vec::new(),
+            environment: EnvironmentSettings::default(),
+            camera: Camera::look_at(Vec3::new(0.0, 0.5, 2.0), Vec3::ZERO, 40.0),
+            bookmarks: Vec::new(),
+            view: ViewSettings::default(),
+            bake: Preset::Normal.settings(),
+        }
+    }
+
+    /// Materials and textures for the renderers.
+    pub fn appearance(&self) -> Appearance {
+        Appearance {
+            materials: self.materials.clone(),
+            textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
+        }
+    }
+}

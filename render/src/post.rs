@@ -1,0 +1,166 @@
+//! The post pass: scene-linear radiance to what a display shows. An edit of exposure or tone curve redoes nothing else.
+//!
+//! Twin of `shaders/tonemap.wgsl`.
+
+use glam::{Mat3, Vec3};
+use lapidary_core::color::srgb_from_linear;
+use serde::{Deserialize, Serialize};
+
+/// How scene-linear radiance becomes display values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToneMap {
+    /// No curve: clamped and sRGB-encoded.
+    #[default]
+    Standard,
+    /// Reinhard et al. 2002, Eq. 3, on luminance.
+    Reinhard,
+    /// The fit of the ACES reference curves by Hill (in Baking Lab, 2016).
+    Aces,
+    /// AgX (Sobotka 2022), the polynomial fit of its default contrast by Wrensch (2023).
+    AgX,
+    /// Khronos PBR Neutral (2024): keeps colours of product renders below 0.8.
+    PbrNeutral,
+}
+
+impl ToneMap {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 5] = [Self::Standard, Self::Reinhard, Self::Aces, Self::AgX, Self::PbrNeutral];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Standard => "None (sRGB)",
+            Self::Reinhard => "Reinhard",
+            Self::Aces => "ACES (fit)",
+            Self::AgX => "AgX",
+            Self::PbrNeutral => "Khronos PBR Neutral",
+        }
+    }
+}
+
+/// Exposure and tone curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Post {
+    /// Stops; radiance is scaled by two to this power.
+    pub exposure: f32,
+    /// Curve.
+    pub tone_map: ToneMap,
+}
+
+impl Post {
+    /// What a display shows of `radiance`: encoded, each 0 to 1. NaN becomes magenta, so that it is seen.
+    pub fn display(&self, radiance: Vec3) -> Vec3 {
+        if radiance.is_nan() {
+            return Vec3::new(1.0, 0.0, 1.0);
+        }
+        let exposed = (radiance * self.exposure.exp2()).clamp(Vec3::ZERO, Vec3::splat(LARGEST));
+        let linear = match self.tone_map {
+            ToneMap::Standard => exposed,
+            ToneMap::Reinhard => reinhard(exposed),
+            ToneMap::Aces => aces(exposed),
+            ToneMap::AgX => agx(exposed),
+            ToneMap::PbrNeutral => pbr_neutral(exposed),
+        };
+        linear.map(srgb_from_linear)
+    }
+}
+
+/// Brighter is as bright: squares of it must stay finite.
+const LARGEST: f32 = 1e6;
+
+fn reinhard(c: Vec3) -> Vec3 {
+    c / (1.0 + lapidary_core::color::luminance(c))
+}
+
+/// Rec. 709 to the space of the curves, with AP1 primaries and the reference rendering transform's saturation.
+const ACES_INPUT: Mat3 = Mat3::from_cols(
+    Vec3::new(0.59719, 0.07600, 0.02840),
+    Vec3::new(0.35458, 0.90834, 0.13383),
+    Vec3::new(0.04823, 0.01566, 0.83777),
+);
+/// Back to Rec. 709, with the output transform's saturation.
+const ACES_OUTPUT: Mat3 = Mat3::from_cols(
+    Vec3::new(1.60475, -0.10208, -0.00327),
+    Vec3::new(-0.53108, 1.10813, -0.07276),
+    Vec3::new(-0.07367, -0.00605, 1.07602),
+);
+
+fn aces(c: Vec3) -> Vec3 {
+    let v = ACES_INPUT * c;
+    let a = v * (v + 0.0245786) - 0.000090537;
+    let b = v * (0.983729 * v + 0.4329510) + 0.238081;
+    ACES_OUTPUT * (a / b)
+}
+
+/// Rec. 709 to AgX' log space.
+const AGX_INSET: Mat3 = Mat3::from_cols(
+    Vec3::new(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
+    Vec3::new(0.0784335999999992, 0.878468636469772, 0.0784336),
+    Vec3::new(0.0792237451477643, 0.0791661274605434, 0.879142973793104),
+);
+/// Its inverse.
+const AGX_OUTSET: Mat3 = Mat3::from_cols(
+    Vec3::new(1.19687900512017, -0.0528968517574562, -0.0529716355144438),
+    Vec3::new(-0.0980208811401368, 1.15190312990417, -0.0980434501171241),
+    Vec3::new(-0.0990297440797205, -0.0989611768448433, 1.15107367264116),
+);
+/// Stops below and above middle grey that the curve covers.
+const AGX_RANGE: [f32; 2] = [-12.47393, 4.026069];
+
+fn agx(c: Vec3) -> Vec3 {
+    let [low, high] = AGX_RANGE;
+    let inset = AGX_INSET * c;
+    let log = inset.map(|x| x.max(1e-10).log2().clamp(low, high));
+    let x = (log - low) / (high - low);
+    let (x2, x4) = (x * x, x * x * x * x);
+    let curve = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    (AGX_OUTSET * curve).map(|v| v.max(0.0).powf(2.2))
+}
+
+fn pbr_neutral(c: Vec3) -> Vec3 {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let least = c.min_element();
+    let offset = if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
+    let c = c - offset;
+    let peak = c.max_element();
+    if peak < START {
+        return c;
+    }
+    let d = 1.0 - START;
+    let new_peak = 1.0 - d * d / (peak + d - START);
+    let grey = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    (c * (new_peak / peak)).lerp(Vec3::splat(new_peak), grey)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_rise_from_black_stay_in_range_and_show_nan() {
+        for tone_map in ToneMap::ALL {
+            let post = Post { exposure: 0.0, tone_map };
+            let shown: Vec<f32> = (0..60).map(|i| post.display(Vec3::splat(1e-3 * 1.3_f32.powi(i))).y).collect();
+            assert!(shown.windows(2).all(|w| w[1] >= w[0] - 1e-6), "{tone_map:?} {shown:?}");
+            assert!(shown.iter().all(|v| (0.0..=1.0).contains(v)));
+            assert!(post.display(Vec3::ZERO).max_element() < 0.02, "{tone_map:?}");
+            assert!(*shown.last().unwrap() > 0.95, "{tone_map:?}");
+            assert_eq!(post.display(Vec3::new(f32::NAN, 0.0, 0.0)), Vec3::new(1.0, 0.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn a_stop_doubles_and_standard_is_srgb() {
+        let post = Post { exposure: 1.0, tone_map: ToneMap::Standard };
+        assert!((post.display(Vec3::splat(0.107_020_5)) - 0.5).length() < 1e-4);
+    }
+
+    #[test]
+    fn neutral_leaves_base_colours_alone_but_for_the_fresnel_offset() {
+        let c = Vec3::new(0.5, 0.3, 0.2);
+        assert!((pbr_neutral(c) - (c - 0.04)).length() < 1e-6);
+    }
+}

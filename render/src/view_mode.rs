@@ -1,0 +1,68 @@
+//! What the pixels of a view show: the lit picture, or one of the quantities behind it.
+
+use serde::{Deserialize, Serialize};
+
+/// What the pixels of a view show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ViewMode {
+    /// Reflected radiance.
+    #[default]
+    Shaded,
+    /// Shading normals in world space after bump and normal map: -1 to 1 as 0 to 1.
+    Normals,
+    /// Base colour after its texture.
+    Albedo,
+    /// Perceptual roughness after its texture.
+    Roughness,
+    /// Nodes of the visibility cuts of the triangle's vertices, interpolated.
+    VisibilityCut,
+    /// Nodes of the merged cut.
+    MergedCut,
+    /// BRDF evaluations.
+    BrdfEvaluations,
+}
+
+impl ViewMode {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 7] = [
+        Self::Shaded,
+        Self::Normals,
+        Self::Albedo,
+        Self::Roughness,
+        Self::VisibilityCut,
+        Self::MergedCut,
+        Self::BrdfEvaluations,
+    ];
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Shaded => "Shaded",
+            Self::Normals => "Normals",
+            Self::Albedo => "Albedo",
+            Self::Roughness => "Roughness",
+            Self::VisibilityCut => "Visibility cut size",
+            Self::MergedCut => "Merged cut size",
+            Self::BrdfEvaluations => "BRDF evaluations",
+        }
+    }
+
+    /// Whether pixels are counts, shown in false colours with a legend.
+    pub fn is_count(self) -> bool {
+        matches!(self, Self::VisibilityCut | Self::MergedCut | Self::BrdfEvaluations)
+    }
+
+    /// Whether pixels depend on the light.
+    pub fn needs_merge(self) -> bool {
+        matches!(self, Self::Shaded | Self::MergedCut | Self::BrdfEvaluations)
+    }
+
+    /// The count at the upper end of the false colours, for an illumination cut of `illum_cut` nodes.
+    pub fn count_top(self, illum_cut: u32) -> f32 {
+        match self {
+            Self::VisibilityCut => 512.0,
+            _ => (4.0 * illum_cut as f32).clamp(512.0, 4096.0),
+        }
+    }
+}
