@@ -6,6 +6,7 @@
 //! error. [`compare`] measures pictures.
 
 mod appearance;
+mod backend;
 mod background;
 pub mod compare;
 mod lighting;
@@ -20,6 +21,7 @@ mod view;
 mod view_mode;
 
 pub use appearance::Appearance;
+pub use backend::{Backend, BackendError, PictureStats};
 pub use lighting::{LightRig, SceneLighting};
 pub use post::{Post, ToneMap};
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};

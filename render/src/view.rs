@@ -1,5 +1,6 @@
 //! What a picture shows and how its pixels are sampled.
 
+use crate::view_mode::ViewMode;
 use glam::{Vec2, Vec3};
 use lapidary_core::{camera::Camera, image::Image};
 
@@ -28,12 +29,16 @@ pub struct View {
     pub aa: u32,
     /// What is seen where nothing is.
     pub background: Background,
+    /// What the pixels show.
+    pub mode: ViewMode,
+    /// Draws the triangles' edges over the picture.
+    pub wireframe: bool,
 }
 
 impl View {
     /// A view with one sample at the centre of each pixel, before the environment.
     pub fn new(camera: Camera, size: [u32; 2]) -> Self {
-        Self { camera, size, aa: 1, background: Background::Environment }
+        Self { camera, size, aa: 1, background: Background::Environment, mode: ViewMode::Shaded, wireframe: false }
     }
 
     /// Positions inside a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence

@@ -1,0 +1,115 @@
+//! What the interactive view and the headless commands ask of a renderer, whether it runs on the CPU or a GPU.
+//!
+//! A picture is made in steps that can be stopped between: [`Backend::begin`], then [`Backend::render_rows`] for bands of
+//! rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as wanted. Scene, appearance and
+//! light stay until they are replaced, so that an edit redoes only what it changed.
+
+use crate::{Appearance, BrdfSampling, Illumination, Post, SceneLighting, View};
+use lapidary_core::{dataset::Dataset, image::Image};
+use std::{ops::Range, sync::Arc};
+use thiserror::Error;
+
+/// Why a renderer cannot go on.
+#[derive(Debug, Error)]
+pub enum BackendError {
+    /// There is nothing to render on.
+    #[error(
+        "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, or use --backend cpu"
+    )]
+    NoAdapter {
+        /// What was tried.
+        reason: String,
+    },
+    /// The adapter went away or was reset.
+    #[error("the graphics device was lost ({reason}); the renderer starts again on it, or use --backend cpu")]
+    DeviceLost {
+        /// What the driver said.
+        reason: String,
+    },
+    /// Something is larger than the adapter can hold.
+    #[error("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}")]
+    Limit {
+        /// What is too large.
+        what: &'static str,
+        /// How much it needs.
+        needed: u64,
+        /// How much there may be.
+        limit: u64,
+        /// What both are counted in.
+        unit: &'static str,
+        /// Whose limit it is.
+        adapter: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The driver refused.
+    #[error("the graphics driver failed ({0}); update it, or use --backend cpu")]
+    Driver(String),
+}
+
+/// Work done for the picture so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PictureStats {
+    /// Samples of pixels that show a surface.
+    pub pixels_shaded: u64,
+    /// Nodes of the merged cut, averaged over them.
+    pub mean_merged_nodes: f64,
+    /// BRDF evaluations, averaged over them.
+    pub mean_brdf_evaluations: f64,
+}
+
+/// Makes pictures of one scene after another.
+pub trait Backend: Send {
+    /// `cpu`, or the name of the graphics adapter.
+    fn name(&self) -> String;
+
+    /// Takes another scene, looking as the dataset has it. Until there is a light, pictures of it are black.
+    ///
+    /// # Errors
+    /// A dataset larger than the adapter's limits; the scene before is kept then.
+    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError>;
+
+    /// Gives the scene other materials. Returns what had to be done to make it fit, in sentences.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
+
+    /// Lights the scene; `lighting` is made from `light` for the tree of the scene.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError>;
+
+    /// Begins a picture; what was rendered before is forgotten.
+    ///
+    /// # Errors
+    /// A picture larger than the adapter's limits, or a lost device.
+    fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
+
+    /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when it is done.
+    /// All rows of a sample are rendered before those of the next.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
+
+    /// The picture so far as a display shows it: sRGB-encoded, not premultiplied, row by row from the top.
+    /// `samples` is the number of samples that all rows have.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError>;
+
+    /// The picture so far, scene-linear, and how much of each pixel is covered by surfaces, 0 to 1.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError>;
+
+    /// Work done for the picture so far.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn stats(&mut self) -> Result<PictureStats, BackendError>;
+}
