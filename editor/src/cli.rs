@@ -3,6 +3,7 @@
 use crate::{
     commands::{
         bake,
+        bench::{self, BenchArgs},
         compare::{self, CompareArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
@@ -98,6 +99,14 @@ Examples:
   lapidary render scene.cuts --env studio --eye 0.3,0.5,3.5 --target 0,0.4,0 --fov 35 --out close.png
   lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json")]
     Render(RenderArgs),
+    /// Measure how long a frame takes, by pass and size of the illumination cut
+    #[command(after_help = "\
+Prints medians. The passes wait for each other, which an editor's frames need not.
+
+Examples:
+  lapidary bench scene.cuts --size 1920x1080 --json
+  lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5")]
+    Bench(BenchArgs),
     /// Trace rays for the same picture, to measure against
     #[command(after_help = "\
 Ctrl-C writes the picture as far as it is (exit code 130).
@@ -131,6 +140,7 @@ impl Command {
             Self::Info(args) => args.run().map(|()| Outcome::Done),
             Self::Verify(args) => args.run().map(|()| Outcome::Done),
             Self::Render(args) => render::run(args, console),
+            Self::Bench(args) => bench::run(args, console),
             Self::Reference(args) => reference::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }

@@ -1,6 +1,7 @@
 //! One file for each command; `info` and `verify` lie in `lapidary_precompute::cli`, the demonstration in `demo`.
 
 pub mod bake;
+pub mod bench;
 pub mod compare;
 pub mod reference;
 pub mod render;

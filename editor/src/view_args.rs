@@ -35,7 +35,7 @@ pub struct ViewArgs {
 struct LightArgs {
     /// Environment: the path of a latitude-longitude .hdr or .exr, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to
     /// 90), studio or orientation
-    #[arg(long, value_name = "MAP")]
+    #[arg(long, value_name = "MAP", default_value = "studio")]
     env: String,
     /// Turn the environment about the vertical, in degrees, counter-clockwise seen from above
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = options::finite, allow_hyphen_values = true)]

@@ -9,6 +9,7 @@ mod appearance;
 mod backend;
 mod background;
 pub mod compare;
+pub mod gpu;
 mod lighting;
 mod path;
 mod post;

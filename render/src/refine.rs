@@ -16,6 +16,11 @@ const NEGLIGIBLE: f32 = 0.02;
 /// Radius in radians above which a node is too wide even for the cosine alone.
 const WIDEST: f32 = 0.35;
 
+/// The shader's copies of these are compared with them in a test.
+#[cfg(test)]
+pub(crate) const CONSTANTS: [(&str, f32); 4] =
+    [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE), ("WIDEST", WIDEST)];
+
 /// The criterion for one pixel.
 pub struct Refinement {
     lobe: Option<f32>,

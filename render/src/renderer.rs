@@ -33,8 +33,10 @@ pub struct Illumination {
 /// How a picture was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RenderStats {
-    /// `cpu`.
+    /// `cpu` or `gpu`.
     pub backend: String,
+    /// Name of the graphics adapter.
+    pub adapter: Option<String>,
     /// Wall-clock seconds for light, illumination cut and pixels.
     pub seconds: f64,
     /// Samples of pixels that show a surface.
@@ -48,7 +50,7 @@ pub struct RenderStats {
 /// A dataset ready to be rendered.
 pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
-    appearance: Appearance,
+    pub(crate) appearance: Appearance,
     pub(crate) intersector: Arc<Intersector>,
     /// Made at the first use: the references by paths do without.
     rig: OnceLock<Mutex<LightRig>>,
@@ -147,6 +149,7 @@ fn stats(rows: &[(Vec<Vec3>, Work, u64)], seconds: f64) -> RenderStats {
     let mean = |sum: u64| sum as f64 / pixels_shaded.max(1) as f64;
     RenderStats {
         backend: "cpu".into(),
+        adapter: None,
         seconds,
         pixels_shaded,
         mean_merged_nodes: mean(rows.iter().map(|r| r.1.merged_nodes).sum()),
@@ -205,4 +208,4 @@ impl<'a> Frame<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,7 +1,8 @@
 //! The merge at one pixel (paper, 4.2): three visibility cuts interpolated and multiplied with light and BRDF.
 //!
 //! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes with no visibility are dropped before the
-//! BRDF is evaluated; the rest is evaluated eight at a time.
+//! BRDF is evaluated; the rest is evaluated eight at a time. Twin of `shaders/merge_pass.wgsl`: the same terms in the
+//! same order.
 
 use crate::{lighting::SceneLighting, refine::Refinement, surface::SurfacePoint};
 use glam::Vec3;
@@ -40,6 +41,12 @@ pub struct Work {
 struct Term {
     node: u32,
     visibility: f32,
+}
+
+/// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
+fn next_node(node: u32, root: u32) -> u32 {
+    let left = node >> node.trailing_ones();
+    if left <= root { 0 } else { left + 1 }
 }
 
 /// Merges and evaluates; keeps its buffers between pixels.
@@ -97,17 +104,19 @@ impl<'a> Shader<'a> {
         let leaves = 1_u32 << self.height;
         let refinement = Refinement::new(point.brdf.as_brdf().lobe(), point.wo);
         let local_from_world = point.world_from_local.transpose();
+        let wants_halves = |node: u32| {
+            let wi = local_from_world * self.lighting.nodes.direction[node as usize];
+            refinement.wants_halves(self.lighting, node as usize, wi)
+        };
         self.terms.clear();
-        let mut next = 0;
-        // `merged` grows at its end by the halves, which are looked at in turn.
-        while let Some(&term) = self.merged.get(next) {
-            next += 1;
-            let wi = local_from_world * self.lighting.nodes.direction[term.node as usize];
-            if term.node < leaves && refinement.wants_halves(self.lighting, term.node as usize, wi) {
-                self.merged.push(Term { node: 2 * term.node, ..term });
-                self.merged.push(Term { node: 2 * term.node + 1, ..term });
-            } else {
-                self.terms.push(term);
+        for &root in &self.merged {
+            let mut node = root.node;
+            while node != 0 {
+                while node < leaves && wants_halves(node) {
+                    node *= 2;
+                }
+                self.terms.push(Term { node, ..root });
+                node = next_node(node, root.node);
             }
         }
     }
@@ -136,5 +145,34 @@ impl<'a> Shader<'a> {
             sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * received;
         }
         sum.reduce_add() * self.lighting.leaf_solid_angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {
+        let leaves = 16;
+        for root in [1, 2, 3, 5, 7, 11, 15, 16, 31] {
+            let first_leaf = |mut n: u32| {
+                while n < leaves {
+                    n *= 2;
+                }
+                n
+            };
+            let mut visited = Vec::new();
+            let mut node = root;
+            while node != 0 {
+                node = first_leaf(node);
+                visited.push(node);
+                node = next_node(node, root);
+            }
+            let below = |n: u32| (0..5).any(|k| n >> k == root);
+            assert_eq!(visited, (leaves..2 * leaves).filter(|&n| below(n)).collect::<Vec<_>>(), "{root}");
+        }
+        assert_eq!(next_node(4, 2), 5);
+        assert_eq!(next_node(9, 2), 5); // the right leaf of the left half: on to the right half
     }
 }

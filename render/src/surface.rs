@@ -65,7 +65,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
+    /// The surface where a ray that came from the direction `wo` met it.
+    pub fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
         let mesh = &self.dataset.scene.mesh;
         let triangle = hit.triangle as usize;
         let vertices = mesh.triangles[triangle];

@@ -4,13 +4,17 @@ use crate::{
     console::Console,
     outcome::Outcome,
     outputs::{check_folder, check_pictures, write_pictures},
-    view_args::ViewArgs,
+    view_args::{Shot, ViewArgs},
 };
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
-use lapidary_render::{BrdfSampling, RenderStats, Renderer};
-use std::path::PathBuf;
+use lapidary_render::{
+    Backend, BackendError, BrdfSampling, LightRig, RenderStats, Renderer,
+    gpu::{GpuBackend, Room, ShaderSource},
+};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `render`.
 #[derive(Args, Clone, Debug)]
@@ -23,7 +27,7 @@ pub struct RenderArgs {
     brdf: BrdfOption,
     /// What computes
     #[arg(long, value_enum, default_value_t)]
-    backend: Backend,
+    backend: BackendOption,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
@@ -52,11 +56,38 @@ impl From<BrdfOption> for BrdfSampling {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum Backend {
-    /// All cores of this machine
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum BackendOption {
+    /// The graphics adapter if there is one that is not emulated, else the CPU
     #[default]
+    Auto,
+    /// The graphics adapter, also an emulated one; an error if there is none
+    Gpu,
+    /// All cores of this machine
     Cpu,
+}
+
+impl BackendOption {
+    /// The renderer on the adapter, or `None` for the CPU.
+    ///
+    /// # Errors
+    /// No adapter where one is asked for.
+    pub fn gpu(self, console: Console) -> Result<Option<GpuBackend>> {
+        let open = || GpuBackend::new(Room::All, &ShaderSource::Embedded);
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Gpu => Ok(Some(open()?)),
+            Self::Auto => match open() {
+                Ok(gpu) if !gpu.is_software() => Ok(Some(gpu)),
+                Ok(_) | Err(BackendError::NoAdapter { .. }) => Ok(None),
+                Err(error) => {
+                    console.warning(format_args!("rendering on the CPU: {error}"));
+                    Ok(None)
+                }
+            },
+        }
+    }
 }
 
 /// Renders and writes the picture.
@@ -67,9 +98,13 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
     let shot = args.view.resolve(console)?;
-    let renderer = Renderer::new(shot.dataset.clone());
-    let Backend::Cpu = args.backend;
-    let (image, stats) = renderer.render(&shot.view, &shot.light, args.illum_cut, args.brdf.into());
+    let (image, stats) = match args.backend.gpu(console)? {
+        Some(gpu) => render_on(gpu, &shot, args)?,
+        None => {
+            let renderer = Renderer::new(shot.dataset.clone());
+            renderer.render(&shot.view, &shot.light, args.illum_cut, args.brdf.into())
+        }
+    };
     write_pictures(&image, &args.out)?;
     if let Some(path) = &args.stats {
         write_json(path, &stats)?;
@@ -79,6 +114,30 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     }
     console.summary(summary(&args.out, shot.view.size, &stats))?;
     Ok(Outcome::Done)
+}
+
+fn render_on(mut gpu: GpuBackend, shot: &Shot, args: &RenderArgs) -> Result<(Image, RenderStats)> {
+    gpu.set_scene(&shot.dataset)?;
+    let mut rig = LightRig::new(shot.dataset.tree.len());
+    let start = Instant::now();
+    let lighting = Arc::new(rig.lighting(&shot.dataset.tree, &shot.light, args.illum_cut));
+    gpu.set_light(&shot.light, &lighting)?;
+    gpu.begin(&shot.view, args.brdf.into())?;
+    for sample in 0..shot.view.aa {
+        gpu.render_rows(sample, 0..shot.view.size[1])?;
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let (image, _) = gpu.read(shot.view.aa)?;
+    let stats = gpu.stats()?;
+    let stats = RenderStats {
+        backend: "gpu".into(),
+        adapter: Some(gpu.name()),
+        seconds,
+        pixels_shaded: stats.pixels_shaded,
+        mean_merged_nodes: stats.mean_merged_nodes,
+        mean_brdf_evaluations: stats.mean_brdf_evaluations,
+    };
+    Ok((image, stats))
 }
 
 fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {

@@ -4,7 +4,7 @@ use super::{CompareError, Pair, flip, rel_mse_term};
 use glam::Vec3;
 use lapidary_core::{color::linear_from_srgb, image::Image};
 use legend::Legend;
-use magma::magma;
+pub use magma::{magma, magma_stops};
 use rayon::prelude::*;
 
 mod font;

@@ -16,10 +16,10 @@ use lapidary_core::{
     scene::{Mesh, Object, Scene},
 };
 
-const LIGHTS: usize = 4096;
+pub(crate) const LIGHTS: usize = 4096;
 
 /// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if asked.
-fn mesh(cells: u32, blocker: bool) -> Mesh {
+pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
     let mut mesh = Mesh::default();
     let mut grid = |cells: u32, half: f32, y: f32, flip: bool| {
         let first = mesh.positions.len() as u32;
@@ -51,7 +51,7 @@ fn mesh(cells: u32, blocker: bool) -> Mesh {
 }
 
 /// A dataset whose cuts are exact at every vertex (sigma 0).
-fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
+pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
     let tree = LightTree::geometric(LIGHTS).unwrap();
     let directions = DirectionSet::new(tree.leaf_directions());
     let intersector = Intersector::new(&mesh);

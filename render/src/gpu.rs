@@ -1,0 +1,22 @@
+//! The GPU renderer (paper, 4.2): deferred passes, then one fragment shader that merges the cuts. Portable: WebGPU's
+//! default limits and no optional feature are enough. It is the twin of the CPU renderer and is tested against it.
+
+mod backend;
+mod device;
+mod frame;
+mod layout;
+mod light;
+mod materials;
+mod passes;
+mod pool;
+mod readback;
+mod scene;
+mod shaders;
+mod targets;
+
+pub use backend::{GpuBackend, PassTimes};
+pub use device::Room;
+pub use shaders::ShaderSource;
+
+#[cfg(test)]
+mod tests;

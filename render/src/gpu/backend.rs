@@ -1,0 +1,477 @@
+//! [`Backend`] on the GPU: resources by what changes them, and the passes of a picture.
+
+use super::{
+    device::{GpuDevice, Room},
+    frame::frame,
+    layout,
+    light::{GpuLight, GpuMap},
+    materials::GpuMaterials,
+    passes::{MergeVariant, Passes, bind},
+    readback,
+    scene::GpuScene,
+    shaders::ShaderSource,
+    targets::{Target, Targets},
+};
+use crate::{
+    BrdfSampling, Illumination, Post, SceneLighting, View,
+    appearance::Appearance,
+    backend::{Backend, BackendError, PictureStats},
+    compare::map::magma_stops,
+    view::Background,
+};
+use glam::Vec2;
+use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
+use std::{
+    ops::Range,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+use wgpu::util::DeviceExt;
+
+/// The renderer on one adapter.
+pub struct GpuBackend {
+    gpu: GpuDevice,
+    passes: Passes,
+    frame: wgpu::Buffer,
+    display: wgpu::Buffer,
+    magma: wgpu::Buffer,
+    scene: Option<Loaded>,
+    light: Option<(GpuLight, Arc<Environment>)>,
+    map: Option<GpuMap>,
+    targets: Option<Targets>,
+    picture: Option<Picture>,
+}
+
+/// A scene and how it looks.
+struct Loaded {
+    scene: GpuScene,
+    materials: GpuMaterials,
+}
+
+/// The picture that is being made.
+struct Picture {
+    view: View,
+    sampling: BrdfSampling,
+    offsets: Vec<Vec2>,
+    count_top: f32,
+    groups: Groups,
+    /// How many samples are complete.
+    samples: u32,
+}
+
+/// Everything the passes of a picture read.
+struct Groups {
+    frame: wgpu::BindGroup,
+    scene: wgpu::BindGroup,
+    materials: wgpu::BindGroup,
+    light: wgpu::BindGroup,
+    triangle: wgpu::BindGroup,
+    geometry: wgpu::BindGroup,
+    /// By which of the sums is read.
+    merge: [wgpu::BindGroup; 2],
+    display: [wgpu::BindGroup; 2],
+}
+
+/// Wall-clock time of each pass of one sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PassTimes {
+    /// Rasterising triangle numbers and depth.
+    pub visibility: Duration,
+    /// Barycentric weights, frames and BRDF parameters.
+    pub deferred: Duration,
+    /// The merge.
+    pub merge: Duration,
+    /// The post pass.
+    pub display: Duration,
+}
+
+impl GpuBackend {
+    /// On the fastest adapter.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses.
+    pub fn new(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
+        let gpu = GpuDevice::new(room)?;
+        let passes = Passes::new(&gpu, source)?;
+        let uniform = |label, size: usize| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let magma = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("magma"),
+            contents: bytemuck::cast_slice(&magma_stops().map(|c| c.extend(1.0).to_array())),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        Ok(Self {
+            frame: uniform("frame", size_of::<layout::Frame>()),
+            display: uniform("display", size_of::<layout::Display>()),
+            magma,
+            gpu,
+            passes,
+            scene: None,
+            light: None,
+            map: None,
+            targets: None,
+            picture: None,
+        })
+    }
+
+    /// Whether the adapter computes on the processor, so that the CPU renderer is faster.
+    pub fn is_software(&self) -> bool {
+        self.gpu.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Builds all shaders anew; those before stay if one fails. The next picture uses them.
+    ///
+    /// # Errors
+    /// A shader that cannot be read or does not compile.
+    pub fn reload_shaders(&mut self, source: &ShaderSource) -> Result<(), BackendError> {
+        self.passes = Passes::new(&self.gpu, source)?;
+        Ok(())
+    }
+
+    /// Renders one sample pass by pass, waiting for each, and says how long each took.
+    ///
+    /// # Errors
+    /// A lost device.
+    ///
+    /// # Panics
+    /// Before [`Backend::begin`].
+    pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
+        let height = self.picture().view.size[1];
+        self.write_frame(sample);
+        self.gpu.wait()?;
+        let mut times = PassTimes::default();
+        times.visibility = self.timed(|s, encoder| s.encode_visibility(encoder))?;
+        times.deferred = self.timed(|s, encoder| s.encode_deferred(encoder))?;
+        times.merge = self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?;
+        self.write_display(post, sample + 1);
+        times.display = self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?;
+        Ok(times)
+    }
+
+    fn timed(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {
+        let start = Instant::now();
+        self.submit(encode)?;
+        Ok(start.elapsed())
+    }
+
+    fn submit(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<(), BackendError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encode(self, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+
+    fn picture(&self) -> &Picture {
+        self.picture.as_ref().expect("a picture is begun before it is rendered")
+    }
+
+    fn loaded(&self) -> &Loaded {
+        self.scene.as_ref().expect("a picture is begun with a scene")
+    }
+
+    fn targets(&self) -> &Targets {
+        self.targets.as_ref().expect("a picture is begun with targets")
+    }
+
+    fn write_frame(&self, sample: u32) {
+        let picture = self.picture();
+        let offset = picture.offsets[sample as usize % picture.offsets.len()];
+        let light = self.light.as_ref().map(|(light, _)| light);
+        let uniforms = frame(&picture.view, offset, &self.loaded().scene, light);
+        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
+    }
+
+    fn write_display(&self, post: &Post, samples: u32) {
+        let picture = self.picture();
+        let uniforms = layout::Display {
+            exposure: post.exposure.exp2(),
+            inv_samples: 1.0 / samples.max(1) as f32,
+            count_top: picture.count_top,
+            tone_map: post.tone_map as u32,
+            view_mode: picture.view.mode as u32,
+            transparent: u32::from(picture.view.background == Background::Transparent),
+            padding: [0; 2],
+        };
+        self.gpu.queue.write_buffer(&self.display, 0, bytemuck::bytes_of(&uniforms));
+    }
+
+    fn encode_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (targets, groups) = (self.targets(), &self.picture().groups);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("visibility"),
+            color_attachments: &[cleared(&targets.triangle)],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth.view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.passes.visibility);
+        pass.set_bind_group(0, &groups.frame, &[]);
+        pass.set_bind_group(1, &groups.scene, &[]);
+        pass.draw(0..3 * self.loaded().scene.triangle_count, 0..1);
+    }
+
+    fn encode_deferred(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (targets, groups) = (self.targets(), &self.picture().groups);
+        let outputs = [&targets.geometry, &targets.rotation];
+        let shared = [&groups.frame, &groups.scene, &groups.materials];
+        full_screen(encoder, "surface", &self.passes.surface, &outputs, &[&shared[..], &[&groups.triangle]].concat());
+        let outputs = [&targets.color_roughness, &targets.others];
+        full_screen(
+            encoder,
+            "parameters",
+            &self.passes.parameters,
+            &outputs,
+            &[&shared[..], &[&groups.geometry]].concat(),
+        );
+    }
+
+    fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
+        let variant = self.merge_variant();
+        let pipeline = self.passes.merge(&self.gpu, variant).clone();
+        let (targets, picture) = (self.targets(), self.picture());
+        let (from, to) = ((sample & 1) as usize, (1 - (sample & 1)) as usize);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("merge"),
+            color_attachments: &[kept(&targets.sum[to]), kept(&targets.work[to])],
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        let groups = &picture.groups;
+        for (i, group) in [&groups.frame, &groups.scene, &groups.light, &groups.merge[from]].into_iter().enumerate() {
+            pass.set_bind_group(i as u32, group, &[]);
+        }
+        pass.set_scissor_rect(0, rows.start, picture.view.size[0], rows.end - rows.start);
+        pass.draw(0..3, 0..1);
+    }
+
+    fn encode_display(&self, encoder: &mut wgpu::CommandEncoder, samples: u32) {
+        let group = &self.picture().groups.display[(samples & 1) as usize];
+        full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
+    }
+
+    fn merge_variant(&self) -> MergeVariant {
+        let materials = &self.loaded().materials;
+        MergeVariant {
+            refine: self.picture().sampling == BrdfSampling::Refine,
+            has_ggx: materials.has_ggx,
+            has_ward: materials.has_ward,
+        }
+    }
+
+    fn clear_sums(&self, encoder: &mut wgpu::CommandEncoder) {
+        let targets = self.targets();
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clear"),
+            color_attachments: &[cleared(&targets.sum[0]), cleared(&targets.work[0])],
+            ..Default::default()
+        });
+    }
+
+    fn groups(&self, loaded: &Loaded, light: &GpuLight, map: &wgpu::TextureView, targets: &Targets) -> Groups {
+        use wgpu::BindingResource::TextureView as View;
+        let layouts = &self.passes.layouts;
+        let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
+        let (scene, materials) = (&loaded.scene, &loaded.materials);
+        let merge = |from: usize| {
+            let inputs = [
+                View(&targets.geometry.view),
+                View(&targets.rotation.view),
+                View(&targets.color_roughness.view),
+                View(&targets.others.view),
+                View(&targets.sum[from].view),
+                View(&targets.work[from].view),
+                View(map),
+            ];
+            group("merge", &layouts.merge, &inputs)
+        };
+        let display = |from: usize| {
+            let (sum, work) = (View(&targets.sum[from].view), View(&targets.work[from].view));
+            let inputs = [self.display.as_entire_binding(), self.magma.as_entire_binding(), sum, work];
+            group("display", &layouts.display, &inputs)
+        };
+        let geometry = [scene.vertices.as_entire_binding(), scene.triangles.as_entire_binding()];
+        let pool = View(&materials.pool.view);
+        let look = [materials.buffer.as_entire_binding(), pool, materials.linear_from_srgb.as_entire_binding()];
+        let lit = [
+            light.nodes.as_entire_binding(),
+            light.tan_half_radius.as_entire_binding(),
+            View(&scene.cuts),
+            View(&light.cut),
+        ];
+        Groups {
+            frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
+            scene: group("scene", &layouts.scene, &geometry),
+            materials: group("materials", &layouts.materials, &look),
+            light: group("light", &layouts.light, &lit),
+            triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
+            geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
+            merge: [merge(0), merge(1)],
+            display: [display(0), display(1)],
+        }
+    }
+
+    /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
+    #[cfg(test)]
+    pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
+        let bytes = readback::read(&self.gpu, &self.targets().geometry).expect("the device is there");
+        bytemuck::pod_collect_to_vec(&bytes)
+    }
+}
+
+impl Backend for GpuBackend {
+    fn name(&self) -> String {
+        self.gpu.info.name.clone()
+    }
+
+    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
+        let scene = GpuScene::new(&self.gpu, dataset)?;
+        let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
+        self.gpu.check()?;
+        self.scene = Some(Loaded { scene, materials });
+        self.light = None;
+        self.picture = None;
+        Ok(())
+    }
+
+    fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
+        let Some(loaded) = self.scene.take() else { return Ok(Vec::new()) };
+        let (materials, messages) = GpuMaterials::new(&self.gpu, appearance, Some(loaded.materials));
+        self.scene = Some(Loaded { scene: loaded.scene, materials });
+        self.picture = None;
+        self.gpu.check()?;
+        Ok(messages)
+    }
+
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
+        self.light = Some((GpuLight::new(&self.gpu, light, lighting), light.environment.clone()));
+        self.picture = None;
+        self.gpu.check()
+    }
+
+    fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        self.picture = None;
+        let limit = u64::from(self.gpu.limits.max_texture_dimension_2d);
+        let longest = u64::from(view.size[0].max(view.size[1]));
+        self.gpu.within("the sides of the picture", "pixels", longest, limit, "render a smaller picture")?;
+        if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
+            // Freed first: two sets of a large picture may not fit.
+            self.targets = None;
+            self.targets = Some(Targets::new(&self.gpu, view.size));
+        }
+        let (light, environment) = self.light_or_dark();
+        let blur = match view.background {
+            Background::Blurred(width) => Some(width),
+            _ => None,
+        };
+        self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
+        let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
+        let groups = self.groups(self.loaded(), &light, &map, self.targets());
+        let count_top = view.mode.count_top(light.cut_len);
+        let offsets = view.pixel_offsets();
+        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, samples: 0 });
+        self.submit(|s, encoder| s.clear_sums(encoder))
+    }
+
+    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        if rows.start == 0 {
+            self.write_frame(sample);
+        }
+        self.submit(|s, encoder| {
+            if rows.start == 0 {
+                s.encode_visibility(encoder);
+                s.encode_deferred(encoder);
+            }
+            s.encode_merge(encoder, sample, rows.clone());
+        })?;
+        if let Some(picture) = self.picture.as_mut().filter(|p| rows.end == p.view.size[1]) {
+            picture.samples = sample + 1;
+        }
+        Ok(())
+    }
+
+    fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        self.write_display(post, samples);
+        self.submit(|s, encoder| s.encode_display(encoder, samples))?;
+        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, &self.targets().shown)?))
+    }
+
+    fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        let texels = self.read_floats(&self.targets().sum[(samples & 1) as usize])?;
+        let scale = 1.0 / samples.max(1) as f32;
+        let pixels = texels.iter().map(|t| glam::Vec3::new(t[0], t[1], t[2]) * scale).collect();
+        let coverage = texels.iter().map(|t| t[3] * scale).collect();
+        Ok((Image { size: self.targets().size, pixels }, coverage))
+    }
+
+    fn stats(&mut self) -> Result<PictureStats, BackendError> {
+        let texels = self.read_floats(&self.targets().work[(self.picture().samples & 1) as usize])?;
+        let sum = |i: usize| texels.iter().map(|t| f64::from(t[i])).sum::<f64>();
+        let shaded = sum(3);
+        Ok(PictureStats {
+            pixels_shaded: shaded as u64,
+            mean_merged_nodes: sum(0) / shaded.max(1.0),
+            mean_brdf_evaluations: sum(1) / shaded.max(1.0),
+        })
+    }
+}
+
+impl GpuBackend {
+    /// The light, or none where there is none yet.
+    fn light_or_dark(&self) -> (GpuLight, Arc<Environment>) {
+        self.light.clone().unwrap_or_else(|| {
+            let map = Image::filled([1, 1], glam::Vec3::ZERO);
+            let environment = Environment { name: String::new(), map };
+            (GpuLight::dark(&self.gpu, self.loaded().scene.tree_height), environment.into())
+        })
+    }
+
+    fn read_floats(&self, target: &Target) -> Result<Vec<[f32; 4]>, BackendError> {
+        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
+    }
+}
+
+fn attachment(target: &Target, load: wgpu::LoadOp<wgpu::Color>) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
+}
+
+fn cleared(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
+}
+
+fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    attachment(target, wgpu::LoadOp::Load)
+}
+
+/// A pass over every pixel.
+fn full_screen(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    pipeline: &wgpu::RenderPipeline,
+    outputs: &[&Target],
+    groups: &[&wgpu::BindGroup],
+) {
+    let attachments: Vec<_> = outputs.iter().map(|t| cleared(t)).collect();
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &attachments,
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    for (i, group) in groups.iter().enumerate() {
+        pass.set_bind_group(i as u32, *group, &[]);
+    }
+    pass.draw(0..3, 0..1);
+}

@@ -1,0 +1,136 @@
+//! Adapter, device and what they allow. The one place that says what the renderer needs: WebGPU's default limits and no
+//! optional feature; where the adapter has more room, it is used.
+
+use crate::backend::BackendError;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A device and its queue.
+pub struct GpuDevice {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub limits: wgpu::Limits,
+    pub info: wgpu::AdapterInfo,
+    trouble: Arc<Mutex<Option<Trouble>>>,
+}
+
+/// What the driver reported since it was last asked.
+enum Trouble {
+    Lost(String),
+    Error(String),
+}
+
+/// How much room to ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Room {
+    /// As much as the adapter has.
+    #[default]
+    All,
+    /// WebGPU's defaults: every conforming adapter has these.
+    Defaults,
+}
+
+impl GpuDevice {
+    /// The fastest adapter that will do.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses.
+    pub fn new(room: Room) -> Result<Self, BackendError> {
+        // OpenGL only where there is nothing better.
+        let adapter = adapter(wgpu::Backends::PRIMARY)
+            .or_else(|_| adapter(wgpu::Backends::SECONDARY))
+            .map_err(|e| BackendError::NoAdapter { reason: e.to_string() })?;
+        let limits = wanted_limits(&adapter.limits(), room);
+        let descriptor =
+            wgpu::DeviceDescriptor { label: Some("lapidary"), required_limits: limits.clone(), ..Default::default() };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::Driver(e.to_string()))?;
+        let trouble = Arc::new(Mutex::new(None));
+        report_trouble(&device, &trouble);
+        Ok(Self { device, queue, limits, info: adapter.get_info(), trouble })
+    }
+
+    /// Waits for all submitted work.
+    ///
+    /// # Errors
+    /// A lost device, or what the driver reported.
+    pub fn wait(&self) -> Result<(), BackendError> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        polled.map(|_| ()).map_err(|e| BackendError::Driver(e.to_string()))
+    }
+
+    /// What went wrong since this was last asked.
+    ///
+    /// # Errors
+    /// A lost device, or what the driver reported.
+    pub fn check(&self) -> Result<(), BackendError> {
+        match self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            None => Ok(()),
+            Some(Trouble::Lost(reason)) => Err(BackendError::DeviceLost { reason }),
+            Some(Trouble::Error(message)) => Err(BackendError::Driver(message)),
+        }
+    }
+
+    /// An error if `needed` is more than the adapter allows.
+    ///
+    /// # Errors
+    /// [`BackendError::Limit`] with both numbers.
+    pub fn within(
+        &self,
+        what: &'static str,
+        unit: &'static str,
+        needed: u64,
+        limit: u64,
+        remedy: &'static str,
+    ) -> Result<(), BackendError> {
+        if needed <= limit {
+            return Ok(());
+        }
+        Err(BackendError::Limit { what, needed, limit, unit, adapter: self.info.name.clone(), remedy })
+    }
+
+    /// Most bytes of one storage buffer.
+    pub fn max_storage_bytes(&self) -> u64 {
+        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
+    }
+}
+
+/// The fastest adapter of some kinds of drivers; the variable WGPU_BACKEND is heeded.
+fn adapter(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..descriptor }.with_env());
+    let options =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    pollster::block_on(instance.request_adapter(&options))
+}
+
+/// WebGPU's defaults, with the adapter's room for textures and buffers if it is wanted.
+fn wanted_limits(adapter: &wgpu::Limits, room: Room) -> wgpu::Limits {
+    let defaults = wgpu::Limits::default();
+    if room == Room::Defaults {
+        return defaults;
+    }
+    wgpu::Limits {
+        max_texture_dimension_2d: adapter.max_texture_dimension_2d.max(defaults.max_texture_dimension_2d),
+        max_buffer_size: adapter.max_buffer_size.max(defaults.max_buffer_size),
+        max_storage_buffer_binding_size: adapter
+            .max_storage_buffer_binding_size
+            .max(defaults.max_storage_buffer_binding_size),
+        ..defaults
+    }
+}
+
+fn report_trouble(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
+    let slot = trouble.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        // Dropping the device is no loss.
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(Trouble::Lost(message));
+        }
+    });
+    let slot = trouble.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.get_or_insert(Trouble::Error(error.to_string()));
+    }));
+}

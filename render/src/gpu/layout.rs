@@ -1,0 +1,122 @@
+//! What the shaders read, byte for byte. A test reflects every struct of the shaders and compares it with these.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `Frame` of `frame.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Frame {
+    /// For the rasteriser, with the jitter of the sample; depth 1 at the near plane, 0 at infinity.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// Right, up and backward axes, each padded to 16 bytes.
+    pub world_from_view: [[f32; 4]; 3],
+    pub eye: [f32; 3],
+    pub tan_half_fov: f32,
+    pub pixel_offset: [f32; 2],
+    pub size: [u32; 2],
+    pub background_color: [f32; 3],
+    pub background: u32,
+    /// Sine and cosine.
+    pub environment_turn: [f32; 2],
+    pub environment_intensity: f32,
+    pub leaf_solid_angle: f32,
+    pub tree_height: u32,
+    pub view_mode: u32,
+    pub wireframe: u32,
+    pub padding: u32,
+}
+
+/// `Vertex` of `scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Vertex {
+    pub position: [f32; 3],
+    pub cut_offset: u32,
+    pub normal: [f32; 3],
+    pub cut_len: u32,
+    pub tangent: [f32; 3],
+    pub handedness: f32,
+    pub uv: [f32; 2],
+    pub is_valid: u32,
+    pub padding: u32,
+}
+
+/// `Triangle` of `scene.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Triangle {
+    pub vertices: [u32; 3],
+    /// Bit 31: two-sided; the rest: index of the material.
+    pub material: u32,
+}
+
+/// `TextureSlot` of `materials.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct TextureSlot {
+    pub first: u32,
+    pub width: u32,
+    pub height: u32,
+    pub kind: u32,
+    pub scale: [f32; 2],
+    pub offset: [f32; 2],
+    /// Sine and cosine.
+    pub turn: [f32; 2],
+    pub strength: f32,
+    pub channel: u32,
+}
+
+/// `Material` of `materials.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Material {
+    pub base_color: [f32; 3],
+    pub roughness: f32,
+    pub metalness: f32,
+    pub anisotropy: f32,
+    pub ior: f32,
+    pub specular: f32,
+    pub model: u32,
+    pub padding: [u32; 3],
+    pub base_color_map: TextureSlot,
+    pub roughness_map: TextureSlot,
+    pub metalness_map: TextureSlot,
+    pub specular_map: TextureSlot,
+    pub normal_map: TextureSlot,
+    pub bump_map: TextureSlot,
+}
+
+/// `Node` of `tree.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Node {
+    pub radiance: [f32; 3],
+    pub inv_kappa: f32,
+    pub direction: [f32; 3],
+    pub radius: f32,
+}
+
+/// `Display` of `display_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Display {
+    pub exposure: f32,
+    pub inv_samples: f32,
+    pub count_top: f32,
+    pub tone_map: u32,
+    pub view_mode: u32,
+    pub transparent: u32,
+    pub padding: [u32; 2],
+}
+
+/// Values that the shaders share with this side by name.
+pub mod constants {
+    pub const BACKGROUND_MAP: u32 = 0;
+    pub const BACKGROUND_FLAT: u32 = 1;
+    pub const TWO_SIDED: u32 = 1 << 31;
+    pub const KIND_LINEAR: u32 = 1;
+    pub const KIND_SRGB: u32 = 2;
+    pub const KIND_FLOAT: u32 = 3;
+    /// Words in one row of the texture pool: within WebGPU's default limits.
+    pub const POOL_WIDTH_LOG2: u32 = 13;
+}

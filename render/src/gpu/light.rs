@@ -1,0 +1,111 @@
+//! The light on the GPU: tree, illumination cut, and the map as it is seen directly. What an environment edit changes.
+
+use super::{
+    device::GpuDevice,
+    layout::Node,
+    scene::{cut_texture, extent, storage, write_rows},
+};
+use crate::{lighting::SceneLighting, renderer::Illumination};
+use glam::Vec3;
+use lapidary_core::{cut::packed::pack_node, environment::Environment, image::Image};
+use std::{borrow::Cow, sync::Arc};
+
+/// Light of one scene.
+#[derive(Clone)]
+pub struct GpuLight {
+    pub nodes: wgpu::Buffer,
+    pub tan_half_radius: wgpu::Buffer,
+    pub cut: wgpu::TextureView,
+    /// Nodes of the illumination cut.
+    pub cut_len: u32,
+    pub rotation: f32,
+    pub intensity: f32,
+}
+
+impl GpuLight {
+    /// Uploads; a few megabytes.
+    pub fn new(gpu: &GpuDevice, light: &Illumination, lighting: &SceneLighting) -> Self {
+        let nodes: Vec<Node> = nodes(lighting);
+        Self {
+            nodes: storage(gpu, "light tree", bytemuck::cast_slice(&nodes)),
+            tan_half_radius: storage(gpu, "light tree radii", bytemuck::cast_slice(&lighting.tan_half_radius)),
+            cut: cut_texture(gpu, "illumination cut", &lighting.cut),
+            cut_len: lighting.cut.len() as u32,
+            rotation: light.rotation,
+            intensity: light.intensity,
+        }
+    }
+
+    /// No light, for a tree of `height`.
+    pub fn dark(gpu: &GpuDevice, height: u32) -> Self {
+        let nodes = 2_usize << height;
+        Self {
+            nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
+            tan_half_radius: storage(gpu, "no light radii", &vec![0; nodes * size_of::<f32>()]),
+            cut: cut_texture(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
+            cut_len: 1,
+            rotation: 0.0,
+            intensity: 0.0,
+        }
+    }
+}
+
+fn nodes(lighting: &SceneLighting) -> Vec<Node> {
+    let n = &lighting.nodes;
+    let node = |i: usize| Node {
+        radiance: n.radiance[i].to_array(),
+        inv_kappa: n.inv_kappa[i],
+        direction: n.direction[i].to_array(),
+        radius: n.radius[i],
+    };
+    (0..n.radiance.len()).map(node).collect()
+}
+
+/// A map that is seen directly.
+pub struct GpuMap {
+    environment: Arc<Environment>,
+    /// Blur in radians; `None` for the map itself.
+    blur: Option<f32>,
+    pub view: wgpu::TextureView,
+}
+
+impl GpuMap {
+    /// Uploads a map, blurred if asked, unless `before` is the same.
+    pub fn new(gpu: &GpuDevice, environment: &Arc<Environment>, blur: Option<f32>, before: Option<Self>) -> Self {
+        let same = |m: &Self| Arc::ptr_eq(&m.environment, environment) && m.blur == blur;
+        if let Some(same) = before.filter(same) {
+            return same;
+        }
+        let shown = match blur {
+            Some(width) => Cow::Owned(environment.blurred(width).map),
+            None => fitted(&environment.map, gpu.limits.max_texture_dimension_2d),
+        };
+        Self { environment: environment.clone(), blur, view: upload(gpu, &shown) }
+    }
+}
+
+/// The map, or what is left of it after leaving out texels so that it fits; only what is seen directly loses by it.
+fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
+    let step = map.size[0].max(map.size[1]).div_ceil(limit);
+    if step == 1 {
+        return Cow::Borrowed(map);
+    }
+    let size = map.size.map(|s| (s / step).max(1));
+    Cow::Owned(Image::from_fn(size, |x, y| map.at((x * step) as usize, (y * step) as usize)))
+}
+
+fn upload(gpu: &GpuDevice, map: &Image) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("environment"),
+        size: extent(map.size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
+    write_rows(gpu, &texture, 16 * map.width(), bytemuck::cast_slice(&texels));
+    texture.create_view(&Default::default())
+}

@@ -1,0 +1,91 @@
+//! Materials on the GPU. What a material edit changes.
+
+use super::{
+    device::GpuDevice,
+    layout::{Material, TextureSlot},
+    pool::{Place, TexturePool},
+    scene::storage,
+};
+use crate::appearance::Appearance;
+use lapidary_core::{color::linear_from_srgb, material, texture};
+use wgpu::util::DeviceExt;
+
+/// The materials of a scene and their textures.
+pub struct GpuMaterials {
+    pub buffer: wgpu::Buffer,
+    pub pool: TexturePool,
+    pub linear_from_srgb: wgpu::Buffer,
+    /// Whether some material is of the model, so that its code is needed.
+    pub has_ggx: bool,
+    pub has_ward: bool,
+}
+
+impl GpuMaterials {
+    /// Uploads; `before` is reused where its textures still serve. Also returns what was scaled, in sentences.
+    pub fn new(gpu: &GpuDevice, appearance: &Appearance, before: Option<Self>) -> (Self, Vec<String>) {
+        let kept = before.map(|b| b.pool).filter(|pool| pool.serves(appearance));
+        let (pool, messages) = match kept {
+            Some(pool) => (pool, Vec::new()),
+            None => TexturePool::new(gpu, appearance),
+        };
+        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
+        let uses = |model| appearance.materials.iter().any(|m| m.model == model);
+        let materials = Self {
+            buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)),
+            pool,
+            linear_from_srgb: srgb_table(gpu),
+            has_ggx: uses(material::BrdfModel::Ggx),
+            has_ward: uses(material::BrdfModel::Ward),
+        };
+        (materials, messages)
+    }
+}
+
+fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
+    let p = &m.parameters;
+    let slot = |slot: &Option<texture::TextureSlot>| {
+        let placed = slot.as_ref().and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
+        placed.unwrap_or_default()
+    };
+    Material {
+        base_color: p.base_color.to_array(),
+        roughness: p.roughness,
+        metalness: p.metalness,
+        anisotropy: p.anisotropy,
+        ior: p.ior,
+        specular: p.specular,
+        model: m.model as u32,
+        padding: [0; 3],
+        base_color_map: slot(&m.maps.base_color),
+        roughness_map: slot(&m.maps.roughness),
+        metalness_map: slot(&m.maps.metalness),
+        specular_map: slot(&m.maps.specular),
+        normal_map: slot(&m.maps.normal),
+        bump_map: slot(&m.maps.bump),
+    }
+}
+
+fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
+    let (sin, cos) = slot.rotation.sin_cos();
+    TextureSlot {
+        first: place.first,
+        width: place.size[0],
+        height: place.size[1],
+        kind: place.kind(slot.color_space),
+        scale: slot.scale.to_array(),
+        offset: slot.offset.to_array(),
+        turn: [sin, cos],
+        strength: slot.strength,
+        channel: slot.channel as u32,
+    }
+}
+
+/// Linear values of the 256 sRGB codes: a shader's own power function is too coarse.
+fn srgb_table(gpu: &GpuDevice) -> wgpu::Buffer {
+    let table: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("linear from sRGB"),
+        contents: bytemuck::cast_slice(&table),
+        usage: wgpu::BufferUsages::UNIFORM,
+    })
+}

@@ -1,0 +1,36 @@
+//! Textures back from the GPU.
+
+use super::{device::GpuDevice, targets::Target};
+use crate::backend::BackendError;
+
+/// The bytes of a whole texture, row by row without padding.
+///
+/// # Errors
+/// A lost device.
+pub fn read(gpu: &GpuDevice, target: &Target) -> Result<Vec<u8>, BackendError> {
+    let texture = &target.texture;
+    let texel = texture.format().block_copy_size(None).unwrap_or(16);
+    let row = texel * texture.width();
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: u64::from(padded) * u64::from(texture.height()),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+        },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+    gpu.wait()?;
+    let mapped = buffer.get_mapped_range(..).map_err(|e| BackendError::Driver(e.to_string()))?;
+    let bytes = mapped.chunks(padded as usize).flat_map(|r| &r[..row as usize]).copied().collect();
+    Ok(bytes)
+}

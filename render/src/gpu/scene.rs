@@ -1,0 +1,146 @@
+//! The mesh and its visibility cuts on the GPU. What only another bake changes.
+
+use super::{
+    device::GpuDevice,
+    layout::{Triangle, Vertex, constants::TWO_SIDED},
+};
+use crate::backend::BackendError;
+use lapidary_core::{
+    cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
+    dataset::Dataset,
+};
+use wgpu::util::DeviceExt;
+
+/// Buffers and textures of one dataset.
+pub struct GpuScene {
+    pub vertices: wgpu::Buffer,
+    pub triangles: wgpu::Buffer,
+    pub triangle_count: u32,
+    pub cuts: wgpu::TextureView,
+    pub tree_height: u32,
+    pub leaf_solid_angle: f32,
+    /// Distance in metres nearer than which nothing is drawn.
+    pub near: f32,
+}
+
+impl GpuScene {
+    /// Uploads a dataset.
+    ///
+    /// # Errors
+    /// A dataset larger than the adapter's limits.
+    pub fn new(gpu: &GpuDevice, dataset: &Dataset) -> Result<Self, BackendError> {
+        let mesh = &dataset.scene.mesh;
+        let bytes = |count: usize, size: usize| count as u64 * size as u64;
+        let limit = gpu.max_storage_bytes();
+        let remedy = "bake with a smaller --max-vertices, or use --backend cpu";
+        gpu.within("the vertices", "bytes", bytes(mesh.positions.len(), size_of::<Vertex>()), limit, remedy)?;
+        gpu.within("the triangles", "bytes", bytes(mesh.triangles.len(), size_of::<Triangle>()), limit, remedy)?;
+        Ok(Self {
+            cuts: upload_cuts(gpu, &dataset.cuts)?,
+            vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
+            triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset))),
+            triangle_count: mesh.triangles.len() as u32,
+            tree_height: dataset.tree.height(),
+            leaf_solid_angle: dataset.tree.leaf_solid_angle(),
+            near: 1e-5 * mesh.bounds().diagonal(),
+        })
+    }
+}
+
+fn vertices(dataset: &Dataset) -> Vec<Vertex> {
+    let mesh = &dataset.scene.mesh;
+    let height = dataset.tree.height();
+    let vertex = |v: usize| Vertex {
+        position: mesh.positions[v].to_array(),
+        cut_offset: dataset.cuts.offsets()[v],
+        normal: mesh.normals[v].to_array(),
+        cut_len: dataset.cuts.cut(height, v as u32).len() as u32,
+        tangent: mesh.tangents[v].truncate().to_array(),
+        handedness: mesh.tangents[v].w,
+        uv: mesh.uvs[v].to_array(),
+        is_valid: u32::from(dataset.vertex_valid[v]),
+        padding: 0,
+    };
+    (0..mesh.positions.len()).map(vertex).collect()
+}
+
+fn triangles(dataset: &Dataset) -> Vec<Triangle> {
+    let mesh = &dataset.scene.mesh;
+    let materials = mesh.triangle_material.iter().zip(&dataset.two_sided);
+    let triangle = |(&vertices, (&material, &two_sided)): (&[u32; 3], (&u32, &bool))| Triangle {
+        vertices,
+        material: material | if two_sided { TWO_SIDED } else { 0 },
+    };
+    mesh.triangles.iter().zip(materials).map(triangle).collect()
+}
+
+/// A read-only storage buffer.
+pub fn storage(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<wgpu::TextureView, BackendError> {
+    let texels = cuts.nodes().len() / NODES_PER_TEXEL;
+    let rows = texels.div_ceil(TEXTURE_WIDTH).max(1);
+    let limit = gpu.limits.max_texture_dimension_2d as u64;
+    let remedy = "bake with a larger --sigma or a --max-bytes, or use --backend cpu";
+    gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, remedy)?;
+    Ok(cut_texture(gpu, "visibility cuts", cuts.nodes()))
+}
+
+/// Packed nodes as rows of texels.
+pub fn cut_texture(gpu: &GpuDevice, label: &str, nodes: &[u16]) -> wgpu::TextureView {
+    let row_nodes = TEXTURE_WIDTH * NODES_PER_TEXEL;
+    let rows = nodes.len().div_ceil(row_nodes).max(1) as u32;
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent([TEXTURE_WIDTH as u32, rows]),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Uint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    write_cut_rows(gpu, &texture, nodes);
+    texture.create_view(&Default::default())
+}
+
+fn write_cut_rows(gpu: &GpuDevice, texture: &wgpu::Texture, nodes: &[u16]) {
+    let row_nodes = TEXTURE_WIDTH * NODES_PER_TEXEL;
+    let mut padded = nodes.to_vec();
+    padded.resize(nodes.len().next_multiple_of(row_nodes), 0);
+    write_rows(gpu, texture, TEXTURE_WIDTH * TEXEL_BYTES, bytemuck::cast_slice(&padded));
+}
+
+/// Most bytes written to a texture at once: the driver keeps a copy of each until it is done.
+const BYTES_PER_WRITE: usize = 32 << 20;
+
+/// Writes whole rows of `row_bytes` from the first on.
+pub fn write_rows(gpu: &GpuDevice, texture: &wgpu::Texture, row_bytes: usize, bytes: &[u8]) {
+    let rows_per_write = (BYTES_PER_WRITE / row_bytes).max(1);
+    for (i, part) in bytes.chunks(rows_per_write * row_bytes).enumerate() {
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: (i * rows_per_write) as u32, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            },
+            part,
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes as u32), rows_per_image: None },
+            extent([texture.width(), (part.len() / row_bytes) as u32]),
+        );
+        // Hand the copy on now, so that the next one can reuse its memory.
+        gpu.queue.submit([]);
+    }
+}
+
+/// A texture's size.
+pub fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
+}

@@ -1,0 +1,116 @@
+//! The shaders: plain WGSL, one entry point a file, joined with the libraries that it uses.
+
+use std::{borrow::Cow, path::PathBuf};
+
+/// A file of `shaders/`.
+macro_rules! parts {
+    ($($name:literal),* $(,)?) => {
+        /// Every file, by name.
+        const PARTS: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../../shaders/", $name, ".wgsl")))),*];
+    };
+}
+
+parts!(
+    "brdf",
+    "cut",
+    "display_pass",
+    "environment",
+    "frame",
+    "fullscreen",
+    "geometry",
+    "materials",
+    "merge_pass",
+    "parameters_pass",
+    "refine",
+    "scene",
+    "surface",
+    "surface_pass",
+    "tonemap",
+    "tree",
+    "visibility_pass",
+    "wireframe",
+);
+
+/// An entry point with the libraries that it uses, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Program {
+    /// Name of the pass.
+    pub name: &'static str,
+    parts: &'static [&'static str],
+}
+
+/// Which triangle each pixel sees.
+pub const VISIBILITY: Program = Program { name: "visibility_pass", parts: &["frame", "scene", "visibility_pass"] };
+/// Barycentric weights and frames.
+pub const SURFACE: Program = Program {
+    name: "surface_pass",
+    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "surface_pass"],
+};
+/// The BRDF's parameters.
+pub const PARAMETERS: Program = Program {
+    name: "parameters_pass",
+    parts: &["frame", "fullscreen", "scene", "surface", "materials", "parameters_pass"],
+};
+/// The merge of cuts.
+pub const MERGE: Program = Program {
+    name: "merge_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "tree",
+        "cut",
+        "refine",
+        "environment",
+        "wireframe",
+        "merge_pass",
+    ],
+};
+/// The post pass.
+pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
+
+/// All of them.
+pub const PROGRAMS: [Program; 5] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY];
+
+/// Where shaders come from.
+#[derive(Clone, Debug, Default)]
+pub enum ShaderSource {
+    /// As they were when the program was built.
+    #[default]
+    Embedded,
+    /// Files of a folder, for work on the shaders.
+    Folder(PathBuf),
+}
+
+impl ShaderSource {
+    /// The whole text of a program.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn text(&self, program: &Program) -> std::io::Result<String> {
+        let texts: std::io::Result<Vec<Cow<str>>> = program.parts.iter().map(|part| self.part(part)).collect();
+        Ok(texts?.join("\n"))
+    }
+
+    /// Files to watch; none if embedded.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Embedded => Vec::new(),
+            Self::Folder(folder) => PARTS.iter().map(|(name, _)| folder.join(name).with_extension("wgsl")).collect(),
+        }
+    }
+
+    fn part(&self, name: &str) -> std::io::Result<Cow<'static, str>> {
+        match self {
+            Self::Embedded => {
+                let part = PARTS.iter().find(|(n, _)| *n == name);
+                Ok(Cow::Borrowed(part.expect("programs name files that are embedded").1))
+            }
+            Self::Folder(folder) => std::fs::read_to_string(folder.join(name).with_extension("wgsl")).map(Cow::Owned),
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The textures of one picture size: what the passes hand to each other.
+
+use super::{device::GpuDevice, scene::extent};
+use wgpu::TextureFormat as Format;
+
+/// Formats of the passes' outputs; each pass writes at most 32 bytes a pixel, WebGPU's default limit.
+pub mod format {
+    use super::Format;
+
+    pub const DEPTH: Format = Format::Depth32Float;
+    pub const TRIANGLE: Format = Format::R32Uint;
+    pub const GEOMETRY: Format = Format::Rgba32Uint;
+    pub const FLOATS: Format = Format::Rgba32Float;
+    pub const SHOWN: Format = Format::Rgba8Unorm;
+}
+
+/// A texture that passes write and read.
+pub struct Target {
+    pub texture: wgpu::Texture,
+    pub view: wgpu::TextureView,
+}
+
+/// All targets of a picture.
+pub struct Targets {
+    pub size: [u32; 2],
+    pub depth: Target,
+    pub triangle: Target,
+    pub geometry: Target,
+    pub rotation: Target,
+    pub color_roughness: Target,
+    pub others: Target,
+    /// What samples add up to; read from one, written to the other, in turns.
+    pub sum: [Target; 2],
+    pub work: [Target; 2],
+    pub shown: Target,
+}
+
+impl Targets {
+    /// For pictures of `size` pixels.
+    pub fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
+        let target = |label, format| target(gpu, label, format, size);
+        Self {
+            size,
+            depth: target("depth", format::DEPTH),
+            triangle: target("triangle", format::TRIANGLE),
+            geometry: target("geometry", format::GEOMETRY),
+            rotation: target("rotation", format::FLOATS),
+            color_roughness: target("color and roughness", format::FLOATS),
+            others: target("other parameters", format::FLOATS),
+            sum: [target("sum 0", format::FLOATS), target("sum 1", format::FLOATS)],
+            work: [target("work 0", format::FLOATS), target("work 1", format::FLOATS)],
+            shown: target("shown", format::SHOWN),
+        }
+    }
+}
+
+fn target(gpu: &GpuDevice, label: &str, format: Format, size: [u32; 2]) -> Target {
+    let usages = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: if format == format::DEPTH { usages } else { usages | wgpu::TextureUsages::COPY_SRC },
+        view_formats: &[],
+    });
+    let view = texture.create_view(&Default::default());
+    Target { texture, view }
+}

@@ -1,0 +1,4 @@
+//! Shaders against naga, layouts against shaders, and the GPU against the CPU on the same buffers.
+
+mod reflection;
+mod twin;

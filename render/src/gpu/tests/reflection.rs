@@ -1,0 +1,204 @@
+//! Every shader parses and is valid as it is joined; every struct and constant that both sides share is the same.
+
+use crate::gpu::{
+    layout::{self, constants},
+    shaders::{PROGRAMS, ShaderSource},
+};
+use naga::{
+    Literal, Module, TypeInner,
+    valid::{Capabilities, ValidationFlags, Validator},
+};
+use std::mem::offset_of;
+
+fn modules() -> Vec<(&'static str, Module)> {
+    let parse = |program: &crate::gpu::shaders::Program| {
+        let text = ShaderSource::Embedded.text(program).unwrap();
+        let module = naga::front::wgsl::parse_str(&text);
+        (program.name, module.unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&text))))
+    };
+    PROGRAMS.iter().map(parse).collect()
+}
+
+#[test]
+fn every_program_is_valid_without_optional_features() {
+    let modules = modules();
+    assert!(!modules.is_empty());
+    let failures: Vec<String> = modules
+        .iter()
+        .filter_map(|(name, module)| {
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator.validate(module).err().map(|e| format!("{name}: {e:?}"))
+        })
+        .collect();
+    assert!(failures.is_empty(), "{failures:#?}");
+    assert!(modules.iter().all(|(_, m)| m.entry_points.len() == 2));
+}
+
+#[test]
+fn validation_finds_a_broken_program() {
+    let text = ShaderSource::Embedded.text(&PROGRAMS[4]).unwrap().replace("vec4(shown, coverage)", "shown");
+    let valid = naga::front::wgsl::parse_str(&text)
+        .is_ok_and(|m| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&m).is_ok());
+    assert!(!valid);
+}
+
+#[test]
+fn programs_are_read_from_a_folder_as_from_the_binary() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    let source = ShaderSource::Folder(folder);
+    for program in &PROGRAMS {
+        assert_eq!(source.text(program).unwrap(), ShaderSource::Embedded.text(program).unwrap());
+    }
+    let files = source.files();
+    assert!(!files.is_empty() && files.iter().all(|f| f.is_file()));
+    assert!(ShaderSource::Folder("nowhere".into()).text(&PROGRAMS[0]).is_err());
+}
+
+/// Name and offset of each member, and the size.
+type Shape = (Vec<(String, u32)>, u32);
+
+fn shape_in(modules: &[(&str, Module)], name: &str) -> Vec<Shape> {
+    let structs = modules.iter().flat_map(|(_, m)| m.types.iter()).filter(|(_, t)| t.name.as_deref() == Some(name));
+    structs
+        .filter_map(|(_, t)| match &t.inner {
+            TypeInner::Struct { members, span } => {
+                let members = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
+                Some((members, *span))
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+macro_rules! shape {
+    ($type:ty, $($member:ident),*) => {
+        (vec![$((stringify!($member).to_owned(), offset_of!($type, $member) as u32)),*], size_of::<$type>() as u32)
+    };
+}
+
+fn rust_shapes() -> Vec<(&'static str, Shape)> {
+    vec![
+        (
+            "Frame",
+            shape!(
+                layout::Frame,
+                clip_from_world,
+                world_from_view,
+                eye,
+                tan_half_fov,
+                pixel_offset,
+                size,
+                background_color,
+                background,
+                environment_turn,
+                environment_intensity,
+                leaf_solid_angle,
+                tree_height,
+                view_mode,
+                wireframe,
+                padding
+            ),
+        ),
+        (
+            "Vertex",
+            shape!(layout::Vertex, position, cut_offset, normal, cut_len, tangent, handedness, uv, is_valid, padding),
+        ),
+        ("Triangle", shape!(layout::Triangle, vertices, material)),
+        (
+            "TextureSlot",
+            shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
+        ),
+        (
+            "Material",
+            shape!(
+                layout::Material,
+                base_color,
+                roughness,
+                metalness,
+                anisotropy,
+                ior,
+                specular,
+                model,
+                padding,
+                base_color_map,
+                roughness_map,
+                metalness_map,
+                specular_map,
+                normal_map,
+                bump_map
+            ),
+        ),
+        ("Node", shape!(layout::Node, radiance, inv_kappa, direction, radius)),
+        (
+            "Display",
+            shape!(layout::Display, exposure, inv_samples, count_top, tone_map, view_mode, transparent, padding),
+        ),
+    ]
+}
+
+#[test]
+fn shared_structs_have_the_same_members_offsets_and_sizes() {
+    let modules = modules();
+    for (name, expected) in rust_shapes() {
+        let found = shape_in(&modules, name);
+        assert!(!found.is_empty(), "no shader has a struct {name}");
+        assert!(found.iter().all(|shape| *shape == expected), "{name}: {found:?}, but {expected:?}");
+    }
+    // The comparison sees a difference.
+    let (members, size) = &rust_shapes()[0].1;
+    let moved = (members.iter().map(|(n, o)| (n.clone(), o + 4)).collect::<Vec<_>>(), *size);
+    assert!(shape_in(&modules, "Frame").iter().all(|shape| *shape != moved));
+}
+
+/// A scalar constant of the shaders, in full precision.
+fn constant(modules: &[(&str, Module)], name: &str) -> Vec<f64> {
+    let find = |m: &Module| {
+        let (_, c) = m.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name))?;
+        match m.global_expressions[c.init] {
+            naga::Expression::Literal(Literal::F32(x)) => Some(f64::from(x)),
+            naga::Expression::Literal(Literal::U32(x)) => Some(f64::from(x)),
+            _ => None,
+        }
+    };
+    modules.iter().filter_map(|(_, m)| find(m)).collect()
+}
+
+#[test]
+fn shared_constants_have_the_same_values() {
+    let modules = modules();
+    let mut expected: Vec<(String, f64)> =
+        crate::refine::CONSTANTS.iter().map(|&(n, x)| (n.into(), x.into())).collect();
+    for (name, value) in [
+        ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
+        ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),
+        ("TWO_SIDED", constants::TWO_SIDED),
+        ("KIND_LINEAR", constants::KIND_LINEAR),
+        ("KIND_SRGB", constants::KIND_SRGB),
+        ("KIND_FLOAT", constants::KIND_FLOAT),
+        ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
+        ("CUT_WIDTH_LOG2", lapidary_core::cut::packed::TEXTURE_WIDTH.ilog2()),
+    ] {
+        expected.push((name.into(), value.into()));
+    }
+    for (i, mode) in crate::ViewMode::ALL.into_iter().enumerate() {
+        assert_eq!(mode as usize, i);
+    }
+    let modes = ["SHADED", "NORMALS", "ALBEDO", "ROUGHNESS", "VISIBILITY_CUT", "MERGED_CUT", "BRDF_EVALUATIONS"];
+    expected.extend(modes.iter().enumerate().map(|(i, name)| (format!("VIEW_{name}"), i as f64)));
+    expected
+        .extend([("MODE_SHADED", 0.0), ("MODE_ALBEDO", 2.0), ("MODE_VISIBILITY_CUT", 4.0)].map(|(n, x)| (n.into(), x)));
+    let models = [
+        ("MODEL_LAMBERT", lapidary_core::material::BrdfModel::Lambert),
+        ("MODEL_GGX", lapidary_core::material::BrdfModel::Ggx),
+        ("MODEL_WARD", lapidary_core::material::BrdfModel::Ward),
+    ];
+    expected.extend(models.map(|(n, m)| (n.into(), f64::from(m as u32))));
+    let tones = ["STANDARD", "REINHARD", "ACES", "AGX", "PBR_NEUTRAL"];
+    expected.extend(tones.iter().enumerate().map(|(i, name)| (format!("TONE_{name}"), i as f64)));
+    for (name, value) in &expected {
+        let found = constant(&modules, name);
+        assert!(!found.is_empty(), "no shader has a constant {name}");
+        assert!(found.iter().all(|x| (x - value).abs() < 1e-9), "{name} is {found:?}, but {value}");
+    }
+    assert!(constant(&modules, "NO_SUCH_CONSTANT").is_empty());
+}

@@ -1,0 +1,329 @@
+//! The shader and the CPU renderer on the same buffers: both shade the triangles and barycentric weights that the
+//! deferred pass wrote, and agree at every pixel, for every BRDF and mode. Each comparison has a negative control.
+
+use crate::{
+    Appearance, Backend, Background, BrdfSampling, Illumination, Post, Renderer, SceneLighting, ToneMap, View,
+    ViewMode,
+    gpu::{GpuBackend, Room, ShaderSource},
+    renderer::tests::{dataset, mesh},
+    shade::Shader,
+    surface::Surfaces,
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    camera::Camera,
+    dataset::Dataset,
+    environment::{Environment, sun_and_sky},
+    image::Image,
+    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    ray::Hit,
+    texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
+};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A backend within WebGPU's default limits, or `None`, said aloud, where there is no adapter and none is required.
+/// One at a time: a software adapter uses all cores by itself.
+fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+    static ONE: Mutex<()> = Mutex::new(());
+    let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    match GpuBackend::new(Room::Defaults, &ShaderSource::Embedded) {
+        Ok(backend) => Some((guard, backend)),
+        Err(error) if std::env::var_os("LAPIDARY_REQUIRE_GPU").is_none() => {
+            eprintln!("SKIPPED: {error}");
+            None
+        }
+        Err(error) => panic!("LAPIDARY_REQUIRE_GPU is set, but {error}"),
+    }
+}
+
+fn noise(i: u32) -> u8 {
+    (i.wrapping_mul(0x9e37_79b9) >> 24) as u8
+}
+
+fn textures() -> Vec<Arc<Texture>> {
+    let texture = |name: &str, size: [u32; 2], texels| {
+        Arc::new(Texture { name: name.into(), size, texels, encoded: Arc::from([]) })
+    };
+    let codes = |n: u32| (0..n).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
+    let floats = |n: u32| (0..n).map(|i| [f32::from(noise(i)) / 255.0; 4]).collect();
+    vec![
+        texture("codes", [7, 5], Texels::U8(codes(35))),
+        texture("heights", [16, 16], Texels::F32(floats(256))),
+        texture("normals", [4, 4], Texels::U8((0..16).map(|i| [118 + noise(i) / 12, 125, 250, 255]).collect())),
+    ]
+}
+
+fn maps() -> MaterialMaps {
+    let slot = |texture, color_space, channel, strength| {
+        Some(TextureSlot {
+            texture,
+            color_space,
+            channel,
+            strength,
+            scale: Vec2::new(1.7, 0.6),
+            offset: Vec2::new(0.3, -1.2),
+            rotation: 0.4,
+        })
+    };
+    MaterialMaps {
+        base_color: slot(0, ColorSpace::Srgb, Channel::R, 1.0),
+        roughness: slot(1, ColorSpace::Linear, Channel::G, 1.0),
+        metalness: slot(0, ColorSpace::Linear, Channel::B, 1.0),
+        specular: slot(0, ColorSpace::Linear, Channel::A, 1.0),
+        normal: slot(2, ColorSpace::Linear, Channel::R, 0.8),
+        bump: slot(1, ColorSpace::Linear, Channel::R, 0.02),
+    }
+}
+
+/// A floor with a blocker above: shadows, both sides, a buried vertex, curved normals.
+fn scene() -> Arc<Dataset> {
+    let mut mesh = mesh(24, true);
+    for (n, p) in mesh.normals.iter_mut().zip(&mesh.positions).filter(|(n, _)| n.y > 0.0) {
+        *n = (*n + Vec3::new(0.2 * (3.0 * p.x).sin(), 0.0, 0.2 * (2.0 * p.z).cos())).normalize();
+    }
+    let mut dataset = dataset(mesh, BrdfParameters::default());
+    dataset.two_sided.iter_mut().step_by(3).for_each(|t| *t = true);
+    dataset.vertex_valid.iter_mut().step_by(7).for_each(|v| *v = false);
+    dataset.scene.textures = textures();
+    Arc::new(dataset)
+}
+
+fn appearance(dataset: &Dataset, model: BrdfModel, parameters: BrdfParameters, maps: MaterialMaps) -> Appearance {
+    let mut appearance = Appearance::of(&dataset.scene);
+    for material in &mut appearance.materials {
+        *material = Material { model, parameters, maps: maps.clone(), ..material.clone() };
+    }
+    appearance
+}
+
+fn light() -> Illumination {
+    let environment = Environment { name: "sky".into(), map: sun_and_sky(0.6) };
+    Illumination { environment: environment.into(), rotation: 0.7, intensity: 1.3 }
+}
+
+fn view(mode: ViewMode) -> View {
+    let camera = Camera::look_at(Vec3::new(1.5, 1.9, 2.2), Vec3::new(0.0, 0.2, 0.0), 50.0);
+    View { background: Background::Flat(Vec3::new(0.1, 0.2, 0.3)), mode, ..View::new(camera, [72, 56]) }
+}
+
+/// One sample by the CPU renderer, at what the deferred pass of `gpu` saw.
+fn on_the_cpu(
+    gpu: &GpuBackend,
+    renderer: &Renderer,
+    view: &View,
+    lighting: &SceneLighting,
+    sampling: BrdfSampling,
+) -> Image {
+    let dataset = renderer.dataset();
+    let surfaces = Surfaces::new(dataset, &renderer.appearance, &renderer.intersector);
+    let mut shader = Shader::new(lighting, &dataset.cuts, dataset.tree.height(), sampling);
+    let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
+    let geometry = gpu.read_geometry();
+    Image::from_fn(view.size, |x, y| {
+        let [id, b, c, flags] = geometry[(y * view.size[0] + x) as usize];
+        if id == 0 {
+            return background;
+        }
+        let back_face = flags & 0x100 != 0;
+        if back_face && !dataset.two_sided[id as usize - 1] {
+            return Vec3::ZERO;
+        }
+        let barycentric = Vec2::new(f32::from_bits(b), f32::from_bits(c));
+        let hit = Hit { triangle: id - 1, distance: 0.0, barycentric, back_face };
+        let pixel = Vec2::new(x as f32, y as f32) + 0.5;
+        let wo = -view.camera.direction_through(pixel, view.size);
+        shader.shade(&surfaces.point(&hit, wo))
+    })
+}
+
+/// Relative root mean square error, and the largest difference as a fraction of the mean.
+fn difference(a: &Image, b: &Image) -> (f64, f64) {
+    let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f64 {
+        a.pixels.iter().zip(&b.pixels).map(|(&a, &b)| f64::from(f(a, b))).sum()
+    };
+    let error = sum(&|a, b| (a - b).length_squared());
+    let mean = sum(&|_, b| b.element_sum()) / (3 * b.pixels.len()) as f64;
+    let largest = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+    ((error / sum(&|_, b| b.length_squared())).sqrt(), f64::from(largest) / mean)
+}
+
+fn agrees(a: &Image, b: &Image) -> bool {
+    let (relative, largest) = difference(a, b);
+    relative < 1e-4 && largest < 0.01
+}
+
+fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
+    BrdfParameters {
+        base_color: Vec3::new(0.8, 0.5, 0.3),
+        roughness,
+        metalness: 0.4,
+        anisotropy,
+        ior: 1.6,
+        specular: 0.9,
+    }
+}
+
+struct Rig {
+    renderer: Renderer,
+    gpu: GpuBackend,
+    lighting: Arc<SceneLighting>,
+    _one: MutexGuard<'static, ()>,
+}
+
+impl Rig {
+    fn new(illum_cut: u32) -> Option<Self> {
+        let (one, mut gpu) = backend()?;
+        let renderer = Renderer::new(scene());
+        let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
+        gpu.set_scene(renderer.dataset()).unwrap();
+        gpu.set_light(&light(), &lighting).unwrap();
+        Some(Self { renderer, gpu, lighting, _one: one })
+    }
+
+    fn look(&mut self, appearance: Appearance) {
+        assert!(self.gpu.set_appearance(&appearance).unwrap().is_empty());
+        self.renderer.set_appearance(appearance);
+    }
+
+    fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
+        self.gpu.begin(view, sampling).unwrap();
+        self.gpu.render_rows(0, 0..view.size[1]).unwrap();
+        let gpu = self.gpu.read(1).unwrap().0;
+        [gpu, on_the_cpu(&self.gpu, &self.renderer, view, &self.lighting, sampling)]
+    }
+}
+
+#[test]
+fn every_model_and_sampling_agrees_and_another_roughness_does_not() {
+    let Some(mut rig) = Rig::new(128) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
+        for (roughness, anisotropy) in [(0.9, 0.0), (0.45, 0.0), (0.35, 0.8), (0.5, -0.6)] {
+            for sampling in [BrdfSampling::Refine, BrdfSampling::Once] {
+                rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
+                let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), sampling);
+                let d = difference(&gpu, &cpu);
+                assert!(agrees(&gpu, &cpu), "{model:?} {roughness} {anisotropy} {sampling:?}: {d:?}");
+            }
+        }
+    }
+    let [gpu, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
+    rig.renderer.set_appearance(appearance(&dataset, BrdfModel::Ward, parameters(0.51, -0.6), Default::default()));
+    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(ViewMode::Shaded), &rig.lighting, BrdfSampling::Refine);
+    assert!(!agrees(&gpu, &other));
+}
+
+#[test]
+fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let look = |maps| appearance(&dataset, BrdfModel::Ggx, parameters(0.8, 0.3), maps);
+    rig.look(look(maps()));
+    let view = view(ViewMode::Shaded);
+    let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+    assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
+    for i in 0..6 {
+        let mut fewer = maps();
+        let MaterialMaps { base_color, roughness, metalness, specular, normal, bump } = &mut fewer;
+        *[base_color, roughness, metalness, specular, normal, bump][i] = None;
+        rig.renderer.set_appearance(look(fewer));
+        let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+        assert!(!agrees(&gpu, &without), "map {i} makes no difference");
+    }
+}
+
+#[test]
+fn the_paper_s_loop_is_told_from_the_refined_one() {
+    let Some(mut rig) = Rig::new(32) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    rig.look(appearance(&dataset, BrdfModel::Ggx, parameters(0.3, 0.0), MaterialMaps::default()));
+    let [refined, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
+    let [once, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Once);
+    assert!(!agrees(&refined, &once));
+}
+
+#[test]
+fn bands_and_jittered_samples_add_up_to_the_whole() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let view = View { aa: 3, ..view(ViewMode::Shaded) };
+    let mut whole = |bands: &[std::ops::Range<u32>]| {
+        rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
+        for sample in 0..3 {
+            bands.iter().for_each(|b| rig.gpu.render_rows(sample, b.clone()).unwrap());
+        }
+        (rig.gpu.read(3).unwrap().0, rig.gpu.stats().unwrap())
+    };
+    let (one, stats) = whole(&[0..56]);
+    assert!(whole(&[0..1, 1..17, 17..17, 17..56]).0 == one);
+    assert!(rig.gpu.read(2).unwrap().0 != one);
+    assert!(stats.pixels_shaded > 1000 && stats.mean_merged_nodes > 64.0, "{stats:?}");
+    let cpu = rig.renderer.render_lit(&view, &light(), &rig.lighting, BrdfSampling::Refine);
+    // Silhouettes may fall on either side of a sample; the rest agrees.
+    assert!(difference(&one, &cpu.0).0 < 0.02, "{:?}", difference(&one, &cpu.0));
+    assert!((stats.mean_merged_nodes / cpu.1.mean_merged_nodes - 1.0).abs() < 0.01);
+    assert!((stats.mean_brdf_evaluations / cpu.1.mean_brdf_evaluations - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn the_environment_behind_agrees_with_the_map_and_turns() {
+    let Some(mut rig) = Rig::new(16) else { return };
+    let camera = Camera::look_at(Vec3::new(0.0, 30.0, 0.0), Vec3::new(0.3, 31.0, 1.0), 120.0);
+    for background in [Background::Environment, Background::Blurred(0.2)] {
+        let view = View { background, ..View::new(camera.clone(), [64, 64]) };
+        rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
+        rig.gpu.render_rows(0, 0..64).unwrap();
+        let (gpu, coverage) = rig.gpu.read(1).unwrap();
+        let cpu = rig.renderer.render_lit(&view, &light(), &rig.lighting, BrdfSampling::Refine).0;
+        let sky: Vec<usize> = (0..64 * 64).filter(|&i| coverage[i] == 0.0).collect();
+        assert!(sky.len() > 2000);
+        let only = |image: &Image| Image {
+            size: [sky.len() as u32, 1],
+            pixels: sky.iter().map(|&i| image.pixels[i]).collect(),
+        };
+        let d = difference(&only(&gpu), &only(&cpu));
+        assert!(d.0 < 2e-3, "{background:?}: {d:?}");
+        let turned = Illumination { rotation: 0.72, ..light() };
+        let other = rig.renderer.render_lit(&view, &turned, &rig.lighting, BrdfSampling::Refine).0;
+        assert!(difference(&only(&gpu), &only(&other)).0 > 2e-3);
+    }
+}
+
+#[test]
+fn tone_curves_agree_to_a_code_value_and_are_told_apart() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let view = view(ViewMode::Shaded);
+    rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
+    rig.gpu.render_rows(0, 0..view.size[1]).unwrap();
+    let linear = rig.gpu.read(1).unwrap().0;
+    let codes = |post: Post| -> Vec<Vec3> { linear.pixels.iter().map(|&p| post.display(p) * 255.0).collect() };
+    for tone_map in ToneMap::ALL {
+        let post = Post { exposure: 0.5, tone_map };
+        let shown = rig.gpu.display(&post, 1).unwrap();
+        let worst = |codes: &[Vec3]| {
+            let distance =
+                |(s, c): (&[u8; 4], &Vec3)| (Vec3::new(s[0].into(), s[1].into(), s[2].into()) - *c).abs().max_element();
+            shown.iter().zip(codes).map(distance).fold(0.0, f32::max)
+        };
+        assert!(shown.iter().all(|p| p[3] == 255));
+        assert!(worst(&codes(post)) < 1.0, "{tone_map:?}: {}", worst(&codes(post)));
+        assert!(worst(&codes(Post { exposure: 0.6, ..post })) > 1.5, "{tone_map:?}");
+        let next = ToneMap::ALL[(tone_map as usize + 1) % 5];
+        assert!(worst(&codes(Post { tone_map: next, ..post })) > 1.5, "{tone_map:?}");
+    }
+}
+
+#[test]
+fn a_dataset_or_picture_beyond_the_limits_is_an_error_with_both_numbers() {
+    let Some(mut rig) = Rig::new(16) else { return };
+    let huge = View { size: [9000, 2], ..view(ViewMode::Shaded) };
+    let message = rig.gpu.begin(&huge, BrdfSampling::Refine).unwrap_err().to_string();
+    assert!(message.contains("9000") && message.contains("8192"), "{message}");
+    let mut large = (*scene()).clone();
+    let vertices = (128 << 20) / 64 + 1;
+    large.scene.mesh.positions.resize(vertices, Vec3::ZERO);
+    let message = rig.gpu.set_scene(&Arc::new(large)).unwrap_err().to_string();
+    assert!(message.contains(&format!("{}", vertices * 64)) && message.contains("134217728"), "{message}");
+    // What was there before is still shown.
+    let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
+    assert!(agrees(&gpu, &cpu));
+}

@@ -1,0 +1,72 @@
+// Cuts as they are stored: 16 bits a node (depth << 12 | value), eight nodes a texel. Twin of core/src/cut/packed.rs.
+
+// Visibility cuts of all vertices; each starts at a texel.
+@group(2) @binding(2) var visibility_cuts: texture_2d<u32>;
+// The illumination cut.
+@group(2) @binding(3) var illumination_cut: texture_2d<u32>;
+
+// Texels in one row of both textures, as a power of two.
+const CUT_WIDTH_LOG2: u32 = 13u;
+const VALUE_SCALE: f32 = 1.0 / 4095.0;
+
+// A position in a cut.
+struct Cursor {
+    // The nodes from the current one on, as far as the texel reaches; the current one in the low bits of x.
+    texel: vec4<u32>,
+    // Index of the current node in the whole texture.
+    position: u32,
+    // One past the last leaf of the current node.
+    end: u32,
+}
+
+fn visibility_texel(index: u32) -> vec4<u32> {
+    return textureLoad(visibility_cuts, vec2(index & ((1u << CUT_WIDTH_LOG2) - 1u), index >> CUT_WIDTH_LOG2), 0);
+}
+
+fn illumination_texel(index: u32) -> vec4<u32> {
+    return textureLoad(illumination_cut, vec2(index & ((1u << CUT_WIDTH_LOG2) - 1u), index >> CUT_WIDTH_LOG2), 0);
+}
+
+// Leaves below the current node.
+fn cursor_size(texel: vec4<u32>) -> u32 {
+    return 1u << (frame.tree_height - ((texel.x >> 12u) & 15u));
+}
+
+fn cursor_value(cursor: Cursor) -> f32 {
+    return f32(cursor.texel.x & 4095u) * VALUE_SCALE;
+}
+
+// The texel without its first node.
+fn shifted(texel: vec4<u32>) -> vec4<u32> {
+    return (texel >> vec4(16u)) | (vec4(texel.yzw, 0u) << vec4(16u));
+}
+
+fn visibility_cursor(offset: u32) -> Cursor {
+    let texel = visibility_texel(offset);
+    return Cursor(texel, offset << 3u, cursor_size(texel));
+}
+
+fn illumination_cursor() -> Cursor {
+    let texel = illumination_texel(0u);
+    return Cursor(texel, 0u, cursor_size(texel));
+}
+
+fn advance_visibility(cursor: ptr<function, Cursor>) {
+    (*cursor).position += 1u;
+    if ((*cursor).position & 7u) == 0u {
+        (*cursor).texel = visibility_texel((*cursor).position >> 3u);
+    } else {
+        (*cursor).texel = shifted((*cursor).texel);
+    }
+    (*cursor).end += cursor_size((*cursor).texel);
+}
+
+fn advance_illumination(cursor: ptr<function, Cursor>) {
+    (*cursor).position += 1u;
+    if ((*cursor).position & 7u) == 0u {
+        (*cursor).texel = illumination_texel((*cursor).position >> 3u);
+    } else {
+        (*cursor).texel = shifted((*cursor).texel);
+    }
+    (*cursor).end += cursor_size((*cursor).texel);
+}

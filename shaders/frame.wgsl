@@ -1,0 +1,43 @@
+// What every pass knows: camera, picture and switches.
+
+struct Frame {
+    clip_from_world: mat4x4<f32>,
+    // Right, up and backward axes of the camera.
+    world_from_view: mat3x3<f32>,
+    eye: vec3<f32>,
+    tan_half_fov: f32,
+    // Position of the sample in its pixel, from the top left.
+    pixel_offset: vec2<f32>,
+    size: vec2<u32>,
+    background_color: vec3<f32>,
+    background: u32,
+    // Sine and cosine of the environment's turn.
+    environment_turn: vec2<f32>,
+    environment_intensity: f32,
+    leaf_solid_angle: f32,
+    tree_height: u32,
+    view_mode: u32,
+    wireframe: u32,
+    padding: u32,
+}
+
+const BACKGROUND_MAP: u32 = 0u;
+const BACKGROUND_FLAT: u32 = 1u;
+
+const VIEW_SHADED: u32 = 0u;
+const VIEW_NORMALS: u32 = 1u;
+const VIEW_ALBEDO: u32 = 2u;
+const VIEW_ROUGHNESS: u32 = 3u;
+const VIEW_VISIBILITY_CUT: u32 = 4u;
+const VIEW_MERGED_CUT: u32 = 5u;
+const VIEW_BRDF_EVALUATIONS: u32 = 6u;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+// The unit direction through the sample of a pixel.
+fn ray_direction(pixel: vec2<u32>) -> vec3<f32> {
+    let size = vec2<f32>(frame.size);
+    let ndc = (2.0 * (vec2<f32>(pixel) + frame.pixel_offset) - size) / size.y;
+    let view = vec3(ndc.x * frame.tan_half_fov, -ndc.y * frame.tan_half_fov, -1.0);
+    return normalize(frame.world_from_view * view);
+}

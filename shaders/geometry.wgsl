@@ -1,0 +1,51 @@
+// What the deferred passes hand on: one texel of 16 bytes a pixel for the geometry, one for the frame.
+//
+// geometry: x = triangle + 1, or 0 for nothing; y, z = barycentric weights of the second and third corner (f32 bits);
+//           w = bits 0 to 7 BRDF model, bit 8 back side seen, bit 9 mirrored frame, bit 10 nothing is reflected.
+// frame:    the rotation from the local frame (before mirroring) to the world as a quaternion.
+
+const FLAG_BACK: u32 = 0x100u;
+const FLAG_MIRRORED: u32 = 0x200u;
+const FLAG_BLACK: u32 = 0x400u;
+const MODEL_MASK: u32 = 0xffu;
+
+const MODEL_LAMBERT: u32 = 0u;
+const MODEL_GGX: u32 = 1u;
+const MODEL_WARD: u32 = 2u;
+
+// Rotation matrix to quaternion, by the largest of its components (Shepperd 1978).
+fn quaternion_from_rotation(m: mat3x3<f32>) -> vec4<f32> {
+    let t = vec4(m[0].x, m[1].y, m[2].z, m[0].x + m[1].y + m[2].z);
+    var q: vec4<f32>;
+    if t.w >= max(t.x, max(t.y, t.z)) {
+        q = vec4(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x, 1.0 + t.w);
+    } else if t.x >= max(t.y, t.z) {
+        q = vec4(1.0 + t.x - t.y - t.z, m[0].y + m[1].x, m[2].x + m[0].z, m[1].z - m[2].y);
+    } else if t.y >= t.z {
+        q = vec4(m[0].y + m[1].x, 1.0 + t.y - t.x - t.z, m[1].z + m[2].y, m[2].x - m[0].z);
+    } else {
+        q = vec4(m[2].x + m[0].z, m[1].z + m[2].y, 1.0 + t.z - t.x - t.y, m[0].y - m[1].x);
+    }
+    return normalize(q);
+}
+
+fn rotation_from_quaternion(q: vec4<f32>) -> mat3x3<f32> {
+    let d = 2.0 * q.xyz;
+    let s = d * q.xyz;
+    let xy = d.x * q.y;
+    let xz = d.x * q.z;
+    let yz = d.y * q.z;
+    let w = d * q.w;
+    return mat3x3<f32>(
+        vec3(1.0 - s.y - s.z, xy + w.z, xz - w.y),
+        vec3(xy - w.z, 1.0 - s.x - s.z, yz + w.x),
+        vec3(xz + w.y, yz - w.x, 1.0 - s.x - s.y),
+    );
+}
+
+// Tangent, bitangent and normal as columns.
+fn world_from_local(q: vec4<f32>, flags: u32) -> mat3x3<f32> {
+    let m = rotation_from_quaternion(q);
+    let handedness = select(1.0, -1.0, (flags & FLAG_MIRRORED) != 0u);
+    return mat3x3<f32>(m[0], m[1] * handedness, m[2]);
+}

@@ -1,0 +1,105 @@
+// Materials and their textures. All textures lie in one pool of 32-bit words, so that any number of them of any size
+// needs one binding; lookups are bilinear with repeat, and filter after decoding. Twin of core/src/texture.rs.
+
+struct TextureSlot {
+    // First word in the pool.
+    first: u32,
+    width: u32,
+    height: u32,
+    // 0: no texture; else see KIND_*.
+    kind: u32,
+    scale: vec2<f32>,
+    offset: vec2<f32>,
+    // Sine and cosine of the rotation.
+    turn: vec2<f32>,
+    strength: f32,
+    channel: u32,
+}
+
+struct Material {
+    base_color: vec3<f32>,
+    roughness: f32,
+    metalness: f32,
+    anisotropy: f32,
+    ior: f32,
+    specular: f32,
+    model: u32,
+    padding: array<u32, 3>,
+    base_color_map: TextureSlot,
+    roughness_map: TextureSlot,
+    metalness_map: TextureSlot,
+    specular_map: TextureSlot,
+    normal_map: TextureSlot,
+    bump_map: TextureSlot,
+}
+
+// One word a texel, 8 bits a component.
+const KIND_LINEAR: u32 = 1u;
+// The same, sRGB encoded.
+const KIND_SRGB: u32 = 2u;
+// Four words a texel.
+const KIND_FLOAT: u32 = 3u;
+
+// The pool is this wide, as a power of two.
+const POOL_WIDTH_LOG2: u32 = 13u;
+
+@group(2) @binding(0) var<storage, read> materials: array<Material>;
+@group(2) @binding(1) var pool: texture_2d<u32>;
+// Linear values of the 256 sRGB codes.
+@group(2) @binding(2) var<uniform> linear_from_srgb: array<vec4<f32>, 64>;
+
+fn pool_word(index: u32) -> u32 {
+    let position = vec2(index & ((1u << POOL_WIDTH_LOG2) - 1u), index >> POOL_WIDTH_LOG2);
+    return textureLoad(pool, position, 0).x;
+}
+
+fn decode_srgb(code: u32) -> f32 {
+    return linear_from_srgb[code >> 2u][code & 3u];
+}
+
+fn texel(slot: TextureSlot, x: u32, y: u32) -> vec4<f32> {
+    let index = y * slot.width + x;
+    if slot.kind == KIND_FLOAT {
+        let first = slot.first + 4u * index;
+        let words = vec4(pool_word(first), pool_word(first + 1u), pool_word(first + 2u), pool_word(first + 3u));
+        return bitcast<vec4<f32>>(words);
+    }
+    let word = pool_word(slot.first + index);
+    let codes = vec4(word & 255u, (word >> 8u) & 255u, (word >> 16u) & 255u, word >> 24u);
+    let linear = vec4<f32>(codes) / 255.0;
+    if slot.kind == KIND_SRGB {
+        return vec4(decode_srgb(codes.x), decode_srgb(codes.y), decode_srgb(codes.z), linear.w);
+    }
+    return linear;
+}
+
+// Texture coordinates after the slot's transform.
+fn transform_uv(slot: TextureSlot, uv: vec2<f32>) -> vec2<f32> {
+    let s = uv * slot.scale;
+    return vec2(slot.turn.y * s.x + slot.turn.x * s.y, -slot.turn.x * s.x + slot.turn.y * s.y) + slot.offset;
+}
+
+// Bilinear lookup with repeat of transformed coordinates.
+fn sample_texture(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
+    let size = vec2(slot.width, slot.height);
+    let p = (uv - floor(uv)) * vec2<f32>(size) - 0.5;
+    let f = p - floor(p);
+    // -1 to size - 1, wrapped.
+    let low = vec2<u32>(vec2<i32>(floor(p)) + vec2<i32>(size)) % size;
+    let high = (low + 1u) % size;
+    let top = mix(texel(slot, low.x, low.y), texel(slot, high.x, low.y), f.x);
+    let bottom = mix(texel(slot, low.x, high.y), texel(slot, high.x, high.y), f.x);
+    return mix(top, bottom, f.y);
+}
+
+fn sample_slot(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
+    return sample_texture(slot, transform_uv(slot, uv));
+}
+
+// What a map multiplies a scalar parameter by.
+fn scalar_map(slot: TextureSlot, uv: vec2<f32>) -> f32 {
+    if slot.kind == 0u {
+        return 1.0;
+    }
+    return sample_slot(slot, uv)[slot.channel];
+}

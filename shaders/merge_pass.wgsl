@@ -1,0 +1,171 @@
+// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
+// the BRDF evaluated on each node. Twin of render/src/shade.rs.
+//
+// B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
+// nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
+
+@group(3) @binding(0) var geometry: texture_2d<u32>;
+@group(3) @binding(1) var rotation: texture_2d<f32>;
+@group(3) @binding(2) var color_roughness: texture_2d<f32>;
+@group(3) @binding(3) var others: texture_2d<f32>;
+// What the samples before have added up to.
+@group(3) @binding(4) var previous_sum: texture_2d<f32>;
+@group(3) @binding(5) var previous_work: texture_2d<f32>;
+
+struct Sample {
+    // What the view shows, and coverage.
+    @location(0) value: vec4<f32>,
+    // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
+    @location(1) work: vec4<f32>,
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
+    let pixel = vec2<u32>(position.xy);
+    let sample = shade_pixel(pixel);
+    let sum = textureLoad(previous_sum, pixel, 0);
+    let work = textureLoad(previous_work, pixel, 0);
+    return Sample(sum + sample.value, work + sample.work);
+}
+
+fn shade_pixel(pixel: vec2<u32>) -> Sample {
+    let g = textureLoad(geometry, pixel, 0);
+    let direction = ray_direction(pixel);
+    if g.x == 0u {
+        let shown = select(vec3(0.0), background_radiance(direction), frame.view_mode == VIEW_SHADED);
+        return Sample(vec4(shown, 0.0), vec4(0.0));
+    }
+    if (g.w & FLAG_BLACK) != 0u {
+        return Sample(vec4(0.0, 0.0, 0.0, 1.0), vec4(0.0));
+    }
+    let point = surface_point(g, pixel, direction);
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    if needs_merge() {
+        shaded = merge_cuts(point);
+    }
+    let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
+    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), wire, 1.0);
+    return Sample(vec4(view_value(point, pixel, shaded), 1.0), work);
+}
+
+fn needs_merge() -> bool {
+    return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;
+}
+
+// What the view shows of a surface.
+fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
+    switch frame.view_mode {
+        case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
+        case VIEW_ALBEDO: { return textureLoad(color_roughness, pixel, 0).xyz; }
+        case VIEW_ROUGHNESS: { return vec3(textureLoad(color_roughness, pixel, 0).w); }
+        case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
+        case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
+        case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
+        default: { return shaded.radiance; }
+    }
+}
+
+fn interpolated_cut_len(point: SurfacePoint) -> f32 {
+    let v = point.vertices;
+    return dot(point.weights, vec3(f32(vertices[v.x].cut_len), f32(vertices[v.y].cut_len), f32(vertices[v.z].cut_len)));
+}
+
+// Twin of SurfacePoint in render/src/surface.rs.
+struct SurfacePoint {
+    vertices: vec3<u32>,
+    weights: vec3<f32>,
+    smooth_normal: vec3<f32>,
+    world_from_local: mat3x3<f32>,
+    wo: vec3<f32>,
+    brdf: Brdf,
+}
+
+fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
+    let corners = triangles[g.x - 1u].vertices;
+    let bc = bitcast<vec2<f32>>(g.yz);
+    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
+    let p = textureLoad(color_roughness, pixel, 0);
+    let q = textureLoad(others, pixel, 0);
+    return SurfacePoint(
+        corners,
+        valid_weights(corners, hit.barycentric),
+        smooth_normal(corners, hit, -direction),
+        local,
+        -direction * local,
+        brdf_from_parameters(g.w & MODEL_MASK, p, q),
+    );
+}
+
+struct Shaded {
+    radiance: vec3<f32>,
+    merged_nodes: u32,
+    brdf_evaluations: u32,
+}
+
+// Lanes that run in step diverge least if each first looks for its next node that sees any light: the inner loop skips
+// the others, the outer one evaluates one node a turn.
+fn merge_cuts(point: SurfacePoint) -> Shaded {
+    let leaves = 1u << frame.tree_height;
+    var a = visibility_cursor(vertices[point.vertices.x].cut_offset);
+    var b = visibility_cursor(vertices[point.vertices.y].cut_offset);
+    var c = visibility_cursor(vertices[point.vertices.z].cut_offset);
+    var l = illumination_cursor();
+    let w = point.weights;
+    let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
+    var first = 0u;
+    var visibility = 0.0;
+    // The node of the merged cut, and the part of it that is looked at.
+    var root = 0u;
+    var node = 0u;
+    var sum = vec3(0.0);
+    var merged = 0u;
+    var evaluations = 0u;
+    loop {
+        while node == 0u && first < leaves {
+            let end = min(min(a.end, b.end), min(c.end, l.end));
+            visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
+            merged += 1u;
+            if visibility > 0.0 {
+                root = (leaves + first) >> firstTrailingBit(end - first);
+                node = root;
+            }
+            first = end;
+            if end < leaves {
+                if a.end == end { advance_visibility(&a); }
+                if b.end == end { advance_visibility(&b); }
+                if c.end == end { advance_visibility(&c); }
+                if l.end == end { advance_illumination(&l); }
+            }
+        }
+        if node == 0u { break; }
+        var n = nodes[node];
+        var wi = n.direction * point.world_from_local;
+        while REFINE && node < leaves && wants_halves(lobe, n.radius, tan_half_radius[node], wi, point.wo) {
+            node = 2u * node;
+            n = nodes[node];
+            wi = n.direction * point.world_from_local;
+        }
+        evaluations += 1u;
+        sum += evaluate(point, n, wi, visibility * node_size(node));
+        node = next_node(node, root);
+    }
+    return Shaded(sum * frame.leaf_solid_angle, merged, evaluations);
+}
+
+// Leaves below a node.
+fn node_size(node: u32) -> f32 {
+    return f32(1u << (frame.tree_height - firstLeadingBit(node)));
+}
+
+// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
+fn next_node(node: u32, root: u32) -> u32 {
+    let left = node >> countTrailingZeros(~node);
+    return select(left + 1u, 0u, left <= root);
+}
+
+fn evaluate(point: SurfacePoint, n: Node, wi: vec3<f32>, weight: f32) -> vec3<f32> {
+    let inv_kappa = select(0.0, n.inv_kappa, REFINE);
+    let received = select(0.0, weight, dot(n.direction, point.smooth_normal) > 0.0);
+    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * n.radiance * received;
+}

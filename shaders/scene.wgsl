@@ -1,0 +1,28 @@
+// The mesh with what each vertex knows of its visibility cut.
+
+struct Vertex {
+    position: vec3<f32>,
+    // First texel of the vertex's cut.
+    cut_offset: u32,
+    normal: vec3<f32>,
+    // Number of nodes of the cut.
+    cut_len: u32,
+    tangent: vec3<f32>,
+    // Sign of the tangent frame: bitangent = handedness * normal x tangent.
+    handedness: f32,
+    uv: vec2<f32>,
+    // 0 for vertices inside other geometry, which have no say in interpolation.
+    is_valid: u32,
+    padding: u32,
+}
+
+struct Triangle {
+    vertices: vec3<u32>,
+    // Bit 31: lit and seen from both sides; the rest: index of the material.
+    material: u32,
+}
+
+const TWO_SIDED: u32 = 0x80000000u;
+
+@group(1) @binding(0) var<storage, read> vertices: array<Vertex>;
+@group(1) @binding(1) var<storage, read> triangles: array<Triangle>;

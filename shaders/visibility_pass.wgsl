@@ -1,0 +1,20 @@
+// Deferred pass 1: which triangle each pixel sees. Corners are fetched by index, so that a triangle's number is known
+// without the optional primitive index.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat, either) triangle: u32,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let triangle = index / 3u;
+    let corners = triangles[triangle].vertices;
+    let world = vertices[corners[index - 3u * triangle]].position;
+    return Corner(frame.clip_from_world * vec4(world, 1.0), triangle);
+}
+
+@fragment
+fn fragment(corner: Corner) -> @location(0) u32 {
+    return corner.triangle + 1u;
+}
