@@ -49,6 +49,8 @@ pub struct LightTree {
     leaf_directions: Vec<Vec3>,
     /// Mean of the leaf directions below each node by heap index; its length measures how close they are.
     mean_directions: Vec<Vec3>,
+    /// Half-angle in radians of the cone that holds most of a node's directions, by heap index.
+    radii: Vec<f32>,
 }
 
 /// Checks that `lights` is `2^H` with `1 <= H <= 15` and returns `H`.
@@ -93,7 +95,8 @@ impl LightTree {
         let samples = fibonacci_directions(n);
         let leaf_directions: Vec<Vec3> = order.iter().map(|&s| samples[s as usize]).collect();
         let mean_directions = means_up_the_tree(&leaf_directions);
-        Ok(Self { order, leaf_directions, mean_directions })
+        let radii = mean_directions.iter().map(|d| radius(d.length(), n)).collect();
+        Ok(Self { order, leaf_directions, mean_directions, radii })
     }
 
     /// Number of leaves, `N`.
@@ -126,10 +129,22 @@ impl LightTree {
         &self.mean_directions
     }
 
+    /// Half-angle in radians of the cone that holds most of a node's directions, by heap index.
+    pub fn radii(&self) -> &[f32] {
+        &self.radii
+    }
+
     /// Solid angle of one sample in steradians, `4π / N`.
     pub fn leaf_solid_angle(&self) -> f32 {
         crate::sphere::SPHERE / self.len() as f32
     }
+}
+
+/// Half-angle of the cap whose directions have a mean of length `resultant`, and at least that of one leaf.
+fn radius(resultant: f32, lights: usize) -> f32 {
+    // A cap between cos θ and 1 has its centroid at (1 + cos θ) / 2.
+    let cap = |r: f32| (2.0 * r - 1.0).clamp(-1.0, 1.0).acos();
+    cap(resultant.min(1.0 - 1.0 / lights as f32))
 }
 
 /// Means of leaf values for every node, by heap index (entry 0 repeats the root). `leaves.len()` is a power of two.
@@ -171,6 +186,17 @@ mod tests {
         assert!(tightness(&tree) > 0.975);
         let shuffled = LightTree::from_order((0..1024).map(|i| i * 389 % 1024).collect()).unwrap();
         assert!(tightness(&shuffled) < 0.9);
+    }
+
+    #[test]
+    fn radius_of_nodes_is_that_of_caps_of_their_solid_angle() {
+        let tree = LightTree::geometric(4096).unwrap();
+        for (level, tolerance) in [(6, 0.25), (9, 0.25), (12, 0.02)] {
+            let expected = (1.0 - 2.0 / (1_u32 << level) as f32).acos(); // cap of solid angle 4π / 2^level
+            let nodes = 1_usize << level..2 << level;
+            let mean = nodes.clone().map(|i| tree.radii()[i]).sum::<f32>() / nodes.len() as f32;
+            assert!((mean / expected - 1.0).abs() < tolerance, "level {level}: {mean} for {expected}");
+        }
     }
 
     #[test]

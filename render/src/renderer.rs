@@ -135,11 +135,11 @@ impl Renderer {
     /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. A turned or scaled environment
     /// takes milliseconds, another one some more.
     pub fn lighting(&self, light: &Illumination, illum_cut: u32) -> SceneLighting {
-        self.rig().lighting(&self.dataset.tree, light, illum_cut)
+        self.rig().lighting(light, illum_cut)
     }
 
     fn rig(&self) -> MutexGuard<'_, LightRig> {
-        let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(self.dataset.tree.len())));
+        let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(&self.dataset.tree)));
         rig.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -15,8 +15,6 @@ pub struct Lighting {
     pub direction: Vec<Vec3>,
     /// Concentration `kappa` of each node as a von Mises-Fisher lobe (Banerjee et al. 2005), weighted alike.
     pub inv_kappa: Vec<f32>,
-    /// Half-angle in radians of the cone that holds most of a node's directions.
-    pub radius: Vec<f32>,
     /// Mean squared luminance of the leaves below each node, for the error bound of illumination cuts.
     pub luminance_sq: Vec<f32>,
 }
@@ -39,8 +37,7 @@ impl Lighting {
         Self {
             radiance: means_up_the_tree(leaf_radiance),
             direction: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
-            inv_kappa: nodes.clone().map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
-            radius: nodes.map(|i| radius(tree.mean_directions()[i].length(), tree.len())).collect(),
+            inv_kappa: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
             luminance_sq: means_up_the_tree(&squares),
         }
     }
@@ -57,29 +54,10 @@ fn leaf_inv_kappa(lights: usize) -> f32 {
     inv_kappa(1.0 - 1.0 / lights as f32) // the centroid of a cap of height h = 2 / N lies at 1 - h / 2
 }
 
-/// Half-angle of the cap whose directions have a mean of length `resultant`, and at least that of one leaf.
-fn radius(resultant: f32, lights: usize) -> f32 {
-    // A cap between cos θ and 1 has its centroid at (1 + cos θ) / 2.
-    let cap = |r: f32| (2.0 * r - 1.0).clamp(-1.0, 1.0).acos();
-    cap(resultant.min(1.0 - 1.0 / lights as f32))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sphere::SPHERE;
-
-    #[test]
-    fn radius_of_nodes_is_that_of_caps_of_their_solid_angle() {
-        let tree = LightTree::geometric(4096).unwrap();
-        let lighting = Lighting::new(&tree, &vec![Vec3::ONE; 4096]);
-        for (level, tolerance) in [(6, 0.25), (9, 0.25), (12, 0.02)] {
-            let expected = (1.0 - 2.0 / (1_u32 << level) as f32).acos(); // cap of solid angle 4π / 2^level
-            let nodes = 1_usize << level..2 << level;
-            let mean = nodes.clone().map(|i| lighting.radius[i]).sum::<f32>() / nodes.len() as f32;
-            assert!((mean / expected - 1.0).abs() < tolerance, "level {level}: {mean} for {expected}");
-        }
-    }
 
     #[test]
     fn directions_lean_to_the_bright_leaf() {

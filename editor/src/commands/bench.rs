@@ -98,11 +98,11 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
 }
 
 fn gpu_runs(args: &BenchArgs, shot: &Shot, mut gpu: GpuBackend) -> Result<Vec<Run>> {
-    let mut rig = LightRig::new(shot.dataset.tree.len());
+    let mut rig = LightRig::new(&shot.dataset.tree);
     gpu.set_scene(&shot.dataset)?;
     let mut runs = Vec::new();
     for &illum_cut in &args.illum_cuts {
-        let lighting = Arc::new(rig.lighting(&shot.dataset.tree, &shot.light, illum_cut));
+        let lighting = Arc::new(rig.lighting(&shot.light, illum_cut));
         gpu.set_light(&shot.light, &lighting)?;
         gpu.begin(&shot.view, BrdfSampling::Refine)?;
         gpu.timed_sample(0, &Post::default())?;
@@ -152,13 +152,13 @@ fn cpu_run(args: &BenchArgs, shot: &Shot, illum_cut: u32) -> Run {
 
 /// Median milliseconds from a turned environment to nodes and illumination cut.
 fn rotation(shot: &Shot, frames: u32) -> f64 {
-    let mut rig = LightRig::new(shot.dataset.tree.len());
+    let mut rig = LightRig::new(&shot.dataset.tree);
     let mut light = shot.light.clone();
-    rig.lighting(&shot.dataset.tree, &light, 256);
+    rig.lighting(&light, 256);
     let times = (0..frames).map(|_| {
         light.rotation += 0.01;
         let start = Instant::now();
-        rig.lighting(&shot.dataset.tree, &light, 256);
+        rig.lighting(&light, 256);
         start.elapsed()
     });
     median(times.collect())

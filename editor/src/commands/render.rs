@@ -118,9 +118,9 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
 
 fn render_on(mut gpu: GpuBackend, shot: &Shot, args: &RenderArgs) -> Result<(Image, RenderStats)> {
     gpu.set_scene(&shot.dataset)?;
-    let mut rig = LightRig::new(shot.dataset.tree.len());
+    let mut rig = LightRig::new(&shot.dataset.tree);
     let start = Instant::now();
-    let lighting = Arc::new(rig.lighting(&shot.dataset.tree, &shot.light, args.illum_cut));
+    let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));
     gpu.set_light(&shot.light, &lighting)?;
     gpu.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {

@@ -28,7 +28,7 @@ impl GpuLight {
         let nodes: Vec<Node> = nodes(lighting);
         Self {
             nodes: storage(gpu, "light tree", bytemuck::cast_slice(&nodes)),
-            tan_half_radius: storage(gpu, "light tree radii", bytemuck::cast_slice(&lighting.tan_half_radius)),
+            tan_half_radius: storage(gpu, "light tree radii", bytemuck::cast_slice(&lighting.cones.tan_half_radius)),
             cut: cut_texture(gpu, "illumination cut", &lighting.cut),
             cut_len: lighting.cut.len() as u32,
             rotation: light.rotation,
@@ -56,7 +56,7 @@ fn nodes(lighting: &SceneLighting) -> Vec<Node> {
         radiance: n.radiance[i].to_array(),
         inv_kappa: n.inv_kappa[i],
         direction: n.direction[i].to_array(),
-        radius: n.radius[i],
+        radius: lighting.cones.radius[i],
     };
     (0..n.radiance.len()).map(node).collect()
 }
