@@ -1,15 +1,34 @@
 //! What an artist edits and a session file keeps: plain data, changed only by [`Edit`]s.
 
+pub mod autosave;
 mod edit;
+mod history;
+pub mod library;
+mod path_list;
+pub mod recent;
+mod relative;
+pub mod session;
+#[cfg(test)]
+mod test_data;
 
 pub use edit::{Edit, Redo};
+pub use history::History;
+pub use path_list::write_setting;
 
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeSettings, material::Material, texture::Texture};
+use lapidary_core::{
+    camera::Camera,
+    dataset::{BakeSettings, Dataset},
+    material::Material,
+    texture::Texture,
+};
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BrdfSampling, Post, ViewMode};
 use serde::{Deserialize, Serialize};
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// Everything that is edited, as it is now. Copying it copies no texels.
 #[derive(Clone, Debug)]
@@ -89,6 +108,12 @@ impl EnvironmentSettings {
     /// The whole turn in radians.
     pub fn rotation(&self) -> f32 {
         (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
+    }
+
+    /// The map's file; `None` for a formula.
+    pub fn file(&self) -> Option<&Path> {
+        let formula = self.spec.split_once(':').map_or(self.spec.as_str(), |(formula, _)| formula);
+        (!["constant", "sun-sky", "studio", "orientation"].contains(&formula)).then(|| Path::new(&self.spec))
     }
 }
 
@@ -178,11 +203,62 @@ impl Document {
         }
     }
 
+    /// A baked scene as it came: seen from its first camera or as a whole, all its cameras bookmarked.
+    pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
+        let scene = &dataset.scene;
+        let bounds = scene.mesh.bounds();
+        let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
+        let entry = |texture: &Arc<Texture>| TextureEntry { texture: texture.clone(), file: None };
+        Self {
+            scene: scene_path,
+            dataset: Some(dataset_path),
+            materials: scene.materials.clone(),
+            textures: scene.textures.iter().map(entry).collect(),
+            camera: scene.cameras.first().cloned().unwrap_or_else(whole),
+            bookmarks: scene.cameras.clone(),
+            bake: dataset.settings.clone(),
+            ..Self::empty()
+        }
+    }
+
     /// Materials and textures for the renderers.
     pub fn appearance(&self) -> Appearance {
         Appearance {
             materials: self.materials.clone(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use test_data::{camera, dataset};
+
+    #[test]
+    fn a_dataset_opens_at_its_first_camera_with_all_of_them_bookmarked() {
+        let mut dataset = dataset(&["a", "b"], &["wood.png"]);
+        dataset.scene.cameras = vec![camera("front"), camera("back")];
+        let document = Document::of_dataset(&dataset, "a.cuts".into(), Some("a.gltf".into()));
+        assert_eq!(document.camera.name, "front");
+        assert_eq!(document.bookmarks, dataset.scene.cameras);
+        assert_eq!((document.materials.len(), document.textures.len()), (2, 1));
+        assert_eq!(document.bake, dataset.settings);
+        assert_eq!((document.scene, document.dataset), (Some("a.gltf".into()), Some("a.cuts".into())));
+    }
+
+    #[test]
+    fn without_cameras_the_whole_scene_is_framed() {
+        let dataset = dataset(&["a"], &[]);
+        let document = Document::of_dataset(&dataset, "a.cuts".into(), None);
+        assert!((document.camera.target - dataset.scene.mesh.bounds().center()).length() < 1e-6);
+        assert!(document.bookmarks.is_empty());
+    }
+
+    #[test]
+    fn formulas_are_told_from_files() {
+        let file = |spec: &str| EnvironmentSettings { spec: spec.into(), ..Default::default() }.file().is_some();
+        assert!(!["studio", "sun-sky:30", "constant:1,1,1", "orientation"].into_iter().any(file));
+        assert!(["studio.hdr", "C:\\maps\\a.exr", "/maps/constant"].into_iter().all(file));
     }
 }

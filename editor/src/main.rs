@@ -9,6 +9,7 @@ mod document;
 mod options;
 mod outcome;
 mod outputs;
+mod paths;
 mod preferences;
 mod progress;
 mod report_html;

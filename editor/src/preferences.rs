@@ -1,6 +1,10 @@
 //! How the window looks, kept between runs and apart from sessions.
 
+use crate::document::{session::read_leniently, write_setting};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::{io::ErrorKind, path::Path};
 
 /// How the window looks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -8,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Preferences {
     /// Dark or light.
     pub theme: Theme,
-    /// Scale of the interface; 1 is 96 points an inch.
+    /// Scale of the interface, 0.5 to 3; 1 is 96 points an inch.
     pub ui_scale: f32,
 }
 
@@ -26,5 +30,82 @@ pub enum Theme {
 impl Default for Preferences {
     fn default() -> Self {
         Self { theme: Theme::default(), ui_scale: 1.0 }
+    }
+}
+
+/// Name of the file in the configuration folder.
+const FILE: &str = "preferences.json";
+
+impl Preferences {
+    /// Reads the preferences. What cannot be read is as by default, with a message for the user; that there are none
+    /// yet is not worth one.
+    pub fn load(config: &Path) -> (Self, Option<String>) {
+        let file = config.join(FILE);
+        let parsed = match std::fs::read(&file) {
+            Ok(text) => serde_json::from_slice(&text).map_err(|e| e.to_string()),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Default::default(),
+            Err(error) => Err(error.to_string()),
+        };
+        let mut problems = Vec::new();
+        let preferences = match parsed {
+            Ok(given) => read_leniently::<Self>(&given, Self::default(), "", &mut problems).0,
+            Err(reason) => {
+                problems.push(reason);
+                Self::default()
+            }
+        };
+        let message = format!(
+            "the preferences cannot be read whole: {}; set them again in the Preferences menu ({})",
+            problems.join("; "),
+            file.display()
+        );
+        (preferences.clamped(), (!problems.is_empty()).then_some(message))
+    }
+
+    /// Keeps the preferences for the next start.
+    ///
+    /// # Errors
+    /// What the file system says, with what to do.
+    pub fn save(&self, config: &Path) -> Result<()> {
+        let value: Value = serde_json::to_value(self.clone().clamped())?;
+        write_setting(&config.join(FILE), &format!("{value:#}\n"))
+    }
+
+    /// With a scale at which the interface can be used.
+    pub fn clamped(self) -> Self {
+        let ui_scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale.clamp(0.5, 3.0) };
+        Self { ui_scale, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn preferences_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = folder.path().join("not/there/yet");
+        assert_eq!(Preferences::load(&config), (Preferences::default(), None));
+        let preferences = Preferences { theme: Theme::Light, ui_scale: 1.25 };
+        preferences.save(&config).unwrap();
+        assert_eq!(Preferences::load(&config), (preferences, None));
+    }
+
+    #[test]
+    fn damage_gives_defaults_and_a_message_and_costs_no_more_than_it_must() {
+        let folder = tempfile::tempdir().unwrap();
+        for (text, expected, complains) in [
+            ("{\"theme\": \"light\"", Preferences::default(), true),
+            ("[]", Preferences::default(), true),
+            ("{\"theme\": \"light\", \"ui_scale\": \"big\"}", Preferences { theme: Theme::Light, ui_scale: 1.0 }, true),
+            ("{\"ui_scale\": 99, \"later\": 1}", Preferences { ui_scale: 3.0, ..Default::default() }, false),
+        ] {
+            std::fs::write(folder.path().join(FILE), text).unwrap();
+            let (preferences, message) = Preferences::load(folder.path());
+            assert_eq!((preferences, message.is_some()), (expected, complains), "{text}");
+        }
+        assert_eq!(Preferences { ui_scale: f32::NAN, ..Default::default() }.clamped().ui_scale, 1.0);
+        assert_eq!(Preferences { ui_scale: 0.0, ..Default::default() }.clamped().ui_scale, 0.5);
     }
 }

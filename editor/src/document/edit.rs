@@ -52,6 +52,22 @@ impl Edit {
         }
     }
 
+    /// Whether the document has the part that this edit replaces.
+    pub fn fits(&self, document: &Document) -> bool {
+        !matches!(self, Self::Material { index, .. } if *index >= document.materials.len())
+    }
+
+    /// Whether the document has another value there than the edit.
+    pub fn changes(&self, document: &Document) -> bool {
+        match self {
+            Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
+            Self::Environment(environment) => *environment != document.environment,
+            Self::View(view) => *view != document.view,
+            Self::Bookmarks(bookmarks) => *bookmarks != document.bookmarks,
+            Self::Bake(bake) => **bake != document.bake,
+        }
+    }
+
     /// Whether both change the same part of a document.
     pub fn same_target(&self, other: &Self) -> bool {
         match (self, other) {
@@ -84,5 +100,49 @@ fn view_redo(new: &ViewSettings, old: &ViewSettings) -> Redo {
         Redo::Post
     } else {
         Redo::Nothing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_render::{Post, ViewMode};
+
+    #[test]
+    fn no_more_is_redone_than_an_edit_asks_for() {
+        let document = Document::empty();
+        let view = document.view.clone();
+        let redo = |view: ViewSettings| Edit::View(view).redo(&document);
+        let post = Post { exposure: 1.0, ..view.post };
+        assert_eq!(redo(view.clone()), Redo::Nothing);
+        assert_eq!(redo(ViewSettings { frame_budget_ms: 20.0, ..view.clone() }), Redo::Nothing);
+        assert_eq!(redo(ViewSettings { post, ..view.clone() }), Redo::Post);
+        assert_eq!(redo(ViewSettings { post, mode: ViewMode::Normals, ..view.clone() }), Redo::Picture);
+        assert_eq!(redo(ViewSettings { illum_cut: 64, ..view }), Redo::Light);
+        assert_eq!(Edit::Environment(document.environment.clone()).redo(&document), Redo::Nothing);
+        let turned = EnvironmentSettings { rotation_degrees: 5.0, ..document.environment.clone() };
+        assert_eq!(Edit::Environment(turned).redo(&document), Redo::Light);
+    }
+
+    #[test]
+    fn swapping_twice_restores_both() {
+        let mut document = Document { materials: vec![Material::default(); 2], ..Document::empty() };
+        let new = Material { name: "new".into(), ..Default::default() };
+        let mut edit = Edit::Material { index: 1, material: Box::new(new) };
+        assert!(edit.changes(&document));
+        edit.swap(&mut document);
+        assert_eq!((document.materials[0].name.as_str(), document.materials[1].name.as_str()), ("", "new"));
+        edit.swap(&mut document);
+        assert_eq!(document.materials, vec![Material::default(); 2]);
+        assert!(matches!(edit, Edit::Material { index: 1, material } if material.name == "new"));
+    }
+
+    #[test]
+    fn a_material_that_is_not_there_does_not_fit() {
+        let document = Document { materials: vec![Material::default()], ..Document::empty() };
+        let edit = |index| Edit::Material { index, material: Box::default() };
+        assert!(edit(0).fits(&document) && !edit(1).fits(&document));
+        assert!(!edit(1).changes(&document));
+        assert!(edit(0).same_target(&edit(0)) && !edit(0).same_target(&edit(1)));
     }
 }

@@ -1,0 +1,212 @@
+//! Autosave and recovery: the session of a changed document is written aside, and found again after a crash.
+//!
+//! Each running program has one file, named after its process. It is removed when the document agrees with its file and
+//! on a clean exit, so that a file whose process is gone holds work that nobody saved.
+
+use super::{
+    Document, History,
+    relative::absolute,
+    session::{EXTENSION, SessionError, Unknown, read_json, save_for_recovery},
+};
+use serde::{Deserialize, Serialize};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
+};
+
+/// Key of the note in an autosave that says what it is of.
+pub const KEY: &str = "autosave";
+
+const PREFIX: &str = "autosave-";
+
+/// Where processes cannot be looked up, a running one touches its file this often,
+const HEARTBEAT: Duration = Duration::from_secs(20);
+
+/// and one that has not for this long is taken for gone.
+const GONE_AFTER: Duration = Duration::from_secs(60);
+
+/// Writes the session of a changed document aside every now and then.
+#[derive(Debug)]
+pub struct Autosave {
+    file: PathBuf,
+    interval: Duration,
+    /// When the changes so far are to be written.
+    due: Option<Instant>,
+    /// The revision that the file holds, and when it was last written or touched.
+    written: Option<(u64, Instant)>,
+}
+
+/// A process, told from later ones of the same number by when it began.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Process {
+    id: u32,
+    /// In clock ticks after the boot on Linux, else in milliseconds since 1970.
+    start: u64,
+}
+
+/// What an autosave says of itself.
+#[derive(Serialize, Deserialize)]
+struct Note {
+    /// The session file of the document, if it had one.
+    session: Option<String>,
+    /// Seconds since 1970.
+    saved_at: u64,
+}
+
+/// Work of a process that ended without saving it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recovery {
+    /// The autosave, to be opened by [`super::session::load`].
+    pub file: PathBuf,
+    /// The session file of the document, if it had one.
+    pub session_path: Option<PathBuf>,
+    /// When it was written.
+    pub saved_at: SystemTime,
+}
+
+impl Autosave {
+    /// Writes below the state folder `folder`, `interval` after a change at the latest and not more often.
+    pub fn new(folder: &Path, interval: Duration) -> Self {
+        let Process { id, start } = Process::this();
+        let file = folder.join(format!("{PREFIX}{id}-{start}.{EXTENSION}"));
+        Self { file, interval, due: None, written: None }
+    }
+
+    /// To be called every frame, or at least every few seconds while the document is changed. Returns whether the
+    /// session was written. After a failure the next attempt follows an interval later.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn tick(
+        &mut self,
+        now: Instant,
+        document: &Document,
+        history: &History,
+        kept: &Unknown,
+        session_path: Option<&Path>,
+    ) -> Result<bool, SessionError> {
+        if !history.is_modified() {
+            return self.finish().map(|()| false);
+        }
+        if self.written.is_some_and(|(revision, _)| revision == history.revision()) {
+            self.beat(now);
+            return Ok(false);
+        }
+        if now < *self.due.get_or_insert(now + self.interval) {
+            self.beat(now);
+            return Ok(false);
+        }
+        self.due = Some(now + self.interval);
+        self.write(document, kept, session_path)?;
+        self.due = None;
+        self.written = Some((history.revision(), now));
+        Ok(true)
+    }
+
+    /// Removes the file: the program ends, or another document is opened.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn finish(&mut self) -> Result<(), SessionError> {
+        self.due = None;
+        if self.written.take().is_none() {
+            return Ok(());
+        }
+        remove(&self.file).map_err(|source| SessionError::Io { action: "remove", path: self.file.clone(), source })
+    }
+
+    fn write(&self, document: &Document, kept: &Unknown, session_path: Option<&Path>) -> Result<(), SessionError> {
+        let folder = self.file.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(|source| SessionError::Io {
+            action: "write",
+            path: folder.into(),
+            source,
+        })?;
+        let note = Note {
+            session: session_path.map(|path| absolute(path).to_string_lossy().into_owned()),
+            saved_at: SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs(),
+        };
+        let note = serde_json::to_value(note).expect("a note is text and numbers");
+        save_for_recovery(document, kept, note, &self.file)
+    }
+
+    /// Shows other processes that this one is alive. If it cannot, they offer its work for recovery, which is harmless.
+    fn beat(&mut self, now: Instant) {
+        if let Some((_, at)) = &mut self.written
+            && now.saturating_duration_since(*at) >= HEARTBEAT
+        {
+            *at = now;
+            let touched = std::fs::File::options().write(true).open(&self.file);
+            let _ = touched.and_then(|file| file.set_modified(SystemTime::now()));
+        }
+    }
+}
+
+/// Autosaves in the state folder whose processes are gone, the newest first. Unreadable ones are left where they are.
+pub fn recoverable(folder: &Path) -> Vec<Recovery> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut found: Vec<Recovery> = entries.flatten().filter_map(|entry| Recovery::of(entry.path())).collect();
+    found.sort_by_key(|recovery| std::cmp::Reverse(recovery.saved_at));
+    found
+}
+
+impl Recovery {
+    fn of(file: PathBuf) -> Option<Self> {
+        if Process::of_file(&file)?.is_running(&file) {
+            return None;
+        }
+        let note = read_json(&file).ok()?.remove(KEY)?;
+        let note: Note = serde_json::from_value(note).ok()?;
+        let saved_at = UNIX_EPOCH.checked_add(Duration::from_secs(note.saved_at))?;
+        Some(Self { file, session_path: note.session.map(Into::into), saved_at })
+    }
+
+    /// Removes the autosave.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn discard(self) -> io::Result<()> {
+        remove(&self.file)
+    }
+}
+
+impl Process {
+    fn this() -> Self {
+        let id = std::process::id();
+        let now = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_millis() as u64;
+        Self { id, start: start_of(id).unwrap_or_else(now) }
+    }
+
+    /// The process that an autosave is named after.
+    fn of_file(file: &Path) -> Option<Self> {
+        let is_session = file.extension().is_some_and(|e| e == EXTENSION);
+        let (id, start) = file.file_stem()?.to_str()?.strip_prefix(PREFIX)?.split_once('-')?;
+        is_session.then_some(Self { id: id.parse().ok()?, start: start.parse().ok()? })
+    }
+
+    fn is_running(self, file: &Path) -> bool {
+        let can_look_up = start_of(std::process::id()).is_some();
+        if can_look_up { start_of(self.id) == Some(self.start) } else { self == Self::this() || was_touched(file) }
+    }
+}
+
+/// When a process began, in clock ticks after the boot: the 22nd field of its status, the second of which is a name in
+/// parentheses. `None` if there is no such process, or the system is not Linux.
+fn start_of(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    status.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()
+}
+
+fn was_touched(file: &Path) -> bool {
+    let modified = std::fs::metadata(file).and_then(|m| m.modified());
+    // A time in the future cannot be told from now.
+    modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age < GONE_AFTER))
+}
+
+fn remove(file: &Path) -> io::Result<()> {
+    std::fs::remove_file(file).or_else(|e| if e.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(e) })
+}
+
+#[cfg(test)]
+mod tests;

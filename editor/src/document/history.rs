@@ -1,0 +1,166 @@
+//! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
+
+use super::{Document, Edit, Redo};
+use std::collections::VecDeque;
+
+/// More steps than anyone goes back by hand; the oldest is forgotten first. A step holds one value, at most some kB.
+const DEPTH: usize = 1000;
+
+/// The edits of a document in their order, and where in it the document was saved.
+///
+/// Every state that the document was in has a number of its own, so a saved state that was cut off with its redo branch
+/// is never taken for another one.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    done: VecDeque<Step>,
+    undone: Vec<Step>,
+    /// The last step takes in further edits of its kind.
+    gesture_open: bool,
+    state: u64,
+    saved: Option<u64>,
+    last_state: u64,
+    revision: u64,
+}
+
+/// An edit, and the states of the document before and after it.
+#[derive(Clone, Debug)]
+struct Step {
+    edit: Edit,
+    label: &'static str,
+    before: u64,
+    after: u64,
+}
+
+impl History {
+    /// Of a document that agrees with its file, or has none and nothing to lose.
+    pub fn new() -> Self {
+        Self { saved: Some(0), ..Self::default() }
+    }
+
+    /// Of a document with changes that no file of the user's has, as after recovery.
+    pub fn unsaved() -> Self {
+        Self::default()
+    }
+
+    /// Does an edit, as part of the last step if that has the same label and target and its gesture goes on. An edit
+    /// that changes nothing, or that names a material that is not there, is ignored.
+    pub fn apply(&mut self, document: &mut Document, mut edit: Edit, label: &'static str) -> Redo {
+        if !edit.changes(document) {
+            return Redo::Nothing;
+        }
+        let redo = edit.redo(document);
+        let joins = self.joins(&edit, label);
+        edit.swap(document);
+        self.undone.clear();
+        self.revision += 1;
+        self.last_state += 1;
+        let before = std::mem::replace(&mut self.state, self.last_state);
+        if joins {
+            self.extend_last_step(document);
+        } else {
+            self.push(Step { edit, label, before, after: self.state });
+        }
+        redo
+    }
+
+    fn joins(&self, edit: &Edit, label: &'static str) -> bool {
+        let same = |step: &Step| step.label == label && step.edit.same_target(edit);
+        self.gesture_open && self.done.back().is_some_and(same)
+    }
+
+    fn push(&mut self, step: Step) {
+        self.gesture_open = true;
+        self.done.push_back(step);
+        if self.done.len() > DEPTH {
+            self.done.pop_front();
+        }
+    }
+
+    /// The last step keeps the value from before the gesture; a gesture that came back to it leaves no step.
+    fn extend_last_step(&mut self, document: &Document) {
+        let Some(step) = self.done.back_mut() else { return };
+        step.after = self.state;
+        if !step.edit.changes(document) {
+            self.state = step.before;
+            self.done.pop_back();
+            self.gesture_open = false;
+        }
+    }
+
+    /// The next edit begins a new step.
+    pub fn end_gesture(&mut self) {
+        self.gesture_open = false;
+    }
+
+    /// Takes back the last step. Returns its label and what to do again.
+    pub fn undo(&mut self, document: &mut Document) -> Option<(&'static str, Redo)> {
+        self.gesture_open = false;
+        while let Some(mut step) = self.done.pop_back() {
+            if let Some(redo) = swap(&mut step, document) {
+                self.arrive_at(step.before);
+                let label = step.label;
+                self.undone.push(step);
+                return Some((label, redo));
+            }
+        }
+        None
+    }
+
+    /// Does the last undone step again. Returns its label and what to do again.
+    pub fn redo(&mut self, document: &mut Document) -> Option<(&'static str, Redo)> {
+        self.gesture_open = false;
+        while let Some(mut step) = self.undone.pop() {
+            if let Some(redo) = swap(&mut step, document) {
+                self.arrive_at(step.after);
+                let label = step.label;
+                self.done.push_back(step);
+                return Some((label, redo));
+            }
+        }
+        None
+    }
+
+    fn arrive_at(&mut self, state: u64) {
+        self.state = state;
+        self.revision += 1;
+    }
+
+    /// What [`Self::undo`] would take back.
+    pub fn undo_label(&self) -> Option<&'static str> {
+        self.done.back().map(|step| step.label)
+    }
+
+    /// What [`Self::redo`] would do again.
+    pub fn redo_label(&self) -> Option<&'static str> {
+        self.undone.last().map(|step| step.label)
+    }
+
+    /// The document was written as it is. Ends the gesture, so that undo can come back to what was written.
+    pub fn mark_saved(&mut self) {
+        self.gesture_open = false;
+        self.saved = Some(self.state);
+    }
+
+    /// Whether the document is in another state than when it was saved.
+    pub fn is_modified(&self) -> bool {
+        self.saved != Some(self.state)
+    }
+
+    /// Another number after every change of the document.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+}
+
+/// Swaps a step's value with the document's, unless the document was replaced by one that has no place for it.
+fn swap(step: &mut Step, document: &mut Document) -> Option<Redo> {
+    let fits = step.edit.fits(document);
+    fits.then(|| {
+        let redo = step.edit.redo(document);
+        step.edit.swap(document);
+        redo
+    })
+}
+
+#[cfg(test)]
+mod tests;

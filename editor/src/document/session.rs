@@ -1,0 +1,36 @@
+//! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
+//!
+//! `{"lapidary_session": 1, "scene", "dataset", "materials", "environment", "camera", "bookmarks", "view", "bake"}`.
+//! Paths are relative to the file, angles in degrees. A reader takes what it can: values that cannot be are replaced
+//! with a warning, keys that it does not know are kept and written back ([`Unknown`]), files that are not there are
+//! listed and can be looked for ([`LoadedSession::relink`]). Only a newer version or damaged JSON is refused.
+
+mod checks;
+mod error;
+mod file;
+mod lenient;
+mod read;
+mod relink;
+mod resolve;
+mod write;
+
+pub use error::SessionError;
+pub use file::{Session, SessionCamera, SessionMaps, SessionMaterial, SessionSlot, TextureSource};
+pub use lenient::{Unknown, read_leniently};
+pub use read::{LoadedSession, MissingFile, load};
+pub use write::save;
+
+pub(super) use read::read_json;
+pub(super) use write::save_for_recovery;
+
+/// Extension of session files.
+pub const EXTENSION: &str = "lapidary";
+
+/// Version that is written, and the newest that is read.
+pub const VERSION: u64 = 1;
+
+/// Key of the version.
+const VERSION_KEY: &str = "lapidary_session";
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,108 @@
+//! Values that a file can hold and a renderer cannot bear are brought into range, each with a warning.
+
+use super::{Session, SessionCamera, SessionMaterial};
+use crate::document::{EnvironmentSettings, ViewSettings};
+use glam::Vec3;
+use lapidary_precompute::{Preset, resolve};
+use std::fmt::Display;
+
+/// Brings all values of `session` into range; says in `warnings` which were not.
+pub fn sanitize(session: &mut Session, warnings: &mut Vec<String>) {
+    let mut checks = Checks { warnings };
+    session.materials.iter_mut().for_each(|m| checks.material(m));
+    checks.environment(&mut session.environment);
+    checks.view(&mut session.view);
+    session.camera.take_if(|camera| !checks.camera_is_usable(camera, "the default view is used"));
+    session.bookmarks.retain_mut(|camera| checks.camera_is_usable(camera, "it was left out"));
+    if let Err(error) = resolve(session.bake.clone()) {
+        checks.warnings.push(format!("the bake settings are replaced by the normal ones, since {error}"));
+        session.bake = Preset::Normal.settings();
+    }
+}
+
+struct Checks<'a> {
+    warnings: &'a mut Vec<String>,
+}
+
+impl Checks<'_> {
+    /// Clamps; what cannot be compared becomes `fallback`.
+    fn range<T: PartialOrd + Copy + Display>(&mut self, what: &str, value: &mut T, [low, high, fallback]: [T; 3]) {
+        if *value >= low && *value <= high {
+            return;
+        }
+        let given = *value;
+        *value = if given < low {
+            low
+        } else if given > high {
+            high
+        } else {
+            fallback
+        };
+        self.warnings.push(format!("{what} is {given}, outside {low} to {high}; {value} is used", value = *value));
+    }
+
+    fn material(&mut self, material: &mut SessionMaterial) {
+        let sanitized = material.parameters.sanitized();
+        if sanitized != material.parameters {
+            self.warnings
+                .push(format!("parameters of the material \"{}\" were out of range; they are clamped", material.name));
+            material.parameters = sanitized;
+        }
+        let name = material.name.clone();
+        let what = |value: &str| format!("{value} of a map of the material \"{name}\"");
+        for slot in material.maps.slots_mut() {
+            for i in 0..2 {
+                self.range(&what("the scale"), &mut slot.scale[i], [-1e6, 1e6, 1.0]);
+                self.range(&what("the offset"), &mut slot.offset[i], [-1e6, 1e6, 0.0]);
+            }
+            self.range(&what("the rotation"), &mut slot.rotation_degrees, [-1e6, 1e6, 0.0]);
+            self.range(&what("the strength"), &mut slot.strength, [-1e6, 1e6, 1.0]);
+        }
+        for (key, slot) in material.maps.named_mut() {
+            if slot.take_if(|slot| slot.texture.is_none()).is_some() {
+                self.warnings
+                    .push(format!("the map {key} of the material \"{name}\" names no texture; it is left out"));
+            }
+        }
+    }
+
+    fn environment(&mut self, environment: &mut EnvironmentSettings) {
+        self.range("the rotation of the environment", &mut environment.rotation_degrees, [-1e6, 1e6, 0.0]);
+        self.range("the intensity of the environment", &mut environment.intensity, [0.0, 1e6, 1.0]);
+        if environment.spec.is_empty() {
+            environment.spec = EnvironmentSettings::default().spec;
+            self.warnings.push(format!("the environment names no map; \"{}\" is used", environment.spec));
+        }
+    }
+
+    fn view(&mut self, view: &mut ViewSettings) {
+        let default = ViewSettings::default();
+        self.range("the exposure", &mut view.post.exposure, [-32.0, 32.0, 0.0]);
+        self.range("the blur of the background", &mut view.blur_degrees, [0.0, 90.0, default.blur_degrees]);
+        for i in 0..3 {
+            let fallback = default.background_color[i];
+            self.range("the background color", &mut view.background_color[i], [0.0, 1e6, fallback]);
+        }
+        self.range("the illumination cut", &mut view.illum_cut, [1, 32_768, default.illum_cut]);
+        self.range("the number of samples a pixel", &mut view.aa, [1, 256, default.aa]);
+        self.range("the frame budget", &mut view.frame_budget_ms, [1.0, 10_000.0, default.frame_budget_ms]);
+    }
+
+    fn camera_is_usable(&mut self, camera: &mut SessionCamera, otherwise: &str) -> bool {
+        let name = camera.name.clone();
+        let axis = camera.target - camera.eye;
+        let usable = [camera.eye, camera.target, camera.up].iter().all(|v| v.is_finite())
+            && axis.is_finite()
+            && axis != Vec3::ZERO;
+        if !usable {
+            self.warnings.push(format!("the camera \"{name}\" looks nowhere; {otherwise}"));
+            return false;
+        }
+        if camera.up == Vec3::ZERO {
+            camera.up = Vec3::Y;
+        }
+        let what = format!("the field of view of the camera \"{name}\"");
+        self.range(&what, &mut camera.fov_y_degrees, [1.0, 170.0, 40.0]);
+        true
+    }
+}

@@ -1,0 +1,284 @@
+//! What a session file holds, as plain data: degrees instead of radians, textures by where they came from.
+
+use crate::document::{Document, EnvironmentSettings, ViewSettings};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    camera::Camera,
+    dataset::BakeSettings,
+    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    texture::{Channel, ColorSpace, TextureSlot},
+};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The parts of a document; paths are absolute in memory.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Session {
+    /// The scene file.
+    pub scene: Option<PathBuf>,
+    /// The dataset.
+    pub dataset: Option<PathBuf>,
+    /// In the order of the dataset.
+    pub materials: Vec<SessionMaterial>,
+    /// The light.
+    pub environment: EnvironmentSettings,
+    /// Where from; `None` for that of the dataset.
+    pub camera: Option<SessionCamera>,
+    /// Cameras to go back to.
+    pub bookmarks: Vec<SessionCamera>,
+    /// How the picture is made and shown.
+    pub view: ViewSettings,
+    /// What the next bake is made with.
+    pub bake: BakeSettings,
+}
+
+/// See [`Material`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionMaterial {
+    /// Name, by which the material is found again in another bake of the scene.
+    pub name: String,
+    /// Reflectance model.
+    pub model: BrdfModel,
+    /// Values that the maps multiply.
+    pub parameters: BrdfParameters,
+    /// Textures.
+    pub maps: SessionMaps,
+    /// Both sides reflect.
+    pub double_sided: bool,
+}
+
+/// See [`MaterialMaps`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[expect(missing_docs, reason = "the fields are those of MaterialMaps")]
+pub struct SessionMaps {
+    pub base_color: Option<SessionSlot>,
+    pub roughness: Option<SessionSlot>,
+    pub metalness: Option<SessionSlot>,
+    pub specular: Option<SessionSlot>,
+    pub normal: Option<SessionSlot>,
+    pub bump: Option<SessionSlot>,
+}
+
+/// See [`TextureSlot`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionSlot {
+    /// Which picture.
+    pub texture: Option<TextureSource>,
+    /// Colour space of 8-bit texels.
+    pub color_space: ColorSpace,
+    /// Component for scalar parameters.
+    pub channel: Channel,
+    /// Repetitions across the unit square.
+    pub scale: Vec2,
+    /// Added after scaling and rotating.
+    pub offset: Vec2,
+    /// Counter-clockwise rotation of the coordinates in degrees.
+    pub rotation_degrees: f64,
+    /// Scales normals and heights.
+    pub strength: f32,
+}
+
+/// Where a texture comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TextureSource {
+    /// A picture that was loaded.
+    File(PathBuf),
+    /// A texture that came with the scene and lies in the dataset.
+    Scene {
+        /// Among those of the scene.
+        index: u32,
+        /// Its name there, which decides if the index has another.
+        name: String,
+    },
+}
+
+/// See [`Camera`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[expect(missing_docs, reason = "the fields are those of Camera")]
+pub struct SessionCamera {
+    pub name: String,
+    pub eye: Vec3,
+    pub target: Vec3,
+    pub up: Vec3,
+    pub fov_y_degrees: f64,
+}
+
+impl Session {
+    /// The parts of `document`; no texels.
+    pub fn of(document: &Document) -> Self {
+        Self {
+            scene: document.scene.clone(),
+            dataset: document.dataset.clone(),
+            materials: document.materials.iter().map(|m| SessionMaterial::of(m, document)).collect(),
+            environment: document.environment.clone(),
+            camera: Some((&document.camera).into()),
+            bookmarks: document.bookmarks.iter().map(Into::into).collect(),
+            view: document.view.clone(),
+            bake: document.bake.clone(),
+        }
+    }
+
+    /// Calls `visit` with the kind and path of every file that the session names, to read or change it.
+    pub fn visit_paths(&mut self, visit: &mut dyn FnMut(&'static str, &mut PathBuf)) {
+        self.scene.iter_mut().for_each(|path| visit("scene", path));
+        self.dataset.iter_mut().for_each(|path| visit("dataset", path));
+        if let Some(mut path) = self.environment.file().map(PathBuf::from) {
+            visit("environment", &mut path);
+            self.environment.spec = path.to_string_lossy().into_owned();
+        }
+        for slot in self.materials.iter_mut().flat_map(|m| m.maps.slots_mut()) {
+            if let Some(TextureSource::File(path)) = &mut slot.texture {
+                visit("texture", path);
+            }
+        }
+    }
+}
+
+impl SessionMaterial {
+    fn of(material: &Material, document: &Document) -> Self {
+        let maps = &material.maps;
+        let slot = |slot: &Option<TextureSlot>| slot.as_ref().and_then(|s| SessionSlot::of(s, document));
+        Self {
+            name: material.name.clone(),
+            model: material.model,
+            parameters: material.parameters,
+            maps: SessionMaps {
+                base_color: slot(&maps.base_color),
+                roughness: slot(&maps.roughness),
+                metalness: slot(&maps.metalness),
+                specular: slot(&maps.specular),
+                normal: slot(&maps.normal),
+                bump: slot(&maps.bump),
+            },
+            double_sided: material.double_sided,
+        }
+    }
+
+    /// The material, with the textures that `index_of` finds.
+    pub(super) fn material(&self, mut index_of: impl FnMut(&TextureSource) -> u32) -> Material {
+        let maps = &self.maps;
+        let mut slot = |slot: &Option<SessionSlot>| {
+            let slot = slot.as_ref()?;
+            slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)))
+        };
+        Material {
+            name: self.name.clone(),
+            model: self.model,
+            parameters: self.parameters,
+            maps: MaterialMaps {
+                base_color: slot(&maps.base_color),
+                roughness: slot(&maps.roughness),
+                metalness: slot(&maps.metalness),
+                specular: slot(&maps.specular),
+                normal: slot(&maps.normal),
+                bump: slot(&maps.bump),
+            },
+            double_sided: self.double_sided,
+        }
+    }
+}
+
+impl SessionMaps {
+    /// All slots, by the key of the file.
+    pub(super) fn named_mut(&mut self) -> [(&'static str, &mut Option<SessionSlot>); 6] {
+        [
+            ("base_color", &mut self.base_color),
+            ("roughness", &mut self.roughness),
+            ("metalness", &mut self.metalness),
+            ("specular", &mut self.specular),
+            ("normal", &mut self.normal),
+            ("bump", &mut self.bump),
+        ]
+    }
+
+    /// All slots that are in use.
+    pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut SessionSlot> {
+        self.named_mut().into_iter().filter_map(|(_, slot)| slot.as_mut())
+    }
+}
+
+impl SessionSlot {
+    /// `None` if the document does not have the texture.
+    fn of(slot: &TextureSlot, document: &Document) -> Option<Self> {
+        let entry = document.textures.get(slot.texture as usize)?;
+        let source = match &entry.file {
+            Some(file) => TextureSource::File(file.clone()),
+            None => TextureSource::Scene { index: slot.texture, name: entry.texture.name.clone() },
+        };
+        Some(Self { texture: Some(source), ..slot.into() })
+    }
+
+    fn texture_slot(&self, texture: u32) -> TextureSlot {
+        TextureSlot {
+            texture,
+            color_space: self.color_space,
+            channel: self.channel,
+            scale: self.scale,
+            offset: self.offset,
+            rotation: self.rotation_degrees.to_radians() as f32,
+            strength: self.strength,
+        }
+    }
+}
+
+/// All but the texture.
+impl From<&TextureSlot> for SessionSlot {
+    fn from(slot: &TextureSlot) -> Self {
+        Self {
+            texture: None,
+            color_space: slot.color_space,
+            channel: slot.channel,
+            scale: slot.scale,
+            offset: slot.offset,
+            rotation_degrees: degrees(slot.rotation),
+            strength: slot.strength,
+        }
+    }
+}
+
+impl Default for SessionSlot {
+    fn default() -> Self {
+        (&TextureSlot::default()).into()
+    }
+}
+
+impl From<&Camera> for SessionCamera {
+    fn from(camera: &Camera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            eye: camera.eye,
+            target: camera.target,
+            up: camera.up,
+            fov_y_degrees: degrees(camera.fov_y),
+        }
+    }
+}
+
+impl From<&SessionCamera> for Camera {
+    fn from(camera: &SessionCamera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            eye: camera.eye,
+            target: camera.target,
+            up: camera.up,
+            fov_y: camera.fov_y_degrees.to_radians() as f32,
+        }
+    }
+}
+
+impl Default for SessionCamera {
+    fn default() -> Self {
+        (&Document::empty().camera).into()
+    }
+}
+
+/// Degrees that come back as exactly the same radians: short ones if they do.
+fn degrees(radians: f32) -> f64 {
+    let short = f64::from(radians.to_degrees());
+    if short.to_radians() as f32 == radians { short } else { f64::from(radians).to_degrees() }
+}

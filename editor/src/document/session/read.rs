@@ -1,0 +1,164 @@
+//! Reading of a session file.
+
+use super::{
+    Session, SessionCamera, SessionError, SessionMaterial, SessionSlot, Unknown, VERSION, VERSION_KEY, checks,
+    lenient::{read_leniently, refusal},
+};
+use crate::document::{
+    autosave,
+    relative::{folder_of, resolve},
+};
+use lapidary_precompute::Preset;
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// More than this is no session: a material takes about 2 kB.
+const MAX_BYTES: u64 = 64 << 20;
+
+/// A session as read, before its files are opened.
+#[derive(Clone, Debug)]
+pub struct LoadedSession {
+    /// Its parts; paths are absolute.
+    pub session: Session,
+    /// Files that it names and that are not there, each once.
+    pub missing: Vec<MissingFile>,
+    /// What was replaced or left out, in sentences.
+    pub warnings: Vec<String>,
+    /// What this version does not know, for writing back.
+    pub unknown: Unknown,
+}
+
+/// A file that is not where a session says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingFile {
+    /// `scene`, `dataset`, `environment` or `texture`.
+    pub what: &'static str,
+    /// Where it should be.
+    pub path: PathBuf,
+}
+
+/// Reads the session in a file.
+///
+/// # Errors
+/// A file that cannot be read, is no session, or was written by a newer version.
+pub fn load(path: &Path) -> Result<LoadedSession, SessionError> {
+    let root = read_json(path)?;
+    let mut reader = Reader::default();
+    let mut session = reader.session(&root);
+    checks::sanitize(&mut session, &mut reader.warnings);
+    let folder = folder_of(path);
+    session.visit_paths(&mut |_, path| *path = resolve(path, &folder));
+    let missing = missing_files(&mut session);
+    Ok(LoadedSession { session, missing, warnings: reader.warnings, unknown: Unknown(reader.unknown) })
+}
+
+/// The top-level object of a session file of a version that can be read.
+pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
+    let io_error = |source| SessionError::Io { action: "read", path: path.into(), source };
+    let bytes = std::fs::metadata(path).map_err(io_error)?.len();
+    if bytes > MAX_BYTES {
+        return Err(SessionError::TooLarge { path: path.into(), bytes, limit: MAX_BYTES });
+    }
+    let text = std::fs::read(path).map_err(io_error)?;
+    // Some text editors put a byte order mark first.
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
+    let root = serde_json::from_slice(text).map_err(|source| SessionError::Damaged { path: path.into(), source })?;
+    let Value::Object(root) = root else { return Err(SessionError::Foreign { path: path.into() }) };
+    match root.get(VERSION_KEY).and_then(Value::as_u64) {
+        Some(found) if found > VERSION => Err(SessionError::Newer { path: path.into(), found }),
+        Some(1..) => Ok(root),
+        _ => Err(SessionError::Foreign { path: path.into() }),
+    }
+}
+
+/// Files that the session names and that are not there.
+fn missing_files(session: &mut Session) -> Vec<MissingFile> {
+    let mut missing: Vec<MissingFile> = Vec::new();
+    session.visit_paths(&mut |what, path| {
+        if !path.is_file() && !missing.iter().any(|m| m.path == *path) {
+            missing.push(MissingFile { what, path: path.clone() });
+        }
+    });
+    missing
+}
+
+#[derive(Default)]
+struct Reader {
+    warnings: Vec<String>,
+    unknown: Map<String, Value>,
+}
+
+impl Reader {
+    fn session(&mut self, root: &Map<String, Value>) -> Session {
+        let session = Session {
+            scene: self.path(root, "scene"),
+            dataset: self.path(root, "dataset"),
+            materials: self.list(root, "materials", material_template),
+            environment: self.part(root, "environment", Default::default()),
+            camera: root.get("camera").map(|_| self.part(root, "camera", SessionCamera::default())),
+            bookmarks: self.list(root, "bookmarks", |_| SessionCamera::default()),
+            view: self.part(root, "view", Default::default()),
+            bake: self.part(root, "bake", Preset::Normal.settings()),
+        };
+        let known = serde_json::to_value(&session).expect("paths of JSON are text");
+        let unknown = |key: &str| known.get(key).is_none() && key != VERSION_KEY && key != autosave::KEY;
+        self.unknown.extend(root.iter().filter(|(key, _)| unknown(key)).map(|(k, v)| (k.clone(), v.clone())));
+        session
+    }
+
+    fn path(&mut self, root: &Map<String, Value>, key: &str) -> Option<PathBuf> {
+        match root.get(key)? {
+            Value::Null => None,
+            Value::String(path) => Some(path.into()),
+            other => {
+                self.warnings.push(refusal(key, other));
+                None
+            }
+        }
+    }
+
+    fn part<T: Serialize + DeserializeOwned>(&mut self, root: &Map<String, Value>, key: &str, template: T) -> T {
+        let Some(given) = root.get(key) else { return template };
+        let (part, unknown) = read_leniently(given, template, key, &mut self.warnings);
+        if !unknown.is_empty() {
+            self.unknown.insert(key.into(), unknown.into());
+        }
+        part
+    }
+
+    /// Entries with unknown keys keep their names beside them, by which they are found when these are written back.
+    fn list<T: Serialize + DeserializeOwned>(
+        &mut self,
+        root: &Map<String, Value>,
+        key: &str,
+        template: impl Fn(&Value) -> T,
+    ) -> Vec<T> {
+        let Some(given) = root.get(key) else { return Vec::new() };
+        let Value::Array(given) = given else {
+            self.warnings.push(refusal(key, given));
+            return Vec::new();
+        };
+        let (mut read, mut unknown) = (Vec::new(), Vec::new());
+        for (i, entry) in given.iter().enumerate() {
+            let (part, mut kept) = read_leniently(entry, template(entry), &format!("{key}[{i}]"), &mut self.warnings);
+            read.push(part);
+            kept.insert("name".into(), entry.get("name").cloned().unwrap_or_default());
+            unknown.push(Value::from(kept));
+        }
+        if unknown.iter().any(|kept| kept.as_object().is_some_and(|kept| kept.len() > 1)) {
+            self.unknown.insert(key.into(), unknown.into());
+        }
+        read
+    }
+}
+
+/// A material with slots where `given` has some, so that their values are read one by one as well.
+fn material_template(given: &Value) -> SessionMaterial {
+    let mut template = SessionMaterial::default();
+    for (key, slot) in template.maps.named_mut() {
+        let has = given.get("maps").and_then(|maps| maps.get(key)).is_some_and(Value::is_object);
+        *slot = has.then(SessionSlot::default);
+    }
+    template
+}

@@ -1,0 +1,205 @@
+//! From a session and the dataset that it names to a document.
+
+use super::{LoadedSession, Session, SessionMaterial, TextureSource};
+use crate::document::{Document, TextureEntry};
+use lapidary_core::{dataset::Dataset, material::Material, texture::Texture};
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
+
+/// Scene textures that are stood in for when there is no dataset; a file may name any number.
+const MAX_STAND_INS: u32 = 10_000;
+
+impl LoadedSession {
+    /// The document, and what was remarked on loading and now. Pictures are read here, so this takes a while.
+    ///
+    /// Without a dataset the materials are those of the session. With one they are its own, each with the session's
+    /// values if that has a material of the same name, or, if no other has the name, in the same place.
+    pub fn into_document(self, dataset: Option<&Dataset>) -> (Document, Vec<String>) {
+        let Self { mut session, mut warnings, .. } = self;
+        let mut document = match dataset {
+            Some(dataset) => Document::of_dataset(dataset, PathBuf::new(), None),
+            None => Document::empty(),
+        };
+        let mut textures = Textures::new(document.textures, &mut session, dataset.is_some(), &mut warnings);
+        document.materials = match dataset {
+            Some(_) => merged_materials(&document.materials, &session.materials, &mut textures),
+            None => session.materials.iter().map(|m| m.material(|source| textures.index_of(source))).collect(),
+        };
+        document.textures = textures.entries;
+        document.scene = session.scene;
+        document.dataset = session.dataset;
+        document.environment = session.environment;
+        if let Some(camera) = &session.camera {
+            document.camera = camera.into();
+        }
+        document.bookmarks = session.bookmarks.iter().map(Into::into).collect();
+        document.view = session.view;
+        document.bake = session.bake;
+        (document, warnings)
+    }
+}
+
+fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mut Textures) -> Vec<Material> {
+    let places = match_materials(own, session);
+    warn_of_differences(own, session, &places, textures.warnings);
+    let merge = |(own, place): (&Material, &Option<usize>)| match place {
+        // Which sides reflect was baked.
+        Some(i) => {
+            Material { double_sided: own.double_sided, ..session[*i].material(|source| textures.index_of(source)) }
+        }
+        None => own.clone(),
+    };
+    own.iter().zip(&places).map(merge).collect()
+}
+
+/// For each material of the dataset the one of the session: of the same name, first in the same place; or, in lists of
+/// the same length, what is left in the same place, since artists rename materials.
+fn match_materials(own: &[Material], session: &[SessionMaterial]) -> Vec<Option<usize>> {
+    let mut places = vec![None; own.len()];
+    let mut free = vec![true; session.len()];
+    let mut take = |i: usize, found: Option<usize>, places: &mut Vec<Option<usize>>| {
+        if let Some(found) = found.filter(|&j| places[i].is_none() && std::mem::take(&mut free[j])) {
+            places[i] = Some(found);
+        }
+    };
+    for (i, material) in own.iter().enumerate() {
+        let same = session.get(i).is_some_and(|s| s.name == material.name);
+        take(i, same.then_some(i), &mut places);
+    }
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (j, material) in session.iter().enumerate().rev().filter(|(j, _)| places.get(*j) != Some(&Some(*j))) {
+        by_name.entry(&material.name).or_default().push(j);
+    }
+    for (i, material) in own.iter().enumerate() {
+        if places[i].is_none() {
+            take(i, by_name.get_mut(material.name.as_str()).and_then(Vec::pop), &mut places);
+        }
+    }
+    if own.len() == session.len() {
+        (0..own.len()).for_each(|i| take(i, Some(i), &mut places));
+    }
+    places
+}
+
+fn warn_of_differences(
+    own: &[Material],
+    session: &[SessionMaterial],
+    places: &[Option<usize>],
+    warnings: &mut Vec<String>,
+) {
+    let quoted = |names: Vec<&str>| names.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
+    let used = |j: usize| places.contains(&Some(j));
+    let lost: Vec<&str> = (0..session.len()).filter(|&j| !used(j)).map(|j| session[j].name.as_str()).collect();
+    if !lost.is_empty() {
+        warnings.push(format!(
+            "the dataset has no materials {}, so their edits are left out; save under another name to keep the session as \
+             it was",
+            quoted(lost)
+        ));
+    }
+    let new: Vec<&str> = own.iter().zip(places).filter(|(_, p)| p.is_none()).map(|(m, _)| m.name.as_str()).collect();
+    if !new.is_empty() {
+        warnings.push(format!("the session has no materials {}; they are as in the dataset", quoted(new)));
+    }
+    let same_names = own.iter().zip(places).any(|(m, p)| p.is_some_and(|j| session[j].name == m.name));
+    if !same_names && places.iter().any(Option::is_some) {
+        warnings.push(
+            "no material of the dataset has the name of one in the session, so they were matched by their order; check \
+             that this is the dataset of the session"
+                .into(),
+        );
+    }
+}
+
+/// The textures of the document so far.
+struct Textures<'a> {
+    entries: Vec<TextureEntry>,
+    /// How many came with the scene.
+    of_scene: usize,
+    by_file: HashMap<PathBuf, u32>,
+    stand_ins: HashMap<String, u32>,
+    /// Whether the scene's textures are known, so that one that is not there is worth a warning.
+    scene_known: bool,
+    warnings: &'a mut Vec<String>,
+}
+
+impl<'a> Textures<'a> {
+    /// With the textures of the scene; where they are not known, with stand-ins at the indices that the session names,
+    /// so that saving it again writes the same.
+    fn new(
+        of_scene: Vec<TextureEntry>,
+        session: &mut Session,
+        scene_known: bool,
+        warnings: &'a mut Vec<String>,
+    ) -> Self {
+        let mut entries = of_scene;
+        if !scene_known {
+            for slot in session.materials.iter_mut().flat_map(|m| m.maps.slots_mut()) {
+                let Some(TextureSource::Scene { index, name }) = &slot.texture else { continue };
+                if *index < MAX_STAND_INS {
+                    let length = entries.len().max(*index as usize + 1);
+                    entries.resize_with(length, || stand_in("", None));
+                    entries[*index as usize] = stand_in(name, None);
+                }
+            }
+        }
+        let of_scene = entries.len();
+        Self { entries, of_scene, by_file: HashMap::new(), stand_ins: HashMap::new(), scene_known, warnings }
+    }
+
+    fn index_of(&mut self, source: &TextureSource) -> u32 {
+        match source {
+            TextureSource::File(file) => self.file(file),
+            TextureSource::Scene { index, name } => self.scene(*index as usize, name),
+        }
+    }
+
+    fn file(&mut self, file: &Path) -> u32 {
+        if let Some(&index) = self.by_file.get(file) {
+            return index;
+        }
+        let entry = match Texture::read(file) {
+            Ok(texture) => TextureEntry { texture: texture.into(), file: Some(file.into()) },
+            Err(error) => {
+                self.warnings.push(format!("a texture is replaced by a magenta chequerboard: {error}"));
+                let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+                stand_in(&name, Some(file))
+            }
+        };
+        let index = self.push(entry);
+        self.by_file.insert(file.into(), index);
+        index
+    }
+
+    fn scene(&mut self, index: usize, name: &str) -> u32 {
+        let of_scene = &self.entries[..self.of_scene];
+        let has_name = |entry: &TextureEntry| entry.texture.name == name;
+        let same = of_scene.get(index).is_some_and(has_name).then_some(index);
+        if let Some(found) = same.or_else(|| of_scene.iter().position(has_name)) {
+            return found as u32;
+        }
+        if let Some(&index) = self.stand_ins.get(name) {
+            return index;
+        }
+        if self.scene_known {
+            self.warnings.push(format!(
+                "the scene has no texture \"{name}\", it is replaced by a magenta chequerboard; bake the scene again or \
+                 choose another picture"
+            ));
+        }
+        let index = self.push(stand_in(name, None));
+        self.stand_ins.insert(name.into(), index);
+        index
+    }
+
+    fn push(&mut self, entry: TextureEntry) -> u32 {
+        self.entries.push(entry);
+        (self.entries.len() - 1) as u32
+    }
+}
+
+fn stand_in(name: &str, file: Option<&Path>) -> TextureEntry {
+    TextureEntry { texture: Texture::missing(name).into(), file: file.map(Into::into) }
+}

@@ -1,0 +1,397 @@
+//! A session survives the disk, moves, other versions and other datasets; damage is refused or said.
+
+use super::*;
+use crate::document::{
+    BackgroundKind, Document, EnvironmentSettings, TextureEntry, ViewSettings,
+    test_data::{camera, dataset, write_picture},
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    dataset::{BakeSettings, Dataset},
+    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    texture::{Channel, ColorSpace, Texture, TextureSlot},
+};
+use lapidary_render::{Post, ToneMap};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// A folder with a scene, its dataset, an environment and a picture, and a place for sessions.
+struct Project {
+    folder: tempfile::TempDir,
+    dataset: Dataset,
+}
+
+impl Project {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["sessions", "maps"] {
+            std::fs::create_dir(folder.path().join(name)).unwrap();
+        }
+        for name in ["a.gltf", "a.cuts", "maps/room.hdr"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        write_picture(&folder.path().join("maps/linen.png"));
+        Self { folder, dataset: dataset(&["glaze", "cloth", "wood"], &["own.png", "own.png", "grain.png"]) }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn file(&self) -> PathBuf {
+        self.path("sessions/evening.lapidary")
+    }
+
+    /// Nothing in it is as by default.
+    fn document(&self) -> Document {
+        let mut document = Document::of_dataset(&self.dataset, self.path("a.cuts"), Some(self.path("a.gltf")));
+        let picture = self.path("maps/linen.png");
+        let texture = Texture::read(&picture).unwrap().into();
+        document.textures.push(TextureEntry { texture, file: Some(picture) });
+        document.materials[1] = Material {
+            name: "cloth".into(),
+            model: BrdfModel::Ward,
+            parameters: BrdfParameters { base_color: Vec3::new(0.8, 0.1, 0.3), roughness: 0.35, ..Default::default() },
+            maps: MaterialMaps {
+                base_color: Some(TextureSlot { color_space: ColorSpace::Srgb, ..slot(3) }),
+                bump: Some(TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
+                ..Default::default()
+            },
+            double_sided: false,
+        };
+        document.environment = EnvironmentSettings {
+            spec: self.path("maps/room.hdr").to_string_lossy().into_owned(),
+            rotation_degrees: 12.5,
+            intensity: 0.7,
+            orientation: crate::document::Orientation::Blender,
+        };
+        document.camera = camera("");
+        document.bookmarks = vec![camera("front"), camera("back")];
+        document.view = ViewSettings {
+            post: Post { exposure: -0.3, tone_map: ToneMap::AgX },
+            background: BackgroundKind::Blurred,
+            illum_cut: 400,
+            ..Default::default()
+        };
+        document.bake = BakeSettings { max_bytes: Some(1 << 30), beta: 0.3, ..document.bake };
+        document
+    }
+
+    /// Saves and reads back.
+    fn reloaded(&self, document: &Document) -> LoadedSession {
+        save(document, &Unknown::default(), &self.file()).unwrap();
+        load(&self.file()).unwrap()
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&std::fs::read(self.file()).unwrap()).unwrap()
+    }
+
+    /// Reads the saved document after `change` of its file.
+    fn changed(&self, change: impl FnOnce(&mut Value)) -> LoadedSession {
+        save(&self.document(), &Unknown::default(), &self.file()).unwrap();
+        let mut json = self.json();
+        change(&mut json);
+        std::fs::write(self.file(), json.to_string()).unwrap();
+        load(&self.file()).unwrap()
+    }
+
+    fn error(&self, text: &[u8]) -> SessionError {
+        std::fs::write(self.file(), text).unwrap();
+        load(&self.file()).unwrap_err()
+    }
+}
+
+fn slot(texture: u32) -> TextureSlot {
+    TextureSlot { texture, scale: Vec2::new(2.0, 3.0), ..Default::default() }
+}
+
+fn assert_same(a: &Document, b: &Document) {
+    assert_eq!((&a.scene, &a.dataset), (&b.scene, &b.dataset));
+    assert_eq!(a.materials, b.materials);
+    assert_eq!((&a.environment, &a.view, &a.bake), (&b.environment, &b.view, &b.bake));
+    assert_eq!((&a.camera, &a.bookmarks), (&b.camera, &b.bookmarks));
+    let files = |d: &Document| d.textures.iter().map(|t| (t.texture.name.clone(), t.file.clone())).collect::<Vec<_>>();
+    assert_eq!(files(a), files(b));
+}
+
+#[test]
+fn everything_survives_the_disk() {
+    let project = Project::new();
+    let document = project.document();
+    let loaded = project.reloaded(&document);
+    assert_eq!((&loaded.missing, &loaded.unknown), (&Vec::new(), &Unknown::default()));
+    let (read, warnings) = loaded.into_document(Some(&project.dataset));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_same(&read, &document);
+    let mut other = document.clone();
+    other.materials[1].parameters.roughness += 1e-6;
+    assert_ne!(read.materials, other.materials);
+}
+
+#[test]
+fn the_file_has_relative_paths_degrees_and_short_numbers() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let json = project.json();
+    assert_eq!((&json["lapidary_session"], &json["scene"]), (&json!(1), &json!("../a.gltf")));
+    assert_eq!(json["environment"]["spec"], "../maps/room.hdr");
+    assert_eq!(json["camera"]["fov_y_degrees"], 35.0);
+    let maps = &json["materials"][1]["maps"];
+    assert_eq!(maps["base_color"]["texture"], json!({"file": "../maps/linen.png"}));
+    assert_eq!(maps["bump"]["texture"], json!({"scene": {"index": 1, "name": "own.png"}}));
+    assert_eq!(json["materials"][1]["parameters"]["base_color"], json!([0.8, 0.1, 0.3]));
+    assert!(!json.to_string().contains(&*project.folder.path().to_string_lossy()));
+}
+
+#[test]
+fn a_project_can_move_as_a_whole() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let moved = tempfile::tempdir().unwrap();
+    let target = moved.path().join("moved");
+    std::fs::rename(project.folder.path(), &target).unwrap();
+    let loaded = load(&target.join("sessions/evening.lapidary")).unwrap();
+    assert_eq!(loaded.missing, []);
+    assert_eq!(loaded.session.scene, Some(target.join("a.gltf")));
+}
+
+#[test]
+fn what_later_versions_add_is_written_back() {
+    let project = Project::new();
+    let loaded = project.changed(|json| {
+        json["lights"] = json!([{"kind": "spot"}]);
+        json["environment"]["sun"] = json!({"size": 1});
+        json["view"]["post"]["grain"] = json!(0.1);
+        json["materials"][1]["parameters"]["sheen"] = json!(0.5);
+        json["materials"][1]["maps"]["bump"]["blur"] = json!(2);
+        json["bake"]["bounces"] = json!(3);
+        json["bookmarks"][1]["f_stop"] = json!(8);
+    });
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    let unknown = loaded.unknown.clone();
+    let (mut document, _) = loaded.into_document(Some(&project.dataset));
+    document.bookmarks.remove(0);
+    save(&document, &unknown, &project.file()).unwrap();
+    let json = project.json();
+    assert_eq!(json["lights"], json!([{"kind": "spot"}]));
+    assert_eq!(json["environment"]["sun"], json!({"size": 1}));
+    assert_eq!(json["view"]["post"]["grain"], 0.1);
+    assert_eq!(json["materials"][1]["parameters"]["sheen"], 0.5);
+    assert_eq!(json["materials"][1]["maps"]["bump"]["blur"], 2);
+    assert_eq!(json["bake"]["bounces"], 3);
+    assert_eq!(json["bookmarks"][0]["f_stop"], 8);
+    assert_eq!(json["materials"][0].get("sheen"), None);
+}
+
+#[test]
+fn newer_foreign_and_damaged_files_are_told_apart() {
+    let project = Project::new();
+    let newer = project.error(br#"{"lapidary_session": 7}"#).to_string();
+    assert!(newer.contains("version 7") && newer.contains("up to 1"), "{newer}");
+    for text in ["[]", "{}", r#"{"lapidary_session": "1"}"#, r#"{"lapidary_session": 0}"#] {
+        assert!(matches!(project.error(text.as_bytes()), SessionError::Foreign { .. }), "{text}");
+    }
+    let damaged = project.error(b"{\"lapidary_session\": 1,\n \"scene\": NaN}").to_string();
+    assert!(damaged.contains("line 2 column 1"), "{damaged}");
+    let deep = "[".repeat(100_000);
+    assert!(matches!(project.error(deep.as_bytes()), SessionError::Damaged { .. }));
+    std::fs::File::create(project.file()).unwrap().set_len(65 << 20).unwrap();
+    assert!(load(&project.file()).unwrap_err().to_string().contains("65 MB"));
+    assert!(matches!(load(&project.path("none.lapidary")), Err(SessionError::Io { action: "read", .. })));
+}
+
+#[test]
+fn a_truncated_file_is_refused_at_every_length_and_a_byte_order_mark_is_not_minded() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let text = std::fs::read(project.file()).unwrap();
+    for length in (0..text.trim_ascii_end().len()).step_by(61) {
+        assert!(matches!(project.error(&text[..length]), SessionError::Damaged { .. }), "length {length}");
+    }
+    std::fs::write(project.file(), [b"\xef\xbb\xbf", text.as_slice()].concat()).unwrap();
+    assert!(load(&project.file()).is_ok());
+}
+
+#[test]
+fn values_out_of_range_are_replaced_with_a_warning_each() {
+    let project = Project::new();
+    let loaded = project.changed(|json| {
+        json["materials"][1]["parameters"]["roughness"] = json!(-4);
+        json["materials"][1]["maps"]["bump"]["scale"] = json!([1e39, 2]);
+        json["environment"]["intensity"] = json!(-1);
+        json["environment"]["rotation_degrees"] = json!(null);
+        json["view"]["aa"] = json!(0);
+        json["view"]["illum_cut"] = json!(1_000_000);
+        json["view"]["post"]["exposure"] = json!("bright");
+        json["camera"]["target"] = json["camera"]["eye"].clone();
+        json["bookmarks"][0]["fov_y_degrees"] = json!(500);
+        json["bake"]["beta"] = json!(9);
+        json["scene"] = json!(5);
+    });
+    assert_eq!(loaded.warnings.len(), 11, "{:#?}", loaded.warnings);
+    assert_eq!(loaded.session.camera, None);
+    let (document, _) = loaded.into_document(Some(&project.dataset));
+    let cloth = &document.materials[1];
+    assert_eq!(cloth.parameters.roughness, 0.0);
+    assert_eq!(cloth.maps.bump.as_ref().unwrap().scale, Vec2::new(1e6, 2.0));
+    assert_eq!((document.environment.intensity, document.environment.rotation_degrees), (0.0, 0.0));
+    assert_eq!((document.view.aa, document.view.illum_cut, document.view.post.exposure), (1, 32_768, 0.0));
+    assert!((document.bookmarks[0].fov_y.to_degrees() - 170.0).abs() < 1e-3);
+    assert_eq!((document.bake.beta, document.scene), (0.5, None));
+}
+
+#[test]
+fn no_value_in_any_place_panics() {
+    fn places(value: &Value, at: String, all: &mut Vec<String>) {
+        match value {
+            Value::Object(object) => object.iter().for_each(|(key, v)| places(v, format!("{at}/{key}"), all)),
+            Value::Array(array) => array.iter().enumerate().for_each(|(i, v)| places(v, format!("{at}/{i}"), all)),
+            _ => {}
+        }
+        all.push(at);
+    }
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let (original, mut all) = (project.json(), Vec::new());
+    places(&original, String::new(), &mut all);
+    assert!(all.len() > 100);
+    for (i, place) in all.iter().enumerate() {
+        let odd = [json!(null), json!(-1e300), json!("\0"), json!([1, [2]]), json!({"x": {}}), json!(u64::MAX)];
+        let mut changed = original.clone();
+        *changed.pointer_mut(place).unwrap() = odd[i % odd.len()].clone();
+        std::fs::write(project.file(), changed.to_string()).unwrap();
+        if let Ok(loaded) = load(&project.file()) {
+            let dataset = (i % 2 == 0).then_some(&project.dataset);
+            let document = loaded.into_document(dataset).0;
+            document.materials.iter().flat_map(|m| m.maps.slots()).for_each(|slot| {
+                assert!((slot.texture as usize) < document.textures.len(), "{place}");
+            });
+        }
+    }
+}
+
+#[test]
+fn a_missing_texture_is_shown_said_and_not_lost() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    std::fs::remove_file(project.path("maps/linen.png")).unwrap();
+    let loaded = load(&project.file()).unwrap();
+    assert_eq!(loaded.missing, [MissingFile { what: "texture", path: project.path("maps/linen.png") }]);
+    let (document, warnings) = loaded.into_document(Some(&project.dataset));
+    assert!(warnings.len() == 1 && warnings[0].contains("linen.png"), "{warnings:?}");
+    assert_eq!(document.textures[3].texture.texels, Texture::missing("").texels);
+    let again = project.reloaded(&document);
+    assert_eq!(again.missing.len(), 1, "saving again keeps the path");
+}
+
+#[test]
+fn files_that_moved_are_found_by_name() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    for name in ["new/maps", "new/old maps", "new/a/b/c/d/e"] {
+        std::fs::create_dir_all(project.path(name)).unwrap();
+    }
+    std::fs::copy(project.path("maps/linen.png"), project.path("new/old maps/linen.png")).unwrap();
+    std::fs::rename(project.path("maps/linen.png"), project.path("new/maps/Linen.PNG")).unwrap();
+    std::fs::rename(project.path("maps/room.hdr"), project.path("new/old maps/room.hdr")).unwrap();
+    std::fs::rename(project.path("a.gltf"), project.path("new/a/b/c/d/e/a.gltf")).unwrap();
+    let mut loaded = load(&project.file()).unwrap();
+    assert_eq!(loaded.missing.iter().map(|m| m.what).collect::<Vec<_>>(), ["scene", "environment", "texture"]);
+    assert_eq!(loaded.relink(&project.path("sessions")), 0);
+    assert_eq!(loaded.relink(&project.path("new")), 2);
+    assert_eq!(loaded.missing, [MissingFile { what: "scene", path: project.path("a.gltf") }], "too deep");
+    let (document, warnings) = loaded.into_document(Some(&project.dataset));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(document.textures[3].file, Some(project.path("new/maps/Linen.PNG")), "the folder decides");
+    assert_eq!(document.environment.file(), Some(&*project.path("new/old maps/room.hdr")));
+}
+
+#[test]
+fn names_of_another_system_are_found_too() {
+    let project = Project::new();
+    let mut loaded = project.changed(|json| json["scene"] = json!("C:\\work\\a.gltf"));
+    assert_eq!(loaded.missing.len(), 1);
+    assert_eq!(loaded.relink(project.folder.path()), 1);
+    assert_eq!(loaded.session.scene, Some(project.path("a.gltf")));
+}
+
+#[test]
+fn without_its_dataset_a_session_loses_nothing() {
+    let project = Project::new();
+    let document = project.document();
+    let (read, warnings) = project.reloaded(&document).into_document(None);
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(read.materials[1].name, "cloth");
+    project.reloaded(&read);
+    let (back, warnings) = load(&project.file()).unwrap().into_document(Some(&project.dataset));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_same(&back, &document);
+}
+
+#[test]
+fn materials_are_found_by_name_in_another_bake_and_the_rest_is_said() {
+    let project = Project::new();
+    let session = project.reloaded(&project.document());
+    let other = dataset(&["new", "glaze", "stone", "cloth"], &["grain.png"]);
+    let (document, warnings) = session.into_document(Some(&other));
+    let roughness: Vec<f32> = document.materials.iter().map(|m| m.parameters.roughness).collect();
+    assert_eq!(roughness, [0.5, 0.5, 0.5, 0.35]);
+    assert_eq!(document.materials.iter().map(|m| &*m.name).collect::<Vec<_>>(), ["new", "glaze", "stone", "cloth"]);
+    let said = warnings.join("\n");
+    for part in ["no materials \"wood\"", "no materials \"new\", \"stone\"", "no texture \"own.png\""] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert_eq!(warnings.len(), 3);
+}
+
+#[test]
+fn renamed_materials_keep_their_place() {
+    let project = Project::new();
+    let mut document = project.document();
+    document.materials[1].name = "velvet".into();
+    let session = project.reloaded(&document);
+    let (read, warnings) = session.clone().into_document(Some(&project.dataset));
+    assert_eq!((read.materials[1].name.as_str(), warnings.len()), ("velvet", 0));
+    let (_, warnings) = session.into_document(Some(&dataset(&["x", "y", "z"], &["own.png", "own.png"])));
+    assert!(warnings.len() == 1 && warnings[0].contains("by their order"), "{warnings:?}");
+}
+
+#[test]
+fn a_failed_write_keeps_the_old_file_and_says_what_to_do() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let before = std::fs::read(project.file()).unwrap();
+    let below_a_file = project.file().join("x.lapidary");
+    let error = save(&project.document(), &Unknown::default(), &below_a_file).unwrap_err().to_string();
+    assert!(error.contains("permissions") && error.ends_with("x.lapidary)"), "{error}");
+    assert_eq!(std::fs::read(project.file()).unwrap(), before);
+}
+
+#[test]
+fn an_empty_session_is_an_empty_document() {
+    let project = Project::new();
+    std::fs::write(project.file(), br#"{"lapidary_session": 1}"#).unwrap();
+    let loaded = load(&project.file()).unwrap();
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    assert_same(&loaded.into_document(None).0, &Document::empty());
+}
+
+#[test]
+fn angles_come_back_to_the_bit() {
+    for i in 0..20_000 {
+        let radians = f32::from_bits(0x3c00_0000 + i * 1999);
+        let slot = TextureSlot { rotation: radians, ..Default::default() };
+        let degrees = SessionSlot::from(&slot).rotation_degrees;
+        assert_eq!(degrees.to_radians() as f32, radians);
+    }
+    let forty = SessionSlot::from(&TextureSlot { rotation: 40f32.to_radians(), ..Default::default() });
+    assert_eq!(forty.rotation_degrees, 40.0);
+}
+
+#[test]
+fn paths_to_nowhere_in_particular_are_missing_and_no_more() {
+    let project = Project::new();
+    let loaded = project.changed(|json| json["dataset"] = json!("/../..//\0"));
+    assert!(loaded.missing.iter().any(|m| m.what == "dataset"));
+}
