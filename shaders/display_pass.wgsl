@@ -28,11 +28,12 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(position.xy);
     let total = textureLoad(sum, pixel, 0) * display.inv_samples;
     let wire = textureLoad(work, pixel, 0).z * display.inv_samples;
-    let covered = display.transparent == 0u;
-    // Coverage weights the colour of a transparent picture, which is not premultiplied.
-    let coverage = select(total.w, 1.0, covered);
-    let value = select(total.xyz / max(coverage, 1e-6), total.xyz, covered);
-    let shown = mix(display_value(value), WIRE_COLOR, wire);
+    // Nothing else may show through where a picture has no coverage, so the mean is over what is covered.
+    let coverage = select(1.0, total.w, display.transparent != 0u);
+    if !(coverage > 0.0) {
+        return vec4(0.0);
+    }
+    let shown = mix(display_value(total.xyz / coverage), LINE_COLOR, LINE_OPACITY * wire / coverage);
     return vec4(shown, coverage);
 }
 
@@ -53,7 +54,8 @@ fn display_value(value: vec3<f32>) -> vec3<f32> {
     return saturate(value);
 }
 
-const WIRE_COLOR: vec3<f32> = vec3<f32>(0.05, 0.05, 0.06);
+const LINE_OPACITY: f32 = 0.7;
+const LINE_COLOR: vec3<f32> = vec3<f32>(0.10, 0.75, 0.95);
 
 fn magma(x: f32) -> vec3<f32> {
     let position = saturate(x) * 15.0;

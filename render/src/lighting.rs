@@ -36,6 +36,8 @@ pub struct SceneLighting {
     pub cones: Arc<NodeCones>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
+    /// Most nodes that the illumination cut was allowed.
+    pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
     pub leaf_solid_angle: f32,
 }
@@ -45,7 +47,7 @@ impl SceneLighting {
     fn new(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         let nodes = Lighting::new(tree, leaf_radiance);
         let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
-        Self { nodes, cones, cut, leaf_solid_angle: tree.leaf_solid_angle() }
+        Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
     }
 }
 

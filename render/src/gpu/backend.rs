@@ -375,7 +375,7 @@ impl Backend for GpuBackend {
         self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
         let groups = self.groups(self.loaded(), &light, &map, self.targets());
-        let count_top = view.mode.count_top(light.cut_len);
+        let count_top = view.mode.count_top(light.max_nodes);
         let offsets = view.pixel_offsets();
         self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, samples: 0 });
         self.submit(|s, encoder| s.clear_sums(encoder))

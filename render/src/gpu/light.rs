@@ -16,8 +16,8 @@ pub struct GpuLight {
     pub nodes: wgpu::Buffer,
     pub tan_half_radius: wgpu::Buffer,
     pub cut: wgpu::TextureView,
-    /// Nodes of the illumination cut.
-    pub cut_len: u32,
+    /// Most nodes that the illumination cut was allowed.
+    pub max_nodes: u32,
     pub rotation: f32,
     pub intensity: f32,
 }
@@ -30,7 +30,7 @@ impl GpuLight {
             nodes: storage(gpu, "light tree", bytemuck::cast_slice(&nodes)),
             tan_half_radius: storage(gpu, "light tree radii", bytemuck::cast_slice(&lighting.cones.tan_half_radius)),
             cut: cut_texture(gpu, "illumination cut", &lighting.cut),
-            cut_len: lighting.cut.len() as u32,
+            max_nodes: lighting.max_nodes,
             rotation: light.rotation,
             intensity: light.intensity,
         }
@@ -43,7 +43,7 @@ impl GpuLight {
             nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
             tan_half_radius: storage(gpu, "no light radii", &vec![0; nodes * size_of::<f32>()]),
             cut: cut_texture(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
-            cut_len: 1,
+            max_nodes: 0,
             rotation: 0.0,
             intensity: 0.0,
         }

@@ -180,6 +180,13 @@ fn shared_constants_have_the_same_values() {
     ] {
         expected.push((name.into(), value.into()));
     }
+    for (name, value) in [
+        ("LINE_WIDTH", crate::wireframe::LINE_WIDTH),
+        ("LINE_FADE", crate::wireframe::LINE_FADE),
+        ("LINE_OPACITY", crate::wireframe::LINE_OPACITY),
+    ] {
+        expected.push((name.into(), value.into()));
+    }
     for (i, mode) in crate::ViewMode::ALL.into_iter().enumerate() {
         assert_eq!(mode as usize, i);
     }

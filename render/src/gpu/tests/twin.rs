@@ -2,12 +2,11 @@
 //! deferred pass wrote, and agree at every pixel, for every BRDF and mode. Each comparison has a negative control.
 
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, Illumination, Post, Renderer, SceneLighting, ToneMap, View,
-    ViewMode,
+    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
+    View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
+    painter::Painter,
     renderer::tests::{dataset, mesh},
-    shade::Shader,
-    surface::Surfaces,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -115,14 +114,14 @@ fn on_the_cpu(
     sampling: BrdfSampling,
 ) -> Image {
     let dataset = renderer.dataset();
-    let surfaces = Surfaces::new(dataset, &renderer.appearance, &renderer.intersector);
-    let mut shader = Shader::new(lighting, &dataset.cuts, dataset.tree.height(), sampling);
+    let surfaces = renderer.surfaces();
+    let mut painter = Painter::new(view.mode, dataset, Some(lighting), sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();
     Image::from_fn(view.size, |x, y| {
         let [id, b, c, flags] = geometry[(y * view.size[0] + x) as usize];
         if id == 0 {
-            return background;
+            return if view.mode == ViewMode::Shaded { background } else { Vec3::ZERO };
         }
         let back_face = flags & 0x100 != 0;
         if back_face && !dataset.two_sided[id as usize - 1] {
@@ -132,7 +131,7 @@ fn on_the_cpu(
         let hit = Hit { triangle: id - 1, distance: 0.0, barycentric, back_face };
         let pixel = Vec2::new(x as f32, y as f32) + 0.5;
         let wo = -view.camera.direction_through(pixel, view.size);
-        shader.shade(&surfaces.point(&hit, wo))
+        painter.value(&surfaces.point(&hit, wo))
     })
 }
 
@@ -229,6 +228,46 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
         rig.renderer.set_appearance(look(fewer));
         let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
         assert!(!agrees(&gpu, &without), "map {i} makes no difference");
+    }
+}
+
+#[test]
+fn every_view_mode_agrees_and_is_told_from_the_next() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    rig.look(appearance(&dataset, BrdfModel::Ggx, parameters(0.7, 0.2), maps()));
+    for (i, mode) in ViewMode::ALL.into_iter().enumerate() {
+        let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
+        assert!(agrees(&gpu, &cpu), "{mode:?}: {:?}", difference(&gpu, &cpu));
+        let next = view(ViewMode::ALL[(i + 1) % ViewMode::ALL.len()]);
+        let other = on_the_cpu(&rig.gpu, &rig.renderer, &next, &rig.lighting, BrdfSampling::Refine);
+        assert!(!agrees(&gpu, &other), "{mode:?}");
+    }
+}
+
+#[test]
+fn what_a_display_shows_agrees_with_the_cpu_backend_but_at_silhouettes() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let mut cpu = CpuBackend::new();
+    cpu.set_scene(rig.renderer.dataset()).unwrap();
+    cpu.set_light(&light(), &rig.lighting).unwrap();
+    let mut shown = |view: &View, backend: &mut dyn Backend| {
+        backend.begin(view, BrdfSampling::Refine).unwrap();
+        (0..view.aa).for_each(|sample| backend.render_rows(sample, 0..view.size[1]).unwrap());
+        backend.display(&Post::default(), view.aa).unwrap()
+    };
+    let differing = |a: &[[u8; 4]], b: &[[u8; 4]]| {
+        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| (0..4).any(|c| a[c].abs_diff(b[c]) > 2);
+        a.iter().zip(b).filter(differs).count() as f32 / a.len() as f32
+    };
+    for mode in ViewMode::ALL {
+        for (wireframe, background) in [(false, Background::Transparent), (true, Background::Environment)] {
+            let view = View { wireframe, background, aa: 2, ..view(mode) };
+            let (on_gpu, on_cpu) = (shown(&view, &mut rig.gpu), shown(&view, &mut cpu));
+            assert!(differing(&on_gpu, &on_cpu) < 0.01, "{mode:?} {wireframe}: {}", differing(&on_gpu, &on_cpu));
+            let without = shown(&View { wireframe: !wireframe, ..view }, &mut cpu);
+            assert!(differing(&on_gpu, &without) > 0.05, "{mode:?} {wireframe}");
+        }
     }
 }
 
