@@ -11,6 +11,7 @@ mod font;
 mod legend;
 mod magma;
 
+
 /// Which error a map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ErrorMap {
