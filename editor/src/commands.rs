@@ -2,5 +2,6 @@
 
 pub mod bake;
 pub mod compare;
+pub mod edit;
 pub mod reference;
 pub mod render;
