@@ -8,7 +8,7 @@ use thiserror::Error;
 mod read;
 mod write;
 
-pub use read::decode;
+pub use read::{decode, dimensions};
 pub use write::encode_png;
 
 /// Why a picture could not be read or written.

@@ -95,7 +95,8 @@ pub trait Backend: Send {
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
 
     /// The picture so far as a display shows it: sRGB-encoded, not premultiplied, row by row from the top.
-    /// `samples` is the number of samples that all rows have.
+    /// `samples` is the number of samples that all rows have; some may have one more already, which must not make them
+    /// brighter.
     ///
     /// # Errors
     /// A lost device.

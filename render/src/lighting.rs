@@ -18,6 +18,8 @@ pub struct SceneLighting {
     pub tan_half_radius: Vec<f32>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
+    /// Most nodes that the illumination cut was allowed.
+    pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
     pub leaf_solid_angle: f32,
 }
@@ -29,7 +31,7 @@ impl SceneLighting {
         let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
         // A node wider than a hemisphere is split whatever the lobe; its tangent only has to be large.
         let tan_half_radius = nodes.radius.iter().map(|r| (0.5 * r.min(2.8)).tan()).collect();
-        Self { nodes, tan_half_radius, cut, leaf_solid_angle: tree.leaf_solid_angle() }
+        Self { nodes, tan_half_radius, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
     }
 }
 

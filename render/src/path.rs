@@ -5,8 +5,9 @@
 mod environment_sampling;
 
 use crate::{
-    background::Sky,
-    renderer::{Frame, Illumination, Renderer},
+    background::{Backdrop, BlurCache, Sky},
+    frame::Frame,
+    renderer::{Illumination, Renderer},
     surface::SurfacePoint,
     view::{Progress, View},
 };
@@ -20,8 +21,10 @@ impl Renderer {
     /// picture of the passes that are complete.
     pub fn path_reference(&self, view: &View, light: &Illumination, spp: u32, progress: &dyn Progress) -> Image {
         let distribution = EnvironmentDistribution::new(&light.environment.map);
-        let frame = Frame::new(self, view, light);
-        let tracer = DirectLight { renderer: self, sky: frame.sky(), distribution: &distribution };
+        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+        let frame = Frame::new(self, view, &backdrop);
+        let sky = Sky::new(light);
+        let tracer = DirectLight { renderer: self, sky: &sky, distribution: &distribution };
         let mut sum = Image::filled(view.size, Vec3::ZERO);
         let mut passes = 0_u32;
         // At least one sample for each position of the pixel pattern.

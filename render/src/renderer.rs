@@ -2,15 +2,16 @@
 
 use crate::{
     appearance::Appearance,
-    background::{Backdrop, Sky},
+    backend::PictureStats,
+    background::{Backdrop, BlurCache},
+    frame::Frame,
     lighting::{LightRig, SceneLighting},
-    shade::{Shader, Work},
-    surface::{Seen, Surfaces},
+    painter::Painter,
+    picture::Picture,
+    surface::Surfaces,
     view::View,
 };
-use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, environment::Environment, image::Image, ray::Intersector};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::{
     sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError},
@@ -50,6 +51,8 @@ pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
     appearance: Appearance,
     pub(crate) intersector: Arc<Intersector>,
+    /// Distance in metres that shadow rays start off a surface, at most.
+    largest_offset: f32,
     /// Made at the first use: the references by paths do without.
     rig: OnceLock<Mutex<LightRig>>,
 }
@@ -60,7 +63,8 @@ impl Renderer {
         let dataset = dataset.into();
         let intersector = Arc::new(Intersector::new(&dataset.scene.mesh));
         let appearance = Appearance::of(&dataset.scene);
-        Self { dataset, appearance, intersector, rig: OnceLock::new() }
+        let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
+        Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }
     }
 
     /// Gives the scene other materials; there must be as many.
@@ -81,6 +85,11 @@ impl Renderer {
     /// Casts rays on the mesh.
     pub fn intersector(&self) -> &Arc<Intersector> {
         &self.intersector
+    }
+
+    /// Looks up points of the scene as it looks now.
+    pub(crate) fn surfaces(&self) -> Surfaces<'_> {
+        Surfaces::new(&self.dataset, &self.appearance, &self.intersector, self.largest_offset)
     }
 
     /// Renders with cuts, the illumination cut of at most `illum_cut` nodes.
@@ -107,27 +116,18 @@ impl Renderer {
         sampling: BrdfSampling,
     ) -> (Image, RenderStats) {
         let start = Instant::now();
-        let cuts = &self.dataset.cuts;
-        let height = self.dataset.tree.height();
-        let frame = Frame::new(self, view, light);
-        let shader = || (Shader::new(lighting, cuts, height, sampling), 0_u64);
-        let rows = (0..view.size[1]).into_par_iter().map_init(shader, |(shader, _), y| {
-            shader.work = Work::default();
-            let mut shaded = 0;
-            let row: Vec<Vec3> = (0..view.size[0])
-                .map(|x| {
-                    frame.pixel(x, y, |point| {
-                        shaded += 1;
-                        shader.shade(point)
-                    })
-                })
-                .collect();
-            (row, shader.work, shaded)
-        });
-        let rows: Vec<(Vec<Vec3>, Work, u64)> = rows.collect();
-        let stats = stats(&rows, start.elapsed().as_secs_f64());
-        let pixels = rows.into_iter().flat_map(|(row, _, _)| row).collect();
-        (Image { size: view.size, pixels }, stats)
+        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+        let frame = Frame::new(self, view, &backdrop);
+        let painter = || Painter::new(view.mode, &self.dataset, Some(lighting), sampling);
+        let mut picture = Picture::new(view.size);
+        for sample in 0..view.aa.max(1) {
+            picture.add_rows(&frame, painter, sample, 0..view.size[1]);
+        }
+        let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations } = picture.stats();
+        let seconds = start.elapsed().as_secs_f64();
+        let stats =
+            RenderStats { backend: "cpu".into(), seconds, pixels_shaded, mean_merged_nodes, mean_brdf_evaluations };
+        (picture.read().0, stats)
     }
 
     /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. A turned or scaled environment
@@ -142,67 +142,5 @@ impl Renderer {
     }
 }
 
-fn stats(rows: &[(Vec<Vec3>, Work, u64)], seconds: f64) -> RenderStats {
-    let pixels_shaded: u64 = rows.iter().map(|r| r.2).sum();
-    let mean = |sum: u64| sum as f64 / pixels_shaded.max(1) as f64;
-    RenderStats {
-        backend: "cpu".into(),
-        seconds,
-        pixels_shaded,
-        mean_merged_nodes: mean(rows.iter().map(|r| r.1.merged_nodes).sum()),
-        mean_brdf_evaluations: mean(rows.iter().map(|r| r.1.brdf_evaluations).sum()),
-    }
-}
-
-/// Pixel sampling that all renderers share.
-pub(crate) struct Frame<'a> {
-    view: &'a View,
-    sky: Sky<'a>,
-    backdrop: Backdrop<'a>,
-    surfaces: Surfaces<'a>,
-    offsets: Vec<Vec2>,
-}
-
-impl<'a> Frame<'a> {
-    pub(crate) fn new(renderer: &'a Renderer, view: &'a View, light: &'a Illumination) -> Self {
-        let surfaces = Surfaces::new(&renderer.dataset, &renderer.appearance, &renderer.intersector);
-        Self {
-            view,
-            sky: Sky::new(light),
-            backdrop: Backdrop::new(view.background, light),
-            surfaces,
-            offsets: view.pixel_offsets(),
-        }
-    }
-
-    /// The mean over the pixel's samples of `shade`, or of what is seen where there is no surface.
-    pub(crate) fn pixel(&self, x: u32, y: u32, mut shade: impl FnMut(&crate::surface::SurfacePoint) -> Vec3) -> Vec3 {
-        let sum: Vec3 = (0..self.offsets.len()).map(|i| self.sample(x, y, i, &mut shade)).sum();
-        sum / self.offsets.len() as f32
-    }
-
-    /// One of the pixel's samples.
-    pub(crate) fn sample(
-        &self,
-        x: u32,
-        y: u32,
-        sample: usize,
-        mut shade: impl FnMut(&crate::surface::SurfacePoint) -> Vec3,
-    ) -> Vec3 {
-        let camera = &self.view.camera;
-        let pixel = Vec2::new(x as f32, y as f32) + self.offsets[sample % self.offsets.len()];
-        let direction = camera.direction_through(pixel, self.view.size);
-        match self.surfaces.seen_along(camera.eye, direction) {
-            Seen::Surface(point) => shade(&point),
-            Seen::Back => Vec3::ZERO,
-            Seen::Background => self.backdrop.radiance(direction),
-        }
-    }
-
-    pub(crate) fn sky(&self) -> &Sky<'a> {
-        &self.sky
-    }
-}
-
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

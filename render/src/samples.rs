@@ -3,7 +3,9 @@
 //! Progressive in space: 16 passes over interleaved pixels, each pass exact where it has been.
 
 use crate::{
-    renderer::{Frame, Illumination, Renderer},
+    background::{Backdrop, BlurCache},
+    frame::Frame,
+    renderer::{Illumination, Renderer},
     surface::SurfacePoint,
     view::{Progress, View},
 };
@@ -36,7 +38,8 @@ impl Renderer {
     /// All light samples without cuts. If cancelled, pixels not reached repeat their block's first.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
         let samples = LightSamples::new(self, light);
-        let frame = Frame::new(self, view, light);
+        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+        let frame = Frame::new(self, view, &backdrop);
         let mut image = Image::filled(view.size, Vec3::ZERO);
         let total = u64::from(view.size[0]) * u64::from(view.size[1]);
         let mut done = 0;

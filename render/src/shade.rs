@@ -13,6 +13,7 @@ use lapidary_core::{
     simd::Vec3x8,
 };
 use serde::{Deserialize, Serialize};
+use std::ops::{Add, AddAssign};
 use wide::f32x8;
 
 /// How the BRDF is sampled on the nodes of the merged cut.
@@ -33,6 +34,26 @@ pub struct Work {
     pub merged_nodes: u64,
     /// BRDF evaluations.
     pub brdf_evaluations: u64,
+    /// Points seen.
+    pub points: u64,
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            merged_nodes: self.merged_nodes + other.merged_nodes,
+            brdf_evaluations: self.brdf_evaluations + other.brdf_evaluations,
+            points: self.points + other.points,
+        }
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
 }
 
 /// A node to evaluate: its heap index and the visibility there.

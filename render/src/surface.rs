@@ -15,6 +15,8 @@ use lapidary_core::{
 pub struct SurfacePoint {
     /// The vertices of its triangle.
     pub vertices: [u32; 3],
+    /// Where they are.
+    pub corners: [Vec3; 3],
     /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
     pub weights: [f32; 3],
     /// Where shadow rays start: just off the face, on the side that is seen.
@@ -25,7 +27,9 @@ pub struct SurfacePoint {
     pub world_from_local: Mat3,
     /// Direction to the eye in the local frame.
     pub wo: Vec3,
-    /// Reflectance with this point's parameters.
+    /// Its material's parameters after their textures, in their ranges.
+    pub parameters: BrdfParameters,
+    /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
 }
 
@@ -50,9 +54,14 @@ pub struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// For all points of `dataset`, as they look under `appearance`.
-    pub fn new(dataset: &'a Dataset, appearance: &'a Appearance, intersector: &'a Intersector) -> Self {
-        let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
+    /// For all points of `dataset`, as they look under `appearance`; shadow rays start at most `largest_offset` metres
+    /// off a surface.
+    pub fn new(
+        dataset: &'a Dataset,
+        appearance: &'a Appearance,
+        intersector: &'a Intersector,
+        largest_offset: f32,
+    ) -> Self {
         Self { dataset, appearance, intersector, largest_offset }
     }
 
@@ -85,14 +94,17 @@ impl<'a> Surfaces<'a> {
         let world_from_local = frame(facing(normal, wo), tangent, handedness);
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = (0.02 * edge).clamp(0.02 * self.largest_offset, self.largest_offset);
+        let parameters = self.parameters(material, uv).sanitized();
         SurfacePoint {
             vertices,
+            corners: [p0, p1, p2],
             weights: self.valid_weights(vertices, b),
             ray_origin: p0 * b.x + p1 * b.y + p2 * b.z + face_normal * offset,
             smooth_normal,
             world_from_local,
             wo: world_from_local.transpose() * wo,
-            brdf: SurfaceBrdf::new(material.model, self.parameters(material, uv)),
+            brdf: SurfaceBrdf::new(material.model, parameters),
+            parameters,
         }
     }
 

@@ -29,6 +29,17 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     Ok(Texture { name, size, texels, encoded: Arc::from(bytes) })
 }
 
+/// Width and height of a png, jpg, tga or hdr file, from its header alone.
+///
+/// # Errors
+/// A file that cannot be read, or is no such picture.
+pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
+    let io_error = |source| ImageError::Io { action: "read", path: path.into(), source };
+    let reader = ImageReader::open(path).and_then(|reader| reader.with_guessed_format()).map_err(io_error)?;
+    let (width, height) = reader.into_dimensions().map_err(|e| damaged(path, e))?;
+    Ok([width, height])
+}
+
 /// The first bytes of every OpenEXR file.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 

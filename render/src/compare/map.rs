@@ -4,12 +4,13 @@ use super::{CompareError, Pair, flip, rel_mse_term};
 use glam::Vec3;
 use lapidary_core::{color::linear_from_srgb, image::Image};
 use legend::Legend;
-use magma::magma;
 use rayon::prelude::*;
 
 mod font;
 mod legend;
 mod magma;
+
+pub use magma::magma;
 
 /// Which error a map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

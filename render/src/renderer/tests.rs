@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{Background, Quiet, compare::compare};
-use glam::Vec4;
+use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     camera::Camera,
     cut::{
@@ -19,7 +19,7 @@ use lapidary_core::{
 const LIGHTS: usize = 4096;
 
 /// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if asked.
-fn mesh(cells: u32, blocker: bool) -> Mesh {
+pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
     let mut mesh = Mesh::default();
     let mut grid = |cells: u32, half: f32, y: f32, flip: bool| {
         let first = mesh.positions.len() as u32;
@@ -51,7 +51,7 @@ fn mesh(cells: u32, blocker: bool) -> Mesh {
 }
 
 /// A dataset whose cuts are exact at every vertex (sigma 0).
-fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
+pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
     let tree = LightTree::geometric(LIGHTS).unwrap();
     let directions = DirectionSet::new(tree.leaf_directions());
     let intersector = Intersector::new(&mesh);
@@ -92,26 +92,26 @@ fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
     }
 }
 
-fn white() -> BrdfParameters {
+pub(crate) fn white() -> BrdfParameters {
     BrdfParameters { base_color: Vec3::ONE, ..Default::default() }
 }
 
-fn glossy(roughness: f32) -> BrdfParameters {
+pub(crate) fn glossy(roughness: f32) -> BrdfParameters {
     BrdfParameters { base_color: Vec3::ZERO, roughness, ..Default::default() }
 }
 
-fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
+pub(crate) fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
     let environment = Environment { name: "test".into(), map: Image::from_fn(size, f) };
     Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 }
 }
 
-fn from_above(size: u32) -> View {
+pub(crate) fn from_above(size: u32) -> View {
     // Inside the floor on all sides; a hair off the vertical fixes which way is up in the picture.
     let camera = Camera::look_at(Vec3::new(0.0, 6.0, 0.01), Vec3::ZERO, 30.0);
     View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
 }
 
-fn from_the_side(size: u32) -> View {
+pub(crate) fn from_the_side(size: u32) -> View {
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 3.5), Vec3::ZERO, 30.0);
     View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
 }

@@ -1,6 +1,6 @@
 //! The strip under an error map: what is shown, the colour bar, its ticks.
 
-use super::{NOT_FINITE, font, linear, magma::magma};
+use super::{NOT_FINITE, font, linear, magma};
 use glam::Vec3;
 use lapidary_core::image::Image;
 use std::ops::Range;

@@ -10,7 +10,7 @@ const STOPS: [u32; 16] = [
 ];
 
 /// The sRGB-encoded colour of an error, clamped to the range 0 to 1.
-pub(super) fn magma(error: f32) -> Vec3 {
+pub fn magma(error: f32) -> Vec3 {
     let position = error.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
     let below = (position as usize).min(STOPS.len() - 2);
     stop(below).lerp(stop(below + 1), position - below as f32)

@@ -1,0 +1,121 @@
+//! The renderer of the interactive view on the cores of this machine: [`Renderer`] in steps that can be stopped between.
+
+use crate::{
+    Appearance, Backend, BackendError, BrdfSampling, Illumination, PictureStats, Post, Renderer, SceneLighting, View,
+    background::{Backdrop, BlurCache},
+    frame::Frame,
+    painter::Painter,
+    picture::Picture,
+};
+use lapidary_core::{
+    dataset::Dataset,
+    image::Image,
+    material::{Material, MaterialMaps},
+};
+use std::{ops::Range, sync::Arc};
+
+/// Renders on all cores. Never fails.
+#[derive(Default)]
+pub struct CpuBackend {
+    renderer: Option<Renderer>,
+    light: Option<(Illumination, Arc<SceneLighting>)>,
+    blur: BlurCache,
+    begun: Option<Begun>,
+}
+
+/// The picture that was begun.
+struct Begun {
+    view: View,
+    sampling: BrdfSampling,
+    backdrop: Backdrop,
+    picture: Picture,
+}
+
+impl CpuBackend {
+    /// Without a scene.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl Backend for CpuBackend {
+    fn name(&self) -> String {
+        "cpu".into()
+    }
+
+    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
+        self.renderer = Some(Renderer::new(dataset.clone()));
+        (self.light, self.begun) = (None, None);
+        Ok(())
+    }
+
+    fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
+        let Some(renderer) = &mut self.renderer else { return Ok(Vec::new()) };
+        let (fitted, remarks) = fit(appearance, &renderer.dataset.scene.materials);
+        renderer.set_appearance(fitted);
+        Ok(remarks)
+    }
+
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
+        self.light = Some((light.clone(), lighting.clone()));
+        Ok(())
+    }
+
+    fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        let backdrop = match &self.light {
+            Some((light, _)) => Backdrop::new(view, light, &mut self.blur),
+            None => Backdrop::black(),
+        };
+        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view.size) });
+        Ok(())
+    }
+
+    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
+        let (Some(renderer), Some(begun)) = (&self.renderer, &mut self.begun) else { return Ok(()) };
+        let Begun { view, sampling, backdrop, picture } = begun;
+        let lighting = self.light.as_ref().map(|(_, lighting)| &**lighting);
+        let painter = || Painter::new(view.mode, &renderer.dataset, lighting, *sampling);
+        picture.add_rows(&Frame::new(renderer, view, backdrop), painter, sample, rows);
+        Ok(())
+    }
+
+    fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        let Some(Begun { view, picture, .. }) = &self.begun else { return Ok(Vec::new()) };
+        let illum_cut = self.light.as_ref().map_or(0, |(_, lighting)| lighting.max_nodes);
+        Ok(picture.display(view, post, view.mode.count_top(illum_cut)))
+    }
+
+    fn read(&mut self, _samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        let nothing = || (Image { size: [0, 0], pixels: Vec::new() }, Vec::new());
+        Ok(self.begun.as_ref().map_or_else(nothing, |begun| begun.picture.read()))
+    }
+
+    fn stats(&mut self) -> Result<PictureStats, BackendError> {
+        Ok(self.begun.as_ref().map_or_else(PictureStats::default, |begun| begun.picture.stats()))
+    }
+}
+
+/// An appearance with a material for each of the dataset's and no map that is not there, and what was done for it.
+fn fit(appearance: &Appearance, own: &[Material]) -> (Appearance, Vec<String>) {
+    let mut remarks = Vec::new();
+    let (given, needed) = (appearance.materials.len(), own.len());
+    if given != needed {
+        remarks.push(format!(
+            "there are {given} materials for the {needed} of the scene; those that lack are the scene's own"
+        ));
+    }
+    let mut materials: Vec<Material> = appearance.materials.iter().take(needed).cloned().collect();
+    materials.extend(own.iter().skip(given).cloned());
+    let textures = &appearance.textures;
+    for material in &mut materials {
+        if material.maps.slots().any(|slot| slot.texture as usize >= textures.len()) {
+            remarks
+                .push(format!("material \"{}\" has maps without a picture and is shown without maps", material.name));
+            material.maps = MaterialMaps::default();
+        }
+    }
+    (Appearance { materials, textures: textures.clone() }, remarks)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,71 @@
+//! Pixel sampling that all CPU renderers share: from a sample of a pixel to what is seen there.
+
+use crate::{
+    background::Backdrop,
+    renderer::Renderer,
+    surface::{Seen, SurfacePoint, Surfaces},
+    view::View,
+    wireframe::{self, Screen},
+};
+use glam::{Vec2, Vec3};
+
+/// A view of a renderer's scene.
+pub(crate) struct Frame<'a> {
+    pub view: &'a View,
+    screen: Screen,
+    backdrop: &'a Backdrop,
+    surfaces: Surfaces<'a>,
+    offsets: Vec<Vec2>,
+}
+
+/// What one sample of a pixel sees.
+pub(crate) struct Sight {
+    /// Where the sample lies in the picture, in pixels from the top left corner.
+    pub position: Vec2,
+    /// Unit direction from the eye.
+    pub direction: Vec3,
+    /// What is met first.
+    pub seen: Seen,
+}
+
+impl<'a> Frame<'a> {
+    pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
+        let screen = Screen::new(&view.camera, view.size);
+        Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+    }
+
+    /// What one of a pixel's samples sees.
+    pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
+        let camera = &self.view.camera;
+        let position = Vec2::new(x as f32, y as f32) + self.offsets[sample % self.offsets.len()];
+        let direction = camera.direction_through(position, self.view.size);
+        Sight { position, direction, seen: self.surfaces.seen_along(camera.eye, direction) }
+    }
+
+    /// Coverage of a sample on `point` by the lines of a wireframe.
+    pub fn wire(&self, position: Vec2, point: &SurfacePoint) -> f32 {
+        let corners = point.corners.map(|corner| self.screen.project(corner));
+        wireframe::line_coverage(wireframe::edge_distance(position, corners))
+    }
+
+    /// What is seen along a direction that meets no surface.
+    pub fn behind(&self, direction: Vec3) -> Vec3 {
+        self.backdrop.radiance(direction)
+    }
+
+    /// One of the pixel's samples: `shade`, or what is seen where there is no surface.
+    pub fn sample(&self, x: u32, y: u32, sample: usize, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        let sight = self.sight(x, y, sample);
+        match sight.seen {
+            Seen::Surface(point) => shade(&point),
+            Seen::Back => Vec3::ZERO,
+            Seen::Background => self.behind(sight.direction),
+        }
+    }
+
+    /// The mean over the pixel's samples.
+    pub fn pixel(&self, x: u32, y: u32, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        let sum: Vec3 = (0..self.offsets.len()).map(|i| self.sample(x, y, i, &mut shade)).sum();
+        sum / self.offsets.len() as f32
+    }
+}

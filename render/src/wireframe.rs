@@ -1,0 +1,113 @@
+//! Edges of triangles as lines of an even width in pixels, drawn over the displayed picture after its tone curve, so that
+//! they look the same at any exposure.
+//!
+//! Twin of `shaders/wireframe.wgsl`. A line is found from the projected corners in homogeneous coordinates, so that a
+//! corner behind the eye needs no clipping.
+
+use glam::{Mat3, Vec2, Vec3};
+use lapidary_core::camera::Camera;
+
+/// Width of a line in pixels where it is full.
+pub const LINE_WIDTH: f32 = 1.0;
+/// Pixels over which each side of a line fades out: one, as the width of a pixel.
+pub const LINE_FADE: f32 = 1.0;
+/// Share of the line's colour in the middle of a line.
+pub const LINE_OPACITY: f32 = 0.7;
+/// sRGB-encoded colour of lines: a cyan that stands out from black, white, skin and wood, and from magma.
+pub const LINE_COLOR: Vec3 = Vec3::new(0.10, 0.75, 0.95);
+
+/// Projects points of the world into a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Screen {
+    view_from_world: Mat3,
+    eye: Vec3,
+    /// Centre of the picture in pixels.
+    center: Vec2,
+    /// Distance of the picture plane from the eye in pixels.
+    focal: f32,
+}
+
+impl Screen {
+    /// For a picture of `size` pixels.
+    pub fn new(camera: &Camera, size: [u32; 2]) -> Self {
+        let center = 0.5 * Vec2::new(size[0] as f32, size[1] as f32);
+        let focal = center.y / (0.5 * camera.fov_y).tan();
+        Self { view_from_world: camera.world_from_view().transpose(), eye: camera.eye, center, focal }
+    }
+
+    /// Pixel coordinates from the top left corner times depth, and depth in metres.
+    pub fn project(&self, point: Vec3) -> Vec3 {
+        let p = self.view_from_world * (point - self.eye);
+        let depth = -p.z;
+        Vec3::new(self.center.x * depth + self.focal * p.x, self.center.y * depth - self.focal * p.y, depth)
+    }
+}
+
+/// Distance in pixels from `pixel`, a position inside a projected triangle, to the nearest of its edges.
+pub fn edge_distance(pixel: Vec2, corners: [Vec3; 3]) -> f32 {
+    let [a, b, c] = corners.map(|p| (p.truncate() - pixel * p.z).extend(p.z));
+    line_distance(a, b).min(line_distance(b, c)).min(line_distance(c, a))
+}
+
+/// Distance from the origin to the line through two homogeneous points; infinite if they are one.
+fn line_distance(a: Vec3, b: Vec3) -> f32 {
+    let line = a.cross(b);
+    let length = line.truncate().length();
+    if length > 0.0 { line.z.abs() / length } else { f32::INFINITY }
+}
+
+/// How much of a sample at `distance` pixels from an edge is line, 0 to 1.
+pub fn line_coverage(distance: f32) -> f32 {
+    ((0.5 * LINE_WIDTH + LINE_FADE - distance) / LINE_FADE).clamp(0.0, 1.0)
+}
+
+/// A displayed colour with lines of some coverage over it.
+pub fn over(shown: Vec3, coverage: f32) -> Vec3 {
+    shown.lerp(LINE_COLOR, LINE_OPACITY * coverage)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn screen() -> (Camera, Screen) {
+        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 4.0), Vec3::new(0.0, 0.2, 0.0), 40.0);
+        let screen = Screen::new(&camera, [64, 48]);
+        (camera, screen)
+    }
+
+    #[test]
+    fn projection_inverts_the_camera_rays() {
+        let (camera, screen) = screen();
+        for pixel in [Vec2::new(0.5, 0.5), Vec2::new(40.0, 7.25), Vec2::new(63.5, 47.5)] {
+            let point = camera.eye + 3.0 * camera.direction_through(pixel, [64, 48]);
+            let p = screen.project(point);
+            assert!((p.truncate() / p.z - pixel).length() < 1e-3, "{p}");
+        }
+    }
+
+    #[test]
+    fn distances_are_those_on_the_screen_even_with_a_corner_behind_the_eye() {
+        let at = |x: f32, y: f32, depth: f32| Vec3::new(x * depth, y * depth, depth);
+        // Edges x = 0, y = 0 and x + y = 10, at different depths.
+        let corners = [at(0.0, 0.0, 1.0), at(10.0, 0.0, 5.0), at(0.0, 10.0, 0.3)];
+        assert!((edge_distance(Vec2::new(2.0, 3.0), corners) - 2.0).abs() < 1e-4);
+        assert!((edge_distance(Vec2::new(4.5, 4.5), corners) - 0.5_f32.sqrt()).abs() < 1e-4);
+        // The edges from (0, 0) go on through the screen toward corners behind the eye.
+        let behind = [at(0.0, 0.0, 1.0), at(-10.0, 0.0, -2.0), at(0.0, -10.0, -2.0)];
+        assert!((edge_distance(Vec2::new(2.0, 3.0), behind) - 2.0).abs() < 1e-4);
+        let point = [at(1.0, 1.0, 1.0); 3];
+        assert_eq!(edge_distance(Vec2::ZERO, point), f32::INFINITY);
+    }
+
+    #[test]
+    fn lines_are_full_in_the_middle_fade_out_and_leave_the_rest_alone() {
+        assert_eq!(line_coverage(0.0), 1.0);
+        assert_eq!(line_coverage(0.5 * LINE_WIDTH + 0.5 * LINE_FADE), 0.5);
+        assert_eq!(line_coverage(3.0), 0.0);
+        assert_eq!(line_coverage(f32::INFINITY), 0.0);
+        let shown = Vec3::new(0.2, 0.4, 0.6);
+        assert_eq!(over(shown, 0.0), shown);
+        assert!((over(shown, 1.0) - LINE_COLOR).length() < (shown - LINE_COLOR).length() * 0.31);
+    }
+}
