@@ -5,6 +5,7 @@ use crate::{
         bake,
         bench::{self, BenchArgs},
         compare::{self, CompareArgs},
+        edit::{self, EditArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
     },
@@ -20,7 +21,9 @@ const ABOUT: &str = "Relight scenes with visibility that was baked once: noise-f
 environments, for any material, and always measured against ray tracing.";
 
 const TUTORIAL: &str = "\
-A first tour, on the data that comes with the program:
+`lapidary` alone opens the window with a still life to try things on.
+
+A first tour of the command line, on the data that comes with the program:
 
   lapidary demo
       bakes a still life, renders it, traces the references, and writes a report:
@@ -54,19 +57,36 @@ Exit codes:
 
 /// The command line.
 #[derive(Parser)]
-#[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, arg_required_else_help = true, max_term_width = 110)]
+#[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, max_term_width = 110)]
 pub struct Cli {
     /// No progress, warnings, notes or summaries; errors are still printed, and what `info` and `verify` are asked for
     #[arg(long, global = true)]
     pub quiet: bool,
-    /// What to do.
+    /// What to do; without a command the window opens.
     #[command(subcommand)]
-    pub command: Command,
+    command: Option<Command>,
+}
+
+impl Cli {
+    /// What to do.
+    pub fn command(&self) -> Command {
+        self.command.clone().unwrap_or_else(|| Command::Edit(EditArgs::of_environment()))
+    }
 }
 
 /// What to do.
-#[derive(Subcommand)]
+#[derive(Clone, Subcommand)]
 pub enum Command {
+    /// Open the window: load a scene, bake it, edit materials and light (the default without a command)
+    #[command(after_help = "\
+Without a file the bundled still life opens; its bake is made on the first start and kept in the cache folder.
+A scene's bake is looked for beside it (NAME.cuts). F1 shows the keys.
+
+Examples:
+  lapidary
+  lapidary edit scene.gltf
+  lapidary edit look.lapidary --backend cpu")]
+    Edit(EditArgs),
     /// Show all of it on bundled data: bake, render, trace, compare, and write a report to look at
     #[command(after_help = "\
 Takes under two minutes on two cores. Writes pictures (PNG and EXR), report.json (every figure) and report.html.
@@ -135,6 +155,7 @@ impl Command {
     /// Whatever went wrong, in words for the user.
     pub fn run(&self, console: Console) -> Result<Outcome> {
         match self {
+            Self::Edit(args) => edit::run(args),
             Self::Demo(args) => demo::run(args, console),
             Self::Bake(args) => bake::run(args, console),
             Self::Info(args) => args.run().map(|()| Outcome::Done),
@@ -151,6 +172,13 @@ impl Command {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+
+    #[test]
+    fn without_a_command_the_window_opens() {
+        assert!(matches!(Cli::parse_from(["lapidary"]).command(), Command::Edit(_)));
+        assert!(matches!(Cli::parse_from(["lapidary", "--quiet"]).command(), Command::Edit(_)));
+        assert!(matches!(Cli::parse_from(["lapidary", "demo"]).command(), Command::Demo(_)));
+    }
 
     #[test]
     fn options_are_consistent_and_every_one_is_explained() {

@@ -3,5 +3,6 @@
 pub mod bake;
 pub mod bench;
 pub mod compare;
+pub mod edit;
 pub mod reference;
 pub mod render;

@@ -11,7 +11,7 @@ mod steps;
 use crate::{console::Console, outcome::Outcome, outputs::create_folder, report_html};
 use anyhow::{Context, Result};
 use clap::Args;
-use data::DataFolder;
+pub use data::DataFolder;
 pub use ladder::{CUT_SIZES, MAP_TOP, PATH_SAMPLES, Rung};
 use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::{cli::write_json, verify};

@@ -20,6 +20,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::{BakeSettings, Dataset},
     material::Material,
+    scene::Scene,
     texture::Texture,
 };
 use lapidary_precompute::Preset;
@@ -203,21 +204,27 @@ impl Document {
         }
     }
 
-    /// A baked scene as it came: seen from its first camera or as a whole, all its cameras bookmarked.
-    pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
-        let scene = &dataset.scene;
+    /// A scene as it came: seen from its first camera or as a whole, all its cameras bookmarked.
+    pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let bounds = scene.mesh.bounds();
         let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
         let entry = |texture: &Arc<Texture>| TextureEntry { texture: texture.clone(), file: None };
         Self {
-            scene: scene_path,
-            dataset: Some(dataset_path),
+            scene: path,
             materials: scene.materials.clone(),
             textures: scene.textures.iter().map(entry).collect(),
             camera: scene.cameras.first().cloned().unwrap_or_else(whole),
             bookmarks: scene.cameras.clone(),
-            bake: dataset.settings.clone(),
             ..Self::empty()
+        }
+    }
+
+    /// A baked scene as it came, with the settings of its bake.
+    pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
+        Self {
+            dataset: Some(dataset_path),
+            bake: dataset.settings.clone(),
+            ..Self::of_scene(&dataset.scene, scene_path)
         }
     }
 

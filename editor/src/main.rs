@@ -1,6 +1,7 @@
-//! The `lapidary` program: a command line over baking, rendering and comparing.
+//! The `lapidary` program: a window for look-dev, and a command line over baking, rendering and comparing.
 
 mod actions;
+mod app;
 mod cli;
 mod commands;
 mod console;
@@ -25,7 +26,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let outcome = cli.command.run(console::Console { quiet: cli.quiet });
+    let outcome = cli.command().run(console::Console { quiet: cli.quiet });
     let outcome = outcome.unwrap_or_else(|error| {
         eprintln!("error: {}", error_text(&error));
         Outcome::of_error(&error)

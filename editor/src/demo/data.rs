@@ -35,6 +35,11 @@ impl DataFolder {
         self.0.join("still-life/still-life.gltf")
     }
 
+    /// Where the environments are.
+    pub fn environment_folder(&self) -> PathBuf {
+        self.0.join("environments")
+    }
+
     /// All environments.
     ///
     /// # Errors
@@ -42,7 +47,7 @@ impl DataFolder {
     pub fn environments(&self, console: Console) -> Result<Environments> {
         let read = |name: &str| {
             let (environment, warnings) =
-                Environment::read(&self.0.join("environments").join(name).with_extension("hdr"))?;
+                Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
             warnings.iter().for_each(|w| console.warning(w));
             Ok(Environment { name: name.into(), ..environment })
         };

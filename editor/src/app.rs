@@ -1,0 +1,62 @@
+//! The window. [`EditorState`] is what it knows and does, without a window, so that tests can run it; [`start`] opens one.
+
+mod baking;
+mod dialogs;
+mod drops;
+mod environments;
+mod files;
+mod keys;
+mod layout;
+mod menus;
+mod messages;
+mod notice;
+mod opening;
+mod perform;
+mod pictures;
+mod prompts;
+mod requests;
+mod start;
+mod state;
+mod status;
+#[cfg(test)]
+mod tests;
+mod theme;
+mod toolbar;
+
+pub use start::{Launch, Renderer, run};
+
+use egui::{Ui, ViewportCommand};
+use state::EditorState;
+
+/// The window's program.
+struct EditorApp {
+    state: EditorState,
+    title: String,
+}
+
+impl EditorApp {
+    fn new(state: EditorState) -> Self {
+        Self { state, title: String::new() }
+    }
+
+    /// The title names the document, and marks changes.
+    fn update_title(&mut self, ui: &Ui) {
+        let mark = if self.state.is_modified() { "*" } else { "" };
+        let title = format!("{mark}{} - Lapidary", self.state.title());
+        if title != self.title {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}
+
+impl eframe::App for EditorApp {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.state.frame(ui);
+        self.update_title(ui);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.state.finish();
+    }
+}

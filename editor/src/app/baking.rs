@@ -1,0 +1,224 @@
+//! Baking from the window: starting, progress, and taking the result into the document.
+
+use super::{
+    opening::{Baked, Source},
+    state::EditorState,
+};
+use crate::{
+    document::Document,
+    jobs::bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
+    panels::bake::{BakeStatus, stale_reasons},
+};
+use lapidary_core::dataset::Dataset;
+use lapidary_precompute::{BakeJob, Phase, resolve};
+use std::{path::Path, sync::Arc, time::Instant};
+
+/// The bake at work, or how the last one ended.
+#[derive(Default)]
+pub struct Baking {
+    run: Option<Run>,
+    ended: Option<Ended>,
+    /// The next picture is of the draft, while the bake goes on.
+    draft_shown: bool,
+}
+
+struct Run {
+    job: BakeRun,
+    since: Instant,
+    phase: Option<Phase>,
+    phase_since: Instant,
+    cancelling: bool,
+}
+
+enum Ended {
+    Cancelled,
+    Failed(String),
+}
+
+impl Baking {
+    /// How far the bake at work is.
+    pub fn progress(&self) -> Option<BakeProgress> {
+        self.run.as_ref().map(|run| run.job.progress())
+    }
+
+    /// Whether the dataset that is shown is only a draft of the one being baked.
+    pub fn shows_draft(&self) -> bool {
+        self.draft_shown && self.run.is_some()
+    }
+
+    /// One line about the bake at work.
+    pub fn line(&self) -> Option<String> {
+        let progress = self.progress()?;
+        let what = if progress.draft { "Baking a draft" } else { "Baking" };
+        let phase = progress.phase.map_or("", Phase::name);
+        Some(match progress.fraction() {
+            Some(fraction) => format!("{what}: {phase} {:.0} %", 100.0 * fraction),
+            None => format!("{what}: {phase}"),
+        })
+    }
+
+    /// Stops what is at work, and forgets how the last one ended: another scene was opened.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl EditorState {
+    /// Bakes with the document's settings; `progressive` bakes a draft to look at first.
+    pub(super) fn start_bake(&mut self, resume: bool, progressive: bool) {
+        if self.baking.run.is_some() {
+            self.messages.note("A bake is under way; cancel it first");
+            return;
+        }
+        let Some((source, output)) = self.scene.source.clone().zip(self.scene.bake_output.clone()) else {
+            self.messages.error("There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)");
+            return;
+        };
+        let settings = match resolve(self.document.bake.clone()) {
+            Ok(settings) => settings,
+            Err(error) => return self.messages.error(format!("The bake settings do not work: {error}")),
+        };
+        if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
+            && let Err(error) = std::fs::create_dir_all(folder)
+        {
+            return self.messages.error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
+        }
+        let Source { scene, import_secs, report, .. } = source;
+        let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
+        let task = BakeTask { scene: (*scene).clone(), job, progressive, cache: self.folders.cache.clone() };
+        let now = Instant::now();
+        let job = BakeRun::start(task, self.wake.clone());
+        self.baking.ended = None;
+        self.baking.draft_shown = false;
+        self.baking.run = Some(Run { job, since: now, phase: None, phase_since: now, cancelling: false });
+    }
+
+    pub(super) fn cancel_bake(&mut self) {
+        if let Some(run) = &mut self.baking.run {
+            run.cancelling = true;
+            run.job.cancel();
+        }
+    }
+
+    pub(super) fn collect_bake(&mut self) {
+        let Some(run) = &mut self.baking.run else { return };
+        let phase = run.job.progress().phase;
+        if phase != run.phase {
+            (run.phase, run.phase_since) = (phase, Instant::now());
+        }
+        let messages = run.job.messages();
+        for message in messages {
+            match message {
+                BakeMessage::Warning(text) => self.messages.warning(text),
+                BakeMessage::Draft(dataset) => {
+                    self.show_dataset(dataset);
+                    self.baking.draft_shown = true;
+                }
+                BakeMessage::Done(dataset) => {
+                    let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
+                    self.messages.note(format!("Baked {} vertices in {seconds:.0} s", dataset.report.vertices));
+                    self.document.dataset.clone_from(&self.scene.bake_output);
+                    self.show_dataset(dataset);
+                }
+                BakeMessage::Cancelled => self.end_bake(Ended::Cancelled),
+                BakeMessage::Failed(error) => {
+                    self.messages.error(format!("The bake failed: {error}"));
+                    self.end_bake(Ended::Failed(error));
+                }
+            }
+        }
+    }
+
+    fn end_bake(&mut self, ended: Ended) {
+        self.baking.run = None;
+        self.baking.ended = Some(ended);
+    }
+
+    /// Renders another bake of the scene. Materials that were edited stay.
+    fn show_dataset(&mut self, dataset: Arc<Dataset>) {
+        fit_materials(&mut self.document, &dataset);
+        self.selection.object = self.selection.object.filter(|&o| (o as usize) < dataset.scene.objects.len());
+        self.scene.baked = Some(Baked::new(dataset));
+        self.scene.show_stale = false;
+    }
+
+    /// How things stand, for the bake panel.
+    pub(super) fn bake_status(&self) -> BakeStatus {
+        if let Some(run) = &self.baking.run {
+            return running(run);
+        }
+        let resumable = self.scene.bake_output.as_deref().is_some_and(has_checkpoint);
+        match (&self.baking.ended, &self.scene.baked) {
+            (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { resumable },
+            (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), resumable },
+            (None, Some(baked)) => {
+                let hash = self.scene.source.as_ref().map(|s| s.hash.as_str());
+                let reasons = stale_reasons(&self.document, &baked.dataset, hash);
+                if reasons.is_empty() { BakeStatus::UpToDate } else { BakeStatus::Stale { reasons } }
+            }
+            (None, None) if resumable => BakeStatus::Cancelled { resumable },
+            (None, None) => BakeStatus::None,
+        }
+    }
+}
+
+fn running(run: &Run) -> BakeStatus {
+    let BakeProgress { phase, unit, done, total, .. } = run.job.progress();
+    BakeStatus::Running {
+        phase: phase.unwrap_or(Phase::Import),
+        done,
+        total,
+        unit: if run.cancelling { "cancelling" } else { unit },
+        elapsed_secs: run.since.elapsed().as_secs_f64(),
+        phase_elapsed_secs: run.phase_since.elapsed().as_secs_f64(),
+    }
+}
+
+/// An interrupted bake leaves a folder beside its output.
+fn has_checkpoint(output: &Path) -> bool {
+    let mut folder = output.as_os_str().to_owned();
+    folder.push(".partial");
+    Path::new(&folder).is_dir()
+}
+
+/// A scene that was changed in another program may have other materials: those that the document lacks are added, as
+/// many as the mesh refers to stay.
+fn fit_materials(document: &mut Document, dataset: &Dataset) {
+    let materials = &dataset.scene.materials;
+    document.materials.truncate(materials.len());
+    let known = document.materials.len();
+    document.materials.extend_from_slice(&materials[known..]);
+    if document.textures.is_empty() {
+        let fresh = Document::of_dataset(dataset, Default::default(), None);
+        document.textures = fresh.textures;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::material::Material;
+
+    #[test]
+    fn another_bake_keeps_edited_materials_and_adds_new_ones() {
+        let named = |name: &str| Material { name: name.into(), ..Default::default() };
+        let mut dataset = crate::panels::bake::test_dataset();
+        dataset.scene.materials = vec![named("a"), named("b")];
+        let mut document = Document { materials: vec![named("edited")], ..Document::empty() };
+        fit_materials(&mut document, &dataset);
+        let names: Vec<_> = document.materials.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["edited", "b"]);
+        document.materials.push(named("gone"));
+        fit_materials(&mut document, &dataset);
+        assert_eq!(document.materials.len(), 2);
+    }
+
+    #[test]
+    fn a_checkpoint_is_found_beside_its_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("a.cuts");
+        assert!(!has_checkpoint(&output));
+        std::fs::create_dir(folder.path().join("a.cuts.partial")).unwrap();
+        assert!(has_checkpoint(&output));
+    }
+}

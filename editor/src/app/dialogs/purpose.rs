@@ -1,0 +1,125 @@
+//! What a file dialog is for: its title, the files it lists, and how its answer completes the action that asked.
+
+use crate::actions::Action;
+use std::path::PathBuf;
+
+/// Which dialog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// One file that is there.
+    Open,
+    /// One or many.
+    OpenMany,
+    /// A file to write.
+    Save,
+    /// A folder.
+    Folder,
+}
+
+/// What a dialog is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Purpose {
+    /// What it says above.
+    pub title: &'static str,
+    /// What its button says.
+    pub button: &'static str,
+    /// Which dialog.
+    pub mode: Mode,
+    /// What the listed files are called.
+    pub files: &'static str,
+    /// Extensions of the files that are listed; empty for all.
+    pub extensions: &'static [&'static str],
+}
+
+const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
+const MATERIALS: &[&str] = &["json"];
+
+impl Purpose {
+    /// What a dialog for an action's path is for; `None` for actions without one.
+    pub fn of(action: &Action) -> Option<Self> {
+        let purpose = |title, button, mode, files, extensions| Self { title, button, mode, files, extensions };
+        Some(match action {
+            Action::Open(_) => purpose(
+                "Open a scene, a baked scene or a session",
+                "Open",
+                Mode::Open,
+                "Scenes, baked scenes, sessions",
+                &["gltf", "glb", "obj", "ply", "cuts", "lapidary"],
+            ),
+            Action::SaveAs(_) => purpose("Save the session", "Save", Mode::Save, "Sessions", &["lapidary"]),
+            Action::ExportPicture(_) => {
+                purpose("Export the picture", "Export", Mode::Save, "Pictures", &["png", "exr", "hdr"])
+            }
+            Action::LoadTexture { .. } => purpose("Load a texture", "Load", Mode::Open, "Pictures", PICTURES),
+            Action::LoadMaterial { .. } => purpose("Load a material", "Load", Mode::Open, "Materials", MATERIALS),
+            Action::SaveMaterial { .. } => purpose("Save the material", "Save", Mode::Save, "Materials", MATERIALS),
+            Action::LoadEnvironment(_) => {
+                purpose("Load an environment", "Load", Mode::Open, "Environments", PICTURES)
+            }
+            Action::AddToLibrary(_) => {
+                purpose("Add environments to the library", "Add", Mode::OpenMany, "Environments", PICTURES)
+            }
+            Action::Relink(_) => purpose("Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[]),
+            _ => return None,
+        })
+    }
+
+    /// A path to write gets the first extension if it has none of them.
+    pub fn with_extension(&self, path: PathBuf) -> PathBuf {
+        let known = |path: &PathBuf| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+            self.extensions.contains(&extension.as_str())
+        };
+        match self.extensions.first() {
+            Some(first) if self.mode == Mode::Save && !known(&path) => {
+                let mut name = path.into_os_string();
+                name.push(".");
+                name.push(first);
+                name.into()
+            }
+            _ => path,
+        }
+    }
+}
+
+/// The action with its path.
+pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
+    let mut action = action.clone();
+    match &mut action {
+        Action::Open(path)
+        | Action::SaveAs(path)
+        | Action::ExportPicture(path)
+        | Action::LoadTexture { path, .. }
+        | Action::LoadMaterial { path, .. }
+        | Action::SaveMaterial { path, .. }
+        | Action::LoadEnvironment(path)
+        | Action::AddToLibrary(path)
+        | Action::Relink(path) => *path = Some(chosen),
+        _ => {}
+    }
+    action
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actions::MapKind;
+
+    #[test]
+    fn the_answer_completes_the_action() {
+        let ask = Action::LoadTexture { material: 3, map: MapKind::Bump, path: None };
+        let Action::LoadTexture { material, map, path } = with_path(&ask, "a.png".into()) else { panic!() };
+        assert_eq!((material, map, path), (3, MapKind::Bump, Some("a.png".into())));
+        assert!(Purpose::of(&Action::Undo).is_none());
+    }
+
+    #[test]
+    fn files_to_write_have_an_extension_and_others_stay_as_they_are() {
+        let save = Purpose::of(&Action::ExportPicture(None)).unwrap();
+        assert_eq!(save.with_extension("a".into()), PathBuf::from("a.png"));
+        assert_eq!(save.with_extension("a.b".into()), PathBuf::from("a.b.png"));
+        assert_eq!(save.with_extension("a.EXR".into()), PathBuf::from("a.EXR"));
+        let open = Purpose::of(&Action::Open(None)).unwrap();
+        assert_eq!(open.with_extension("a".into()), PathBuf::from("a"));
+    }
+}

@@ -1,0 +1,70 @@
+//! Files that are dropped on the window, each where it belongs.
+
+use super::{files::as_base_color, layout::Laid, state::EditorState};
+use crate::{
+    actions::Action,
+    jobs::load::{Kind, foreign, kind_of},
+    viewport::pick,
+};
+use egui::Context;
+use glam::Vec2;
+use std::path::PathBuf;
+
+impl EditorState {
+    /// Takes the files that no panel has taken.
+    pub(super) fn take_drops(&mut self, ctx: &Context, laid: &Laid, actions: &mut Vec<Action>) {
+        let dropped: Vec<PathBuf> =
+            ctx.input_mut(|i| std::mem::take(&mut i.raw.dropped_files)).iter().map(|f| f.path().to_owned()).collect();
+        if dropped.is_empty() {
+            return;
+        }
+        let mut opened = false;
+        for path in dropped {
+            match kind_of(&path) {
+                Kind::Scene | Kind::Dataset | Kind::Session if opened => {
+                    self.messages.warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
+                }
+                Kind::Scene | Kind::Dataset | Kind::Session => {
+                    opened = true;
+                    actions.push(Action::Open(Some(path)));
+                }
+                Kind::Environment => actions.push(Action::LoadEnvironment(Some(path))),
+                Kind::Texture => self.drop_on_material(ctx, laid, path, actions, as_base_color),
+                Kind::Material => self.drop_on_material(ctx, laid, path, actions, |material, path| {
+                    Action::LoadMaterial { material, path: Some(path) }
+                }),
+                Kind::Unknown => self.messages.error(foreign(&path)),
+            }
+        }
+    }
+
+    /// The material under the pointer takes it, or else the one that is selected.
+    fn drop_on_material(
+        &mut self,
+        ctx: &Context,
+        laid: &Laid,
+        path: PathBuf,
+        actions: &mut Vec<Action>,
+        action: impl FnOnce(usize, PathBuf) -> Action,
+    ) {
+        match self.material_under_pointer(ctx, laid).or(self.selection.material) {
+            Some(material) => {
+                self.selection.material = Some(material);
+                actions.push(action(material, path));
+            }
+            None => self.messages.error(format!("Drop it on an object, or select a material first ({})", path.display())),
+        }
+    }
+
+    fn material_under_pointer(&self, ctx: &Context, laid: &Laid) -> Option<usize> {
+        let rect = laid.viewport.rect;
+        // Some systems tell no position while files are dragged; then there is none, or an old one outside.
+        let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
+        let baked = self.scene.shown()?;
+        let size = laid.viewport.size_px;
+        let share = (pointer - rect.min) / rect.size();
+        let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
+        let mesh = &baked.dataset.scene.mesh;
+        pick::pick(mesh, &baked.intersector, &self.document.camera, pixel, size).map(|picked| picked.material)
+    }
+}

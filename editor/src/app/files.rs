@@ -1,0 +1,237 @@
+//! Files that a document uses: textures and materials that were loaded, written, or changed on disk.
+
+use super::state::EditorState;
+use crate::{
+    actions::{Action, MapKind},
+    document::{Document, Edit, TextureEntry},
+    jobs::load::{LoadResult, Loaded, Source, Topic},
+    panels::material::new_slot,
+};
+use anyhow::{Context as _, Result};
+use lapidary_core::{
+    atomic::write_atomically,
+    import::{MapFiles, MaterialFile, SlotFile},
+    material::Material,
+    texture::{Texture, TextureSlot},
+};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+impl EditorState {
+    /// Begins to read a file.
+    pub(super) fn load(&mut self, topic: Topic, source: Source, path: PathBuf) {
+        let id = self.loader.load(topic, source);
+        self.loading.insert(id, path);
+    }
+
+    pub(super) fn collect_loaded(&mut self) {
+        for LoadResult { id, topic, result, .. } in self.loader.results() {
+            let path = self.loading.remove(&id);
+            match (topic, result) {
+                (Topic::Environment, result) => self.environment_loaded(result.and_then(into_environment)),
+                (Topic::Reload(path), result) => self.reloaded(&path, result),
+                (_, Err(error)) => self.messages.error(error),
+                (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
+                    self.use_texture(material, map, texture, path);
+                }
+                (Topic::Material(index), Ok(Loaded::Material { material, textures })) => {
+                    self.use_material(index, *material, textures, path);
+                }
+                // Topics and sources go together where they are asked for.
+                _ => {}
+            }
+        }
+    }
+
+    /// Gives a material a map, as a step of undo.
+    fn use_texture(&mut self, index: usize, map: MapKind, texture: Arc<Texture>, file: Option<PathBuf>) {
+        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
+        self.document.textures.push(TextureEntry { texture, file });
+        let texture = (self.document.textures.len() - 1) as u32;
+        let slot = map.slot_mut(&mut material.maps);
+        *slot = Some(match slot.take() {
+            Some(old) => TextureSlot { texture, ..old },
+            None => new_slot(map, texture),
+        });
+        self.edit_material(index, material, map.label());
+    }
+
+    fn use_material(&mut self, index: usize, material: Material, textures: Vec<Arc<Texture>>, file: Option<PathBuf>) {
+        let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let known = self.document.textures.len();
+        for texture in textures.into_iter().skip(known) {
+            let path = folder.join(&texture.name);
+            self.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
+        }
+        let Some(old) = self.document.materials.get(index) else { return };
+        // Which sides reflect was baked.
+        let material = Material { double_sided: old.double_sided, ..material };
+        self.edit_material(index, material, "Load material");
+    }
+
+    fn edit_material(&mut self, index: usize, material: Material, label: &'static str) {
+        self.history.end_gesture();
+        let edit = Edit::Material { index, material: Box::new(material) };
+        self.history.apply(&mut self.document, edit, label);
+        self.history.end_gesture();
+    }
+
+    pub(super) fn save_material(&mut self, index: usize, path: &Path) {
+        let Some(material) = self.document.materials.get(index) else { return };
+        let (file, left_out) = material_file(material, &self.document, path);
+        match write_material(&file, path) {
+            Ok(()) if left_out == 0 => self.messages.note(format!("Material written ({})", path.display())),
+            Ok(()) => self.messages.warning(format!(
+                "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
+                 them first ({})",
+                path.display()
+            )),
+            Err(error) => self.messages.error(format!("{error:#}")),
+        }
+    }
+
+    /// Watches the files in use, and reads those again that have changed.
+    pub(super) fn collect_changed_files(&mut self) {
+        let files = files_in_use(&self.document);
+        if files != self.watched {
+            self.watcher.watch(files.clone());
+            self.watched = files;
+        }
+        for path in self.watcher.changed() {
+            let spec = &self.document.environment.spec;
+            let source = if self.document.environment.file() == Some(&path) {
+                self.environments.forget_picture(spec);
+                Source::Environment(spec.clone())
+            } else {
+                Source::Texture(path.clone())
+            };
+            self.loader.load(Topic::Reload(path), source);
+        }
+    }
+
+    /// A file was read again. If it could not be, what was read before stays.
+    fn reloaded(&mut self, path: &Path, result: Result<Loaded, String>) {
+        match result {
+            Ok(Loaded::Texture(texture)) => {
+                for entry in self.document.textures.iter_mut().filter(|e| e.file.as_deref() == Some(path)) {
+                    entry.texture = texture.clone();
+                }
+                self.messages.note(format!("Loaded again ({})", path.display()));
+            }
+            Ok(loaded) => {
+                self.environment_loaded(into_environment(loaded));
+                self.messages.note(format!("Loaded again ({})", path.display()));
+            }
+            Err(error) => self.messages.warning(format!("A file has changed and cannot be read now: {error}")),
+        }
+    }
+}
+
+type LoadedEnvironment = (Arc<lapidary_core::environment::Environment>, Vec<String>);
+
+fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
+    match loaded {
+        Loaded::Environment { environment, warnings } => Ok((environment, warnings)),
+        _ => Err("that is no environment".into()),
+    }
+}
+
+/// Files that the document's materials and light are made of, each once.
+fn files_in_use(document: &Document) -> Vec<PathBuf> {
+    let slots = document.materials.iter().flat_map(|m| m.maps.slots());
+    let textures = slots.filter_map(|slot| document.textures.get(slot.texture as usize)?.file.clone());
+    let environment = document.environment.file().map(Path::to_owned);
+    let mut files: Vec<PathBuf> = textures.chain(environment).collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+/// A material for a file of its own, and how many of its maps have no file to name.
+fn material_file(material: &Material, document: &Document, path: &Path) -> (MaterialFile, usize) {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut left_out = 0;
+    let mut slot = |slot: &Option<TextureSlot>| {
+        let slot = slot.as_ref()?;
+        let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
+        left_out += usize::from(file.is_none());
+        Some(slot_file(slot, file?, folder))
+    };
+    let maps = MapFiles {
+        base_color: slot(&material.maps.base_color),
+        roughness: slot(&material.maps.roughness),
+        metalness: slot(&material.maps.metalness),
+        specular: slot(&material.maps.specular),
+        normal: slot(&material.maps.normal),
+        bump: slot(&material.maps.bump),
+    };
+    let Material { name, model, parameters, double_sided, .. } = material.clone();
+    (MaterialFile { name, model, parameters, maps, double_sided }, left_out)
+}
+
+fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
+    SlotFile {
+        file: file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned(),
+        color_space: Some(slot.color_space),
+        channel: slot.channel,
+        scale: slot.scale,
+        offset: slot.offset,
+        rotation_degrees: slot.rotation.to_degrees(),
+        strength: slot.strength,
+    }
+}
+
+fn write_material(file: &MaterialFile, path: &Path) -> Result<()> {
+    let text = serde_json::to_string_pretty(file)?;
+    write_atomically(path, format!("{text}\n").as_bytes())
+        .with_context(|| format!("cannot write the material; check the free space and permissions ({})", path.display()))
+}
+
+/// Uses a picture for the base colour of a material.
+pub fn as_base_color(material: usize, path: PathBuf) -> Action {
+    Action::LoadTexture { material, map: MapKind::BaseColor, path: Some(path) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::{import::load_material, texture::ColorSpace};
+
+    fn document(file: Option<PathBuf>) -> Document {
+        let texture = Arc::new(Texture::missing("wood.png"));
+        let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
+        let mut material = Material { name: "wood".into(), ..Default::default() };
+        material.maps.base_color = slot;
+        Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
+    }
+
+    #[test]
+    fn a_written_material_is_read_again_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = folder.path().join("wood.png");
+        let image = lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE);
+        image.write(&picture).unwrap();
+        let document = document(Some(picture));
+        let path = folder.path().join("wood.json");
+        let (file, left_out) = material_file(&document.materials[0], &document, &path);
+        assert_eq!((left_out, file.maps.base_color.as_ref().unwrap().file.as_str()), (0, "wood.png"));
+        write_material(&file, &path).unwrap();
+        let read = load_material(&path, &mut Default::default()).unwrap();
+        let (a, b) = (read.maps.base_color.unwrap(), document.materials[0].maps.base_color.clone().unwrap());
+        assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
+    }
+
+    #[test]
+    fn maps_without_a_file_are_counted_and_only_files_in_use_are_watched() {
+        let embedded = document(None);
+        assert_eq!(material_file(&embedded.materials[0], &embedded, Path::new("a.json")).1, 1);
+        assert!(files_in_use(&embedded).is_empty(), "the default light is a formula");
+        let mut document = document(Some("/a/wood.png".into()));
+        document.environment.spec = "/a/sky.hdr".into();
+        assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()]);
+        document.materials[0].maps.base_color = None;
+        assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr")]);
+    }
+}

@@ -1,0 +1,288 @@
+//! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
+
+use egui::{Context, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, Ui};
+use lapidary_render::ViewMode;
+
+/// What menus and keys can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Open a file.
+    Open,
+    /// Write the session.
+    Save,
+    /// Write the session under another name.
+    SaveAs,
+    /// Write the picture.
+    ExportPicture,
+    /// Close the window.
+    Quit,
+    /// Take back the last edit.
+    Undo,
+    /// Do it again.
+    Redo,
+    /// Show what is selected.
+    FrameSelection,
+    /// Show all.
+    FrameAll,
+    /// Put the camera on the clipboard.
+    CopyCamera,
+    /// Take it from there.
+    PasteCamera,
+    /// What the pixels show.
+    Mode(ViewMode),
+    /// Edges over the picture.
+    Wireframe,
+    /// Only the picture.
+    TogglePanels,
+    /// Larger text and controls.
+    LargerInterface,
+    /// Smaller ones.
+    SmallerInterface,
+    /// As they come.
+    DefaultInterface,
+    /// Bake with the current settings.
+    Bake,
+    /// Show or hide the keyboard map.
+    Keys,
+}
+
+/// Who acts on a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    /// The window, wherever the pointer is.
+    Window,
+    /// The viewport: listed here so that it is found.
+    Viewport,
+}
+
+/// A command, what it is called and its keys.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// What it does.
+    pub command: Command,
+    /// What menus call it.
+    pub label: &'static str,
+    group: &'static str,
+    keys: &'static [(Modifiers, Key)],
+    by: By,
+}
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+const NONE: Modifiers = Modifiers::NONE;
+
+const fn window(
+    group: &'static str,
+    command: Command,
+    label: &'static str,
+    keys: &'static [(Modifiers, Key)],
+) -> Binding {
+    Binding { command, label, group, keys, by: By::Window }
+}
+
+const fn viewport(command: Command, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
+    Binding { command, label, group: "View", keys, by: By::Viewport }
+}
+
+const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
+    window("What the pixels show", Command::Mode(mode), label, keys)
+}
+
+/// All commands. A key with more modifiers stands before the same key with fewer.
+pub const BINDINGS: [Binding; 26] = [
+    window("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
+    window("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
+    window("File", Command::Save, "Save", &[(CTRL, Key::S)]),
+    window("File", Command::ExportPicture, "Export picture...", &[(CTRL, Key::E)]),
+    window("File", Command::Quit, "Quit", &[(CTRL, Key::Q)]),
+    window("Edit", Command::Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)]),
+    window("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
+    viewport(Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
+    viewport(Command::FrameAll, "Frame all", &[(NONE, Key::Home), (NONE, Key::A)]),
+    viewport(Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
+    viewport(Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
+    window("View", Command::Wireframe, "Wireframe", &[(NONE, Key::W)]),
+    window("View", Command::TogglePanels, "Hide panels", &[(NONE, Key::Tab)]),
+    window("Window", Command::LargerInterface, "Larger interface", &[(NONE, Key::Plus), (NONE, Key::Equals)]),
+    window("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),
+    window("Window", Command::DefaultInterface, "Default interface size", &[(CTRL, Key::Num0)]),
+    window("Window", Command::Keys, "Keyboard map", &[(NONE, Key::F1), (NONE, Key::Questionmark)]),
+    window("Bake", Command::Bake, "Bake", &[(NONE, Key::B)]),
+    mode(ViewMode::Shaded, "Shaded", &[(NONE, Key::Num1)]),
+    mode(ViewMode::Normals, "Normals", &[(NONE, Key::Num2)]),
+    mode(ViewMode::Albedo, "Albedo", &[(NONE, Key::Num3)]),
+    mode(ViewMode::Roughness, "Roughness", &[(NONE, Key::Num4)]),
+    mode(ViewMode::VisibilityCut, "Visibility cut size", &[(NONE, Key::Num5)]),
+    mode(ViewMode::MergedCut, "Merged cut size", &[(NONE, Key::Num6)]),
+    mode(ViewMode::BrdfEvaluations, "BRDF evaluations", &[(NONE, Key::Num7)]),
+    window("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
+];
+
+/// What is done with the pointer, for the keyboard map.
+const POINTER: [(&str, &str); 12] = [
+    ("Drag, or middle drag", "Orbit"),
+    ("Shift + drag, or Shift + middle drag", "Pan"),
+    ("Wheel, pinch, or Alt + right drag", "Move closer or away"),
+    ("Right drag", "Look around; W A S D Q E fly, Shift faster"),
+    ("Shift + right drag", "Turn the environment"),
+    ("[ and ]", "Turn the environment by 5 degrees (Shift: 1)"),
+    ("Click", "Select"),
+    ("Double click", "Orbit about this point"),
+    ("Ctrl + 1, 3, 7", "View from the front, the right, the top"),
+    ("Shift while dragging a slider", "Fine steps"),
+    ("Double click on a label", "Default value"),
+    ("Drop a file", "Open it; a picture goes on the material under it"),
+];
+
+/// The binding of a command.
+pub fn binding(command: Command) -> &'static Binding {
+    let known = BINDINGS.iter().find(|b| b.command == command);
+    known.expect("every command is in the table, which a test holds it to")
+}
+
+/// The first keys of a command, as the system writes them.
+pub fn text(ctx: &Context, command: Command) -> String {
+    binding(command).keys.first().map(|k| ctx.format_shortcut(&KeyboardShortcut::new(k.0, k.1))).unwrap_or_default()
+}
+
+/// The commands whose keys were pressed, which are taken out of the input. None while text is edited or
+/// a question waits; none without a modifier while the right button is held, since those keys fly then.
+pub fn pressed(ctx: &Context, over_viewport: bool) -> Vec<Command> {
+    if ctx.text_edit_focused() || ctx.memory(|m| m.top_modal_layer().is_some()) {
+        return Vec::new();
+    }
+    let flying = ctx.input(|i| i.pointer.secondary_down());
+    // Tab steps through the controls unless the pointer rests on the picture.
+    let tab_is_free = over_viewport && ctx.memory(|m| m.focused().is_none());
+    let mut commands = Vec::new();
+    for binding in BINDINGS.iter().filter(|b| b.by == By::Window) {
+        for &(modifiers, key) in binding.keys {
+            let blocked = (flying && modifiers.is_none()) || (key == Key::Tab && !tab_is_free);
+            if !blocked && take(ctx, modifiers, key) {
+                commands.push(binding.command);
+            }
+        }
+    }
+    if commands.contains(&Command::TogglePanels) {
+        ctx.memory_mut(|m| m.move_focus(egui::FocusDirection::None));
+    }
+    commands
+}
+
+/// Letters and digits are pressed with exactly these modifiers; signs may need Shift on some keyboards.
+fn take(ctx: &Context, modifiers: Modifiers, key: Key) -> bool {
+    let sign = matches!(key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
+    ctx.input_mut(|i| {
+        let held = Modifiers { shift: i.modifiers.shift && !sign, ..i.modifiers };
+        held.matches_exact(modifiers) && i.consume_key(modifiers, key)
+    })
+}
+
+/// Shows the keyboard map. Returns whether it stays open.
+pub fn show_map(ctx: &Context) -> bool {
+    let modal = Modal::new(egui::Id::new("keyboard map")).show(ctx, |ui| {
+        ui.heading("Keyboard and pointer");
+        ui.add_space(6.0);
+        ui.horizontal_top(|ui| {
+            for groups in [&["File", "Edit", "Bake", "Window"][..], &["View", "What the pixels show"]] {
+                ui.vertical(|ui| groups.iter().for_each(|group| show_group(ui, group)));
+                ui.add_space(24.0);
+            }
+            ui.vertical(|ui| table(ui, "Viewport", POINTER.map(|(keys, what)| (keys.to_owned(), what))));
+        });
+        ui.add_space(6.0);
+        ui.button("Close").clicked()
+    });
+    !(modal.inner || modal.should_close())
+}
+
+fn show_group(ui: &mut Ui, group: &'static str) {
+    let write = |&(modifiers, key): &(Modifiers, Key)| ui.ctx().format_shortcut(&KeyboardShortcut::new(modifiers, key));
+    let bindings = BINDINGS.iter().filter(|b| b.group == group);
+    let rows = bindings.map(|b| (b.keys.iter().map(write).collect::<Vec<_>>().join(", "), b.label));
+    let rows: Vec<_> = rows.collect();
+    table(ui, group, rows);
+}
+
+fn table(ui: &mut Ui, title: &str, rows: impl IntoIterator<Item = (String, &'static str)>) {
+    ui.label(RichText::new(title).strong());
+    Grid::new(title).num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (keys, what) in rows {
+            ui.label(RichText::new(keys).monospace());
+            ui.label(what);
+            ui.end_row();
+        }
+    });
+    ui.add_space(8.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui_kittest::{Harness, kittest::Queryable};
+
+    struct State {
+        pressed: Vec<Command>,
+        text: String,
+    }
+
+    fn harness() -> Harness<'static, State> {
+        let ui = |ui: &mut Ui, state: &mut State| {
+            state.pressed.extend(pressed(ui.ctx(), false));
+            ui.text_edit_singleline(&mut state.text).accessible_name("Text");
+        };
+        Harness::new_ui_state(ui, State { pressed: Vec::new(), text: String::new() })
+    }
+
+    fn after(modifiers: Modifiers, key: Key) -> Vec<Command> {
+        let mut harness = harness();
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        harness.state().pressed.clone()
+    }
+
+    #[test]
+    fn each_key_does_one_thing() {
+        assert_eq!(after(CTRL, Key::Z), [Command::Undo]);
+        assert_eq!(after(CTRL_SHIFT, Key::Z), [Command::Redo]);
+        assert_eq!(after(CTRL, Key::Y), [Command::Redo]);
+        assert_eq!(after(NONE, Key::Num2), [Command::Mode(ViewMode::Normals)]);
+        assert_eq!(after(Modifiers::SHIFT, Key::Questionmark), [Command::Keys]);
+        assert_eq!(after(Modifiers::SHIFT, Key::Plus), [Command::LargerInterface]);
+        assert_eq!(after(CTRL, Key::B), [], "Ctrl+B is not B");
+        assert_eq!(after(NONE, Key::Tab), [], "Tab steps through the controls");
+    }
+
+    #[test]
+    fn typing_does_nothing_else() {
+        let mut harness = harness();
+        harness.get_by_label("Text").focus();
+        harness.run_steps(2);
+        harness.key_press(Key::B);
+        harness.key_press_modifiers(CTRL, Key::Z);
+        harness.run_steps(2);
+        assert_eq!(harness.state().pressed, []);
+    }
+
+    #[test]
+    fn every_mode_has_a_key_and_no_key_stands_twice() {
+        for mode in ViewMode::ALL {
+            assert_eq!(binding(Command::Mode(mode)).label, mode.label());
+        }
+        let keys: Vec<_> = BINDINGS.iter().flat_map(|b| b.keys).collect();
+        for (i, key) in keys.iter().enumerate() {
+            assert!(!keys[..i].contains(key), "{key:?}");
+        }
+    }
+
+    #[test]
+    fn the_map_lists_all_commands() {
+        let mut harness = Harness::builder().with_size([1200.0, 800.0]).build_ui(|ui| {
+            show_map(ui.ctx());
+        });
+        harness.run_steps(3);
+        for binding in &BINDINGS {
+            assert!(harness.query_all_by_label(binding.label).next().is_some(), "{}", binding.label);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Where everything lies: menus and tools on top, the scene on the left, the inspector on the right, one line of status at
+//! the bottom, and the picture in the room that is left.
+
+use super::{
+    environments::Environments,
+    keys, menus, notice,
+    pictures::Pictures,
+    state::{EditorState, OpenScene},
+    status, toolbar,
+};
+use crate::{
+    actions::Action,
+    document::{self, BackgroundKind, Document},
+    panels::{
+        bake::{self, BakeContext, SceneStats},
+        environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
+        material::{self, MaterialContext, MaterialPanel},
+        scene::{self, SceneContext, ScenePanel},
+        view::{self, ViewContext},
+    },
+    viewport::{self, ViewportContext, ViewportResponse, ViewportState},
+};
+use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
+
+/// What the inspector shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inspector {
+    /// The selected material.
+    #[default]
+    Material,
+    /// The light.
+    Environment,
+    /// How the picture is made and shown.
+    View,
+    /// Visibility.
+    Bake,
+}
+
+impl Inspector {
+    const ALL: [Self; 4] = [Self::Material, Self::Environment, Self::View, Self::Bake];
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Material => "Material",
+            Self::Environment => "Environment",
+            Self::View => "View",
+            Self::Bake => "Bake",
+        }
+    }
+}
+
+/// What the left side shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// Objects, materials and cameras.
+    #[default]
+    Scene,
+    /// Environments to choose from.
+    Library,
+}
+
+/// What the interface remembers between frames.
+#[derive(Default)]
+pub struct Interface {
+    /// What the inspector shows.
+    pub inspector: Inspector,
+    /// What the left side shows.
+    pub side: Side,
+    /// Only the picture is shown.
+    pub panels_hidden: bool,
+    /// The keyboard map is shown.
+    pub keys_open: bool,
+    /// What was done last, for the status line.
+    pub done: Option<String>,
+    /// Width and height of the viewport in pixels.
+    pub viewport_size: [u32; 2],
+    /// The next text from the clipboard is a camera.
+    pub pasting_camera: bool,
+    viewport: ViewportState,
+    material: MaterialPanel,
+    environment: EnvironmentPanel,
+    scene: ScenePanel,
+}
+
+/// Where things came to lie in a frame.
+pub struct Laid {
+    /// The viewport.
+    pub viewport: ViewportResponse,
+    /// Height of the status line in points.
+    pub status_height: f32,
+}
+
+/// Shows everything, and takes the keys that nothing else has taken.
+pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> Laid {
+    Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
+    let status_height = Panel::bottom("status").show(ui, |ui| status::show(ui, state)).response.rect.height();
+    if !state.interface.panels_hidden {
+        Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
+        let side = Panel::left("side").resizable(true).default_size(230.0).size_range(160.0..=480.0);
+        side.show(ui, |ui| show_side(ui, state, actions));
+        let inspector = Panel::right("inspector").resizable(true).default_size(340.0).size_range(280.0..=640.0);
+        inspector.show(ui, |ui| show_inspector(ui, state, actions));
+    }
+    let centre = CentralPanel::default().frame(Frame::NONE.fill(ui.visuals().extreme_bg_color));
+    let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
+    state.interface.viewport_size = viewport.size_px;
+    let over_viewport = ui.input(|i| i.pointer.latest_pos().is_some_and(|p| viewport.rect.contains(p)));
+    for command in keys::pressed(ui.ctx(), over_viewport) {
+        state.command(command, actions);
+    }
+    if state.interface.keys_open {
+        state.interface.keys_open = keys::show_map(ui.ctx());
+    }
+    Laid { viewport, status_height }
+}
+
+fn tabs<T: Copy + PartialEq>(ui: &mut Ui, chosen: &mut T, all: &[(T, &str)]) {
+    ui.add_space(2.0);
+    ui.horizontal(|ui| {
+        for &(tab, label) in all {
+            ui.selectable_value(chosen, tab, label);
+        }
+    });
+    ui.separator();
+}
+
+fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        // Room for the scroll bar, so that it covers no number.
+        Frame::NONE.inner_margin(Margin { right: 8, ..Margin::ZERO }).show(ui, contents);
+    });
+}
+
+fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    tabs(ui, &mut state.interface.side, &[(Side::Scene, "Scene"), (Side::Library, "Library")]);
+    match state.interface.side {
+        Side::Scene => {
+            let context = SceneContext {
+                document: &state.document,
+                dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
+                selected_object: state.selection.object,
+                selected_material: state.selection.material,
+            };
+            scrolled(ui, |ui| scene::show(ui, &mut state.interface.scene, &context, actions));
+        }
+        Side::Library => {
+            let library = library(state);
+            let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &library);
+            scrolled(ui, |ui| environment::show_library(ui, &mut state.interface.environment, &context, actions));
+        }
+    }
+}
+
+fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    tabs(ui, &mut state.interface.inspector, &Inspector::ALL.map(|tab| (tab, tab.label())));
+    match state.interface.inspector {
+        Inspector::Material => show_material(ui, state, actions),
+        Inspector::Environment => {
+            let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
+            scrolled(ui, |ui| environment::show(ui, &mut state.interface.environment, &context, actions));
+        }
+        Inspector::View => {
+            let context = ViewContext { document: &state.document };
+            scrolled(ui, |ui| view::show(ui, &context, actions));
+        }
+        Inspector::Bake => show_bake(ui, state, actions),
+    }
+}
+
+fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let shown = state.pictures.shown();
+    let context = MaterialContext {
+        document: &state.document,
+        selected: state.selection.material,
+        lighting: shown.map(|s| &s.lighting),
+        light_revision: shown.map_or(0, |s| s.light_revision),
+    };
+    scrolled(ui, |ui| material::show(ui, &mut state.interface.material, &context, actions));
+}
+
+fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let status = state.bake_status();
+    let report = state.scene.source.as_ref().map(|source| &source.report);
+    let context = BakeContext {
+        document: &state.document,
+        dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
+        status: &status,
+        scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
+        cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
+    };
+    scrolled(ui, |ui| bake::show(ui, &context, actions));
+}
+
+fn environment_context<'a>(
+    document: &'a Document,
+    scene: &'a OpenScene,
+    environments: &'a Environments,
+    pictures: &'a Pictures,
+    library: &'a [LibraryEntry],
+) -> EnvironmentContext<'a> {
+    let shown = pictures.shown();
+    EnvironmentContext {
+        document,
+        environment: environments.loaded(),
+        library,
+        tree: scene.shown().map(|baked| &baked.dataset.tree),
+        lighting: shown.map(|s| &s.lighting),
+        light_revision: shown.map_or(0, |s| s.light_revision),
+        message: environments.problem.as_deref(),
+    }
+}
+
+/// The maps of the library with their pictures.
+fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
+    let with_picture = |entry: document::library::LibraryEntry| {
+        let spec = entry.path.to_string_lossy().into_owned();
+        let thumbnail = if entry.missing { None } else { state.environments.picture(&spec).cloned() };
+        LibraryEntry { name: entry.name, spec, missing: entry.missing, thumbnail }
+    };
+    state.library.entries().into_iter().map(with_picture).collect()
+}
+
+fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
+    let baked = state.scene.shown();
+    let mesh = baked.map(|b| &b.dataset.scene.mesh);
+    let selected_object = state.selection.object;
+    let busy = baked.and_then(|_| state.baking.line());
+    let shown = state.pictures.shown().filter(|_| baked.is_some());
+    let context = ViewportContext {
+        document: &state.document,
+        picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
+        picture_size: shown.map_or([1, 1], |s| s.size),
+        checker: state.document.view.background == BackgroundKind::Transparent,
+        mesh,
+        intersector: baked.map(|b| &*b.intersector),
+        scene_bounds: state.bounds.scene,
+        selected_object,
+        selection_bounds: state.bounds.selection,
+        accent: ui.visuals().selection.bg_fill,
+        busy: busy.as_deref(),
+        // What to say where there is no picture comes from the notice, which has buttons.
+        placeholder: baked.is_none().then_some(""),
+        stale: state.scene.is_stale(),
+    };
+    let response = viewport::show(ui, &mut state.interface.viewport, &context, actions);
+    if baked.is_none() {
+        notice::show(ui, response.rect, state, actions);
+    }
+    response
+}

@@ -1,0 +1,161 @@
+//! The menu bar.
+
+use super::{
+    keys::{self, Command},
+    layout::Inspector,
+    prompts::Prompt,
+    state::EditorState,
+};
+use crate::{
+    actions::Action,
+    preferences::{Preferences, Theme},
+};
+use egui::{Button, MenuBar, Ui};
+use lapidary_render::ViewMode;
+
+/// Widths of menus in points, so that shortcuts have room.
+const WIDTH: f32 = 210.0;
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    MenuBar::new().ui(ui, |ui| {
+        menu(ui, "File", |ui| file(ui, state, actions));
+        menu(ui, "Edit", |ui| edit(ui, state, actions));
+        menu(ui, "View", |ui| view(ui, state, actions));
+        menu(ui, "Bake", |ui| bake(ui, state, actions));
+        menu(ui, "Help", |ui| help(ui, state, actions));
+    });
+}
+
+fn menu(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    ui.menu_button(title, |ui| {
+        ui.set_min_width(WIDTH);
+        contents(ui);
+    });
+}
+
+/// An entry for a command, with its keys.
+fn entry(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>, command: Command, enabled: bool) {
+    let label = keys::binding(command).label;
+    entry_as(ui, state, actions, command, label, enabled);
+}
+
+fn entry_as(
+    ui: &mut Ui,
+    state: &mut EditorState,
+    actions: &mut Vec<Action>,
+    command: Command,
+    label: &str,
+    enabled: bool,
+) {
+    let button = Button::new(label).shortcut_text(keys::text(ui.ctx(), command));
+    if ui.add_enabled(enabled, button).clicked() {
+        state.command(command, actions);
+        ui.close();
+    }
+}
+
+fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let is_open = state.document.scene.is_some() || state.document.dataset.is_some();
+    entry(ui, state, actions, Command::Open, true);
+    ui.menu_button("Open recent", |ui| recent(ui, state, actions));
+    if ui.button("Open the bundled scene").clicked() {
+        actions.push(Action::OpenBundled);
+        ui.close();
+    }
+    ui.separator();
+    entry(ui, state, actions, Command::Save, is_open);
+    entry(ui, state, actions, Command::SaveAs, is_open);
+    entry(ui, state, actions, Command::ExportPicture, state.scene.shown().is_some());
+    ui.separator();
+    entry(ui, state, actions, Command::Quit, true);
+}
+
+fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    if state.recent.entries().is_empty() {
+        ui.weak("No files yet");
+        return;
+    }
+    for file in state.recent.entries() {
+        let name = file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy().into_owned();
+        let label = if file.missing { format!("{name} (missing)") } else { name };
+        if ui.button(label).on_hover_text(file.path.display().to_string()).clicked() {
+            actions.push(Action::Open(Some(file.path.clone())));
+            ui.close();
+        }
+    }
+    ui.separator();
+    if ui.button("Clear the list").clicked() {
+        if let Err(error) = state.recent.clear() {
+            state.messages.warning(format!("{error:#}"));
+        }
+        ui.close();
+    }
+}
+
+fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let label = |verb: &str, what: Option<&str>| what.map_or(verb.to_owned(), |what| format!("{verb} {what}"));
+    let (undo, redo) = (state.history.undo_label(), state.history.redo_label());
+    entry_as(ui, state, actions, Command::Undo, &label("Undo", undo), undo.is_some());
+    entry_as(ui, state, actions, Command::Redo, &label("Redo", redo), redo.is_some());
+    ui.separator();
+    entry(ui, state, actions, Command::CopyCamera, true);
+    entry(ui, state, actions, Command::PasteCamera, true);
+}
+
+fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    for mode in ViewMode::ALL {
+        let chosen = state.document.view.mode == mode;
+        let button = Button::selectable(chosen, mode.label());
+        if ui.add(button.shortcut_text(keys::text(ui.ctx(), Command::Mode(mode)))).clicked() {
+            state.command(Command::Mode(mode), actions);
+            ui.close();
+        }
+    }
+    ui.separator();
+    let wireframe = if state.document.view.wireframe { "Hide wireframe" } else { "Wireframe" };
+    entry_as(ui, state, actions, Command::Wireframe, wireframe, true);
+    let is_shown = state.scene.shown().is_some();
+    entry(ui, state, actions, Command::FrameSelection, is_shown && state.selection.object.is_some());
+    entry(ui, state, actions, Command::FrameAll, is_shown);
+    ui.separator();
+    let panels = if state.interface.panels_hidden { "Show panels" } else { "Hide panels" };
+    entry_as(ui, state, actions, Command::TogglePanels, panels, true);
+    entry(ui, state, actions, Command::LargerInterface, true);
+    entry(ui, state, actions, Command::SmallerInterface, true);
+    entry(ui, state, actions, Command::DefaultInterface, true);
+    let (label, theme) = match state.preferences.theme {
+        Theme::Dark => ("Light theme", Theme::Light),
+        Theme::Light => ("Dark theme", Theme::Dark),
+    };
+    if ui.button(label).clicked() {
+        actions.push(Action::Preferences(Preferences { theme, ..state.preferences.clone() }));
+        ui.close();
+    }
+}
+
+fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let running = state.baking.progress().is_some();
+    entry(ui, state, actions, Command::Bake, !running && state.scene.source.is_some());
+    if ui.add_enabled(running, Button::new("Cancel the bake")).clicked() {
+        actions.push(Action::CancelBake);
+        ui.close();
+    }
+    if ui.button("Bake settings").clicked() {
+        state.interface.inspector = Inspector::Bake;
+        state.interface.panels_hidden = false;
+        ui.close();
+    }
+}
+
+fn help(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    entry(ui, state, actions, Command::Keys, true);
+    if ui.button("Messages").clicked() {
+        state.messages.log_open = true;
+        ui.close();
+    }
+    if ui.button("About Lapidary").clicked() {
+        state.prompt = Some(Prompt::About);
+        ui.close();
+    }
+}

@@ -1,0 +1,82 @@
+//! What stands in the viewport while there is no picture: what is going on, or what to do.
+
+use super::state::EditorState;
+use crate::actions::Action;
+use egui::{Align, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
+
+/// Width of the text in points.
+const WIDTH: f32 = 380.0;
+
+/// Shows it in the middle of `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let size = vec2(WIDTH.min(rect.width() - 20.0).max(40.0), 150.0);
+    let place = Rect::from_center_size(rect.center(), size);
+    let layout = Layout::top_down(Align::Center);
+    ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| contents(ui, state, actions));
+}
+
+fn contents(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let title = state.title();
+    if let Some(opening) = &state.opening {
+        heading(ui, &format!("Opening {}", opening.what));
+        ui.spinner();
+    } else if let Some(line) = state.baking.line() {
+        baking(ui, &title, &line, state.baking.progress().and_then(|p| p.fraction()), actions);
+    } else if state.scene.is_stale() {
+        stale(ui, &title, state, actions);
+    } else if state.scene.source.is_some() {
+        not_baked(ui, &title, actions);
+    } else {
+        nothing(ui, actions);
+    }
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).heading());
+    ui.add_space(4.0);
+}
+
+fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: &mut Vec<Action>) {
+    heading(ui, title);
+    ui.label("Its visibility is baked once; a draft is shown first.");
+    ui.add_space(6.0);
+    ui.add(ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(WIDTH - 60.0).desired_height(6.0));
+    ui.weak(line);
+    ui.add_space(6.0);
+    if ui.button("Cancel").clicked() {
+        actions.push(Action::CancelBake);
+    }
+}
+
+fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Action>) {
+    heading(ui, &format!("{title} has changed"));
+    ui.label("The bake beside it was made of another version of the scene: its shadows and reflections are not right.");
+    ui.add_space(6.0);
+    if ui.button(RichText::new("Bake again").strong()).clicked() {
+        actions.push(Action::Bake { resume: false });
+    }
+    if ui.button("Show anyway").clicked() {
+        state.scene.show_stale = true;
+    }
+}
+
+fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
+    heading(ui, &format!("{title} is not baked yet"));
+    ui.label("A bake traces what light each point can see. The Bake tab has presets, from seconds to minutes.");
+    ui.add_space(6.0);
+    if ui.button(RichText::new("Bake now").strong()).clicked() {
+        actions.push(Action::Bake { resume: false });
+    }
+}
+
+fn nothing(ui: &mut Ui, actions: &mut Vec<Action>) {
+    heading(ui, "Nothing is open");
+    ui.label("Drop a scene here (.gltf, .glb, .obj, .ply), a baked scene (.cuts) or a session (.lapidary).");
+    ui.add_space(6.0);
+    if ui.button("Open...").clicked() {
+        actions.push(Action::Open(None));
+    }
+    if ui.button("Open the bundled scene").clicked() {
+        actions.push(Action::OpenBundled);
+    }
+}

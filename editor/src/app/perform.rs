@@ -1,0 +1,322 @@
+//! Actions, done: the one place where what the interface asks for meets the document, its history and the jobs.
+
+use super::{
+    layout::Inspector,
+    opening::{Opened, Ready, Target},
+    prompts::Prompt,
+    state::{EditorState, OpenScene, Selection},
+    theme,
+};
+use crate::{
+    actions::Action,
+    app::keys::Command,
+    document::{Document, Edit, History, ViewSettings, session},
+    jobs::load::{Source, Topic},
+    preferences::Preferences,
+    viewport::{camera_text, navigation, pick},
+};
+use egui::{Context, ViewportCommand};
+use lapidary_core::camera::Camera;
+use std::path::{Path, PathBuf};
+
+impl EditorState {
+    /// Does what was asked for; a path that is missing is asked for by a dialog.
+    pub(super) fn perform(&mut self, ctx: &Context, action: Action) {
+        match action {
+            Action::Edit { edit, label } => self.edit(edit, label),
+            Action::EndGesture => self.history.end_gesture(),
+            Action::Undo => self.undo(),
+            Action::Redo => self.redo(),
+            Action::Camera(camera) => self.document.camera = camera,
+            Action::FrameSelection => self.frame_selection(),
+            Action::FrameAll => self.frame_all(),
+            Action::SelectObject(object) => self.select_object(object),
+            Action::SelectMaterial(material) => {
+                self.selection.material = material;
+                self.interface.inspector = Inspector::Material;
+            }
+            Action::CopyCamera => self.copy_camera(ctx),
+            Action::PasteCamera => {
+                self.interface.pasting_camera = true;
+                ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
+            }
+            Action::Preferences(preferences) => self.prefer(preferences),
+            Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
+            Action::Bake { resume } => self.start_bake(resume, false),
+            Action::CancelBake => self.cancel_bake(),
+            Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
+            Action::OpenBundled | Action::Open(Some(_)) | Action::Quit => self.leave_document(ctx, action),
+            Action::Save => self.save(ctx),
+            Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
+            Action::ExportPicture(Some(path)) => self.export_picture(path),
+            Action::LoadTexture { material, map, path: Some(path) } => {
+                self.load(Topic::Map { material, map }, Source::Texture(path.clone()), path);
+            }
+            Action::LoadMaterial { material, path: Some(path) } => {
+                let textures = self.document.textures.iter().map(|t| t.texture.clone()).collect();
+                self.load(Topic::Material(material), Source::Material { path: path.clone(), textures }, path);
+            }
+            Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
+            Action::AddToLibrary(Some(path)) => self.add_to_library(path),
+            Action::Relink(Some(folder)) => self.relink(&folder),
+            Action::Open(None)
+            | Action::SaveAs(None)
+            | Action::ExportPicture(None)
+            | Action::LoadTexture { path: None, .. }
+            | Action::LoadMaterial { path: None, .. }
+            | Action::SaveMaterial { path: None, .. }
+            | Action::LoadEnvironment(None)
+            | Action::AddToLibrary(None)
+            | Action::Relink(None) => self.ask_for_path(action),
+        }
+    }
+
+    /// Does what a menu or key asks for.
+    pub(super) fn command(&mut self, command: Command, actions: &mut Vec<Action>) {
+        let view = |change: &dyn Fn(&mut ViewSettings)| {
+            let mut settings = self.document.view.clone();
+            change(&mut settings);
+            Edit::View(settings)
+        };
+        actions.push(match command {
+            Command::Open => Action::Open(None),
+            Command::Save => Action::Save,
+            Command::SaveAs => Action::SaveAs(None),
+            Command::ExportPicture => Action::ExportPicture(None),
+            Command::Quit => Action::Quit,
+            Command::Undo => Action::Undo,
+            Command::Redo => Action::Redo,
+            Command::FrameSelection => Action::FrameSelection,
+            Command::FrameAll => Action::FrameAll,
+            Command::CopyCamera => Action::CopyCamera,
+            Command::PasteCamera => Action::PasteCamera,
+            Command::Bake => Action::Bake { resume: false },
+            Command::Keys => Action::ToggleKeys,
+            Command::Mode(mode) => Action::Edit { edit: view(&|v| v.mode = mode), label: "View mode" },
+            Command::Wireframe => Action::Edit { edit: view(&|v| v.wireframe = !v.wireframe), label: "Wireframe" },
+            Command::LargerInterface => Action::Preferences(self.scaled(1)),
+            Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
+            Command::DefaultInterface => {
+                Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() })
+            }
+            Command::TogglePanels => {
+                self.interface.panels_hidden = !self.interface.panels_hidden;
+                return;
+            }
+        });
+    }
+
+    fn scaled(&self, steps: i32) -> Preferences {
+        Preferences { ui_scale: theme::scaled(self.preferences.ui_scale, steps), ..self.preferences.clone() }
+    }
+
+    fn edit(&mut self, edit: Edit, label: &'static str) {
+        self.history.apply(&mut self.document, edit, label);
+    }
+
+    fn undo(&mut self) {
+        if let Some((label, _)) = self.history.undo(&mut self.document) {
+            self.interface.done = Some(format!("Undone: {label}"));
+        }
+    }
+
+    fn redo(&mut self) {
+        if let Some((label, _)) = self.history.redo(&mut self.document) {
+            self.interface.done = Some(format!("Redone: {label}"));
+        }
+    }
+
+    /// Lights the scene by a map or formula, as a step of undo.
+    pub(super) fn use_environment(&mut self, spec: &str) {
+        let environment = crate::document::EnvironmentSettings { spec: spec.into(), ..self.document.environment.clone() };
+        self.history.end_gesture();
+        self.edit(Edit::Environment(environment), "Environment");
+        self.history.end_gesture();
+    }
+
+    fn frame_selection(&mut self) {
+        let bounds = self.scene.shown().zip(self.selection.object);
+        match bounds.and_then(|(baked, object)| pick::object_bounds(&baked.dataset.scene.mesh, object)) {
+            Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
+            None => self.frame_all(),
+        }
+    }
+
+    fn frame_all(&mut self) {
+        if let Some(baked) = self.scene.shown() {
+            let bounds = baked.dataset.scene.mesh.bounds();
+            self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
+        }
+    }
+
+    fn aspect(&self) -> f32 {
+        let [width, height] = self.interface.viewport_size;
+        width as f32 / height.max(1) as f32
+    }
+
+    /// Selects an object, and with it the material of its first triangle.
+    fn select_object(&mut self, object: Option<u32>) {
+        self.selection.object = object;
+        let Some((object, baked)) = object.zip(self.scene.baked.as_ref()) else { return };
+        let mesh = &baked.dataset.scene.mesh;
+        if let Some(triangle) = mesh.triangle_object.iter().position(|&o| o == object) {
+            self.selection.material = Some(mesh.triangle_material[triangle] as usize);
+            self.interface.inspector = Inspector::Material;
+        }
+    }
+
+    fn copy_camera(&mut self, ctx: &Context) {
+        ctx.copy_text(camera_text::text(&self.document.camera));
+        self.messages.note("The camera is on the clipboard, as options of lapidary render");
+    }
+
+    /// Moves the camera to what a text on the clipboard says.
+    pub(super) fn paste_camera(&mut self, text: &str) {
+        match camera_text::parse(text) {
+            Ok(camera) => self.document.camera = Camera { name: self.document.camera.name.clone(), ..camera },
+            Err(error) => self.messages.error(format!("The clipboard holds no camera: {error:#}")),
+        }
+    }
+
+    fn prefer(&mut self, preferences: Preferences) {
+        self.preferences = preferences.clamped();
+        if let Err(error) = self.preferences.save(&self.folders.config) {
+            self.messages.warning(format!("{error:#}"));
+        }
+    }
+
+    fn add_to_library(&mut self, path: PathBuf) {
+        match self.library.add(&[path]) {
+            Ok(0) => self.messages.note("It is in the library already"),
+            Ok(count) => self.messages.note(format!("Added to the library: {count}")),
+            Err(error) => self.messages.error(format!("{error:#}")),
+        }
+    }
+
+    fn ask_for_path(&mut self, action: Action) {
+        let document = &self.document;
+        let path = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let stem = path.and_then(Path::file_stem).map_or("untitled".into(), |s| s.to_string_lossy().into_owned());
+        let name = match &action {
+            Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
+            Action::ExportPicture(_) => Some(format!("{stem}.png")),
+            Action::SaveMaterial { material, .. } => {
+                self.document.materials.get(*material).map(|m| format!("{}.json", m.name))
+            }
+            _ => None,
+        };
+        let folder = path.and_then(Path::parent).map(Path::to_owned);
+        self.dialogs.ask(action, folder.as_deref(), name);
+    }
+
+    /// Another document takes this one's place, or the window closes: changes are asked about first.
+    fn leave_document(&mut self, ctx: &Context, action: Action) {
+        if self.history.is_modified() {
+            self.prompt = Some(Prompt::Unsaved { then: Box::new(action) });
+        } else {
+            self.leave_now(ctx, action);
+        }
+    }
+
+    /// Goes on without asking.
+    pub(super) fn leave_now(&mut self, ctx: &Context, action: Action) {
+        match action {
+            Action::Open(Some(path)) => self.open(Target::File(path)),
+            Action::OpenBundled => self.open_bundled(),
+            Action::Quit => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+            _ => {}
+        }
+    }
+
+    /// Opens the scene that comes with the program.
+    pub fn open_bundled(&mut self) {
+        match self.bundled.scene.clone() {
+            Some(scene) => self.open(Target::Bundled { scene, bakes: self.folders.cache.join("bakes") }),
+            None => self.messages.error(
+                "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
+            ),
+        }
+    }
+
+    fn save(&mut self, ctx: &Context) {
+        match self.scene.session.clone() {
+            Some(path) => self.save_to(ctx, &path),
+            None => self.ask_for_path(Action::SaveAs(None)),
+        }
+    }
+
+    fn save_to(&mut self, ctx: &Context, path: &Path) {
+        if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
+            self.after_save = None;
+            return self.messages.error(error.to_string());
+        }
+        self.history.mark_saved();
+        self.forget_autosave();
+        self.forget_recovered();
+        self.scene.session = Some(path.to_owned());
+        self.remember(path);
+        self.messages.note(format!("Saved ({})", path.display()));
+        if let Some(action) = self.after_save.take() {
+            self.leave_now(ctx, action);
+        }
+    }
+
+    pub(super) fn remember(&mut self, path: &Path) {
+        if let Err(error) = self.recent.add(path) {
+            self.messages.warning(format!("{error:#}"));
+        }
+    }
+
+    pub(super) fn collect_opened(&mut self) {
+        let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
+        self.opening = None;
+        match result {
+            Ok(Opened::Ready(ready)) => self.take_document(*ready),
+            Ok(Opened::Missing { loaded, path, unsaved }) => {
+                self.prompt = Some(Prompt::Missing { loaded, path, unsaved });
+            }
+            Err(error) => self.messages.error(error),
+        }
+    }
+
+    fn take_document(&mut self, ready: Ready) {
+        let Ready { document, unknown, session, unsaved, baked, source, bake_output, bake_now, warnings, recent } = ready;
+        self.forget_autosave();
+        self.baking.clear();
+        self.document = document;
+        self.history = if unsaved { History::unsaved() } else { History::new() };
+        self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
+        self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
+        self.pictures.clear();
+        self.requests.forget();
+        let name = self.title();
+        self.messages.warnings(&name, &warnings);
+        recent.into_iter().for_each(|path| self.remember(&path));
+        if bake_now {
+            self.start_bake(false, true);
+        }
+    }
+
+    /// Looks for the missing files of the session that waits for it.
+    fn relink(&mut self, folder: &Path) {
+        let Some(Prompt::Missing { loaded, .. }) = &mut self.prompt else { return };
+        let found = loaded.relink(folder);
+        let missing = loaded.missing.len();
+        self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+        if missing == 0
+            && let Some(Prompt::Missing { loaded, path, unsaved }) = self.prompt.take()
+        {
+            self.open(Target::Session { loaded, path, unsaved });
+        }
+    }
+
+    /// What the window is called.
+    pub fn title(&self) -> String {
+        let Document { scene, dataset, .. } = &self.document;
+        let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());
+        path.and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
+    }
+}

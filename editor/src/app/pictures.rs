@@ -1,0 +1,161 @@
+//! What the render thread has made: the picture on the screen, what is known about it, and pictures for files.
+
+use super::state::EditorState;
+use crate::jobs::{
+    guarded,
+    render_thread::{LinearPicture, RenderEvent, RenderedFrame},
+    spawn,
+};
+use anyhow::{Context as _, Result};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use glam::Vec3;
+use lapidary_core::{atomic::write_atomically, color::linear_from_srgb, image::encode_png};
+use lapidary_render::{PictureStats, Post, SceneLighting, ViewMode, display_pixel};
+use std::{
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        mpsc::{Receiver, Sender, channel},
+    },
+};
+
+/// The newest picture and its figures.
+#[derive(Clone)]
+pub struct Shown {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Whether it has the size of the viewport.
+    pub full_size: bool,
+    /// Samples a pixel so far.
+    pub samples: u32,
+    /// Samples a pixel in the end.
+    pub of_samples: u32,
+    /// Work done for it.
+    pub stats: PictureStats,
+    /// Milliseconds of rendering.
+    pub millis: f64,
+    /// The light that it was made with.
+    pub lighting: Arc<SceneLighting>,
+    /// Another number for another light.
+    pub light_revision: u64,
+    /// Name of the renderer.
+    pub backend: String,
+}
+
+/// How scene-linear pixels are shown.
+#[derive(Clone, Copy)]
+struct Look {
+    mode: ViewMode,
+    post: Post,
+    count_top: f32,
+}
+
+/// Pictures, on the screen and on their way to files.
+pub struct Pictures {
+    texture: Option<TextureHandle>,
+    shown: Option<Shown>,
+    exports: Vec<(u64, PathBuf, Look)>,
+    exports_asked: u64,
+    written: (Sender<Result<PathBuf, String>>, Receiver<Result<PathBuf, String>>),
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self { texture: None, shown: None, exports: Vec::new(), exports_asked: 0, written: channel() }
+    }
+}
+
+impl Pictures {
+    /// The picture on the screen.
+    pub fn texture(&self) -> Option<&TextureHandle> {
+        self.texture.as_ref()
+    }
+
+    /// What is known about it.
+    pub fn shown(&self) -> Option<&Shown> {
+        self.shown.as_ref()
+    }
+
+    /// The scene was closed.
+    pub fn clear(&mut self) {
+        (self.texture, self.shown) = (None, None);
+    }
+
+    fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
+        let pixels: &[u8] = frame.pixels.as_flattened();
+        let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
+        match &mut self.texture {
+            Some(texture) => texture.set(image, TextureOptions::LINEAR),
+            None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
+        }
+        let RenderedFrame { size, full_size, samples, of_samples, stats, millis, lighting, light_revision, backend, .. } =
+            frame;
+        self.shown =
+            Some(Shown { size, full_size, samples, of_samples, stats, millis, lighting, light_revision, backend });
+    }
+}
+
+impl EditorState {
+    pub(super) fn collect_pictures(&mut self, ctx: &Context) {
+        if let Some(frame) = self.render.frames()
+            && self.scene.shown().is_some()
+        {
+            self.pictures.show(ctx, frame);
+        }
+        for event in self.render.events() {
+            match event {
+                RenderEvent::Remark(text) => self.messages.warning(text),
+                RenderEvent::Failed(text) => self.messages.error(text),
+                RenderEvent::Picture { id, result } => self.write_picture(id, result),
+            }
+        }
+        while let Ok(written) = self.pictures.written.1.try_recv() {
+            match written {
+                Ok(path) => self.messages.note(format!("Picture written ({})", path.display())),
+                Err(error) => self.messages.error(error),
+            }
+        }
+    }
+
+    /// Asks for the complete picture, which is written when it is there.
+    pub(super) fn export_picture(&mut self, path: PathBuf) {
+        if self.scene.shown().is_none() {
+            self.messages.error("There is no picture to export; open and bake a scene first");
+            return;
+        }
+        let view = &self.document.view;
+        let look = Look { mode: view.mode, post: view.post, count_top: view.mode.count_top(view.illum_cut) };
+        self.pictures.exports_asked += 1;
+        let id = self.pictures.exports_asked;
+        self.pictures.exports.push((id, path, look));
+        self.render.read_picture(id);
+        self.messages.note("The picture is written when all its samples are there");
+    }
+
+    fn write_picture(&mut self, id: u64, result: Result<LinearPicture, String>) {
+        let Some(place) = self.pictures.exports.iter().position(|(other, ..)| *other == id) else { return };
+        let (_, path, look) = self.pictures.exports.swap_remove(place);
+        let (sender, wake) = (self.pictures.written.0.clone(), self.wake.clone());
+        spawn("export", move || {
+            let written = result.and_then(|picture| guarded("the export", || write(picture, &path, look)));
+            // Nobody is left to tell if the window is gone.
+            let _ = sender.send(written.map(|()| path));
+            wake();
+        });
+    }
+}
+
+/// A png holds what the window shows; exr and hdr are scene-linear.
+fn write(picture: LinearPicture, path: &Path, look: Look) -> Result<()> {
+    let mut image = picture.image;
+    let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if !is_png {
+        return Ok(image.write(path)?);
+    }
+    for pixel in &mut image.pixels {
+        let encoded = display_pixel(look.mode, &look.post, look.count_top, *pixel);
+        *pixel = Vec3::from_array(encoded.to_array().map(linear_from_srgb));
+    }
+    write_atomically(path, &encode_png(&image))
+        .with_context(|| format!("cannot write the picture; check the free space and permissions ({})", path.display()))
+}

@@ -1,0 +1,191 @@
+//! Questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says.
+
+use super::{opening::Target, state::EditorState};
+use crate::{
+    actions::Action,
+    document::{autosave::Recovery, session::LoadedSession},
+};
+use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
+use std::{path::PathBuf, time::SystemTime};
+
+/// A question.
+pub enum Prompt {
+    /// Changes would be lost.
+    Unsaved {
+        /// What was asked for.
+        then: Box<Action>,
+    },
+    /// Work of processes that ended too early was found.
+    Recover(Vec<Recovery>),
+    /// Files of a session are not there.
+    Missing {
+        /// The session.
+        loaded: Box<LoadedSession>,
+        /// Its file.
+        path: Option<PathBuf>,
+        /// Whether no file has its changes.
+        unsaved: bool,
+    },
+    /// What this program is.
+    About,
+}
+
+/// What was answered.
+enum Answer {
+    Save,
+    Discard,
+    Cancel,
+    Recover(usize),
+    DiscardAll,
+    Look,
+    OpenWithout,
+}
+
+/// Shows the question that waits, if any, and does what is answered.
+pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let Some(prompt) = &state.prompt else { return };
+    if state.dialogs.is_open() {
+        return;
+    }
+    let title = state.title();
+    let modal = Modal::new(egui::Id::new("prompt")).show(ctx, |ui| {
+        ui.set_max_width(440.0);
+        match prompt {
+            Prompt::Unsaved { .. } => unsaved(ui, &title),
+            Prompt::Recover(found) => recover(ui, found),
+            Prompt::Missing { loaded, .. } => missing(ui, loaded),
+            Prompt::About => about(ui),
+        }
+    });
+    let closed = modal.should_close().then_some(Answer::Cancel);
+    if let Some(answer) = modal.inner.or(closed) {
+        take(ctx, state, answer, actions);
+    }
+}
+
+fn unsaved(ui: &mut Ui, title: &str) -> Option<Answer> {
+    ui.heading("Save the changes?");
+    ui.add_space(4.0);
+    ui.label(format!("{title} has changes that are not saved. They are lost if you discard them."));
+    buttons(ui, [("Save", Answer::Save), ("Discard", Answer::Discard), ("Cancel", Answer::Cancel)])
+}
+
+fn recover(ui: &mut Ui, found: &[Recovery]) -> Option<Answer> {
+    ui.heading("Recover unsaved work?");
+    ui.add_space(4.0);
+    ui.label("Lapidary ended before these were saved:");
+    let mut answer = None;
+    for (i, recovery) in found.iter().enumerate() {
+        ui.horizontal(|ui| {
+            if ui.button("Recover").clicked() {
+                answer = Some(Answer::Recover(i));
+            }
+            let name = recovery.session_path.as_ref().map_or("never saved".into(), |p| p.display().to_string());
+            ui.label(name);
+            ui.weak(age(recovery.saved_at));
+        });
+    }
+    answer.or(buttons(ui, [("Discard all", Answer::DiscardAll), ("Ask again next time", Answer::Cancel)]))
+}
+
+fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
+    ui.heading("Files are missing");
+    ui.add_space(4.0);
+    ui.label("The session names files that are not there. They may have moved.");
+    ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
+        for file in &loaded.missing {
+            ui.horizontal_wrapped(|ui| {
+                ui.label(file.what);
+                ui.label(RichText::new(file.path.display().to_string()).weak());
+            });
+        }
+    });
+    let answers = [
+        ("Look in a folder...", Answer::Look),
+        ("Open without them", Answer::OpenWithout),
+        ("Cancel", Answer::Cancel),
+    ];
+    buttons(ui, answers)
+}
+
+fn about(ui: &mut Ui) -> Option<Answer> {
+    ui.heading(concat!("Lapidary ", env!("CARGO_PKG_VERSION")));
+    ui.add_space(4.0);
+    ui.label(
+        "Look-dev with all-frequency light that is free of noise: visibility is baked once, then materials and light are \
+         edited while the picture follows.",
+    );
+    ui.add_space(4.0);
+    ui.label(
+        "After Cheslack-Postava, Wang, Akerlund and Pellacini: Fast, Realistic Lighting and Material Design using \
+         Nonlinear Cut Approximation, SIGGRAPH Asia 2008.",
+    );
+    buttons(ui, [("Close", Answer::Cancel)])
+}
+
+fn buttons<const N: usize>(ui: &mut Ui, answers: [(&str, Answer); N]) -> Option<Answer> {
+    ui.add_space(10.0);
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        for (text, answer) in answers {
+            if ui.add(Button::new(text).min_size([84.0, 24.0].into())).clicked() {
+                chosen = Some(answer);
+            }
+        }
+    });
+    chosen
+}
+
+fn age(time: SystemTime) -> String {
+    let minutes = time.elapsed().unwrap_or_default().as_secs() / 60;
+    match minutes {
+        0 => "just now".into(),
+        1..=119 => format!("{minutes} min ago"),
+        120..=2879 => format!("{} hours ago", minutes / 60),
+        _ => format!("{} days ago", minutes / 1440),
+    }
+}
+
+fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Vec<Action>) {
+    // Looking for files keeps the question open.
+    if matches!(answer, Answer::Look) {
+        return actions.push(Action::Relink(None));
+    }
+    match (state.prompt.take(), answer) {
+        (Some(Prompt::Unsaved { then }), Answer::Save) => {
+            state.after_save = Some(*then);
+            actions.push(Action::Save);
+        }
+        (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, *then),
+        (Some(Prompt::Recover(found)), Answer::DiscardAll) => discard(state, found),
+        (Some(Prompt::Recover(mut found)), Answer::Recover(i)) => {
+            let recovery = found.swap_remove(i);
+            state.open(Target::Recovered(recovery.clone()));
+            state.recovered = Some(recovery);
+        }
+        (Some(Prompt::Missing { loaded, path, unsaved }), Answer::OpenWithout) => {
+            state.open(Target::Session { loaded, path, unsaved });
+        }
+        _ => {}
+    }
+}
+
+fn discard(state: &mut EditorState, found: Vec<Recovery>) {
+    for recovery in found {
+        if let Err(error) = recovery.discard() {
+            state.messages.warning(format!("An autosave cannot be removed: {error}"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn ages_are_told_in_the_unit_that_fits() {
+        let ago = |secs| age(SystemTime::now() - Duration::from_secs(secs));
+        assert_eq!([ago(5), ago(300), ago(3 * 3600), ago(3 * 86_400)], ["just now", "5 min ago", "3 hours ago", "3 days ago"]);
+    }
+}

@@ -1,0 +1,150 @@
+//! From the document to what the render thread is asked for. A request is sent when it differs from the last one, so that
+//! nothing is rendered, and nothing compared over there, while nothing changes.
+
+use super::state::EditorState;
+use crate::{document::Document, jobs::render_thread::RenderRequest, viewport::ViewportResponse};
+use egui::Context;
+use lapidary_core::{environment::Environment, material::Material};
+use lapidary_render::{Appearance, BrdfSampling, Illumination, Post, View};
+use std::sync::Arc;
+
+/// What was asked for last.
+#[derive(Default)]
+pub struct Requests {
+    appearance: Appearance,
+    appearance_revision: u64,
+    last: Option<Key>,
+    /// Revision of the document when no button was held.
+    at_rest: u64,
+}
+
+/// Everything that decides a picture, small enough to compare every frame.
+#[derive(PartialEq)]
+struct Key {
+    dataset: Option<usize>,
+    appearance: u64,
+    environment: usize,
+    rotation: f32,
+    intensity: f32,
+    illum_cut: u32,
+    sampling: BrdfSampling,
+    view: View,
+    post: Post,
+    moving: bool,
+    frame_budget_ms: f32,
+}
+
+impl Requests {
+    /// The number of the document's appearance, which is another whenever a material or texture is.
+    fn revision_of(&mut self, document: &Document) -> u64 {
+        if self.appearance_revision == 0 || !same_appearance(&self.appearance, document) {
+            self.appearance = document.appearance();
+            self.appearance_revision += 1;
+        }
+        self.appearance_revision
+    }
+
+    /// Sends the next request even if it is that of before: the scene was replaced in place.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+}
+
+fn same_appearance(appearance: &Appearance, document: &Document) -> bool {
+    let same_texture = |(a, b): (&Arc<_>, &crate::document::TextureEntry)| Arc::ptr_eq(a, &b.texture);
+    let same_material = |(a, b): (&Material, &Material)| a == b;
+    appearance.textures.len() == document.textures.len()
+        && appearance.materials.len() == document.materials.len()
+        && appearance.textures.iter().zip(&document.textures).all(same_texture)
+        && appearance.materials.iter().zip(&document.materials).all(same_material)
+}
+
+impl EditorState {
+    /// Asks for a picture of the document as it is now, in the size of the viewport.
+    pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
+        let Some(environment) = self.environments.loaded().cloned() else { return };
+        let moving = viewport.moving || self.is_editing_by_pointer(ctx);
+        let appearance_revision = self.requests.revision_of(&self.document);
+        let document = &self.document;
+        let dataset = self.scene.shown().map(|baked| baked.dataset.clone());
+        let view = view_of(document, viewport.size_px);
+        let key = Key {
+            dataset: dataset.as_ref().map(|d| Arc::as_ptr(d) as usize),
+            appearance: appearance_revision,
+            environment: Arc::as_ptr(&environment) as usize,
+            rotation: document.environment.rotation(),
+            intensity: document.environment.intensity,
+            illum_cut: document.view.illum_cut,
+            sampling: document.view.sampling,
+            view: view.clone(),
+            post: document.view.post,
+            moving,
+            frame_budget_ms: document.view.frame_budget_ms,
+        };
+        if self.requests.last.as_ref() == Some(&key) {
+            return;
+        }
+        self.render.request(RenderRequest {
+            dataset,
+            appearance: self.requests.appearance.clone(),
+            appearance_revision,
+            illumination: illumination(document, environment),
+            illum_cut: key.illum_cut,
+            sampling: key.sampling,
+            view,
+            post: key.post,
+            moving,
+            frame_budget_ms: key.frame_budget_ms,
+        });
+        self.requests.last = Some(key);
+    }
+
+    /// Whether a button is held and has changed the document, as a slider that is dragged has.
+    fn is_editing_by_pointer(&mut self, ctx: &Context) -> bool {
+        let revision = self.history.revision();
+        if !ctx.input(|i| i.pointer.any_down()) {
+            self.requests.at_rest = revision;
+        }
+        self.requests.at_rest != revision
+    }
+}
+
+fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
+    let settings = &document.environment;
+    Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
+}
+
+fn view_of(document: &Document, size: [u32; 2]) -> View {
+    let view = &document.view;
+    View {
+        aa: view.aa,
+        background: view.background(),
+        mode: view.mode,
+        wireframe: view.wireframe,
+        ..View::new(document.camera.clone(), size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::TextureEntry;
+    use lapidary_core::texture::Texture;
+
+    #[test]
+    fn the_appearance_has_another_number_only_when_it_is_another() {
+        let mut requests = Requests::default();
+        let mut document = Document { materials: vec![Material::default()], ..Document::empty() };
+        let first = requests.revision_of(&document);
+        document.view.post.exposure = 1.0;
+        assert_eq!(requests.revision_of(&document), first);
+        document.materials[0].parameters.roughness = 0.1;
+        let second = requests.revision_of(&document);
+        assert_ne!(second, first);
+        document.textures.push(TextureEntry { texture: Arc::new(Texture::missing("a")), file: None });
+        let third = requests.revision_of(&document);
+        assert_ne!(third, second);
+        document.textures[0].texture = Arc::new(Texture::missing("a"));
+        assert_ne!(requests.revision_of(&document), third);
+    }
+}

@@ -1,0 +1,74 @@
+//! The status line: what happened last, and the figures of the picture.
+
+use super::{
+    messages::{self, Severity},
+    pictures::Shown,
+    state::EditorState,
+};
+use egui::{Align, Label, Layout, RichText, Ui};
+
+/// Shows the line.
+pub fn show(ui: &mut Ui, state: &EditorState) {
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            figures(ui, state.pictures.shown().filter(|_| state.scene.shown().is_some()));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| message(ui, state));
+        });
+    });
+}
+
+fn message(ui: &mut Ui, state: &EditorState) {
+    let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
+    let text = match opening.or_else(|| state.baking.line()).or_else(|| state.interface.done.clone()) {
+        Some(line) => RichText::new(line),
+        None => match state.messages.last() {
+            Some(entry) if entry.severity != Severity::Note => {
+                RichText::new(&entry.text).color(messages::color(ui, entry.severity))
+            }
+            Some(entry) => RichText::new(&entry.text),
+            None => RichText::new("F1 shows the keys").weak(),
+        },
+    };
+    ui.add(Label::new(text).truncate());
+}
+
+/// From right to left, so that they stay at the edge while their figures change.
+fn figures(ui: &mut Ui, shown: Option<&Shown>) {
+    if let Some(bytes) = resident_bytes() {
+        figure(ui, format!("{:>5} MB", bytes >> 20), "Memory of this program");
+    }
+    let Some(shown) = shown else { return };
+    let stats = &shown.stats;
+    figure(ui, format!("{:>4.0} BRDFs", stats.mean_brdf_evaluations), "BRDF evaluations a pixel");
+    figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut a pixel");
+    figure(ui, format!("{:>5.0} ms", shown.millis), "Time that the picture took");
+    let size = format!("{} x {}", shown.size[0], shown.size[1]);
+    let reduced = if shown.full_size { "" } else { " (preview)" };
+    let samples = format!("{:>3}/{}", shown.samples, shown.of_samples);
+    figure(ui, format!("{size}{reduced}  {samples}"), "Size of the picture in pixels, and its samples a pixel");
+    figure(ui, shown.backend.clone(), "What renders");
+}
+
+fn figure(ui: &mut Ui, text: String, what: &str) {
+    ui.label(RichText::new(text).monospace().weak()).on_hover_text(what);
+    ui.add_space(8.0);
+}
+
+/// Memory of this process, where the system tells.
+fn resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kb| kb << 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_memory_of_this_process_is_some_megabytes() {
+        let bytes = resident_bytes().unwrap();
+        assert!((1 << 20..1 << 40).contains(&bytes), "{bytes}");
+    }
+}
