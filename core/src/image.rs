@@ -102,7 +102,16 @@ impl Image {
     /// # Errors
     /// An unknown extension, or a file that cannot be written; a file that was there before is kept then.
     pub fn write(&self, path: &Path) -> Result<(), ImageError> {
-        let bytes = write::encode(self, path)?;
+        self.write_with(None, path)
+    }
+
+    /// [`Self::write`] with an alpha channel, one value a pixel; the picture is premultiplied. Files of the hdr format
+    /// have none, and are written without.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_with(&self, coverage: Option<&[f32]>, path: &Path) -> Result<(), ImageError> {
+        let bytes = write::encode(self, coverage, path)?;
         write_atomically(path, &bytes).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
     }
 }

@@ -31,13 +31,13 @@ pub fn check_folder(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes one picture to all paths.
+/// Writes one picture to all paths, with its coverage as alpha channel if there is one.
 ///
 /// # Errors
 /// The first path that cannot be written to; a file that was there before is kept then.
-pub fn write_pictures(image: &Image, paths: &[PathBuf]) -> Result<()> {
+pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]) -> Result<()> {
     for path in paths {
-        image.write(path)?;
+        image.write_with(coverage, path)?;
     }
     Ok(())
 }

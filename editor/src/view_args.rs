@@ -94,14 +94,23 @@ enum BackgroundOption {
     /// The environment
     #[default]
     Environment,
+    /// The environment out of focus
+    Blurred,
     /// Black
     Black,
+    /// Nothing: png and exr files get an alpha channel
+    Transparent,
 }
+
+/// Standard deviation in radians of a blurred background: about 8 degrees.
+const BLUR: f32 = 0.14;
 
 impl From<BackgroundOption> for Background {
     fn from(option: BackgroundOption) -> Self {
         match option {
             BackgroundOption::Environment => Self::Environment,
+            BackgroundOption::Blurred => Self::Blurred(BLUR),
+            BackgroundOption::Transparent => Self::Transparent,
             BackgroundOption::Black => Self::Flat(Vec3::ZERO),
         }
     }

@@ -10,28 +10,41 @@ use std::{
     path::Path,
 };
 
-/// The picture as a file of the format that the extension of `path` names: exr (32-bit float), hdr or png.
+/// The picture as a file of the format that the extension of `path` names: exr (32-bit float), hdr or png. `coverage`
+/// becomes its alpha channel, which hdr files do not have.
 ///
 /// # Errors
 /// An extension that names none of them.
-pub(super) fn encode(image: &Image, path: &Path) -> Result<Vec<u8>, ImageError> {
+pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Result<Vec<u8>, ImageError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
     match extension.as_str() {
-        "exr" => encode_exr(image).map_err(failed),
+        "exr" => encode_exr(image, coverage).map_err(failed),
         "hdr" => encode_hdr(image).map_err(failed),
-        "png" => Ok(encode_png(image)),
+        "png" => Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_rgba(image, coverage))),
         _ => Err(ImageError::UnknownExtension { path: path.into() }),
     }
 }
 
-/// OpenEXR with 32-bit floats, zip compressed: halves would clip a sun above 65,504.
-fn encode_exr(image: &Image) -> io::Result<Vec<u8>> {
-    use exr::prelude::{Encoding, SpecificChannels, Vec2};
-    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
-        let p = image.at(at.x(), at.y());
-        (p.x, p.y, p.z)
-    });
+/// OpenEXR, premultiplied if it has an alpha channel, as the format has it.
+fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
+    use exr::prelude::{SpecificChannels, Vec2};
+    let rgb = |at: Vec2<usize>| image.at(at.x(), at.y());
+    match coverage {
+        None => write_exr(image, SpecificChannels::rgb(|at| rgb(at).into())),
+        Some(coverage) => {
+            let alpha = |at: Vec2<usize>| coverage[at.y() * image.width() + at.x()];
+            write_exr(image, SpecificChannels::rgba(|at| (rgb(at).x, rgb(at).y, rgb(at).z, alpha(at))))
+        }
+    }
+}
+
+/// 32-bit floats, zip compressed: halves would clip a sun above 65,504.
+fn write_exr<C>(image: &Image, channels: C) -> io::Result<Vec<u8>>
+where
+    C: for<'s> exr::image::write::channels::WritableChannels<'s>,
+{
+    use exr::prelude::Encoding;
     let encoding = Encoding { compression: exr::prelude::Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
     let layer = exr::image::Layer::new(
         (image.width(), image.height()),
@@ -63,6 +76,20 @@ pub fn encode_png(image: &Image) -> Vec<u8> {
     encoded
 }
 
+/// An 8-bit sRGB png with alpha. The picture is premultiplied; pngs are not.
+fn encode_png_rgba(image: &Image, coverage: &[f32]) -> Vec<u8> {
+    let pixel = |(&p, &a): (&Vec3, &f32)| {
+        let [r, g, b] = if a > 0.0 { srgb_bytes(p / a) } else { [0; 3] };
+        [r, g, b, (255.0 * a.clamp(0.0, 1.0) + 0.5) as u8]
+    };
+    let bytes: Vec<u8> = image.pixels.iter().zip(coverage).flat_map(pixel).collect();
+    let mut encoded = Vec::new();
+    PngEncoder::new(&mut encoded)
+        .write_image(&bytes, image.size[0], image.size[1], ExtendedColorType::Rgba8)
+        .expect("writing to memory does not fail and the buffer has the size of the picture");
+    encoded
+}
+
 fn srgb_bytes(linear: Vec3) -> [u8; 3] {
     if linear.is_nan() {
         return [255, 0, 255];
@@ -89,6 +116,18 @@ mod tests {
         let read = Image::read(&folder.path().join("a.HDR")).unwrap();
         assert!(read.pixels.iter().zip(&image.pixels).all(|(a, b)| (*a - *b).length() < 0.01 * b.length()));
         assert_ne!(read, picture());
+    }
+
+    #[test]
+    fn coverage_becomes_alpha_premultiplied_in_exr_and_not_in_png() {
+        let image = Image { size: [2, 1], pixels: vec![Vec3::splat(0.25), Vec3::ZERO] };
+        let coverage = [0.5, 0.0];
+        let png = encode(&image, Some(&coverage), Path::new("a.png")).unwrap();
+        let texture = crate::image::decode(&png, Path::new("a.png")).unwrap();
+        assert_eq!(texture.texels, crate::texture::Texels::U8(vec![[188, 188, 188, 128], [0; 4]]));
+        let exr = encode(&image, Some(&coverage), Path::new("a.exr")).unwrap();
+        let texture = crate::image::decode(&exr, Path::new("a.exr")).unwrap();
+        assert_eq!(texture.texels, crate::texture::Texels::F32(vec![[0.25, 0.25, 0.25, 0.5], [0.0; 4]]));
     }
 
     #[test]

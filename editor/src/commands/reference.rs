@@ -59,7 +59,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     let shot = args.view.resolve(console)?;
     let start = Instant::now();
     let image = trace(args, &shot, &interrupt, console);
-    write_pictures(&image, &args.out)?;
+    write_pictures(&image, None, &args.out)?;
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
     if interrupt.cancelled() {
         console.note(format_args!("stopped early: the picture is unfinished ({})", names.join(", ")));

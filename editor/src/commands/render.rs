@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
 use lapidary_render::{
-    Backend, BackendError, BrdfSampling, LightRig, RenderStats, Renderer,
+    Backend, BackendError, Background, BrdfSampling, CpuBackend, LightRig, RenderStats,
     gpu::{GpuBackend, Room, ShaderSource},
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
@@ -98,14 +98,14 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
     let shot = args.view.resolve(console)?;
-    let (image, stats) = match args.backend.gpu(console)? {
-        Some(gpu) => render_on(gpu, &shot, args)?,
-        None => {
-            let renderer = Renderer::new(shot.dataset.clone());
-            renderer.render(&shot.view, &shot.light, args.illum_cut, args.brdf.into())
-        }
+    let gpu = args.backend.gpu(console)?;
+    let (name, mut backend): (_, Box<dyn Backend>) = match gpu {
+        Some(gpu) => ("gpu", Box::new(gpu)),
+        None => ("cpu", Box::new(CpuBackend::new())),
     };
-    write_pictures(&image, &args.out)?;
+    let (image, coverage, stats) = render_on(&mut *backend, name, &shot, args)?;
+    let transparent = shot.view.background == Background::Transparent;
+    write_pictures(&image, transparent.then_some(coverage.as_slice()), &args.out)?;
     if let Some(path) = &args.stats {
         write_json(path, &stats)?;
     }
@@ -116,28 +116,34 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn render_on(mut gpu: GpuBackend, shot: &Shot, args: &RenderArgs) -> Result<(Image, RenderStats)> {
-    gpu.set_scene(&shot.dataset)?;
+/// The picture, its coverage, and how it was made.
+fn render_on(
+    backend: &mut dyn Backend,
+    name: &str,
+    shot: &Shot,
+    args: &RenderArgs,
+) -> Result<(Image, Vec<f32>, RenderStats)> {
+    backend.set_scene(&shot.dataset)?;
     let mut rig = LightRig::new(&shot.dataset.tree);
     let start = Instant::now();
     let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));
-    gpu.set_light(&shot.light, &lighting)?;
-    gpu.begin(&shot.view, args.brdf.into())?;
+    backend.set_light(&shot.light, &lighting)?;
+    backend.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {
-        gpu.render_rows(sample, 0..shot.view.size[1])?;
+        backend.render_rows(sample, 0..shot.view.size[1])?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let (image, _) = gpu.read(shot.view.aa)?;
-    let stats = gpu.stats()?;
+    let (image, coverage) = backend.read(shot.view.aa)?;
+    let done = backend.stats()?;
     let stats = RenderStats {
-        backend: "gpu".into(),
-        adapter: Some(gpu.name()),
+        backend: name.into(),
+        adapter: (name == "gpu").then(|| backend.name()),
         seconds,
-        pixels_shaded: stats.pixels_shaded,
-        mean_merged_nodes: stats.mean_merged_nodes,
-        mean_brdf_evaluations: stats.mean_brdf_evaluations,
+        pixels_shaded: done.pixels_shaded,
+        mean_merged_nodes: done.mean_merged_nodes,
+        mean_brdf_evaluations: done.mean_brdf_evaluations,
     };
-    Ok((image, stats))
+    Ok((image, coverage, stats))
 }
 
 fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {
