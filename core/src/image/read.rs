@@ -203,7 +203,7 @@ mod tests {
         let random = &mut fastrand::Rng::with_seed(7);
         for name in ["a.exr", "a.hdr", "a.png"] {
             let path = Path::new(name);
-            let whole = encode(&ramp(), path).unwrap();
+            let whole = encode(&ramp(), None, path).unwrap();
             assert_eq!(decode(&whole, path).unwrap().size, [13, 7]);
             for length in 0..whole.len() {
                 // The last bytes of a png are an empty chunk that decoders need not see.

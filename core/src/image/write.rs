@@ -26,34 +26,38 @@ pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Re
     }
 }
 
+/// 32-bit floats, zip compressed: halves would clip a sun above 65,504.
+macro_rules! exr_layer {
+    ($image:expr, $channels:expr) => {
+        exr::image::Image::from_layer(exr::image::Layer::new(
+            ($image.width(), $image.height()),
+            exr::prelude::LayerAttributes::default(),
+            exr::prelude::Encoding {
+                compression: exr::prelude::Compression::ZIP16,
+                ..exr::prelude::Encoding::SMALL_LOSSLESS
+            },
+            $channels,
+        ))
+    };
+}
+
 /// OpenEXR, premultiplied if it has an alpha channel, as the format has it.
 fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
     use exr::prelude::{SpecificChannels, Vec2};
     let rgb = |at: Vec2<usize>| image.at(at.x(), at.y());
-    match coverage {
-        None => write_exr(image, SpecificChannels::rgb(|at| rgb(at).into())),
+    let mut bytes = Cursor::new(Vec::new());
+    let written = match coverage {
+        None => {
+            let channels = SpecificChannels::rgb(|at| rgb(at).into());
+            exr_layer!(image, channels).write().to_buffered(&mut bytes)
+        }
         Some(coverage) => {
             let alpha = |at: Vec2<usize>| coverage[at.y() * image.width() + at.x()];
-            write_exr(image, SpecificChannels::rgba(|at| (rgb(at).x, rgb(at).y, rgb(at).z, alpha(at))))
+            let channels = SpecificChannels::rgba(|at| (rgb(at).x, rgb(at).y, rgb(at).z, alpha(at)));
+            exr_layer!(image, channels).write().to_buffered(&mut bytes)
         }
-    }
-}
-
-/// 32-bit floats, zip compressed: halves would clip a sun above 65,504.
-fn write_exr<C>(image: &Image, channels: C) -> io::Result<Vec<u8>>
-where
-    C: for<'s> exr::image::write::channels::WritableChannels<'s>,
-{
-    use exr::prelude::Encoding;
-    let encoding = Encoding { compression: exr::prelude::Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
-    let layer = exr::image::Layer::new(
-        (image.width(), image.height()),
-        exr::prelude::LayerAttributes::default(),
-        encoding,
-        channels,
-    );
-    let mut bytes = Cursor::new(Vec::new());
-    exr::image::Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(io::Error::other)?;
+    };
+    written.map_err(io::Error::other)?;
     Ok(bytes.into_inner())
 }
 

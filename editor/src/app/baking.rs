@@ -81,7 +81,9 @@ impl EditorState {
         if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
             && let Err(error) = std::fs::create_dir_all(folder)
         {
-            return self.messages.error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
+            return self
+                .messages
+                .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
         let Source { scene, import_secs, report, .. } = source;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };

@@ -96,9 +96,7 @@ impl EditorState {
             Command::Wireframe => Action::Edit { edit: view(&|v| v.wireframe = !v.wireframe), label: "Wireframe" },
             Command::LargerInterface => Action::Preferences(self.scaled(1)),
             Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
-            Command::DefaultInterface => {
-                Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() })
-            }
+            Command::DefaultInterface => Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() }),
             Command::TogglePanels => {
                 self.interface.panels_hidden = !self.interface.panels_hidden;
                 return;
@@ -128,7 +126,8 @@ impl EditorState {
 
     /// Lights the scene by a map or formula, as a step of undo.
     pub(super) fn use_environment(&mut self, spec: &str) {
-        let environment = crate::document::EnvironmentSettings { spec: spec.into(), ..self.document.environment.clone() };
+        let environment =
+            crate::document::EnvironmentSettings { spec: spec.into(), ..self.document.environment.clone() };
         self.history.end_gesture();
         self.edit(Edit::Environment(environment), "Environment");
         self.history.end_gesture();
@@ -283,7 +282,8 @@ impl EditorState {
     }
 
     fn take_document(&mut self, ready: Ready) {
-        let Ready { document, unknown, session, unsaved, baked, source, bake_output, bake_now, warnings, recent } = ready;
+        let Ready { document, unknown, session, unsaved, baked, source, bake_output, bake_now, warnings, recent } =
+            ready;
         self.forget_autosave();
         self.baking.clear();
         self.document = document;

@@ -88,8 +88,18 @@ impl Pictures {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
             None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
         }
-        let RenderedFrame { size, full_size, samples, of_samples, stats, millis, lighting, light_revision, backend, .. } =
-            frame;
+        let RenderedFrame {
+            size,
+            full_size,
+            samples,
+            of_samples,
+            stats,
+            millis,
+            lighting,
+            light_revision,
+            backend,
+            ..
+        } = frame;
         self.shown =
             Some(Shown { size, full_size, samples, of_samples, stats, millis, lighting, light_revision, backend });
     }

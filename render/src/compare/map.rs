@@ -11,7 +11,6 @@ mod font;
 mod legend;
 mod magma;
 
-
 /// Which error a map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ErrorMap {
