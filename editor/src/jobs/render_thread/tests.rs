@@ -15,6 +15,7 @@ use lapidary_core::{
     material::Material,
     scene::{Mesh, Object, Scene},
 };
+use lapidary_render::{CpuBackend, Renderer};
 use std::ops::Range;
 
 /// What the renderer was asked for, and how it is to behave.
@@ -397,4 +398,25 @@ fn the_picture_is_read_when_it_is_complete_and_not_at_all_without_a_scene() {
     let picture = picture.unwrap();
     assert_eq!((id, picture.image.size, picture.coverage.len()), (2, [64, 48], 64 * 48));
     assert_eq!(complete(&mut thread).samples, 4);
+}
+
+#[test]
+fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
+    let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
+    let mut thread = RenderThread::start(Box::new(factory), silent());
+    let mut request = request(3);
+    let dataset = request.dataset.clone().unwrap();
+    request.appearance = Appearance::of(&dataset.scene);
+    thread.request(request.clone());
+    thread.read_picture(1);
+    let picture = wait_for("the answer", || match thread.events().pop() {
+        Some(RenderEvent::Picture { result, .. }) => Some(result.unwrap()),
+        _ => None,
+    });
+    let renderer = Renderer::new(dataset);
+    let (light, cut) = (&request.illumination, request.illum_cut);
+    assert!(picture.image == renderer.render(&request.view, light, cut, request.sampling).0);
+    assert!(picture.coverage.iter().any(|&c| c > 0.0) && picture.coverage.contains(&0.0));
+    request.view.aa = 1;
+    assert!(picture.image != renderer.render(&request.view, light, cut, request.sampling).0, "negative control");
 }
