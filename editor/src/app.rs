@@ -23,7 +23,7 @@ mod tests;
 mod theme;
 mod toolbar;
 
-pub use start::{Launch, Renderer, run};
+pub use start::{Launch, run};
 
 use egui::{Ui, ViewportCommand};
 use state::EditorState;

@@ -2,6 +2,7 @@
 
 mod actions;
 mod app;
+mod backend_option;
 mod cli;
 mod commands;
 mod console;

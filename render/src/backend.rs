@@ -63,6 +63,14 @@ pub trait Backend: Send {
     /// `cpu`, or the name of the graphics adapter.
     fn name(&self) -> String;
 
+    /// Builds what it computes with anew, as after a change of the shaders; that of before stays if it fails.
+    ///
+    /// # Errors
+    /// A shader that cannot be read or does not compile.
+    fn reload(&mut self) -> Result<(), BackendError> {
+        Ok(())
+    }
+
     /// Takes another scene, looking as the dataset has it. Until there is a light, pictures of it are black.
     ///
     /// # Errors
@@ -75,11 +83,12 @@ pub trait Backend: Send {
     /// A lost device.
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
 
-    /// Lights the scene; `lighting` is made from `light` for the tree of the scene.
+    /// Lights the scene; `lighting` is made from `light` for the tree of the scene. Returns what had to be done to make
+    /// the map fit, in sentences.
     ///
     /// # Errors
     /// A lost device.
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError>;
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError>;
 
     /// Begins a picture; what was rendered before is forgotten.
     ///

@@ -14,6 +14,9 @@ use lapidary_core::{
 };
 use std::{ops::Range, sync::Arc};
 
+/// Name of the renderer on the cores.
+pub const CPU: &str = "cpu";
+
 /// Renders on all cores. Never fails.
 #[derive(Default)]
 pub struct CpuBackend {
@@ -40,7 +43,7 @@ impl CpuBackend {
 
 impl Backend for CpuBackend {
     fn name(&self) -> String {
-        "cpu".into()
+        CPU.into()
     }
 
     fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
@@ -56,9 +59,9 @@ impl Backend for CpuBackend {
         Ok(remarks)
     }
 
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.light = Some((light.clone(), lighting.clone()));
-        Ok(())
+        Ok(Vec::new())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -29,7 +29,7 @@ mod wireframe;
 
 pub use appearance::Appearance;
 pub use backend::{Backend, BackendError, PictureStats};
-pub use cpu::CpuBackend;
+pub use cpu::{CPU, CpuBackend};
 pub use display::display_pixel;
 pub use lighting::{LightRig, SceneLighting};
 pub use post::{Post, ToneMap};

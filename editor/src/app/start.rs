@@ -5,41 +5,11 @@ use super::{
     opening::Target,
     state::{Bundled, EditorState, Setup},
 };
-use crate::{
-    demo::DataFolder,
-    document::library::maps_in,
-    jobs::{Wake, render_thread::Factory},
-    paths::Folders,
-};
+use crate::{backend_option::BackendOption, demo::DataFolder, document::library::maps_in, jobs::Wake, paths::Folders};
 use anyhow::{Result, bail};
-use clap::ValueEnum;
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
-use lapidary_render::{Backend, BackendError, CpuBackend};
 use std::{path::PathBuf, sync::Arc};
-
-/// What computes the pictures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Renderer {
-    /// The graphics adapter if there is one that can, else all cores
-    #[default]
-    Auto,
-    /// All cores of this machine
-    Cpu,
-}
-
-impl Renderer {
-    /// Makes the renderer; called on the thread that renders, and again when a device is lost.
-    fn factory(self) -> Factory {
-        match self {
-            Self::Auto | Self::Cpu => Box::new(cpu),
-        }
-    }
-}
-
-fn cpu() -> Result<Box<dyn Backend>, BackendError> {
-    Ok(Box::new(CpuBackend::new()))
-}
 
 /// How the window begins.
 #[derive(Clone, Debug)]
@@ -47,7 +17,7 @@ pub struct Launch {
     /// What to open; `None` for the bundled scene.
     pub file: Option<PathBuf>,
     /// What computes the pictures.
-    pub renderer: Renderer,
+    pub backend: BackendOption,
     /// The folder of bundled data; `None` for that of the source tree.
     pub data: Option<PathBuf>,
 }
@@ -118,7 +88,9 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders)
         let ctx = ctx.clone();
         Arc::new(move || ctx.request_repaint())
     };
-    let factory = launch.renderer.factory();
+    let backend = launch.backend;
+    // Called on the thread that renders, and again when a device is lost.
+    let factory = Box::new(move || backend.open());
     let mut state = EditorState::new(Setup { folders, bundled, factory, wake, system_dialogs: true });
     match &launch.file {
         Some(file) => state.open(Target::File(file.clone())),

@@ -1,7 +1,7 @@
 //! `lapidary bench`: how long each pass of a frame takes.
 
 use crate::{
-    commands::render::BackendOption,
+    backend_option::BackendOption,
     console::Console,
     outcome::Outcome,
     view_args::{Shot, ViewArgs},
@@ -72,7 +72,7 @@ struct Run {
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     let shot = args.view.resolve(console)?;
-    let gpu = args.backend.gpu(console)?;
+    let gpu = args.backend.gpu()?;
     let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);
     let runs = match gpu {
         Some(gpu) => gpu_runs(args, &shot, gpu)?,

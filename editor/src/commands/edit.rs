@@ -1,7 +1,8 @@
 //! `lapidary edit`: the window.
 
 use crate::{
-    app::{self, Launch, Renderer},
+    app::{self, Launch},
+    backend_option::BackendOption,
     outcome::Outcome,
 };
 use anyhow::Result;
@@ -16,7 +17,7 @@ pub struct EditArgs {
     file: Option<PathBuf>,
     /// What computes the pictures
     #[arg(long, value_enum, default_value_t)]
-    backend: Renderer,
+    backend: BackendOption,
     /// Folder with the bundled scenes and environments [default: that of the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
@@ -36,6 +37,6 @@ impl EditArgs {
 /// No display, or a data folder without data.
 pub fn run(args: &EditArgs) -> Result<Outcome> {
     let EditArgs { file, backend, data } = args.clone();
-    app::run(&Launch { file, renderer: backend, data })?;
+    app::run(&Launch { file, backend, data })?;
     Ok(Outcome::Done)
 }

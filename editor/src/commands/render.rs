@@ -1,6 +1,7 @@
 //! `lapidary render`: a picture by merged cuts.
 
 use crate::{
+    backend_option::BackendOption,
     console::Console,
     outcome::Outcome,
     outputs::{check_folder, check_pictures, write_pictures},
@@ -10,10 +11,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
-use lapidary_render::{
-    Backend, BackendError, Background, BrdfSampling, CpuBackend, LightRig, RenderStats,
-    gpu::{GpuBackend, Room, ShaderSource},
-};
+use lapidary_render::{Backend, Background, BrdfSampling, CPU, LightRig, RenderStats};
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `render`.
@@ -56,40 +54,6 @@ impl From<BrdfOption> for BrdfSampling {
     }
 }
 
-/// What computes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum BackendOption {
-    /// The graphics adapter if there is one that is not emulated, else the CPU
-    #[default]
-    Auto,
-    /// The graphics adapter, also an emulated one; an error if there is none
-    Gpu,
-    /// All cores of this machine
-    Cpu,
-}
-
-impl BackendOption {
-    /// The renderer on the adapter, or `None` for the CPU.
-    ///
-    /// # Errors
-    /// No adapter where one is asked for.
-    pub fn gpu(self, console: Console) -> Result<Option<GpuBackend>> {
-        let open = || GpuBackend::new(Room::All, &ShaderSource::Embedded);
-        match self {
-            Self::Cpu => Ok(None),
-            Self::Gpu => Ok(Some(open()?)),
-            Self::Auto => match open() {
-                Ok(gpu) if !gpu.is_software() => Ok(Some(gpu)),
-                Ok(_) | Err(BackendError::NoAdapter { .. }) => Ok(None),
-                Err(error) => {
-                    console.warning(format_args!("rendering on the CPU: {error}"));
-                    Ok(None)
-                }
-            },
-        }
-    }
-}
-
 /// Renders and writes the picture.
 ///
 /// # Errors
@@ -98,12 +62,8 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
     let shot = args.view.resolve(console)?;
-    let gpu = args.backend.gpu(console)?;
-    let (name, mut backend): (_, Box<dyn Backend>) = match gpu {
-        Some(gpu) => ("gpu", Box::new(gpu)),
-        None => ("cpu", Box::new(CpuBackend::new())),
-    };
-    let (image, coverage, stats) = render_on(&mut *backend, name, &shot, args)?;
+    let mut backend = args.backend.open()?;
+    let (image, coverage, stats) = render_on(&mut *backend, &shot, args)?;
     let transparent = shot.view.background == Background::Transparent;
     write_pictures(&image, transparent.then_some(coverage.as_slice()), &args.out)?;
     if let Some(path) = &args.stats {
@@ -117,12 +77,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
 }
 
 /// The picture, its coverage, and how it was made.
-fn render_on(
-    backend: &mut dyn Backend,
-    name: &str,
-    shot: &Shot,
-    args: &RenderArgs,
-) -> Result<(Image, Vec<f32>, RenderStats)> {
+fn render_on(backend: &mut dyn Backend, shot: &Shot, args: &RenderArgs) -> Result<(Image, Vec<f32>, RenderStats)> {
     backend.set_scene(&shot.dataset)?;
     let mut rig = LightRig::new(&shot.dataset.tree);
     let start = Instant::now();
@@ -135,9 +90,10 @@ fn render_on(
     let seconds = start.elapsed().as_secs_f64();
     let (image, coverage) = backend.read(shot.view.aa)?;
     let done = backend.stats()?;
+    let on_gpu = backend.name() != CPU;
     let stats = RenderStats {
-        backend: name.into(),
-        adapter: (name == "gpu").then(|| backend.name()),
+        backend: if on_gpu { "gpu" } else { "cpu" }.into(),
+        adapter: on_gpu.then(|| backend.name()),
         seconds,
         pixels_shaded: done.pixels_shaded,
         mean_merged_nodes: done.mean_merged_nodes,

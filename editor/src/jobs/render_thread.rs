@@ -102,6 +102,7 @@ pub enum RenderEvent {
 enum Message {
     Request(Box<RenderRequest>),
     ReadPicture(u64),
+    Reload,
 }
 
 /// Where pictures and events are left for the window.
@@ -153,6 +154,11 @@ impl RenderThread {
     /// Asks for the full picture, scene-linear, once it is complete: see [`RenderEvent::Picture`].
     pub fn read_picture(&self, id: u64) {
         self.send(Message::ReadPicture(id));
+    }
+
+    /// Builds the renderer's shaders anew, as after they have changed.
+    pub fn reload(&self) {
+        self.send(Message::Reload);
     }
 
     /// The newest picture, if there is one that was not taken yet.

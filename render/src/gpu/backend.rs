@@ -4,7 +4,7 @@ use super::{
     device::{GpuDevice, Room},
     frame::frame,
     layout,
-    light::{GpuLight, GpuMap},
+    light::{GpuLight, GpuMap, scaled_map},
     materials::GpuMaterials,
     passes::{MergeVariant, Passes, bind},
     readback,
@@ -32,6 +32,7 @@ use wgpu::util::DeviceExt;
 pub struct GpuBackend {
     gpu: GpuDevice,
     passes: Passes,
+    source: ShaderSource,
     frame: wgpu::Buffer,
     display: wgpu::Buffer,
     magma: wgpu::Buffer,
@@ -112,6 +113,7 @@ impl GpuBackend {
             magma,
             gpu,
             passes,
+            source: source.clone(),
             scene: None,
             light: None,
             map: None,
@@ -123,15 +125,6 @@ impl GpuBackend {
     /// Whether the adapter computes on the processor, so that the CPU renderer is faster.
     pub fn is_software(&self) -> bool {
         self.gpu.info.device_type == wgpu::DeviceType::Cpu
-    }
-
-    /// Builds all shaders anew; those before stay if one fails. The next picture uses them.
-    ///
-    /// # Errors
-    /// A shader that cannot be read or does not compile.
-    pub fn reload_shaders(&mut self, source: &ShaderSource) -> Result<(), BackendError> {
-        self.passes = Passes::new(&self.gpu, source)?;
-        Ok(())
     }
 
     /// Renders one sample pass by pass, waiting for each, and says how long each took.
@@ -332,6 +325,12 @@ impl Backend for GpuBackend {
         self.gpu.info.name.clone()
     }
 
+    fn reload(&mut self) -> Result<(), BackendError> {
+        self.passes = Passes::new(&self.gpu, &self.source)?;
+        self.picture = None;
+        Ok(())
+    }
+
     fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
         let scene = GpuScene::new(&self.gpu, dataset)?;
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
@@ -351,10 +350,13 @@ impl Backend for GpuBackend {
         Ok(messages)
     }
 
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
+    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+        let known = self.light.as_ref().is_some_and(|(_, e)| Arc::ptr_eq(e, &light.environment));
         self.light = Some((GpuLight::new(&self.gpu, light, lighting), light.environment.clone()));
         self.picture = None;
-        self.gpu.check()
+        self.gpu.check()?;
+        let message = scaled_map(&light.environment, self.gpu.limits.max_texture_dimension_2d);
+        Ok(message.filter(|_| !known).into_iter().collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

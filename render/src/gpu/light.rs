@@ -84,6 +84,18 @@ impl GpuMap {
     }
 }
 
+/// What is said of a map that is larger than textures may be.
+pub fn scaled_map(environment: &Environment, limit: u32) -> Option<String> {
+    let [width, height] = environment.map.size;
+    (width.max(height) > limit).then(|| {
+        format!(
+            "the environment \"{}\" of {width} x {height} is shown smaller behind the scene: this adapter allows textures of \
+             {limit} texels a side; it lights the scene in full",
+            environment.name
+        )
+    })
+}
+
 /// The map, or what is left of it after leaving out texels so that it fits; only what is seen directly loses by it.
 fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
     let step = map.size[0].max(map.size[1]).div_ceil(limit);

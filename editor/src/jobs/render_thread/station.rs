@@ -17,7 +17,7 @@ pub struct Station {
     light: Option<Light>,
     /// Counts the lights that were made, for the window to see that one is new.
     light_revision: u64,
-    rig: Option<(usize, LightRig)>,
+    rig: Option<(Arc<Dataset>, LightRig)>,
 }
 
 /// The light that the renderer has, and what it was made from.
@@ -81,17 +81,22 @@ impl Station {
         }
         let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(dataset, request)?;
+            self.set_light(dataset, request, outbox)?;
         }
         Ok(new_scene)
     }
 
-    fn set_light(&mut self, dataset: &Dataset, request: &RenderRequest) -> Result<(), BackendError> {
-        let lights = dataset.tree.len();
-        let kept = self.rig.take().filter(|(of, _)| *of == lights);
-        let (_, rig) = self.rig.insert(kept.unwrap_or_else(|| (lights, LightRig::new(lights))));
-        let lighting = Arc::new(rig.lighting(&dataset.tree, &request.illumination, request.illum_cut));
-        self.backend()?.set_light(&request.illumination, &lighting)?;
+    fn set_light(
+        &mut self,
+        dataset: &Arc<Dataset>,
+        request: &RenderRequest,
+        outbox: &Outbox,
+    ) -> Result<(), BackendError> {
+        let kept = self.rig.take().filter(|(of, _)| Arc::ptr_eq(of, dataset));
+        let (_, rig) = self.rig.insert(kept.unwrap_or_else(|| (dataset.clone(), LightRig::new(&dataset.tree))));
+        let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
+        let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
+        remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
         self.light_revision += 1;
         self.light = Some(Light {
             illumination: request.illumination.clone(),

@@ -64,9 +64,9 @@ impl Backend for Fake {
         Ok(Vec::new())
     }
 
-    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<(), BackendError> {
+    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.log.lock().unwrap().lights += 1;
-        Ok(())
+        Ok(Vec::new())
     }
 
     fn begin(&mut self, view: &View, _: BrdfSampling) -> Result<(), BackendError> {

@@ -7,7 +7,7 @@ use super::{
     station::Station,
 };
 use crate::jobs::{budget::Pace, panic_text};
-use lapidary_render::{BackendError, View};
+use lapidary_render::{BackendError, PictureStats, View};
 use std::{
     ops::Range,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -45,6 +45,8 @@ pub struct Worker {
     /// Who waits for the full picture.
     reads: Vec<u64>,
     restarts: Restarts,
+    /// Work of the last picture that was counted: reading it back takes too long while something moves.
+    stats: PictureStats,
     /// The last failure, which is not told again until there was a picture.
     reported: Option<String>,
 }
@@ -64,6 +66,7 @@ impl Worker {
             redisplay: false,
             reads: Vec::new(),
             restarts: Restarts::default(),
+            stats: PictureStats::default(),
             reported: None,
         }
     }
@@ -102,6 +105,7 @@ impl Worker {
             match message {
                 Message::Request(request) => newest = Some(request),
                 Message::ReadPicture(id) => self.reads.push(id),
+                Message::Reload => self.reload(),
             }
             next = match self.inbox.try_recv() {
                 Ok(message) => Some(message),
@@ -120,6 +124,17 @@ impl Worker {
             return Some(Duration::ZERO);
         }
         self.stage.patience(self.wanted.as_ref().is_some_and(|w| w.moving), Instant::now())
+    }
+
+    /// Builds the renderer's shaders anew; those of before go on if that fails.
+    fn reload(&mut self) {
+        let reloaded = self.station.backend().and_then(|backend| backend.reload());
+        self.begun = None;
+        self.stage = Stage::Coarse;
+        self.outbox.event(match reloaded {
+            Ok(()) => RenderEvent::Remark("the shaders were read again".into()),
+            Err(error) => RenderEvent::Remark(format!("the shaders stay as they were: {error}")),
+        });
     }
 
     /// Decides what a new request sets going.
@@ -250,13 +265,14 @@ impl Worker {
             full_size: begun.full_size,
             samples: begun.complete,
             of_samples: request.view.aa.max(1),
-            stats: backend.stats()?,
+            stats: if request.moving { self.stats } else { backend.stats()? },
             millis: begun.millis,
             lighting: light.lighting,
             light_revision: light.revision,
             backend: backend.name(),
         };
         self.reported = None;
+        self.stats = frame.stats;
         self.outbox.frame(frame);
         Ok(())
     }

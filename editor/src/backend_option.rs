@@ -1,0 +1,58 @@
+//! The option that says what computes pictures, for the window and the commands alike.
+
+use clap::ValueEnum;
+use lapidary_render::{
+    Backend, BackendError, CpuBackend,
+    gpu::{GpuBackend, Room, ShaderSource},
+};
+
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum BackendOption {
+    /// The graphics adapter if there is one that is not emulated, else the CPU
+    #[default]
+    Auto,
+    /// The graphics adapter, also an emulated one; an error if there is none
+    Gpu,
+    /// All cores of this machine
+    Cpu,
+}
+
+/// A folder of shaders to use in place of those of the program, for work on them: they are read again when they change.
+const SHADERS: &str = "LAPIDARY_SHADERS";
+
+impl BackendOption {
+    /// The renderer on the adapter, or `None` for the CPU.
+    ///
+    /// # Errors
+    /// No adapter where one is asked for, or a driver that refuses.
+    pub fn gpu(self) -> Result<Option<GpuBackend>, BackendError> {
+        let open = || GpuBackend::new(Room::All, &shader_source());
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Gpu => open().map(Some),
+            // An emulated adapter would only be a slower way to the same cores.
+            Self::Auto => match open() {
+                Ok(gpu) => Ok(Some(gpu).filter(|gpu| !gpu.is_software())),
+                Err(BackendError::NoAdapter { .. }) => Ok(None),
+                Err(error) => Err(error),
+            },
+        }
+    }
+
+    /// The renderer.
+    ///
+    /// # Errors
+    /// As [`Self::gpu`].
+    pub fn open(self) -> Result<Box<dyn Backend>, BackendError> {
+        Ok(match self.gpu()? {
+            Some(gpu) => Box::new(gpu),
+            None => Box::new(CpuBackend::new()),
+        })
+    }
+}
+
+/// The program's own shaders, or those of the folder that the variable names.
+pub fn shader_source() -> ShaderSource {
+    std::env::var_os(SHADERS).map_or(ShaderSource::Embedded, |folder| ShaderSource::Folder(folder.into()))
+}
