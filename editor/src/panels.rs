@@ -1,0 +1,3 @@
+//! The panels around the viewport. They read the document and say what they want done as actions.
+
+pub mod widgets;
