@@ -24,6 +24,7 @@ pub use appearance::Appearance;
 pub use backend::{Backend, BackendError, PictureStats};
 pub use lighting::{LightRig, SceneLighting};
 pub use post::{Post, ToneMap};
+pub use refine::Refinement;
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
 pub use view::{Background, Progress, Quiet, View};
 pub use view_mode::ViewMode;

@@ -5,10 +5,11 @@
 
 mod color;
 
-pub use color::{color_row, hex_from_linear, linear_from_hex};
+pub use color::color_row;
 
 use egui::{
-    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, TextStyle, Ui, vec2,
+    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, TextStyle, Ui, UiBuilder,
+    UiStackInfo, vec2,
 };
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
@@ -49,6 +50,25 @@ impl Edited {
         let under_way = changed || ui.data(|d| d.get_temp(id)).unwrap_or(false);
         ui.data_mut(|d| d.insert_temp(id, under_way && !over));
         Self { changed, ended: under_way && over }
+    }
+}
+
+/// How a row's controls are called for screen readers.
+#[derive(Clone, Debug)]
+pub struct RowName {
+    /// The name, with that of the group.
+    pub full: String,
+    /// The visible label, if that alone is the name.
+    label: Option<Id>,
+}
+
+impl RowName {
+    /// Gives the row's name to its main control.
+    pub fn of(&self, control: Response) -> Response {
+        match self.label {
+            Some(label) => control.labelled_by(label),
+            None => control.accessible_name(self.full.as_str()),
+        }
     }
 }
 
@@ -117,16 +137,16 @@ pub fn slider_row(ui: &mut Ui, number: &Number, value: &mut f32) -> Edited {
     let enabled = number.disabled.is_none();
     let help = number.disabled.map_or(number.help.to_owned(), |reason| format!("{}\n\n{reason}", number.help));
     ui.add_enabled_ui(enabled, |ui| {
-        row(ui, number.label, &help, number.differs(*value), |ui, label, reset| {
+        row(ui, number.label, &help, number.differs(*value), |ui, name, reset| {
             if reset {
                 *value = number.default;
                 return Edited::at_once(true);
             }
             let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(24.0);
             ui.spacing_mut().slider_width = width;
-            let slider = fine_slider(ui, number, value).labelled_by(label.id);
+            let slider = name.of(fine_slider(ui, number, value));
             let slid = Edited::by(ui, &slider);
-            let entry = number_entry(ui, number, value);
+            let entry = number_entry(ui, number, value).accessible_name(format!("{} value", name.full));
             slid | Edited::by(ui, &entry)
         })
     })
@@ -163,7 +183,7 @@ fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
         .suffix(number.unit)
         .min_size(vec2(NUMBER_WIDTH, ui.spacing().interact_size.y))
         .update_while_editing(false);
-    ui.add(entry).accessible_name(format!("{} value", number.label))
+    ui.add(entry)
 }
 
 /// One row with a few choices side by side: each a value, its name and what it means.
@@ -174,11 +194,11 @@ pub fn choice_row<T: PartialEq + Copy>(
     value: &mut T,
     choices: &[(T, &str, &str)],
 ) -> Edited {
-    row(ui, label, help, false, |ui, _, _| {
+    row(ui, label, help, false, |ui, row, _| {
         let before = *value;
         for &(choice, name, meaning) in choices {
             let button = ui.selectable_value(value, choice, name).on_hover_text(meaning);
-            button.accessible_name(format!("{label}: {name}"));
+            button.accessible_name(format!("{}: {name}", row.full));
         }
         Edited::at_once(*value != before)
     })
@@ -186,8 +206,8 @@ pub fn choice_row<T: PartialEq + Copy>(
 
 /// One row with a check box.
 pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edited {
-    row(ui, label, help, false, |ui, label, _| {
-        Edited::at_once(ui.checkbox(value, "").labelled_by(label.id).on_hover_text(help).changed())
+    row(ui, label, help, false, |ui, name, _| {
+        Edited::at_once(name.of(ui.checkbox(value, "")).on_hover_text(help).changed())
     })
 }
 
@@ -198,6 +218,20 @@ pub fn section<R>(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut U
     header.show_unindented(ui, body).body_returned
 }
 
+/// Rows that belong to one thing of several alike: its name stands before those of the rows for screen readers.
+pub fn group<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> R {
+    let info = UiStackInfo::default().with_tag_value(GROUP, name.to_owned());
+    ui.scope_builder(UiBuilder::new().id_salt(name).ui_stack_info(info), body).inner
+}
+
+/// The tag of a [`group`]'s name.
+const GROUP: &str = "group of rows";
+
+fn full_name(ui: &Ui, label: &str) -> Option<String> {
+    let group = ui.stack().iter().find_map(|s| s.tags().get_downcast::<String>(GROUP))?;
+    Some(format!("{group} {}", label.to_lowercase()))
+}
+
 /// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. `body` is told whether
 /// to reset, by the button or a double click on the label.
 pub fn row(
@@ -205,21 +239,25 @@ pub fn row(
     label: &str,
     help: &str,
     differs: bool,
-    body: impl FnOnce(&mut Ui, &Response, bool) -> Edited,
+    body: impl FnOnce(&mut Ui, &RowName, bool) -> Edited,
 ) -> Edited {
     let height = ui.spacing().interact_size.y;
     let gap = ui.spacing().item_spacing.x;
     let centred = Layout::left_to_right(Align::Center);
     ui.horizontal(|ui| {
         let total = ui.available_width();
-        let name = cell(ui, LABEL_WIDTH, height, |ui| {
-            let name = ui.add(Label::new(label).truncate().selectable(false).sense(Sense::click()));
-            name.on_hover_text(help).on_disabled_hover_text(help)
+        let shown = cell(ui, LABEL_WIDTH, height, |ui| {
+            let shown = ui.add(Label::new(label).truncate().selectable(false).sense(Sense::click()));
+            shown.on_hover_text(help).on_disabled_hover_text(help)
         });
+        let name = match full_name(ui, label) {
+            Some(full) => RowName { full, label: None },
+            None => RowName { full: label.to_owned(), label: Some(shown.id) },
+        };
         let reset_at = ui.max_rect().left() + total - RESET_WIDTH;
         let reset = egui::Rect::from_min_size(egui::pos2(reset_at, ui.max_rect().top()), vec2(RESET_WIDTH, height));
-        let mut reset_ui = ui.new_child(egui::UiBuilder::new().max_rect(reset).layout(centred).id_salt("reset"));
-        let asked = differs && (reset_button(&mut reset_ui, label) || name.double_clicked());
+        let mut reset_ui = ui.new_child(UiBuilder::new().max_rect(reset).layout(centred).id_salt("reset"));
+        let asked = differs && (reset_button(&mut reset_ui, &name.full) || shown.double_clicked());
         cell(ui, (total - LABEL_WIDTH - RESET_WIDTH - 2.0 * gap).max(40.0), height, |ui| body(ui, &name, asked))
     })
     .inner
@@ -236,9 +274,9 @@ fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&mut Ui) -> R
     .inner
 }
 
-fn reset_button(ui: &mut Ui, label: &str) -> bool {
+fn reset_button(ui: &mut Ui, name: &str) -> bool {
     let button = egui::Button::new(RichText::new("↺").monospace().weak()).frame(false).small();
-    let name = format!("Reset {label}");
+    let name = format!("Reset {name}");
     ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
 }
 

@@ -14,24 +14,24 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
             return Edited::at_once(true);
         }
         let mut rgb = color.to_array();
-        let swatch = ui.color_edit_button_rgb(&mut rgb).labelled_by(name.id).on_hover_text(help);
+        let swatch = name.of(ui.color_edit_button_rgb(&mut rgb)).on_hover_text(help);
         if swatch.changed() {
             *color = Vec3::from_array(rgb);
         }
         // The picker tells of changes only; its gesture ends when the pointer is let go, wherever that is.
         let picked = Edited::until(ui, swatch.id, swatch.changed(), !ui.input(|i| i.pointer.any_down()));
-        picked | hex_entry(ui, label, color)
+        picked | hex_entry(ui, &name.full, color)
     })
 }
 
 /// The colour as sRGB hex; what is typed counts when the field is left, if it is a colour.
-fn hex_entry(ui: &mut Ui, label: &str, color: &mut Vec3) -> Edited {
-    let id = ui.make_persistent_id(("hex", label));
+fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
+    let id = ui.make_persistent_id(("hex", name));
     let shown = hex_from_linear(*color);
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
     let entry =
         TextEdit::singleline(&mut text).id(id).desired_width(64.0).font(FontSelection::from(TextStyle::Monospace));
-    let response = ui.add(entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{label} hex"));
+    let response = ui.add(entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, text));
         return Edited::default();

@@ -1,4 +1,7 @@
-use super::*;
+use super::{
+    color::{hex_from_linear, linear_from_hex},
+    *,
+};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
 
