@@ -13,6 +13,7 @@ mod options;
 mod outcome;
 mod outputs;
 mod paths;
+mod panels;
 mod preferences;
 mod progress;
 mod report_html;

@@ -33,6 +33,7 @@ pub use cpu::{CPU, CpuBackend};
 pub use display::display_pixel;
 pub use lighting::{LightRig, SceneLighting};
 pub use post::{Post, ToneMap};
+pub use refine::Refinement;
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
 pub use view::{Background, Progress, Quiet, View};
 pub use view_mode::ViewMode;
