@@ -9,6 +9,7 @@ mod document;
 mod options;
 mod outcome;
 mod outputs;
+mod panels;
 mod preferences;
 mod progress;
 mod report_html;
