@@ -24,7 +24,9 @@ struct Material {
     ior: f32,
     specular: f32,
     model: u32,
-    padding: array<u32, 3>,
+    // -1 if the normal map has green down, else 1.
+    normal_y: f32,
+    padding: vec2<u32>,
     base_color_map: TextureSlot,
     roughness_map: TextureSlot,
     metalness_map: TextureSlot,

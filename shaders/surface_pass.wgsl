@@ -40,7 +40,7 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: vec2<f32>, smoothed: mat
     let normal_map = materials[material].normal_map;
     if normal_map.kind != 0u {
         let s = normal_map.strength;
-        let n = (2.0 * sample_slot(normal_map, uv).xyz - 1.0) * vec3(s, s, 1.0);
+        let n = (2.0 * sample_slot(normal_map, uv).xyz - 1.0) * vec3(s, s * materials[material].normal_y, 1.0);
         normal = normalize_or(smoothed * n, normal);
     }
     let bump_map = materials[material].bump_map;

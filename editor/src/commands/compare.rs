@@ -94,7 +94,7 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
     }
     if let (Some(kind), Some(out)) = (args.map, &args.out) {
         let map = error_map(&test, &reference, kind.into(), args.map_top)?;
-        write_pictures(&map.image, slice::from_ref(out))?;
+        write_pictures(&map.image, None, slice::from_ref(out))?;
     }
     if let Some(path) = &args.json {
         write_json(path, &metrics)?;

@@ -119,6 +119,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 ior,
                 specular,
                 model,
+                normal_y,
                 padding,
                 base_color_map,
                 roughness_map,

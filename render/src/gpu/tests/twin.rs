@@ -62,6 +62,7 @@ fn maps() -> MaterialMaps {
             scale: Vec2::new(1.7, 0.6),
             offset: Vec2::new(0.3, -1.2),
             rotation: 0.4,
+            flip_y: false,
         })
     };
     MaterialMaps {
@@ -221,6 +222,14 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     let view = view(ViewMode::Shaded);
     let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
+    let mut flipped = maps();
+    flipped.normal.as_mut().unwrap().flip_y = true;
+    rig.renderer.set_appearance(look(flipped.clone()));
+    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+    assert!(!agrees(&gpu, &other));
+    rig.look(look(flipped));
+    let [flipped, cpu] = rig.both(&view, BrdfSampling::Refine);
+    assert!(agrees(&flipped, &cpu), "{:?}", difference(&flipped, &cpu));
     for i in 0..6 {
         let mut fewer = maps();
         let MaterialMaps { base_color, roughness, metalness, specular, normal, bump } = &mut fewer;
