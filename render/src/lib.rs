@@ -32,6 +32,7 @@ pub use cpu::CpuBackend;
 pub use display::display_pixel;
 pub use lighting::{LightRig, SceneLighting};
 pub use post::{Post, ToneMap};
+pub use refine::Refinement;
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
 pub use view::{Background, Progress, Quiet, View};
 pub use view_mode::ViewMode;

@@ -7,7 +7,7 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, Material},
     ray::{Hit, Intersector},
-    texture::{ColorSpace, TextureSlot},
+    texture::TextureSlot,
 };
 
 /// A point of a surface as seen along one ray.
@@ -143,24 +143,15 @@ impl<'a> Surfaces<'a> {
         let mut normal = smooth.z_axis;
         if let Some(slot) = &material.maps.normal {
             let texel = self.appearance.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
-            let n = (2.0 * texel - 1.0) * Vec3::new(slot.strength, slot.strength, 1.0);
+            let n = slot.tangent_normal(texel);
             normal = (*smooth * n).try_normalize().unwrap_or(normal);
         }
         if let (Some(slot), Some([per_u, per_v])) = (&material.maps.bump, slopes()) {
-            let [du, dv] = self.height_slopes(uv, slot);
+            let [du, dv] = self.appearance.textures[slot.texture as usize].height_slopes(uv, slot);
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
         }
         normal
-    }
-
-    /// Change of height in metres per unit of u and v, by central differences over one texel.
-    fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
-        let texture = &self.appearance.textures[slot.texture as usize];
-        let height = |uv: Vec2| texture.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
-        let texel = Vec2::new(texture.size[0] as f32, texture.size[1] as f32) * slot.scale;
-        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)]
-            .map(|step| slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element()))
     }
 }
 

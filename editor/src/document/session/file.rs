@@ -79,6 +79,8 @@ pub struct SessionSlot {
     pub rotation_degrees: f64,
     /// Scales normals and heights.
     pub strength: f32,
+    /// Normals have their green channel down.
+    pub flip_y: bool,
 }
 
 /// Where a texture comes from.
@@ -222,6 +224,7 @@ impl SessionSlot {
             offset: self.offset,
             rotation: self.rotation_degrees.to_radians() as f32,
             strength: self.strength,
+            flip_y: self.flip_y,
         }
     }
 }
@@ -237,6 +240,7 @@ impl From<&TextureSlot> for SessionSlot {
             offset: slot.offset,
             rotation_degrees: degrees(slot.rotation),
             strength: slot.strength,
+            flip_y: slot.flip_y,
         }
     }
 }
