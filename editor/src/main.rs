@@ -7,6 +7,7 @@ mod commands;
 mod console;
 mod demo;
 mod document;
+mod jobs;
 mod options;
 mod outcome;
 mod outputs;

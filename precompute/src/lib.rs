@@ -14,6 +14,7 @@ mod pilot;
 mod settings;
 mod sidedness;
 mod tessellate;
+mod threads;
 mod verify;
 mod visibility;
 
@@ -22,4 +23,5 @@ pub use checkpoint::CheckpointError;
 pub use memory::available as available_memory;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
+pub use threads::on_threads;
 pub use verify::{Verification, verify};

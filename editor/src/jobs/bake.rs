@@ -1,0 +1,195 @@
+//! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
+
+use super::{Wake, guarded, spawn};
+use lapidary_core::{dataset::Dataset, scene::Scene};
+use lapidary_precompute::{BakeError, BakeJob, Event, Observer, Phase, Preset, bake, on_threads};
+use std::{
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU32, Ordering},
+        mpsc::{Receiver, Sender, channel},
+    },
+};
+
+/// What to bake.
+#[derive(Clone, Debug)]
+pub struct BakeTask {
+    /// As imported.
+    pub scene: Scene,
+    /// Settings and where the dataset goes.
+    pub job: BakeJob,
+    /// Bakes a draft first, unless the job is one or goes on from a checkpoint.
+    pub progressive: bool,
+    /// Folder in which the draft is written and removed again.
+    pub cache: PathBuf,
+}
+
+/// How far a bake is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BakeProgress {
+    /// Whether it is at the draft.
+    pub draft: bool,
+    /// The phase, once there is one.
+    pub phase: Option<Phase>,
+    /// What `done` and `total` count.
+    pub unit: &'static str,
+    /// Units that are complete.
+    pub done: u64,
+    /// All units of the phase, 0 if unknown.
+    pub total: u64,
+}
+
+impl BakeProgress {
+    /// Share of the phase that is complete, if its length is known.
+    pub fn fraction(&self) -> Option<f32> {
+        (self.total > 0).then(|| (self.done as f64 / self.total as f64).min(1.0) as f32)
+    }
+}
+
+/// What happened in a bake. The last three end it.
+#[derive(Clone, Debug)]
+pub enum BakeMessage {
+    /// Something was repaired or left out.
+    Warning(String),
+    /// A first dataset to look at.
+    Draft(Arc<Dataset>),
+    /// The dataset, which was also written.
+    Done(Arc<Dataset>),
+    /// It was cancelled; its checkpoint stays.
+    Cancelled,
+    /// Why there is no dataset.
+    Failed(String),
+}
+
+/// A bake at work. Dropping it cancels.
+pub struct BakeRun {
+    messages: Receiver<BakeMessage>,
+    progress: Arc<Mutex<BakeProgress>>,
+    cancel: Arc<AtomicBool>,
+}
+
+impl BakeRun {
+    /// Starts a bake on all cores but one, which is left to the window.
+    pub fn start(task: BakeTask, wake: Wake) -> Self {
+        Self::start_with(task, wake, Arc::default())
+    }
+
+    fn start_with(task: BakeTask, wake: Wake, cancel: Arc<AtomicBool>) -> Self {
+        let (sender, messages) = channel();
+        let progress: Arc<Mutex<BakeProgress>> = Arc::default();
+        let teller = Teller { sender, progress: progress.clone(), cancel: cancel.clone(), wake, draft: false };
+        spawn("bake", move || {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            let work = || guarded("the bake", || Ok(run(task, &teller)));
+            let end = on_threads(cores.saturating_sub(1).max(1), work).unwrap_or_else(BakeMessage::Failed);
+            teller.tell(end);
+        });
+        Self { messages, progress, cancel }
+    }
+
+    /// What happened since the last call.
+    pub fn messages(&mut self) -> Vec<BakeMessage> {
+        self.messages.try_iter().collect()
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> BakeProgress {
+        *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Asks it to stop; [`BakeMessage::Cancelled`] follows when it has.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for BakeRun {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+/// Tells the window what the bake says.
+#[derive(Clone)]
+struct Teller {
+    sender: Sender<BakeMessage>,
+    progress: Arc<Mutex<BakeProgress>>,
+    cancel: Arc<AtomicBool>,
+    wake: Wake,
+    draft: bool,
+}
+
+impl Teller {
+    fn tell(&self, message: BakeMessage) {
+        // Nobody is left to tell if the window is gone.
+        let _ = self.sender.send(message);
+        (self.wake)();
+    }
+}
+
+impl Observer for Teller {
+    fn event(&self, event: Event) {
+        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        match event {
+            Event::Started { phase, total, unit } => {
+                *progress = BakeProgress { draft: self.draft, phase: Some(phase), unit, done: 0, total };
+            }
+            // Threads may report out of order.
+            Event::Advanced { done } => progress.done = progress.done.max(done),
+            Event::Warning { message } => {
+                drop(progress);
+                return self.tell(BakeMessage::Warning(message));
+            }
+        }
+        drop(progress);
+        (self.wake)();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+}
+
+/// The draft, if one is wanted, and then the bake itself.
+fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
+    let draft_settings = Preset::Draft.settings();
+    if task.progressive && !task.job.resume && task.job.settings != draft_settings {
+        let scratch = Scratch::new(&task.cache);
+        let job = BakeJob { settings: draft_settings, output: scratch.0.join("draft.cuts"), ..task.job.clone() };
+        match bake(task.scene.clone(), &job, &Teller { draft: true, ..teller.clone() }) {
+            Ok(dataset) => teller.tell(BakeMessage::Draft(dataset.into())),
+            Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
+            Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {error}"))),
+        }
+    }
+    match bake(task.scene, &task.job, teller) {
+        Ok(dataset) => BakeMessage::Done(dataset.into()),
+        Err(BakeError::Cancelled) => BakeMessage::Cancelled,
+        Err(error) => BakeMessage::Failed(error.to_string()),
+    }
+}
+
+/// A folder that is removed with all it holds.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    /// A folder of a new name. If it cannot be made, writing to it says so.
+    fn new(cache: &Path) -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let folder = cache.join(format!("draft-{}-{count}", std::process::id()));
+        let _ = std::fs::create_dir_all(&folder);
+        Self(folder)
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What stays is a few megabytes in a cache folder.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

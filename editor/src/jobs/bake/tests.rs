@@ -1,0 +1,84 @@
+//! A single triangle, which is baked in no time.
+
+use super::*;
+use crate::jobs::testing::{silent, wait_for};
+use lapidary_core::{dataset::BakeSettings, import::import};
+
+const LIGHTS: usize = 256;
+
+/// A task in a folder of its own.
+fn task(folder: &Path, progressive: bool) -> BakeTask {
+    let obj = folder.join("a.obj");
+    std::fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
+    let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
+    let output = folder.join("a.cuts");
+    let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
+    BakeTask { scene: import(&obj).unwrap().scene, job, progressive, cache: folder.join("cache") }
+}
+
+/// All messages up to the one that ends the bake.
+fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
+    let mut messages = Vec::new();
+    wait_for("the bake", || {
+        messages.extend(run.messages());
+        let ended = |m: &BakeMessage| !matches!(m, BakeMessage::Warning(_) | BakeMessage::Draft(_));
+        messages.last().is_some_and(ended).then_some(())
+    });
+    messages
+}
+
+#[test]
+fn a_draft_comes_first_and_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = task(folder.path(), true);
+    let (output, cache) = (task.job.output.clone(), task.cache.clone());
+    let mut run = BakeRun::start(task, silent());
+    let messages = all(&mut run);
+    let [BakeMessage::Draft(draft), BakeMessage::Done(dataset)] = &messages[..] else { panic!("{messages:?}") };
+    assert_eq!((draft.tree.len(), dataset.tree.len()), (Preset::Draft.settings().lights, LIGHTS));
+    assert_eq!(Dataset::read(&output).unwrap().tree.len(), LIGHTS);
+    assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
+    let progress = run.progress();
+    assert_eq!((progress.draft, progress.phase), (false, Some(Phase::Pack)));
+}
+
+#[test]
+fn without_a_draft_there_is_only_the_bake() {
+    let folder = tempfile::tempdir().unwrap();
+    let messages = all(&mut BakeRun::start(task(folder.path(), false), silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Done(_)]), "{messages:?}");
+}
+
+#[test]
+fn a_cancelled_bake_says_so_and_goes_on_when_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut task = task(folder.path(), true);
+    let messages = all(&mut BakeRun::start_with(task.clone(), silent(), Arc::new(true.into())));
+    assert!(matches!(&messages[..], [BakeMessage::Cancelled]), "{messages:?}");
+    assert!(!task.job.output.exists());
+    task.job.resume = true;
+    let messages = all(&mut BakeRun::start(task, silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Done(_)]), "no draft when going on: {messages:?}");
+}
+
+#[test]
+fn what_cannot_be_baked_or_written_is_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut odd = task(folder.path(), false);
+    odd.job.settings.lights = 1000;
+    let messages = all(&mut BakeRun::start(odd, silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("1000")), "{messages:?}");
+    let mut nowhere = task(folder.path(), true);
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    nowhere.cache = folder.path().join("file");
+    let messages = all(&mut BakeRun::start(nowhere, silent()));
+    let [BakeMessage::Warning(text), BakeMessage::Done(_)] = &messages[..] else { panic!("{messages:?}") };
+    assert!(text.contains("no draft"), "{text}");
+}
+
+#[test]
+fn fractions_are_known_when_the_total_is() {
+    let progress = BakeProgress { done: 3, total: 4, ..Default::default() };
+    assert_eq!(progress.fraction(), Some(0.75));
+    assert_eq!(BakeProgress::default().fraction(), None);
+}

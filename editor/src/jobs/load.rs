@@ -1,0 +1,180 @@
+//! Opens files on threads of their own. The latest request on a [`Topic`] wins: results of earlier ones are dropped.
+
+mod kind;
+
+pub use kind::{Kind, foreign, kind_of};
+
+use super::{Wake, guarded, spawn};
+use crate::actions::MapKind;
+use lapidary_core::{
+    dataset::Dataset,
+    environment::Environment,
+    import::{Imported, import, load_material},
+    material::Material,
+    scene::Scene,
+    texture::Texture,
+};
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::{
+        Arc,
+        mpsc::{Receiver, Sender, channel},
+    },
+    time::Instant,
+};
+
+/// What a load is for. Of two for the same only the later counts.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Topic {
+    /// The scene or dataset of the document.
+    Document,
+    /// The light.
+    Environment,
+    /// A map of a material.
+    Map {
+        /// Which material.
+        material: usize,
+        /// Which map.
+        map: MapKind,
+    },
+    /// A whole material.
+    Material(usize),
+    /// A file that has changed on disk.
+    Reload(PathBuf),
+}
+
+/// What to open.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A scene to import.
+    Scene(PathBuf),
+    /// A baked scene.
+    Dataset(PathBuf),
+    /// A path or formula, as [`Environment::from_spec`] reads it.
+    Environment(String),
+    /// A picture for a map.
+    Texture(PathBuf),
+    /// A material file.
+    Material {
+        /// Which.
+        path: PathBuf,
+        /// Those of the document: pictures that are among them are not loaded again.
+        textures: Vec<Arc<Texture>>,
+    },
+}
+
+/// What was opened.
+#[derive(Clone, Debug)]
+pub enum Loaded {
+    /// With the report of its import.
+    Scene(Box<Imported>),
+    /// Checked whole.
+    Dataset(Arc<Dataset>),
+    /// A light.
+    Environment {
+        /// The map.
+        environment: Arc<Environment>,
+        /// What was repaired, in sentences.
+        warnings: Vec<String>,
+    },
+    /// A picture.
+    Texture(Arc<Texture>),
+    /// A material that refers to `textures`.
+    Material {
+        /// The material.
+        material: Box<Material>,
+        /// Those of the document and, after them, those that the material added.
+        textures: Vec<Arc<Texture>>,
+    },
+}
+
+/// A load that has ended.
+#[derive(Clone, Debug)]
+pub struct LoadResult {
+    /// What [`Loader::load`] returned.
+    pub id: u64,
+    /// What it was for.
+    pub topic: Topic,
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// What was opened, or why not.
+    pub result: Result<Loaded, String>,
+}
+
+/// Opens files.
+pub struct Loader {
+    wake: Wake,
+    sender: Sender<LoadResult>,
+    results: Receiver<LoadResult>,
+    /// The load that counts, for each topic that waits for one.
+    latest: HashMap<Topic, u64>,
+    loads: u64,
+}
+
+impl Loader {
+    /// With nothing to do.
+    pub fn new(wake: Wake) -> Self {
+        let (sender, results) = channel();
+        Self { wake, sender, results, latest: HashMap::new(), loads: 0 }
+    }
+
+    /// Begins to open something; returns its id. An earlier load on the same topic no longer counts.
+    pub fn load(&mut self, topic: Topic, source: Source) -> u64 {
+        self.loads += 1;
+        let id = self.loads;
+        self.latest.insert(topic.clone(), id);
+        let (sender, wake) = (self.sender.clone(), self.wake.clone());
+        spawn("load", move || {
+            let start = Instant::now();
+            let result = guarded("opening the file", || open(source));
+            // Nobody is left to tell if the window is gone.
+            let _ = sender.send(LoadResult { id, topic, seconds: start.elapsed().as_secs_f64(), result });
+            wake();
+        });
+        id
+    }
+
+    /// Loads that have ended since the last call and still count.
+    pub fn results(&mut self) -> Vec<LoadResult> {
+        let latest = &mut self.latest;
+        let counts = |ended: &LoadResult| {
+            let is_latest = latest.get(&ended.topic) == Some(&ended.id);
+            if is_latest {
+                latest.remove(&ended.topic);
+            }
+            is_latest
+        };
+        self.results.try_iter().filter(counts).collect()
+    }
+
+    /// Drops what is being opened for a topic.
+    pub fn cancel(&mut self, topic: &Topic) {
+        self.latest.remove(topic);
+    }
+
+    /// Whether something is being opened for a topic.
+    pub fn is_loading(&self, topic: &Topic) -> bool {
+        self.latest.contains_key(topic)
+    }
+}
+
+fn open(source: Source) -> anyhow::Result<Loaded> {
+    Ok(match source {
+        Source::Scene(path) => Loaded::Scene(import(&path)?.into()),
+        Source::Dataset(path) => Loaded::Dataset(Dataset::read(&path)?.into()),
+        Source::Environment(spec) => {
+            let (environment, warnings) = Environment::from_spec(&spec)?;
+            Loaded::Environment { environment: environment.into(), warnings }
+        }
+        Source::Texture(path) => Loaded::Texture(Texture::read(&path)?.into()),
+        Source::Material { path, textures } => {
+            let mut scene = Scene { textures, ..Default::default() };
+            let material = load_material(&path, &mut scene)?.into();
+            Loaded::Material { material, textures: scene.textures }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests;

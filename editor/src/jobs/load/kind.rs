@@ -1,0 +1,127 @@
+//! What a file is: by its extension, by its shape for pictures, and by its contents for JSON.
+
+use lapidary_core::{image::dimensions, import::MaterialFile};
+use std::path::Path;
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A scene to import and bake.
+    Scene,
+    /// A baked scene.
+    Dataset,
+    /// A session of this program.
+    Session,
+    /// Light from all around.
+    Environment,
+    /// A picture for a map.
+    Texture,
+    /// A material file.
+    Material,
+    /// None of these.
+    Unknown,
+}
+
+/// What the file of a path holds. Reads no more than the header of a picture and the text of a JSON file.
+pub fn kind_of(path: &Path) -> Kind {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match name.rsplit_once('.').map_or("", |(_, extension)| extension) {
+        "obj" | "gltf" | "glb" | "ply" => Kind::Scene,
+        "cuts" => Kind::Dataset,
+        "lapidary" => Kind::Session,
+        "hdr" | "exr" => Kind::Environment,
+        "png" | "jpg" | "jpeg" | "tga" => kind_of_picture(path),
+        "json" => kind_of_json(path),
+        _ => Kind::Unknown,
+    }
+}
+
+/// A picture twice as wide as high is most likely a map of all directions.
+fn kind_of_picture(path: &Path) -> Kind {
+    match dimensions(path) {
+        Ok([width, height]) if u64::from(width) == 2 * u64::from(height) => Kind::Environment,
+        // Opening a damaged one says what is wrong with it.
+        _ => Kind::Texture,
+    }
+}
+
+fn kind_of_json(path: &Path) -> Kind {
+    let Ok(text) = std::fs::read_to_string(path) else { return Kind::Unknown };
+    if serde_json::from_str::<MaterialFile>(&text).is_ok() {
+        return Kind::Material;
+    }
+    // A glTF or other JSON file has no such keys; a material with a mistake in it is opened as one, to name the mistake.
+    let Ok(serde_json::Value::Object(keys)) = serde_json::from_str(&text) else { return Kind::Unknown };
+    if keys.contains_key("lapidary_session") {
+        Kind::Session
+    } else if keys.contains_key("model") && keys.contains_key("parameters") {
+        Kind::Material
+    } else {
+        Kind::Unknown
+    }
+}
+
+/// Why a file that is of no known kind cannot be opened.
+pub fn foreign(path: &Path) -> String {
+    let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
+    format!(
+        "{what}; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an environment \
+         (.hdr, .exr), a picture (.png, .jpg, .tga) or a material (.json) ({})",
+        path.display()
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lapidary_core::image::Image;
+
+    #[test]
+    fn extensions_decide_in_any_case() {
+        let kinds = [
+            ("a.obj", Kind::Scene),
+            ("a.b.GLB", Kind::Scene),
+            ("a.gltf", Kind::Scene),
+            ("a.ply", Kind::Scene),
+            ("a.cuts", Kind::Dataset),
+            ("a.lapidary", Kind::Session),
+            ("a.EXR", Kind::Environment),
+            ("a.hdr", Kind::Environment),
+            ("a.fbx", Kind::Unknown),
+            ("cuts", Kind::Unknown),
+            ("", Kind::Unknown),
+            ("missing.json", Kind::Unknown),
+            ("missing.png", Kind::Texture),
+        ];
+        for (path, kind) in kinds {
+            assert_eq!(kind_of(Path::new(path)), kind, "{path}");
+        }
+    }
+
+    #[test]
+    fn pictures_are_told_apart_by_shape_and_json_by_contents() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        Image::filled([8, 4], Vec3::ONE).write(&path("wide.png")).unwrap();
+        Image::filled([8, 5], Vec3::ONE).write(&path("square.png")).unwrap();
+        assert_eq!(kind_of(&path("wide.png")), Kind::Environment);
+        assert_eq!(kind_of(&path("square.png")), Kind::Texture);
+        let json = |text: &str| {
+            std::fs::write(path("a.json"), text).unwrap();
+            kind_of(&path("a.json"))
+        };
+        assert_eq!(json(r#"{"name": "gold", "model": "ggx"}"#), Kind::Material);
+        assert_eq!(json(r#"{"model": "gxx", "parameters": {}}"#), Kind::Material);
+        assert_eq!(json(r#"{"lapidary_session": 1}"#), Kind::Session);
+        assert_eq!(json(r#"{"asset": {"version": "2.0"}}"#), Kind::Unknown);
+        assert_eq!(json("[1, 2"), Kind::Unknown);
+    }
+
+    #[test]
+    fn a_foreign_file_is_told_what_can_be_opened() {
+        let text = foreign(Path::new("a.fbx"));
+        assert!(text.starts_with("there is no such file") && text.contains(".glb") && text.ends_with("(a.fbx)"));
+        assert!(foreign(Path::new(".")).contains("does not know"));
+    }
+}

@@ -1,0 +1,190 @@
+//! The thread that renders the viewport. The latest request wins; a coarse picture comes first and at rest the full one
+//! follows, sample by sample. Nothing is rendered when nothing has changed.
+
+mod changes;
+mod stage;
+mod station;
+mod worker;
+
+use super::{Wake, spawn};
+use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_render::{
+    Appearance, Backend, BackendError, BrdfSampling, Illumination, PictureStats, Post, SceneLighting, View,
+};
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        mpsc::{Receiver, Sender, channel},
+    },
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+/// Makes the renderer on the thread, and again when its device is lost.
+pub type Factory = Box<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send>;
+
+/// Everything that decides the picture. Copying it copies no texels and no maps.
+#[derive(Clone, Debug)]
+pub struct RenderRequest {
+    /// The scene; compared by pointer. `None` while nothing is open.
+    pub dataset: Option<Arc<Dataset>>,
+    /// Materials and textures.
+    pub appearance: Appearance,
+    /// Changes whenever the appearance does.
+    pub appearance_revision: u64,
+    /// The light; its map is compared by pointer.
+    pub illumination: Illumination,
+    /// Most nodes of the illumination cut.
+    pub illum_cut: u32,
+    /// How the BRDF is sampled.
+    pub sampling: BrdfSampling,
+    /// Camera, size in pixels of the full picture, and its samples a pixel.
+    pub view: View,
+    /// Exposure and tone curve.
+    pub post: Post,
+    /// Whether the user is at it, as during a drag: only coarse pictures are made.
+    pub moving: bool,
+    /// Milliseconds that a coarse picture may take.
+    pub frame_budget_ms: f32,
+}
+
+/// A picture to show.
+#[derive(Clone, Debug)]
+pub struct RenderedFrame {
+    /// As [`Backend::display`] gives them.
+    pub pixels: Vec<[u8; 4]>,
+    /// Width and height of `pixels`.
+    pub size: [u32; 2],
+    /// Whether that is the size asked for, and not a reduced one.
+    pub full_size: bool,
+    /// Samples a pixel so far.
+    pub samples: u32,
+    /// Samples a pixel when it is done.
+    pub of_samples: u32,
+    /// Work done for it.
+    pub stats: PictureStats,
+    /// Milliseconds of rendering.
+    pub millis: f64,
+    /// The light that it was made with.
+    pub lighting: Arc<SceneLighting>,
+    /// Changes whenever `lighting` does.
+    pub light_revision: u64,
+    /// Name of the renderer.
+    pub backend: String,
+}
+
+/// A full picture, scene-linear.
+#[derive(Clone, Debug)]
+pub struct LinearPicture {
+    /// Radiance, or what the view's mode shows; not exposed.
+    pub image: Image,
+    /// How much of each pixel is covered by surfaces, 0 to 1.
+    pub coverage: Vec<f32>,
+}
+
+/// Something to tell the user, or to write to a file.
+#[derive(Clone, Debug)]
+pub enum RenderEvent {
+    /// What had to be done to make something fit, or that the renderer was started again.
+    Remark(String),
+    /// There is no picture, and why.
+    Failed(String),
+    /// The answer to [`RenderThread::read_picture`].
+    Picture {
+        /// What it was asked for by.
+        id: u64,
+        /// The picture, or why there is none.
+        result: Result<LinearPicture, String>,
+    },
+}
+
+/// What the window sends.
+enum Message {
+    Request(Box<RenderRequest>),
+    ReadPicture(u64),
+}
+
+/// Where pictures and events are left for the window.
+struct Outbox {
+    /// Only the newest: the window may be hidden and collect none for a while.
+    frame: Arc<Mutex<Option<RenderedFrame>>>,
+    events: Sender<RenderEvent>,
+    wake: Wake,
+}
+
+impl Outbox {
+    fn frame(&self, frame: RenderedFrame) {
+        *self.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame);
+        (self.wake)();
+    }
+
+    fn event(&self, event: RenderEvent) {
+        // Nobody is left to tell if the window is gone.
+        let _ = self.events.send(event);
+        (self.wake)();
+    }
+}
+
+/// The window's end of the thread.
+pub struct RenderThread {
+    /// `None` once the thread was told to end.
+    messages: Option<Sender<Message>>,
+    frame: Arc<Mutex<Option<RenderedFrame>>>,
+    events: Receiver<RenderEvent>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl RenderThread {
+    /// Starts the thread. The renderer is made when there is something to render.
+    pub fn start(factory: Factory, wake: Wake) -> Self {
+        let (messages, inbox) = channel();
+        let (events_sender, events) = channel();
+        let frame = Arc::new(Mutex::new(None));
+        let outbox = Outbox { frame: frame.clone(), events: events_sender, wake };
+        let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox).run());
+        Self { messages: Some(messages), frame, events, thread: Some(thread) }
+    }
+
+    /// Asks for a picture; costs nothing if nothing has changed since the last time.
+    pub fn request(&self, request: RenderRequest) {
+        self.send(Message::Request(Box::new(request)));
+    }
+
+    /// Asks for the full picture, scene-linear, once it is complete: see [`RenderEvent::Picture`].
+    pub fn read_picture(&self, id: u64) {
+        self.send(Message::ReadPicture(id));
+    }
+
+    /// The newest picture, if there is one that was not taken yet.
+    pub fn frames(&mut self) -> Option<RenderedFrame> {
+        self.frame.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// What happened since the last call.
+    pub fn events(&mut self) -> Vec<RenderEvent> {
+        self.events.try_iter().collect()
+    }
+
+    fn send(&self, message: Message) {
+        if let Some(messages) = &self.messages {
+            // The thread only ends when it is told to.
+            let _ = messages.send(message);
+        }
+    }
+}
+
+impl Drop for RenderThread {
+    /// Lets the thread finish its band, so that no driver is at work when the process ends. A thread that is deep in
+    /// something longer is left behind.
+    fn drop(&mut self) {
+        const PATIENCE: Duration = Duration::from_millis(500);
+        self.messages = None;
+        let start = Instant::now();
+        while self.thread.as_ref().is_some_and(|t| !t.is_finished()) && start.elapsed() < PATIENCE {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

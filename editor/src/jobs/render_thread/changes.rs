@@ -1,0 +1,46 @@
+//! What two requests differ in, and so what must be done again.
+
+use super::RenderRequest;
+use lapidary_core::dataset::Dataset;
+use lapidary_render::Illumination;
+use std::sync::Arc;
+
+/// The least that must be done again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Changes {
+    /// Nothing.
+    Nothing,
+    /// The picture is displayed again.
+    Post,
+    /// The picture is rendered again, after whatever of scene, appearance and light is out of date.
+    Picture,
+}
+
+/// What `new` changes in a renderer that was last asked for `old`.
+pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
+    let Some(old) = old else { return Changes::Picture };
+    let same_picture = same_dataset(old.dataset.as_ref(), new.dataset.as_ref())
+        && old.appearance_revision == new.appearance_revision
+        && same_light(&old.illumination, &new.illumination)
+        && old.illum_cut == new.illum_cut
+        && old.sampling == new.sampling
+        && old.view == new.view;
+    match (same_picture, old.post == new.post) {
+        (false, _) => Changes::Picture,
+        (true, false) => Changes::Post,
+        (true, true) => Changes::Nothing,
+    }
+}
+
+/// Whether both are one dataset, or none.
+pub fn same_dataset(a: Option<&Arc<Dataset>>, b: Option<&Arc<Dataset>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}
+
+/// Whether both give the same light.
+pub fn same_light(a: &Illumination, b: &Illumination) -> bool {
+    Arc::ptr_eq(&a.environment, &b.environment) && a.rotation == b.rotation && a.intensity == b.intensity
+}

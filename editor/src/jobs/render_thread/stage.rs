@@ -1,0 +1,91 @@
+//! Where the making of a picture stands, and how often a lost device is tried again.
+
+use std::time::{Duration, Instant};
+
+/// How long nothing must have changed before the full picture is begun.
+const SETTLE: Duration = Duration::from_millis(120);
+
+/// Where the making of a picture stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The picture is complete, or there is nothing to show.
+    Rest,
+    /// A coarse picture is due.
+    Coarse,
+    /// A coarse picture is shown; the full one follows if nothing changes for a while.
+    Settle {
+        /// When the coarse picture was shown.
+        since: Instant,
+    },
+    /// Rows are added to the full picture.
+    Full {
+        /// The sample that is added.
+        sample: u32,
+        /// The first row that it lacks.
+        row: u32,
+    },
+}
+
+impl Stage {
+    /// How long to wait for a message before the next step; `None` if only a message can bring one.
+    pub fn patience(self, moving: bool, now: Instant) -> Option<Duration> {
+        match self {
+            Self::Rest => None,
+            Self::Settle { .. } if moving => None,
+            Self::Settle { since } => Some((since + SETTLE).saturating_duration_since(now)),
+            Self::Coarse | Self::Full { .. } => Some(Duration::ZERO),
+        }
+    }
+
+    /// Whether the full picture may begin.
+    pub fn settled(self, moving: bool, now: Instant) -> bool {
+        matches!(self, Self::Settle { .. }) && self.patience(moving, now) == Some(Duration::ZERO)
+    }
+}
+
+/// When the renderer was started again.
+#[derive(Debug, Default)]
+pub struct Restarts(Vec<Instant>);
+
+impl Restarts {
+    /// Most within [`Self::PERIOD`]: a driver that keeps failing would otherwise keep the machine busy.
+    pub const MOST: usize = 3;
+    const PERIOD: Duration = Duration::from_secs(60);
+
+    /// Whether it may be started once more, which is then counted.
+    pub fn allow(&mut self, now: Instant) -> bool {
+        self.0.retain(|&then| now.saturating_duration_since(then) < Self::PERIOD);
+        let allowed = self.0.len() < Self::MOST;
+        if allowed {
+            self.0.push(now);
+        }
+        allowed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_full_picture_waits_for_rest() {
+        let since = Instant::now();
+        let stage = Stage::Settle { since };
+        assert_eq!(stage.patience(false, since), Some(SETTLE));
+        assert_eq!(stage.patience(true, since + SETTLE), None);
+        assert!(stage.settled(false, since + SETTLE) && !stage.settled(false, since + SETTLE / 2));
+        assert!(!stage.settled(true, since + SETTLE) && !Stage::Coarse.settled(false, since));
+        assert_eq!(Stage::Rest.patience(false, since), None);
+    }
+
+    #[test]
+    fn three_restarts_a_minute_are_allowed() {
+        let start = Instant::now();
+        let at = |secs| start + Duration::from_secs(secs);
+        let mut restarts = Restarts::default();
+        assert!([0, 10, 20].into_iter().all(|secs| restarts.allow(at(secs))));
+        assert!(!restarts.allow(at(59)));
+        assert!(restarts.allow(at(61)), "the first is a minute ago");
+        assert!(!restarts.allow(at(62)));
+    }
+}

@@ -1,0 +1,422 @@
+//! The thread over a renderer that only counts what it is asked for.
+
+use super::*;
+use crate::jobs::testing::{silent, wait_for};
+use glam::{Vec2, Vec3, Vec4};
+use lapidary_core::{
+    camera::Camera,
+    cut::{
+        CutCriterion,
+        packed::{PackedCuts, pack_node},
+    },
+    dataset::{BakeReport, BakeSettings},
+    environment::Environment,
+    light_tree::{LightTree, TreeKind},
+    material::Material,
+    scene::{Mesh, Object, Scene},
+};
+use lapidary_render::{CpuBackend, Renderer};
+use std::ops::Range;
+
+/// What the renderer was asked for, and how it is to behave.
+#[derive(Default)]
+struct Log {
+    made: u32,
+    scenes: u32,
+    appearances: u32,
+    lights: u32,
+    /// Size and samples of each picture.
+    begun: Vec<([u32; 2], u32)>,
+    /// Sample and rows.
+    rows: Vec<(u32, Range<u32>)>,
+    displays: u32,
+    micros_per_pixel: u64,
+    /// So many calls to render rows lose the device.
+    losses: u32,
+    panics: u32,
+    refuse_scenes: bool,
+}
+
+type Shared = Arc<Mutex<Log>>;
+
+struct Fake {
+    log: Shared,
+    view: Option<View>,
+}
+
+fn lost() -> BackendError {
+    BackendError::DeviceLost { reason: "unplugged".into() }
+}
+
+impl Backend for Fake {
+    fn name(&self) -> String {
+        "fake".into()
+    }
+
+    fn set_scene(&mut self, _: &Arc<Dataset>) -> Result<(), BackendError> {
+        let mut log = self.log.lock().unwrap();
+        log.scenes += 1;
+        if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
+    }
+
+    fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
+        self.log.lock().unwrap().appearances += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<(), BackendError> {
+        self.log.lock().unwrap().lights += 1;
+        Ok(())
+    }
+
+    fn begin(&mut self, view: &View, _: BrdfSampling) -> Result<(), BackendError> {
+        self.log.lock().unwrap().begun.push((view.size, view.aa));
+        self.view = Some(view.clone());
+        Ok(())
+    }
+
+    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
+        let mut log = self.log.lock().unwrap();
+        if log.losses > 0 {
+            log.losses -= 1;
+            return Err(lost());
+        }
+        if log.panics > 0 {
+            log.panics -= 1;
+            drop(log);
+            panic!("a mistake");
+        }
+        log.rows.push((sample, rows.clone()));
+        let pixels = u64::from(rows.end - rows.start) * u64::from(self.view.as_ref().unwrap().size[0]);
+        let pause = Duration::from_micros(log.micros_per_pixel * pixels);
+        drop(log);
+        std::thread::sleep(pause);
+        Ok(())
+    }
+
+    /// The eye's x in red, the exposure in green.
+    fn display(&mut self, post: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        self.log.lock().unwrap().displays += 1;
+        let view = self.view.as_ref().unwrap();
+        let pixels = view.size[0] as usize * view.size[1] as usize;
+        Ok(vec![[view.camera.eye.x as u8, post.exposure as u8, 0, 255]; pixels])
+    }
+
+    fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        let size = self.view.as_ref().unwrap().size;
+        Ok((Image::filled(size, Vec3::ONE), vec![1.0; size[0] as usize * size[1] as usize]))
+    }
+
+    fn stats(&mut self) -> Result<PictureStats, BackendError> {
+        Ok(PictureStats::default())
+    }
+}
+
+fn dataset() -> Arc<Dataset> {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        normals: vec![Vec3::Y; 3],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        triangles: vec![[0, 2, 1]],
+        triangle_material: vec![0],
+        triangle_object: vec![0],
+    };
+    let mut cuts = PackedCuts::default();
+    for _ in 0..3 {
+        let offset = cuts.push_cut(&[pack_node(0, 1.0)]);
+        cuts.push_vertex(offset);
+    }
+    let settings = BakeSettings {
+        lights: 64,
+        tree: TreeKind::Geometric,
+        beta: 1.0,
+        criterion: CutCriterion::default(),
+        pilot_clusters: 1,
+        max_vertices: None,
+        max_bytes: None,
+    };
+    let scene = Scene {
+        mesh,
+        materials: vec![Material::default()],
+        objects: vec![Object { name: "o".into() }],
+        ..Default::default()
+    };
+    let dataset = Dataset {
+        two_sided: vec![true],
+        vertex_valid: vec![true; 3],
+        tree: LightTree::geometric(64).unwrap(),
+        cuts,
+        settings,
+        scene_hash: String::new(),
+        report: BakeReport::default(),
+        scene,
+    };
+    dataset.into()
+}
+
+fn request(aa: u32) -> RenderRequest {
+    let environment = Environment { name: "e".into(), map: Image::filled([8, 4], Vec3::ONE) };
+    let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
+    RenderRequest {
+        dataset: Some(dataset()),
+        appearance: Appearance::default(),
+        appearance_revision: 1,
+        illumination: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+        illum_cut: 16,
+        sampling: BrdfSampling::Refine,
+        view: View { aa, ..View::new(camera, [64, 48]) },
+        post: Post::default(),
+        moving: false,
+        frame_budget_ms: 10.0,
+    }
+}
+
+fn start(log: Log) -> (Shared, RenderThread) {
+    let log: Shared = Arc::new(Mutex::new(log));
+    let shared = log.clone();
+    let factory = move || -> Result<Box<dyn Backend>, BackendError> {
+        shared.lock().unwrap().made += 1;
+        Ok(Box::new(Fake { log: shared.clone(), view: None }))
+    };
+    (log, RenderThread::start(Box::new(factory), silent()))
+}
+
+/// Bands rendered and pictures displayed so far.
+fn work(log: &Shared) -> (usize, u32) {
+    let log = log.lock().unwrap();
+    (log.rows.len(), log.displays)
+}
+
+/// Waits for the complete full picture.
+fn complete(thread: &mut RenderThread) -> RenderedFrame {
+    wait_for("the full picture", || thread.frames().filter(|f| f.full_size && f.samples == f.of_samples))
+}
+
+fn failure(thread: &mut RenderThread) -> String {
+    let failed = |event| if let RenderEvent::Failed(text) = event { Some(text) } else { None };
+    wait_for("a failure", || thread.events().into_iter().find_map(failed))
+}
+
+/// Long enough for the thread to do what it should not.
+fn linger() {
+    std::thread::sleep(Duration::from_millis(250));
+}
+
+#[test]
+fn a_coarse_picture_comes_first_and_all_samples_of_all_rows_follow_once() {
+    let (log, mut thread) = start(Log { micros_per_pixel: 10, ..Log::default() });
+    thread.request(request(5));
+    let first = wait_for("a picture", || thread.frames());
+    assert_eq!((first.size, first.full_size, first.samples, first.of_samples), ([8, 6], false, 1, 5));
+    let last = complete(&mut thread);
+    assert_eq!((last.size, last.samples, last.pixels.len()), ([64, 48], 5, 64 * 48));
+    assert_eq!((last.backend.as_str(), last.light_revision), ("fake", 1));
+    let log = log.lock().unwrap();
+    assert_eq!((log.made, log.scenes, log.appearances, log.lights), (1, 1, 1, 1));
+    assert_eq!(log.begun, [([8, 6], 1), ([64, 48], 5)]);
+    assert_eq!(log.rows[0], (0, 0..6));
+    for sample in 0..5 {
+        let rows: Vec<u32> = log.rows[1..].iter().filter(|r| r.0 == sample).flat_map(|r| r.1.clone()).collect();
+        assert_eq!(rows, (0..48).collect::<Vec<_>>(), "sample {sample}");
+    }
+    assert_eq!(log.displays, 1 + 4, "at 1, 2, 4 and 5 samples");
+}
+
+#[test]
+fn nothing_is_rendered_when_nothing_changed() {
+    let (log, mut thread) = start(Log::default());
+    let same = request(2);
+    thread.request(same.clone());
+    complete(&mut thread);
+    let before = work(&log);
+    for _ in 0..5 {
+        thread.request(same.clone());
+        thread.request(RenderRequest { moving: true, ..same.clone() });
+    }
+    linger();
+    assert!(thread.frames().is_none());
+    assert_eq!(work(&log), before);
+    let mut other = same;
+    other.view.camera.eye.x = 9.0;
+    thread.request(other);
+    assert_eq!(complete(&mut thread).pixels[0][0], 9, "negative control: a change is rendered");
+}
+
+#[test]
+fn a_post_edit_only_displays() {
+    let (log, mut thread) = start(Log::default());
+    let mut edited = request(2);
+    thread.request(edited.clone());
+    complete(&mut thread);
+    let (bands, displays) = work(&log);
+    edited.post.exposure = 7.0;
+    thread.request(edited);
+    let shown = complete(&mut thread);
+    assert_eq!(shown.pixels[0][1], 7);
+    linger();
+    assert_eq!(work(&log), (bands, displays + 1));
+}
+
+#[test]
+fn an_edit_redoes_only_what_it_changed() {
+    let (log, mut thread) = start(Log::default());
+    let mut edited = request(1);
+    let counts = |log: &Shared| {
+        let log = log.lock().unwrap();
+        (log.scenes, log.appearances, log.lights)
+    };
+    thread.request(edited.clone());
+    assert_eq!(complete(&mut thread).light_revision, 1);
+    assert_eq!(counts(&log), (1, 1, 1));
+    edited.appearance_revision += 1;
+    thread.request(edited.clone());
+    assert_eq!(complete(&mut thread).light_revision, 1);
+    assert_eq!(counts(&log), (1, 2, 1));
+    edited.illumination.rotation = 1.0;
+    thread.request(edited.clone());
+    assert_eq!(complete(&mut thread).light_revision, 2);
+    edited.illum_cut = 4;
+    thread.request(edited.clone());
+    assert_eq!(complete(&mut thread).lighting.max_nodes, 4);
+    assert_eq!(counts(&log), (1, 2, 3));
+    edited.view.mode = lapidary_render::ViewMode::Normals;
+    thread.request(edited.clone());
+    complete(&mut thread);
+    assert_eq!(counts(&log), (1, 2, 3));
+    edited.dataset = Some(dataset());
+    thread.request(edited);
+    complete(&mut thread);
+    assert_eq!(counts(&log), (2, 3, 4), "another scene needs everything again");
+}
+
+#[test]
+fn moving_gives_reduced_pictures_and_rest_the_full_one() {
+    let (_log, mut thread) = start(Log { micros_per_pixel: 20, ..Log::default() });
+    let mut moved = RenderRequest { moving: true, ..request(1) };
+    for x in 1..=6 {
+        moved.view.camera.eye.x = x as f32;
+        thread.request(moved.clone());
+        let frame = wait_for("a picture", || thread.frames().filter(|f| f.pixels[0][0] == x));
+        // 10 ms at 20 µs a pixel are 500 pixels: three eighths of each axis, if sleeping were exact.
+        assert!(!frame.full_size && frame.size[0] <= 24, "{:?}", frame.size);
+    }
+    linger();
+    assert!(thread.frames().is_none(), "the full picture waits until the motion is over");
+    thread.request(RenderRequest { moving: false, ..moved });
+    assert_eq!(complete(&mut thread).pixels[0][0], 6);
+}
+
+#[test]
+fn a_picture_that_fits_the_budget_is_full_at_once_and_not_made_twice() {
+    let (log, mut thread) = start(Log::default());
+    let mut moved = RenderRequest { frame_budget_ms: 1e4, ..request(2) };
+    thread.request(moved.clone());
+    complete(&mut thread);
+    log.lock().unwrap().begun.clear();
+    moved.view.camera.eye.x = 5.0;
+    thread.request(moved);
+    assert!(wait_for("a picture", || thread.frames()).full_size);
+    complete(&mut thread);
+    assert_eq!(log.lock().unwrap().begun, [([64, 48], 2)]);
+}
+
+#[test]
+fn the_latest_request_wins_and_interrupts() {
+    let (log, mut thread) = start(Log { micros_per_pixel: 100, ..Log::default() });
+    let mut moved = request(64);
+    thread.request(moved.clone());
+    wait_for("the full picture to begin", || (log.lock().unwrap().begun.len() == 2).then_some(()));
+    for x in 0..100 {
+        moved.view.camera.eye.x = x as f32;
+        thread.request(moved.clone());
+    }
+    wait_for("the newest", || thread.frames().filter(|f| f.pixels[0][0] == 99));
+    let log = log.lock().unwrap();
+    assert!(log.begun.len() <= 5, "most of the hundred were never begun: {:?}", log.begun);
+    assert!(log.rows.iter().all(|r| r.0 == 0), "the first picture was left long before its 64 samples");
+}
+
+#[test]
+fn a_lost_device_is_made_again_three_times_and_then_reported() {
+    let (log, mut thread) = start(Log { losses: 1, ..Log::default() });
+    thread.request(request(1));
+    complete(&mut thread);
+    let made = |log: &Shared| log.lock().unwrap().made;
+    assert_eq!(made(&log), 2);
+    assert!(matches!(&thread.events()[..], [RenderEvent::Remark(text)] if text.contains("unplugged")));
+    log.lock().unwrap().losses = 100;
+    thread.request(request(2));
+    let text = failure(&mut thread);
+    assert!(text.contains("3 times") && text.contains("unplugged"), "{text}");
+    assert_eq!(made(&log), 4, "three restarts in all");
+}
+
+#[test]
+fn a_panic_is_reported_and_the_next_change_starts_anew() {
+    let (log, mut thread) = start(Log { panics: 1, ..Log::default() });
+    thread.request(request(1));
+    thread.read_picture(3);
+    assert!(failure(&mut thread).contains("a mistake"));
+    thread.request(request(2));
+    complete(&mut thread);
+    assert_eq!(log.lock().unwrap().made, 2);
+}
+
+#[test]
+fn a_refused_scene_is_reported_once() {
+    let (log, mut thread) = start(Log { refuse_scenes: true, ..Log::default() });
+    let mut refused = request(1);
+    thread.request(refused.clone());
+    assert!(failure(&mut thread).contains("too large"));
+    refused.view.camera.eye.x = 4.0;
+    thread.request(refused.clone());
+    linger();
+    assert!(thread.events().is_empty() && thread.frames().is_none());
+    log.lock().unwrap().refuse_scenes = false;
+    refused.view.camera.eye.x = 5.0;
+    thread.request(refused);
+    complete(&mut thread);
+}
+
+#[test]
+fn the_picture_is_read_when_it_is_complete_and_not_at_all_without_a_scene() {
+    let (_log, mut thread) = start(Log { micros_per_pixel: 5, ..Log::default() });
+    let answer = |thread: &mut RenderThread| {
+        wait_for("the answer", || match thread.events().pop() {
+            Some(RenderEvent::Picture { id, result }) => Some((id, result)),
+            _ => None,
+        })
+    };
+    thread.request(RenderRequest { dataset: None, ..request(4) });
+    thread.read_picture(1);
+    let (id, nothing) = answer(&mut thread);
+    assert!(id == 1 && nothing.unwrap_err().contains("open a scene"));
+    thread.request(request(4));
+    thread.read_picture(2);
+    let (id, picture) = answer(&mut thread);
+    let picture = picture.unwrap();
+    assert_eq!((id, picture.image.size, picture.coverage.len()), (2, [64, 48], 64 * 48));
+    assert_eq!(complete(&mut thread).samples, 4);
+}
+
+#[test]
+fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
+    let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
+    let mut thread = RenderThread::start(Box::new(factory), silent());
+    let mut request = request(3);
+    let dataset = request.dataset.clone().unwrap();
+    request.appearance = Appearance::of(&dataset.scene);
+    thread.request(request.clone());
+    thread.read_picture(1);
+    let picture = wait_for("the answer", || match thread.events().pop() {
+        Some(RenderEvent::Picture { result, .. }) => Some(result.unwrap()),
+        _ => None,
+    });
+    let renderer = Renderer::new(dataset);
+    let (light, cut) = (&request.illumination, request.illum_cut);
+    assert!(picture.image == renderer.render(&request.view, light, cut, request.sampling).0);
+    assert!(picture.coverage.iter().any(|&c| c > 0.0) && picture.coverage.contains(&0.0));
+    request.view.aa = 1;
+    assert!(picture.image != renderer.render(&request.view, light, cut, request.sampling).0, "negative control");
+}

@@ -1,0 +1,307 @@
+//! What the thread does: takes the newest request, then one step of rendering, and again.
+
+use super::{
+    Factory, LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
+    changes::{Changes, changes},
+    stage::{Restarts, Stage},
+    station::Station,
+};
+use crate::jobs::{budget::Pace, panic_text};
+use lapidary_render::{BackendError, View};
+use std::{
+    ops::Range,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{
+        Arc,
+        mpsc::{Receiver, RecvTimeoutError, TryRecvError},
+    },
+    time::{Duration, Instant},
+};
+
+/// The picture that the renderer is at.
+struct Begun {
+    size: [u32; 2],
+    full_size: bool,
+    of_samples: u32,
+    /// Samples that all rows have.
+    complete: u32,
+    millis: f64,
+}
+
+/// The state of the thread.
+pub struct Worker {
+    inbox: Receiver<Message>,
+    outbox: Outbox,
+    station: Station,
+    wanted: Option<Arc<RenderRequest>>,
+    stage: Stage,
+    begun: Option<Begun>,
+    /// Speed over whole pictures, for their size.
+    pace: Pace,
+    /// Speed of the last bands, for their height: rows of sky are faster than others.
+    band_pace: Pace,
+    /// The picture is to be displayed again.
+    redisplay: bool,
+    /// Who waits for the full picture.
+    reads: Vec<u64>,
+    restarts: Restarts,
+    /// The last failure, which is not told again until there was a picture.
+    reported: Option<String>,
+}
+
+impl Worker {
+    /// With nothing to do yet.
+    pub fn new(factory: Factory, inbox: Receiver<Message>, outbox: Outbox) -> Self {
+        Self {
+            inbox,
+            outbox,
+            station: Station::new(factory),
+            wanted: None,
+            stage: Stage::Rest,
+            begun: None,
+            pace: Pace::default(),
+            band_pace: Pace::default(),
+            redisplay: false,
+            reads: Vec::new(),
+            restarts: Restarts::default(),
+            reported: None,
+        }
+    }
+
+    /// Works until the window is gone.
+    pub fn run(mut self) {
+        while self.receive() {
+            match catch_unwind(AssertUnwindSafe(|| self.step())) {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => self.failed(error),
+                Err(panic) => {
+                    self.station.reset();
+                    let reason = panic_text(&*panic);
+                    self.give_up(format!(
+                        "the renderer failed by a mistake in Lapidary ({reason}); change something to try again, and \
+                         please report it"
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Takes all messages, waiting for one if there is nothing else to do. Returns whether to go on.
+    fn receive(&mut self) -> bool {
+        let first = match self.patience() {
+            None => self.inbox.recv().map_err(RecvTimeoutError::from),
+            Some(patience) => self.inbox.recv_timeout(patience),
+        };
+        let mut newest = None;
+        let mut next = match first {
+            Ok(message) => Some(message),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => return false,
+        };
+        while let Some(message) = next {
+            match message {
+                Message::Request(request) => newest = Some(request),
+                Message::ReadPicture(id) => self.reads.push(id),
+            }
+            next = match self.inbox.try_recv() {
+                Ok(message) => Some(message),
+                Err(TryRecvError::Empty) => None,
+                Err(TryRecvError::Disconnected) => return false,
+            };
+        }
+        if let Some(request) = newest {
+            self.accept(*request);
+        }
+        true
+    }
+
+    fn patience(&self) -> Option<Duration> {
+        if self.stage == Stage::Rest && !self.reads.is_empty() {
+            return Some(Duration::ZERO);
+        }
+        self.stage.patience(self.wanted.as_ref().is_some_and(|w| w.moving), Instant::now())
+    }
+
+    /// Decides what a new request sets going.
+    fn accept(&mut self, request: RenderRequest) {
+        match changes(self.wanted.as_deref(), &request) {
+            Changes::Nothing => {}
+            Changes::Post => self.post_changed(),
+            Changes::Picture => self.stage = Stage::Coarse,
+        }
+        self.wanted = Some(request.into());
+    }
+
+    fn post_changed(&mut self) {
+        let nothing_complete = self.begun.as_ref().is_some_and(|begun| begun.complete == 0);
+        match self.stage {
+            Stage::Coarse => {}
+            // The first sample may take seconds; a coarse picture shows the new curve at once.
+            Stage::Full { .. } if nothing_complete => self.stage = Stage::Coarse,
+            _ => self.redisplay = self.begun.is_some(),
+        }
+    }
+
+    /// One step, not much longer than a band of rows.
+    fn step(&mut self) -> Result<(), BackendError> {
+        let Some(request) = self.wanted.clone() else { return self.answer_reads() };
+        if std::mem::take(&mut self.redisplay) {
+            self.publish(&request)?;
+        }
+        match self.stage {
+            Stage::Rest => self.answer_reads(),
+            Stage::Coarse => self.coarse(&request),
+            Stage::Settle { .. } if self.stage.settled(request.moving, Instant::now()) => self.begin_full(&request),
+            Stage::Settle { .. } => Ok(()),
+            Stage::Full { sample, row } => self.band(&request, sample, row),
+        }
+    }
+
+    /// A picture as large as fits the frame time, which may be the full one.
+    fn coarse(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+        self.begun = None;
+        if self.station.update(request, &self.outbox)? {
+            self.pace = Pace::default();
+        }
+        if request.dataset.is_none() || request.view.size.contains(&0) {
+            self.stage = Stage::Rest;
+            return Ok(());
+        }
+        let size = self.pace.reduced_size(request.view.size, request.frame_budget_ms);
+        self.begin(request, size)?;
+        let millis = self.render(0, 0..size[1])?;
+        self.pace.measured(u64::from(size[0]) * u64::from(size[1]), millis);
+        let complete = self.sample_complete(request)?;
+        self.stage = if complete { Stage::Rest } else { Stage::Settle { since: Instant::now() } };
+        Ok(())
+    }
+
+    /// Goes on from a coarse picture that has the full size, or begins anew.
+    fn begin_full(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+        self.band_pace = self.pace;
+        let done = self.begun.as_ref().filter(|begun| begun.full_size).map(|begun| begun.complete);
+        if done.is_none() {
+            self.begin(request, request.view.size)?;
+        }
+        self.stage = Stage::Full { sample: done.unwrap_or(0), row: 0 };
+        Ok(())
+    }
+
+    /// A band of rows of the full picture.
+    fn band(&mut self, request: &RenderRequest, sample: u32, row: u32) -> Result<(), BackendError> {
+        let [width, height] = request.view.size;
+        let end = row.saturating_add(self.band_pace.band_rows(width)).min(height);
+        let millis = self.render(sample, row..end)?;
+        self.band_pace.measured(u64::from(width) * u64::from(end - row), millis);
+        if end < height {
+            self.stage = Stage::Full { sample, row: end };
+            return Ok(());
+        }
+        let complete = self.sample_complete(request)?;
+        if let Some(begun) = &self.begun {
+            let pixels = u64::from(width) * u64::from(height);
+            self.pace.measured(pixels, begun.millis / f64::from(begun.complete));
+        }
+        self.stage = if complete { Stage::Rest } else { Stage::Full { sample: sample + 1, row: 0 } };
+        Ok(())
+    }
+
+    fn begin(&mut self, request: &RenderRequest, size: [u32; 2]) -> Result<(), BackendError> {
+        let full_size = size == request.view.size;
+        let aa = if full_size { request.view.aa.max(1) } else { 1 };
+        self.begun = None;
+        let view = View { size, aa, ..request.view.clone() };
+        self.station.backend()?.begin(&view, request.sampling)?;
+        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0 });
+        Ok(())
+    }
+
+    /// Renders rows and returns the milliseconds that it took.
+    fn render(&mut self, sample: u32, rows: Range<u32>) -> Result<f64, BackendError> {
+        let start = Instant::now();
+        self.station.backend()?.render_rows(sample, rows)?;
+        let millis = 1e3 * start.elapsed().as_secs_f64();
+        if let Some(begun) = &mut self.begun {
+            begun.millis += millis;
+        }
+        Ok(millis)
+    }
+
+    /// Counts a sample, and shows the picture when it has twice as many as the one shown, or all. Returns whether it
+    /// is the full picture and complete.
+    fn sample_complete(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
+        let Some(begun) = &mut self.begun else { return Ok(false) };
+        begun.complete += 1;
+        let all = begun.complete == begun.of_samples;
+        let complete = begun.full_size && all;
+        if all || begun.complete.is_power_of_two() {
+            self.publish(request)?;
+        }
+        Ok(complete)
+    }
+
+    /// Shows the picture as it is.
+    fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+        let (Some(begun), Some(light)) = (&self.begun, self.station.light().cloned()) else { return Ok(()) };
+        let backend = self.station.backend()?;
+        let frame = RenderedFrame {
+            pixels: backend.display(&request.post, begun.complete)?,
+            size: begun.size,
+            full_size: begun.full_size,
+            samples: begun.complete,
+            of_samples: request.view.aa.max(1),
+            stats: backend.stats()?,
+            millis: begun.millis,
+            lighting: light.lighting,
+            light_revision: light.revision,
+            backend: backend.name(),
+        };
+        self.reported = None;
+        self.outbox.frame(frame);
+        Ok(())
+    }
+
+    /// Gives the complete picture to those who wait for it.
+    fn answer_reads(&mut self) -> Result<(), BackendError> {
+        while let Some(&id) = self.reads.first() {
+            let result = match &self.begun {
+                Some(begun) => {
+                    let (image, coverage) = self.station.backend()?.read(begun.complete)?;
+                    Ok(LinearPicture { image, coverage })
+                }
+                None => Err("there is no picture; open a scene or a dataset first".into()),
+            };
+            self.reads.remove(0);
+            self.outbox.event(RenderEvent::Picture { id, result });
+        }
+        Ok(())
+    }
+
+    fn failed(&mut self, error: BackendError) {
+        let BackendError::DeviceLost { reason } = &error else { return self.give_up(error.to_string()) };
+        self.station.reset();
+        self.begun = None;
+        if self.restarts.allow(Instant::now()) {
+            self.outbox.event(RenderEvent::Remark(error.to_string()));
+            self.stage = Stage::Coarse;
+        } else {
+            self.give_up(format!(
+                "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or use \
+                 --backend cpu",
+                Restarts::MOST
+            ));
+        }
+    }
+
+    /// Shows nothing more until a request changes something.
+    fn give_up(&mut self, reason: String) {
+        (self.stage, self.begun, self.redisplay) = (Stage::Rest, None, false);
+        for id in std::mem::take(&mut self.reads) {
+            self.outbox.event(RenderEvent::Picture { id, result: Err(reason.clone()) });
+        }
+        if self.reported.as_ref() != Some(&reason) {
+            self.outbox.event(RenderEvent::Failed(reason.clone()));
+            self.reported = Some(reason);
+        }
+    }
+}
