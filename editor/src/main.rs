@@ -16,6 +16,7 @@ mod preferences;
 mod progress;
 mod report_html;
 mod view_args;
+mod viewport;
 
 use clap::Parser;
 use cli::Cli;

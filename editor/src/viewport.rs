@@ -1,0 +1,159 @@
+//! The viewport: the picture, and the mouse and keys that move the camera, turn the light and select.
+//!
+//! | input | does |
+//! |---|---|
+//! | left drag, Alt + left drag, middle drag, Alt + scroll | orbit |
+//! | Shift + left drag, Shift + or Alt + middle drag | pan |
+//! | wheel, pinch, Ctrl + middle drag, Alt + right drag | dolly |
+//! | right drag, with W A S D Q E (Shift: faster, wheel: speed) | fly |
+//! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
+//! | click, double click | select, orbit about what is clicked |
+//! | F, Home or A | frame the selection, everything |
+//! | Ctrl+1, Ctrl+3, Ctrl+7 | view from the front, right, top |
+//! | Ctrl+Shift+C, Ctrl+Shift+V | copy, paste the camera |
+
+pub mod camera_text;
+mod input;
+mod legend;
+pub mod navigation;
+mod outline;
+mod paint;
+pub mod pick;
+
+use crate::{actions::Action, document::Document};
+use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
+use lapidary_core::{
+    ray::Intersector,
+    scene::{Bounds, Mesh},
+};
+use std::time::Duration;
+
+/// What the viewport remembers from frame to frame.
+#[derive(Default)]
+pub struct ViewportState {
+    gesture: Option<input::Gesture>,
+    /// When the wheel last moved the camera, in seconds.
+    dollied_at: Option<f64>,
+    /// When a scroll last orbited, in seconds.
+    orbit_scrolled_at: Option<f64>,
+    /// Scales the speed of flight.
+    fly_pace: input::Pace,
+    flash: outline::Flash,
+    checker: Option<TextureHandle>,
+}
+
+impl ViewportState {
+    /// Whether the camera is being flown, so that W, A, S, D, Q and E mean directions.
+    pub fn is_flying(&self) -> bool {
+        self.gesture.is_some_and(|gesture| gesture.is_flight())
+    }
+}
+
+/// What the viewport shows.
+pub struct ViewportContext<'a> {
+    /// What is edited.
+    pub document: &'a Document,
+    /// The picture to show, filtered linearly; `None` until there is one.
+    pub picture: Option<TextureId>,
+    /// Width and height of the picture in pixels.
+    pub picture_size: [u32; 2],
+    /// Whether a chequerboard lies behind the picture.
+    pub checker: bool,
+    /// The mesh that is shown, to select from.
+    pub mesh: Option<&'a Mesh>,
+    /// Made of that mesh.
+    pub intersector: Option<&'a Intersector>,
+    /// Bounds of the scene; they set the speed of flight and the reach of the wheel.
+    pub scene_bounds: Option<Bounds>,
+    /// What is selected.
+    pub selected_object: Option<u32>,
+    /// Bounds of it, outlined for a moment when the selection changes.
+    pub selection_bounds: Option<Bounds>,
+    /// Colour of the outline.
+    pub accent: Color32,
+    /// Work that goes on, as "Rendering 40 %".
+    pub busy: Option<&'a str>,
+    /// What to say instead of a picture. The mouse and keys do nothing then.
+    pub placeholder: Option<&'a str>,
+    /// Whether the picture is of a bake that no longer matches.
+    pub stale: bool,
+}
+
+/// What the viewport wants of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewportResponse {
+    /// Size that the picture should have, in physical pixels.
+    pub size_px: [u32; 2],
+    /// Whether the user is moving something now, so that pictures should come fast.
+    pub moving: bool,
+    /// Where the viewport lies, for what is laid over it.
+    pub rect: Rect,
+}
+
+/// Seconds after the last turn of the wheel until the camera counts as at rest.
+const WHEEL_REST_SECS: f64 = 0.15;
+
+/// Shows the viewport in all the room that `ui` has. What the user asks for goes to `actions`.
+pub fn show(
+    ui: &mut Ui,
+    state: &mut ViewportState,
+    context: &ViewportContext,
+    actions: &mut Vec<Action>,
+) -> ViewportResponse {
+    // Not focusable: its keys work without focus, and Tab goes from panel to panel.
+    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::CLICK | Sense::DRAG);
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Viewport"));
+    let size_px = pixels(rect, ui.pixels_per_point());
+    if context.placeholder.is_none() {
+        input::handle(ui, &response, size_px, state, context, actions);
+    } else {
+        input::end_gesture(state, actions);
+    }
+    paint_all(ui, &response, state, context);
+    ViewportResponse { size_px, moving: is_moving(ui, state), rect }
+}
+
+fn pixels(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
+    let size = rect.size() * pixels_per_point;
+    // A float that is negative or NaN becomes 0.
+    [size.x, size.y].map(|side| (side.round() as u32).max(1))
+}
+
+fn is_moving(ui: &Ui, state: &ViewportState) -> bool {
+    let since_wheel = state.dollied_at.map(|at| ui.input(|input| input.time) - at);
+    let on_wheel = since_wheel.filter(|&secs| secs < WHEEL_REST_SECS);
+    if let Some(secs) = on_wheel {
+        // The picture at rest follows then.
+        ui.request_repaint_after(Duration::from_secs_f64(WHEEL_REST_SECS - secs));
+    }
+    state.gesture.is_some() || on_wheel.is_some()
+}
+
+fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, context: &ViewportContext) {
+    let rect = response.rect;
+    paint::picture(ui, rect, state, context);
+    if let Some(text) = context.placeholder {
+        paint::placeholder(ui, rect, text);
+    } else {
+        outline(ui, rect, state, context);
+        let view = &context.document.view;
+        legend::paint(&ui.painter_at(rect), rect, view.mode, view.illum_cut, &context.document.camera);
+        paint::badges(ui, rect, context);
+    }
+    paint::drop_hint(ui, rect, context.accent);
+}
+
+fn outline(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportContext) {
+    let glow = state.flash.update(context.selected_object, ui.input(|input| input.time));
+    let Some(bounds) = context.selection_bounds else { return };
+    if glow.opacity > 0.0 {
+        let color = context.accent.gamma_multiply(glow.opacity);
+        outline::paint(&ui.painter_at(rect), rect, &context.document.camera, bounds, color);
+    }
+    if let Some(secs) = glow.next_secs {
+        ui.request_repaint_after(Duration::from_secs_f32(secs));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,118 @@
+//! A camera as text for the clipboard, written as the options of `lapidary render`, so that what is framed in the
+//! window can be rendered from a script, and the other way around.
+//!
+//! The options have no roll: +Y is upward in what is read from them. A camera as JSON, as session files hold it, is
+//! read too.
+
+use crate::options;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use glam::Vec3;
+use lapidary_core::camera::Camera;
+
+/// Vertical field of view in degrees where the text gives none, as on the command line.
+const DEFAULT_FOV: f32 = 40.0;
+
+/// The camera as `--eye x,y,z --target x,y,z --fov degrees`; positions are kept to the last bit.
+pub fn text(camera: &Camera) -> String {
+    let vector = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
+    // Four decimals hide the rounding between radians and degrees.
+    let fov = (f64::from(camera.fov_y).to_degrees() * 1e4).round() / 1e4;
+    format!("--eye {} --target {} --fov {fov}", vector(camera.eye), vector(camera.target))
+}
+
+/// The camera of such a text, of a whole command line with these options, or of JSON.
+///
+/// # Errors
+/// A text without a camera, or one that nothing can be seen through.
+pub fn parse(text: &str) -> Result<Camera> {
+    let text = text.trim();
+    let camera = if text.starts_with('{') { from_json(text)? } else { from_options(text)? };
+    ensure!(camera.eye != camera.target, "--eye and --target are the same point; move one of them");
+    Ok(camera)
+}
+
+fn from_options(text: &str) -> Result<Camera> {
+    let vector = |name| -> Result<Option<Vec3>> { read(text, name, options::vector) };
+    let (Some(eye), Some(target)) = (vector("--eye")?, vector("--target")?) else {
+        bail!("this text holds no camera; copy one, or write it as --eye 0,1,3 --target 0,0,0 --fov 40");
+    };
+    let fov = read(text, "--fov", options::field_of_view)?.unwrap_or(DEFAULT_FOV);
+    Ok(Camera::look_at(eye, target, fov))
+}
+
+/// The value of an option, if the text has it.
+fn read<T>(text: &str, name: &str, value: fn(&str) -> Result<T, String>) -> Result<Option<T>> {
+    let mut words = text.split_whitespace();
+    let found = words.find_map(|word| match word.strip_prefix(name)? {
+        "" => Some(None),
+        rest => Some(Some(rest.strip_prefix('=')?)),
+    });
+    let Some(inline) = found else { return Ok(None) };
+    let word = inline.or_else(|| words.next()).with_context(|| format!("{name} needs a value after it"))?;
+    value(word).map(Some).map_err(|reason| anyhow!("{name}: {reason}"))
+}
+
+fn from_json(text: &str) -> Result<Camera> {
+    let camera: Camera = serde_json::from_str(text)
+        .map_err(|error| anyhow!("this JSON is no camera ({error}); copy a camera or a session's \"camera\" again"))?;
+    let numbers = [camera.eye, camera.target, camera.up];
+    ensure!(numbers.iter().all(|v| v.is_finite()), "the camera's eye, target and up must be finite numbers");
+    ensure!(camera.up != Vec3::ZERO, "the camera's up must point somewhere, as 0,1,0 does");
+    let degrees = camera.fov_y.to_degrees();
+    ensure!((1.0..=170.0).contains(&degrees), "the camera's fov_y is {degrees} degrees and not between 1 and 170");
+    Ok(camera)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_round_trips() {
+        for (eye, target, fov) in [
+            (Vec3::new(0.1, -2.5, 1e-7), Vec3::new(-3.0, 0.0, 1.0 / 3.0), 40.0),
+            (Vec3::new(123_456.79, 0.0, -1.0), Vec3::ZERO, 1.0),
+            (Vec3::X, Vec3::NEG_Y, 169.5),
+        ] {
+            let camera = Camera::look_at(eye, target, fov);
+            let read = parse(&text(&camera)).unwrap();
+            assert_eq!((read.eye, read.target, read.up), (eye, target, Vec3::Y));
+            assert!((read.fov_y - camera.fov_y).abs() < 1e-6, "{}", text(&camera));
+            let json = serde_json::to_string(&camera).unwrap();
+            assert_eq!(parse(&json).unwrap(), camera);
+        }
+    }
+
+    #[test]
+    fn text_is_what_the_command_line_takes() {
+        let camera = Camera::look_at(Vec3::new(-1.0, 2.0, 3.5), Vec3::ZERO, 40.0);
+        assert_eq!(text(&camera), "--eye -1,2,3.5 --target 0,0,0 --fov 40");
+        let pasted =
+            parse("lapidary render a.cuts --env studio --fov=40 --target 0,0,0 --eye=-1,2,3.5 -o a.png").unwrap();
+        assert_eq!(pasted, camera);
+        assert_eq!(parse("\n --eye -1,2,3.5  --target 0,0,0\n").unwrap(), camera, "40 degrees without --fov");
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_what_is_wrong() {
+        for (bad, reason) in [
+            ("", "no camera"),
+            ("hello", "no camera"),
+            ("--eyes 0,0,0 --target 1,1,1", "no camera"),
+            ("--eye 0,0,0", "no camera"),
+            ("--target 0,0,0 --eye", "--eye needs a value"),
+            ("--eye 0,0 --target 1,1,1", "--eye: three numbers"),
+            ("--eye 0,0,nan --target 1,1,1", "--eye: \"nan\" is not a number"),
+            ("--eye 1,1,1 --target 1,1,1", "same point"),
+            ("--eye 1,1,1 --target 0,0,0 --fov 180", "--fov: 180 is not between"),
+            ("{}", "JSON is no camera"),
+            ("{\"eye\":[0,0,1],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_y\":0}", "fov_y is 0"),
+            ("{\"eye\":[0,0,1],\"target\":[0,0,0],\"up\":[0,0,0],\"fov_y\":1}", "up must point"),
+            ("{\"eye\":[0,0,1],\"target\":[0,0,1],\"up\":[0,1,0],\"fov_y\":1}", "same point"),
+            ("{\"eye\":[0,0,1e39],\"target\":[0,0,1],\"up\":[0,1,0],\"fov_y\":1}", "camera"),
+        ] {
+            let message = parse(bad).unwrap_err().to_string();
+            assert!(message.contains(reason), "{bad}: {message}");
+        }
+    }
+}

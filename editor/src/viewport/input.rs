@@ -1,0 +1,304 @@
+//! Mouse, trackpad and keys to moves of the camera, turns of the environment and selections.
+
+mod keys;
+
+use super::{
+    ViewportContext, ViewportState, navigation,
+    pick::{self, Picked},
+};
+use crate::{
+    actions::Action,
+    document::{Edit, EnvironmentSettings},
+};
+use egui::{CursorIcon, Event, InputState, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Response, Ui};
+use glam::Vec2;
+use lapidary_core::camera::Camera;
+use std::f32::consts::PI;
+
+/// Degrees that the environment turns by for each point of a drag.
+const ENVIRONMENT_DEGREES_PER_POINT: f32 = 0.25;
+
+/// Points that a notch of a wheel scrolls by, as in the rest of the interface.
+const POINTS_PER_LINE: f32 = 40.0;
+
+/// Seconds after a scroll with Alt in which what still comes of it (momentum of a trackpad, the rest of a smoothed
+/// notch) does not dolly.
+const ORBIT_SCROLL_SECS: f64 = 0.3;
+
+/// Natural logarithm of the change of distance for each point of scrolling and dragging.
+const DOLLY_PER_POINT: f32 = 0.004;
+
+/// Fields of view that the look in flight turns by for a drag over the height of the viewport.
+const LOOK_RATE: f32 = 2.0;
+
+/// Diagonals of the scene that a flight crosses in a second, and how much faster with Shift.
+const FLY_SPEED: f32 = 0.3;
+const FLY_FASTER: f32 = 4.0;
+
+/// A drag that began in the viewport. What it does is settled when it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Gesture {
+    kind: Kind,
+    button: PointerButton,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Orbit,
+    Pan,
+    Dolly,
+    Fly,
+    TurnEnvironment,
+}
+
+impl Gesture {
+    fn of(button: PointerButton, modifiers: Modifiers) -> Self {
+        let kind = match button {
+            PointerButton::Primary if modifiers.shift => Kind::Pan,
+            PointerButton::Middle if modifiers.shift || modifiers.alt => Kind::Pan,
+            PointerButton::Middle if modifiers.command => Kind::Dolly,
+            PointerButton::Secondary if modifiers.shift => Kind::TurnEnvironment,
+            PointerButton::Secondary if modifiers.alt => Kind::Dolly,
+            PointerButton::Secondary => Kind::Fly,
+            _ => Kind::Orbit,
+        };
+        Self { kind, button }
+    }
+
+    pub(super) fn is_flight(self) -> bool {
+        self.kind == Kind::Fly
+    }
+
+    fn cursor(self) -> CursorIcon {
+        match self.kind {
+            Kind::Orbit | Kind::Pan => CursorIcon::Grabbing,
+            Kind::Dolly => CursorIcon::ResizeVertical,
+            Kind::Fly => CursorIcon::Crosshair,
+            Kind::TurnEnvironment => CursorIcon::ResizeHorizontal,
+        }
+    }
+}
+
+/// Scale of the speed of flight, set by the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pace(f32);
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+/// Reads all input of a frame.
+pub(super) fn handle(
+    ui: &Ui,
+    response: &Response,
+    size_px: [u32; 2],
+    state: &mut ViewportState,
+    context: &ViewportContext,
+    actions: &mut Vec<Action>,
+) {
+    let camera = context.document.camera.clone();
+    let mut pass = Pass { ui, response, size_px, state, context, actions, camera };
+    pass.drags();
+    pass.scrolls();
+    pass.clicks();
+    keys::handle(&mut pass);
+    if pass.camera != context.document.camera {
+        pass.actions.push(Action::Camera(pass.camera));
+    }
+}
+
+/// Forgets the drag that goes on, if any.
+pub(super) fn end_gesture(state: &mut ViewportState, actions: &mut Vec<Action>) {
+    if state.gesture.take().is_some_and(|gesture| gesture.kind == Kind::TurnEnvironment) {
+        actions.push(Action::EndGesture);
+    }
+}
+
+/// The input of one frame.
+struct Pass<'a> {
+    ui: &'a Ui,
+    response: &'a Response,
+    size_px: [u32; 2],
+    state: &'a mut ViewportState,
+    context: &'a ViewportContext<'a>,
+    actions: &'a mut Vec<Action>,
+    /// Where the camera is after the input so far.
+    camera: Camera,
+}
+
+impl Pass<'_> {
+    fn drags(&mut self) {
+        if let Some(gesture) = self.state.gesture
+            && !self.input(|input| input.pointer.button_down(gesture.button))
+        {
+            end_gesture(self.state, self.actions);
+        }
+        if self.state.gesture.is_none() {
+            self.state.gesture = self.begun();
+        }
+        let Some(gesture) = self.state.gesture else { return };
+        self.ui.set_cursor_icon(gesture.cursor());
+        // A pen may come down somewhere else than it left: that is no drag.
+        let delta = self.input(|i| if i.pointer.any_pressed() { egui::Vec2::ZERO } else { i.pointer.delta() });
+        self.drag(gesture.kind, Vec2::new(delta.x, delta.y));
+        if gesture.is_flight() {
+            self.fly();
+        }
+    }
+
+    /// A press that turned into a drag. Only the left button waits for it, since it selects as well.
+    fn begun(&self) -> Option<Gesture> {
+        let held = |button| self.input(|input| input.pointer.button_down(button));
+        let on_viewport = self.response.is_pointer_button_down_on();
+        let button = if self.response.dragged_by(PointerButton::Primary) {
+            PointerButton::Primary
+        } else {
+            [PointerButton::Middle, PointerButton::Secondary].into_iter().find(|&b| on_viewport && held(b))?
+        };
+        // Keys belong to the viewport from now on.
+        self.ui.memory_mut(|memory| memory.stop_text_input());
+        Some(Gesture::of(button, self.input(|input| input.modifiers)))
+    }
+
+    fn drag(&mut self, kind: Kind, delta: Vec2) {
+        if delta == Vec2::ZERO {
+            return;
+        }
+        let height = self.height();
+        let look = delta * LOOK_RATE * self.camera.fov_y / height;
+        self.camera = match kind {
+            Kind::Orbit => return self.orbit(delta),
+            Kind::TurnEnvironment => return self.turn_environment(-ENVIRONMENT_DEGREES_PER_POINT * delta.x),
+            Kind::Pan => navigation::pan(&self.camera, delta, height),
+            Kind::Fly => navigation::look(&self.camera, -look.x, look.y),
+            Kind::Dolly => {
+                let factor = (DOLLY_PER_POINT * delta.y).exp();
+                navigation::dolly(&self.camera, factor, self.camera.target, self.scene_size())
+            }
+        };
+    }
+
+    /// Turns what is seen with the pointer: half a turn for a drag over the height of the viewport.
+    fn orbit(&mut self, delta: Vec2) {
+        let turn = delta * PI / self.height();
+        self.camera = navigation::orbit(&self.camera, -turn.x, turn.y);
+    }
+
+    fn fly(&mut self) {
+        let (motion, faster, secs) =
+            self.input(|input| (keys::flight_direction(input), input.modifiers.shift, input.stable_dt));
+        if motion == glam::Vec3::ZERO {
+            return;
+        }
+        let speed = FLY_SPEED * self.scene_size() * self.state.fly_pace.0 * if faster { FLY_FASTER } else { 1.0 };
+        self.camera = navigation::fly(&self.camera, motion, speed, secs);
+        self.ui.request_repaint();
+    }
+
+    fn scrolls(&mut self) {
+        if !self.response.contains_pointer() {
+            return;
+        }
+        if self.scroll_orbits() {
+            return;
+        }
+        let (scroll, zoom) = self.input(|i| (i.smooth_scroll_delta.y, i.zoom_delta()));
+        let change = (-DOLLY_PER_POINT * scroll).exp() / zoom;
+        if self.state.is_flying() {
+            self.state.fly_pace.0 = (self.state.fly_pace.0 / change).clamp(0.01, 100.0);
+        } else if change != 1.0 {
+            self.dolly_toward_pointer(change);
+        }
+    }
+
+    /// Orbits by what is scrolled with Alt, and by what comes after it. Returns whether it does.
+    fn scroll_orbits(&mut self) -> bool {
+        let (scrolled, alt, now) = self.input(|input| (scrolled(input), input.modifiers.alt, input.time));
+        let goes_on = self.state.orbit_scrolled_at.is_some_and(|at| now - at < ORBIT_SCROLL_SECS);
+        if scrolled != Vec2::ZERO && (alt || goes_on) {
+            self.state.orbit_scrolled_at = Some(now);
+            self.orbit(scrolled);
+            return true;
+        }
+        goes_on
+    }
+
+    fn dolly_toward_pointer(&mut self, factor: f32) {
+        let Some(pointer) = self.input(|input| input.pointer.latest_pos()) else { return };
+        let picked = self.picked(pointer).map(|picked| picked.position);
+        let toward = picked
+            .unwrap_or_else(|| navigation::point_on_target_plane(&self.camera, self.pixel(pointer), self.size_px));
+        self.camera = navigation::dolly(&self.camera, factor, toward, self.scene_size());
+        self.state.dollied_at = Some(self.input(|input| input.time));
+    }
+
+    fn clicks(&mut self) {
+        let alt = self.input(|input| input.modifiers.alt);
+        let (Some(_), Some(pointer)) = (self.context.intersector, self.response.interact_pointer_pos()) else { return };
+        if alt || !self.response.clicked_by(PointerButton::Primary) {
+            return;
+        }
+        let picked = self.picked(pointer);
+        if !self.response.double_clicked() {
+            self.actions.push(Action::SelectObject(picked.map(|picked| picked.object)));
+            self.actions.push(Action::SelectMaterial(picked.map(|picked| picked.material)));
+        } else if let Some(picked) = picked {
+            self.camera = navigation::centered_on(&self.camera, picked.position);
+        }
+    }
+
+    /// Turns the environment counter-clockwise seen from above.
+    fn turn_environment(&mut self, degrees: f32) {
+        let edit = Edit::Environment(turned(&self.context.document.environment, degrees));
+        self.actions.push(Action::Edit { edit, label: "Rotate environment" });
+    }
+
+    fn picked(&self, pointer: Pos2) -> Option<Picked> {
+        let (mesh, intersector) = (self.context.mesh?, self.context.intersector?);
+        pick::pick(mesh, intersector, &self.camera, self.pixel(pointer), self.size_px)
+    }
+
+    fn pixel(&self, pointer: Pos2) -> Vec2 {
+        let rect = self.response.rect;
+        let at = (pointer - rect.min) / rect.size();
+        Vec2::new(at.x * self.size_px[0] as f32, at.y * self.size_px[1] as f32)
+    }
+
+    fn height(&self) -> f32 {
+        self.response.rect.height().max(1.0)
+    }
+
+    /// Diagonal of the scene in metres.
+    fn scene_size(&self) -> f32 {
+        let diagonal = self.context.scene_bounds.map(|bounds| bounds.diagonal());
+        diagonal.filter(|&size| size > 0.0).unwrap_or_else(|| self.camera.eye.distance(self.camera.target))
+    }
+
+    fn input<R>(&self, read: impl FnOnce(&InputState) -> R) -> R {
+        self.ui.input(read)
+    }
+}
+
+/// The environment turned by some degrees, kept between -180 and 180.
+fn turned(environment: &EnvironmentSettings, degrees: f32) -> EnvironmentSettings {
+    let rotation = (environment.rotation_degrees + degrees + 180.0).rem_euclid(360.0) - 180.0;
+    EnvironmentSettings { rotation_degrees: rotation, ..environment.clone() }
+}
+
+/// Points scrolled in both directions; the smoothed scroll of egui has only one while Alt is held.
+fn scrolled(input: &InputState) -> Vec2 {
+    let points = |event: &Event| match event {
+        Event::MouseWheel { unit: MouseWheelUnit::Point, delta, .. } => Vec2::new(delta.x, delta.y),
+        Event::MouseWheel { unit: MouseWheelUnit::Line, delta, .. } => POINTS_PER_LINE * Vec2::new(delta.x, delta.y),
+        _ => Vec2::ZERO,
+    };
+    input.events.iter().map(points).sum()
+}
+
+/// Whether any of `keys` was pressed with at least these modifiers, and with Ctrl only if it is one of them. The
+/// presses are used up.
+fn pressed(input: &mut InputState, modifiers: Modifiers, keys: &[Key]) -> bool {
+    keys.iter().filter(|&&key| input.count_and_consume_key(modifiers, key) > 0).count() > 0
+}

@@ -1,0 +1,192 @@
+//! What the colours of a view mode mean, painted into the lower right corner of the picture.
+//!
+//! The colours are those that the renderers display: counts by magma, base colour encoded as sRGB, normals and
+//! roughness as they are.
+
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use glam::{Mat3, Vec3};
+use lapidary_core::{camera::Camera, color::srgb_from_linear};
+use lapidary_render::{ViewMode, compare::map::magma};
+
+/// Distance to the edges of the picture, and inside of the legend.
+const MARGIN: f32 = 12.0;
+const PADDING: f32 = 10.0;
+
+/// Size of a colour bar in points, and of the ball.
+const BAR: Vec2 = vec2(200.0, 10.0);
+const BALL_RADIUS: f32 = 26.0;
+
+const TEXT: Color32 = Color32::from_gray(235);
+const FONT: FontId = FontId::proportional(11.0);
+/// Height of a line of that font.
+const LINE: f32 = 14.0;
+
+/// Paints the legend of `mode` into `rect`; the lit picture needs none.
+pub fn paint(painter: &Painter, rect: Rect, mode: ViewMode, illum_cut: u32, camera: &Camera) {
+    match mode {
+        ViewMode::Shaded => {}
+        ViewMode::Normals => ball(painter, rect, camera),
+        _ => bar(painter, rect, &Scale::of(mode, illum_cut)),
+    }
+}
+
+/// What a colour bar says.
+struct Scale {
+    title: &'static str,
+    color: fn(f32) -> Color32,
+    /// From the left end to the right, evenly spaced.
+    ticks: Vec<String>,
+}
+
+impl Scale {
+    fn of(mode: ViewMode, illum_cut: u32) -> Self {
+        let fractions = || ["0", "0.25", "0.5", "0.75", "1"].map(String::from).into();
+        let (color, ticks): (fn(f32) -> Color32, _) = match mode {
+            ViewMode::Albedo => (|x| grey(srgb_from_linear(x)), fractions()),
+            ViewMode::Roughness => (grey, fractions()),
+            _ => (|x| color(magma(x)), count_ticks(mode.count_top(illum_cut))),
+        };
+        Self { title: mode.label(), color, ticks }
+    }
+}
+
+/// Quarters of the range. Above the top all counts have the same colour, which the plus says.
+fn count_ticks(top: f32) -> Vec<String> {
+    let quarters = (0..=4).map(|i| format!("{:.0}", top * i as f32 / 4.0));
+    quarters.enumerate().map(|(i, tick)| if i == 4 { tick + "+" } else { tick }).collect()
+}
+
+fn grey(x: f32) -> Color32 {
+    color(Vec3::splat(x))
+}
+
+/// A display value, 0 to 1.
+fn color(display: Vec3) -> Color32 {
+    let [r, g, b] = (display.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round().to_array().map(|x| x as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+fn bar(painter: &Painter, rect: Rect, scale: &Scale) {
+    let area = panel(painter, rect, BAR + vec2(2.0 * PADDING, 2.0 * LINE + 4.0));
+    let top_left = pos2(area.center().x - 0.5 * BAR.x, area.top());
+    text(painter, top_left, Align2::LEFT_TOP, scale.title);
+    let bar = Rect::from_min_size(top_left + vec2(0.0, LINE + 2.0), BAR);
+    painter.add(Shape::mesh(gradient(bar, scale.color)));
+    let last = (scale.ticks.len() - 1) as f32;
+    for (i, tick) in scale.ticks.iter().enumerate() {
+        let x = bar.left() + bar.width() * i as f32 / last;
+        painter.vline(x, bar.bottom()..=bar.bottom() + 3.0, Stroke::new(1.0, TEXT));
+        text(painter, pos2(x, bar.bottom() + 3.0), Align2::CENTER_TOP, tick);
+    }
+}
+
+fn gradient(bar: Rect, color: fn(f32) -> Color32) -> Mesh {
+    const STEPS: u32 = 64;
+    let mut mesh = Mesh::default();
+    for i in 0..=STEPS {
+        let x = i as f32 / STEPS as f32;
+        let at = bar.left() + x * bar.width();
+        mesh.colored_vertex(pos2(at, bar.top()), color(x));
+        mesh.colored_vertex(pos2(at, bar.bottom()), color(x));
+    }
+    for i in (0..2 * STEPS).step_by(2) {
+        mesh.add_triangle(i, i + 1, i + 2);
+        mesh.add_triangle(i + 2, i + 1, i + 3);
+    }
+    mesh
+}
+
+/// A ball that shows the colour of each normal as the camera sees it, with the world's axes around it.
+fn ball(painter: &Painter, rect: Rect, camera: &Camera) {
+    let side = 2.0 * (BALL_RADIUS + LINE);
+    let center = panel(painter, rect, vec2(side, side)).center();
+    let world_from_view = camera.world_from_view();
+    painter.add(Shape::mesh(ball_mesh(center, world_from_view)));
+    painter.circle_stroke(center, BALL_RADIUS, Stroke::new(1.0, TEXT));
+    for (axis, name) in [(Vec3::X, "X"), (Vec3::Y, "Y"), (Vec3::Z, "Z")] {
+        let view = world_from_view.transpose() * axis;
+        let at = center + (BALL_RADIUS + 0.5 * LINE) * vec2(view.x, -view.y);
+        // An axis that points away is dimmed.
+        let strength = if view.z > -0.05 { 1.0 } else { 0.45 };
+        painter.text(at, Align2::CENTER_CENTER, name, FONT, TEXT.gamma_multiply(strength));
+    }
+}
+
+fn ball_mesh(center: Pos2, world_from_view: Mat3) -> Mesh {
+    const RINGS: u32 = 8;
+    const SECTORS: u32 = 32;
+    let mut mesh = Mesh::default();
+    for ring in 0..=RINGS {
+        for sector in 0..SECTORS {
+            let angle = sector as f32 / SECTORS as f32 * std::f32::consts::TAU;
+            let place = ring as f32 / RINGS as f32 * vec2(angle.cos(), angle.sin());
+            mesh.colored_vertex(center + BALL_RADIUS * place, ball_color(place, world_from_view));
+        }
+    }
+    for ring in 0..RINGS {
+        for sector in 0..SECTORS {
+            let next = (sector + 1) % SECTORS;
+            let [a, b] = [ring * SECTORS, (ring + 1) * SECTORS];
+            mesh.add_triangle(a + sector, b + sector, b + next);
+            mesh.add_triangle(a + sector, b + next, a + next);
+        }
+    }
+    mesh
+}
+
+/// The colour at a place of the unit disc (y downward): the normal of the ball there.
+fn ball_color(place: Vec2, world_from_view: Mat3) -> Color32 {
+    let toward_eye = (1.0 - place.length_sq()).max(0.0).sqrt();
+    let normal = world_from_view * Vec3::new(place.x, -place.y, toward_eye);
+    color(0.5 + 0.5 * normal)
+}
+
+/// Darkens a panel for `content` in the corner, and returns where the content goes.
+fn panel(painter: &Painter, rect: Rect, content: Vec2) -> Rect {
+    let size = content + Vec2::splat(2.0 * PADDING);
+    let panel = Align2::RIGHT_BOTTOM.align_size_within_rect(size, rect.shrink(MARGIN));
+    painter.rect_filled(panel, 4.0, Color32::from_black_alpha(150));
+    panel.shrink(PADDING)
+}
+
+fn text(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+    painter.text(at, align, text, FONT, TEXT);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_run_from_nothing_to_the_top_in_quarters() {
+        let ticks = |mode: ViewMode, illum_cut| Scale::of(mode, illum_cut).ticks;
+        assert_eq!(ticks(ViewMode::VisibilityCut, 4096), ["0", "128", "256", "384", "512+"]);
+        assert_eq!(ticks(ViewMode::MergedCut, 250), ["0", "250", "500", "750", "1000+"]);
+        assert_eq!(ticks(ViewMode::MergedCut, 1)[4], "512+", "no finer than the least range");
+        assert_eq!(ticks(ViewMode::Roughness, 250)[4], "1");
+    }
+
+    #[test]
+    fn ramps_have_the_colours_of_the_picture() {
+        let at = |mode, x| (Scale::of(mode, 256).color)(x);
+        assert_eq!(at(ViewMode::Roughness, 0.5), Color32::from_gray(128));
+        assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base colour is encoded");
+        assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));
+        assert_eq!(at(ViewMode::BrdfEvaluations, 1.0), Color32::from_rgb(252, 253, 191));
+        let mesh = gradient(Rect::from_min_size(Pos2::ZERO, BAR), grey);
+        assert!(mesh.is_valid());
+        assert_eq!(mesh.vertices.last().map(|v| v.color), Some(Color32::WHITE));
+    }
+
+    #[test]
+    fn the_ball_turns_against_the_camera() {
+        let from = |eye: Vec3| Camera::look_at(eye, Vec3::ZERO, 40.0).world_from_view();
+        let center = |eye: Vec3| ball_color(Vec2::ZERO, from(eye));
+        assert_eq!(center(Vec3::Z), Color32::from_rgb(128, 128, 255));
+        assert_eq!(center(Vec3::X), Color32::from_rgb(255, 128, 128));
+        assert_ne!(center(Vec3::NEG_X), center(Vec3::X));
+        assert_eq!(ball_color(vec2(1.0, 0.0), from(Vec3::Z)), Color32::from_rgb(255, 128, 128), "right is +X");
+        assert_eq!(ball_color(vec2(0.0, -1.0), from(Vec3::Z)), Color32::from_rgb(128, 255, 128), "up is +Y");
+        assert!(ball_mesh(Pos2::ZERO, from(Vec3::Z)).is_valid());
+    }
+}

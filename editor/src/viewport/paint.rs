@@ -1,0 +1,105 @@
+//! The picture and the few words over it.
+
+use super::{ViewportContext, ViewportState};
+use egui::{
+    Align2, Color32, ColorImage, FontId, Label, Rect, Stroke, StrokeKind, TextStyle, TextureHandle, TextureOptions, Ui,
+    Vec2, pos2, vec2,
+};
+
+/// Side of a square of the chequerboard in points.
+const SQUARE: f32 = 12.0;
+
+/// Distance of words from the edges of the picture, and room around them.
+const MARGIN: f32 = 12.0;
+const PADDING: Vec2 = vec2(8.0, 4.0);
+
+/// Paints the picture, or the plain ground where there is none yet.
+pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportContext) {
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    let Some(picture) = context.picture.filter(|_| context.placeholder.is_none()) else { return };
+    if context.checker {
+        let checker = state.checker.get_or_insert_with(|| checker_texture(ui));
+        let uv = Rect::from_min_size(pos2(0.0, 0.0), rect.size() / (2.0 * SQUARE));
+        painter.image(checker.id(), rect, uv, Color32::WHITE);
+    }
+    painter.image(picture, rect, cover(context.picture_size, rect.size()), Color32::WHITE);
+}
+
+/// The part of a picture that fills a rectangle without being stretched, in texture coordinates. The two differ in
+/// shape only for the frames after the window changed size, and by the rounding of a coarser picture.
+fn cover(picture: [u32; 2], rect: Vec2) -> Rect {
+    let picture = vec2(picture[0] as f32, picture[1] as f32);
+    let scale = (rect.x / picture.x).max(rect.y / picture.y);
+    let share = rect / (scale * picture);
+    let share = if share.is_finite() { share } else { Vec2::splat(1.0) };
+    Rect::from_center_size(pos2(0.5, 0.5), share)
+}
+
+fn checker_texture(ui: &Ui) -> TextureHandle {
+    let [dark, light] = [Color32::from_gray(96), Color32::from_gray(128)];
+    let image = ColorImage::new([2, 2], vec![dark, light, light, dark]);
+    ui.ctx().load_texture("chequerboard", image, TextureOptions::NEAREST_REPEAT)
+}
+
+/// What is rendered now, and whether it is out of date.
+pub fn badges(ui: &mut Ui, rect: Rect, context: &ViewportContext) {
+    if context.stale {
+        let warning = ui.visuals().warn_fg_color;
+        badge(ui, rect, Align2::LEFT_TOP, "Bake is out of date", warning);
+    }
+    if let Some(busy) = context.busy {
+        badge(ui, rect, Align2::LEFT_BOTTOM, busy, Color32::from_gray(235));
+    }
+}
+
+fn badge(ui: &mut Ui, rect: Rect, align: Align2, text: &str, color: Color32) {
+    let galley = ui.painter().layout_no_wrap(text.into(), TextStyle::Small.resolve(ui.style()), color);
+    let outer = align.align_size_within_rect(galley.size() + 2.0 * PADDING, rect.shrink(MARGIN));
+    ui.painter_at(rect).rect_filled(outer, 4.0, Color32::from_black_alpha(150));
+    ui.put(outer.shrink2(PADDING), Label::new(galley).selectable(false));
+}
+
+/// What to say where nothing is open.
+pub fn placeholder(ui: &mut Ui, rect: Rect, text: &str) {
+    let color = ui.visuals().weak_text_color();
+    let body = TextStyle::Body.resolve(ui.style());
+    let galley = ui.painter().layout(text.into(), body, color, (rect.width() - 2.0 * MARGIN).max(1.0));
+    let place = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), rect);
+    ui.put(place, Label::new(galley).selectable(false));
+}
+
+/// Shows while files are held over the window that they can be dropped.
+pub fn drop_hint(ui: &mut Ui, rect: Rect, accent: Color32) {
+    if ui.input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(120));
+    painter.rect_stroke(rect.shrink(2.0), 0.0, Stroke::new(2.0, accent), StrokeKind::Inside);
+    painter.text(rect.center(), Align2::CENTER_CENTER, "Drop to open", FontId::proportional(18.0), Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Width by height of a texel on the screen.
+    fn texel_aspect(picture: [u32; 2], rect: Vec2) -> f32 {
+        let uv = cover(picture, rect);
+        (rect.x / (uv.width() * picture[0] as f32)) / (rect.y / (uv.height() * picture[1] as f32))
+    }
+
+    #[test]
+    fn a_picture_fills_the_rectangle_and_is_never_stretched() {
+        let rect = vec2(800.0, 600.0);
+        assert_eq!(cover([800, 600], rect), Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)));
+        for picture in [[400, 300], [800, 100], [33, 600], [267, 200], [1, 1]] {
+            assert!((texel_aspect(picture, rect) - 1.0).abs() < 1e-4, "{picture:?}");
+            let uv = cover(picture, rect);
+            assert!(uv.min.x >= -1e-6 && uv.min.y >= -1e-6 && uv.max.x <= 1.0 + 1e-6 && uv.max.y <= 1.0 + 1e-6);
+        }
+        assert_eq!(cover([1600, 600], rect).width(), 0.5, "wider: cut at the sides");
+        assert!(cover([0, 0], rect).is_finite() && cover([4, 4], Vec2::ZERO).is_finite());
+    }
+}

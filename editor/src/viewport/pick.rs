@@ -1,0 +1,77 @@
+//! What lies under a pixel, by one ray.
+
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    camera::Camera,
+    ray::Intersector,
+    scene::{Bounds, Mesh},
+};
+
+/// What lies under a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picked {
+    /// Index of the object.
+    pub object: u32,
+    /// Index of the material.
+    pub material: usize,
+    /// Index of the triangle in the mesh.
+    pub triangle: u32,
+    /// Where the ray met it, in metres.
+    pub position: Vec3,
+}
+
+/// What `camera` sees at `pixel` of a picture of `size`. `intersector` is made of `mesh`.
+pub fn pick(mesh: &Mesh, intersector: &Intersector, camera: &Camera, pixel: Vec2, size: [u32; 2]) -> Option<Picked> {
+    let direction = camera.direction_through(pixel, size);
+    let hit = intersector.closest_hit(camera.eye, direction)?;
+    let index = hit.triangle as usize;
+    Some(Picked {
+        object: *mesh.triangle_object.get(index)?,
+        material: *mesh.triangle_material.get(index)? as usize,
+        triangle: hit.triangle,
+        position: camera.eye + hit.distance * direction,
+    })
+}
+
+/// Bounds of an object's triangles; `None` if it has none. Goes through the whole mesh: keep the result.
+pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
+    let of_object = mesh.triangle_object.iter().enumerate().filter(|&(_, &owner)| owner == object);
+    let bounds = Bounds::around(of_object.flat_map(|(triangle, _)| mesh.corners(triangle)));
+    (bounds.min.x <= bounds.max.x).then_some(bounds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::viewport::tests::two_squares;
+
+    const SIZE: [u32; 2] = [800, 600];
+
+    fn picked_at(pixel: Vec2) -> Option<Picked> {
+        let mesh = two_squares();
+        let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 40.0);
+        pick(&mesh, &Intersector::new(&mesh), &camera, pixel, SIZE)
+    }
+
+    #[test]
+    fn each_square_is_found_where_it_is_seen_and_nothing_between() {
+        let focal = 300.0 / 20.0_f32.to_radians().tan();
+        let x_of = |x: f32| 400.0 + focal * x / 5.0;
+        let left = picked_at(Vec2::new(x_of(-1.0), 300.0)).unwrap();
+        assert_eq!((left.object, left.material), (0, 1));
+        assert!((left.position - Vec3::NEG_X).length() < 1e-4);
+        let right = picked_at(Vec2::new(x_of(1.0), 300.0)).unwrap();
+        assert_eq!((right.object, right.material), (1, 0));
+        assert!(right.triangle >= 2);
+        assert_eq!(picked_at(Vec2::new(400.0, 300.0)), None);
+    }
+
+    #[test]
+    fn bounds_are_those_of_the_object_alone() {
+        let mesh = two_squares();
+        let bounds = object_bounds(&mesh, 1).unwrap();
+        assert_eq!((bounds.min, bounds.max), (Vec3::new(0.5, -0.5, 0.0), Vec3::new(1.5, 0.5, 0.0)));
+        assert_ne!(object_bounds(&mesh, 0), Some(mesh.bounds()));
+        assert_eq!(object_bounds(&mesh, 2), None);
+    }
+}
