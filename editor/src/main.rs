@@ -11,6 +11,7 @@ mod jobs;
 mod options;
 mod outcome;
 mod outputs;
+mod panels;
 mod paths;
 mod preferences;
 mod progress;

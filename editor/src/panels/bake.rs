@@ -1,0 +1,141 @@
+//! The bake: presets with what they cost, all settings, progress, and the report of the last one.
+
+mod estimate;
+mod progress;
+mod report;
+mod settings;
+mod stale;
+#[cfg(test)]
+mod tests;
+
+pub use estimate::SceneStats;
+pub use stale::stale_reasons;
+#[cfg(test)]
+pub use tests::test_dataset;
+
+use super::widgets::section;
+use crate::{actions::Action, document::Document};
+use egui::{RichText, Ui};
+use estimate::Speed;
+use lapidary_core::dataset::Dataset;
+use lapidary_precompute::{Phase, resolve};
+
+/// What the panel shows.
+pub struct BakeContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// The dataset that is shown, with its report.
+    pub dataset: Option<&'a Dataset>,
+    /// How things stand.
+    pub status: &'a BakeStatus,
+    /// Size of the scene before tessellation, if it is known.
+    pub scene_stats: Option<SceneStats>,
+    /// Cores that a bake may use, for estimates.
+    pub cores: usize,
+}
+
+/// How things stand with the bake.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BakeStatus {
+    /// Nothing was baked yet.
+    None,
+    /// The dataset is what a bake would give.
+    UpToDate,
+    /// A bake would give something else.
+    Stale {
+        /// What differs, in sentences.
+        reasons: Vec<String>,
+    },
+    /// A bake is under way.
+    Running {
+        /// What it does.
+        phase: Phase,
+        /// Units of the phase that are complete.
+        done: u64,
+        /// Units of the phase; 0 if unknown.
+        total: u64,
+        /// What a unit is.
+        unit: &'static str,
+        /// Seconds since the bake began.
+        elapsed_secs: f64,
+        /// Seconds since the phase began.
+        phase_elapsed_secs: f64,
+    },
+    /// It was stopped.
+    Cancelled {
+        /// There is a checkpoint to go on from.
+        resumable: bool,
+    },
+    /// It went wrong.
+    Failed {
+        /// What happened, and what to do.
+        message: String,
+        /// There is a checkpoint to go on from.
+        resumable: bool,
+    },
+}
+
+/// Shows the panel. It keeps nothing between frames.
+pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
+    if let BakeStatus::Running { .. } = context.status {
+        progress::show(ui, context.status, actions);
+    } else {
+        notice(ui, context.status);
+        buttons(ui, context, actions);
+        settings::presets(ui, context, &Speed::known(context), actions);
+        section(ui, "Advanced", false, |ui| settings::advanced(ui, &context.document.bake, actions));
+    }
+    if let Some(dataset) = context.dataset {
+        section(ui, "Report", true, |ui| report::show(ui, &dataset.report));
+    }
+}
+
+/// What the artist should know before baking.
+fn notice(ui: &mut Ui, status: &BakeStatus) {
+    let warn = ui.visuals().warn_fg_color;
+    match status {
+        BakeStatus::None => ui.label("Not baked yet. A bake is made once; then materials and light change freely."),
+        BakeStatus::UpToDate => ui.label("The bake is up to date."),
+        BakeStatus::Stale { reasons } => {
+            ui.label(RichText::new("The bake is out of date").color(warn).strong());
+            ui.label(reasons.iter().map(|r| format!("• {r}")).collect::<Vec<_>>().join("\n"))
+        }
+        BakeStatus::Cancelled { resumable: true } => ui.label("The bake was stopped. Resume goes on where it was."),
+        BakeStatus::Cancelled { resumable: false } => ui.label("The bake was stopped before there was work to keep."),
+        BakeStatus::Failed { message, .. } => ui.label(RichText::new(message).color(ui.visuals().error_fg_color)),
+        BakeStatus::Running { .. } => return,
+    };
+}
+
+fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
+    let obstacle = obstacle(context.document);
+    let can_resume = matches!(
+        context.status,
+        BakeStatus::Cancelled { resumable: true } | BakeStatus::Failed { resumable: true, .. }
+    );
+    ui.horizontal(|ui| {
+        let mut button = |text: &str, help: &str, resume: bool| {
+            let button = ui.add_enabled(obstacle.is_none(), egui::Button::new(text)).on_hover_text(help);
+            if button.on_disabled_hover_text(obstacle.as_deref().unwrap_or_default()).clicked() {
+                actions.push(Action::Bake { resume });
+            }
+        };
+        if can_resume {
+            button("Resume", "Goes on from the checkpoint.", true);
+            button("Start over", "Bakes from the beginning.", false);
+        } else {
+            button("Bake", "Traces the visibility of the scene.", false);
+        }
+    });
+    if let Some(obstacle) = obstacle {
+        ui.label(RichText::new(obstacle).color(ui.visuals().warn_fg_color));
+    }
+}
+
+/// Why there can be no bake now.
+fn obstacle(document: &Document) -> Option<String> {
+    if document.scene.is_none() {
+        return Some("Open the scene file to bake it; a dataset alone cannot be baked again.".into());
+    }
+    resolve(document.bake.clone()).err().map(|error| settings::error_text(&error))
+}

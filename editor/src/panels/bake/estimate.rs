@@ -1,0 +1,133 @@
+//! What a bake will cost, from what the last one did.
+
+use super::BakeContext;
+use lapidary_core::dataset::{BakeReport, BakeSettings};
+
+/// (vertex, light) pairs a second of one core, where no bake has measured it: half of what two cores were measured to do.
+const PAIRS_PER_SECOND_AND_CORE: f64 = 7.5e6;
+/// Mean nodes of a cut at 32,768 lights and sigma 2 on the test scenes.
+const MEAN_CUT: f64 = 170.0;
+/// The lights and sigma that it holds for.
+const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
+/// Bytes of a packed node.
+const NODE_BYTES: f64 = 2.0;
+
+/// Size of a scene before tessellation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneStats {
+    /// Its vertices.
+    pub vertices: usize,
+    /// Its triangles.
+    pub triangles: usize,
+}
+
+/// What is known for estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speed {
+    /// Vertices before tessellation.
+    pub source_vertices: Option<usize>,
+    /// (vertex, light) pairs a second.
+    pub pairs_per_second: f64,
+    /// A mean cut size, and the lights and sigma that it came from.
+    pub mean_cut: (f64, usize, f32),
+}
+
+/// What a bake will take, roughly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Vertices after tessellation, at most.
+    pub vertices: usize,
+    /// Seconds.
+    pub secs: f64,
+    /// Bytes of the cuts.
+    pub bytes: u64,
+}
+
+impl Speed {
+    /// From the last report, or from averages.
+    pub fn known(context: &BakeContext) -> Self {
+        let report = context.dataset.map(|d| &d.report);
+        let scene = context.scene_stats.map(|s| s.vertices);
+        Self {
+            source_vertices: scene.or(report.map(|r| r.source_vertices)).filter(|v| *v > 0),
+            ..Self::from_report(report, context.cores)
+        }
+    }
+
+    fn from_report(report: Option<&BakeReport>, cores: usize) -> Self {
+        let measured = report.map(|r| r.samples_per_second).filter(|s| *s > 0.0);
+        let cut = report.filter(|r| r.mean_cut > 0.0 && r.sigma > 0.0).map(|r| (r.mean_cut, r.lights, r.sigma));
+        Self {
+            source_vertices: None,
+            pairs_per_second: measured.unwrap_or(PAIRS_PER_SECOND_AND_CORE * cores.max(1) as f64),
+            mean_cut: cut.unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
+        }
+    }
+
+    /// What a bake with `settings` will take; `None` if its number of vertices cannot be told.
+    pub fn estimate(&self, settings: &BakeSettings) -> Option<Estimate> {
+        let vertices = self.source_vertices.max(settings.max_vertices)?;
+        let pairs = vertices as f64 * settings.lights as f64;
+        let bytes = (vertices as f64 * self.cut_size(settings) * NODE_BYTES) as u64;
+        let bytes = bytes.min(settings.max_bytes.unwrap_or(u64::MAX));
+        Some(Estimate { vertices, secs: pairs / self.pairs_per_second, bytes })
+    }
+
+    /// Mean cut for `settings`. A cut refines along the borders of visibility, lines on the sphere, down to clusters of
+    /// some `4 sigma²` leaves (Eq. 5): their number goes with the square root of the lights, and with one over sigma.
+    fn cut_size(&self, settings: &BakeSettings) -> f64 {
+        let (size, lights, sigma) = self.mean_cut;
+        let finer = (settings.lights as f64 / lights as f64).sqrt();
+        let coarser = f64::from(settings.criterion.sigma.max(0.1) / sigma);
+        let most = f64::from(settings.criterion.max_nodes).min(settings.lights as f64);
+        (size * finer / coarser).clamp(1.0, most.max(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_precompute::Preset;
+
+    fn speed(report: Option<&BakeReport>) -> Speed {
+        Speed { source_vertices: Some(5000), ..Speed::from_report(report, 2) }
+    }
+
+    #[test]
+    fn without_a_report_averages_are_scaled_by_cores() {
+        let estimate = speed(None).estimate(&Preset::Normal.settings()).unwrap();
+        assert_eq!(estimate.vertices, 100_000);
+        assert!((estimate.secs - 1e5 * 32_768.0 / 15e6).abs() < 1e-6);
+        assert_eq!(estimate.bytes, 34_000_000);
+        let four_cores = Speed { source_vertices: Some(5000), ..Speed::from_report(None, 4) };
+        assert!(four_cores.estimate(&Preset::Normal.settings()).unwrap().secs < 0.6 * estimate.secs);
+    }
+
+    #[test]
+    fn a_report_overrides_the_averages() {
+        let report =
+            BakeReport { samples_per_second: 1e6, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
+        let settings = BakeSettings { max_vertices: None, ..Preset::Normal.settings() };
+        let estimate = speed(Some(&report)).estimate(&settings).unwrap();
+        assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
+        assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
+        assert_ne!(speed(None).estimate(&settings).unwrap().bytes, estimate.bytes);
+    }
+
+    #[test]
+    fn limits_hold_and_an_unknown_scene_has_no_estimate() {
+        let settings = BakeSettings { max_bytes: Some(4096), ..Preset::High.settings() };
+        assert_eq!(speed(None).estimate(&settings).unwrap().bytes, 4096);
+        let unlimited = BakeSettings { max_vertices: None, ..Preset::High.settings() };
+        assert_eq!(Speed::from_report(None, 2).estimate(&unlimited), None);
+    }
+
+    #[test]
+    fn finer_cuts_are_larger() {
+        let normal = Preset::Normal.settings();
+        let mut finer = normal.clone();
+        finer.criterion.sigma = 1.0;
+        let bytes = |s: &BakeSettings| speed(None).estimate(s).unwrap().bytes;
+        assert_eq!(bytes(&finer), 2 * bytes(&normal));
+    }
+}

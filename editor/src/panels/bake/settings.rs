@@ -1,0 +1,123 @@
+//! The settings of the next bake: presets with their cost, and every setting by itself.
+
+use super::{
+    BakeContext,
+    estimate::{Estimate, Speed},
+    stale::tree_name,
+};
+use crate::{
+    actions::Action,
+    document::Edit,
+    panels::{
+        edit_row,
+        entries::{Decades, combo_row, limit_row},
+        units::{bytes, duration, grouped},
+        widgets::{Number, slider_row},
+    },
+};
+use egui::{Button, Grid, RichText, Ui};
+use lapidary_core::{
+    dataset::BakeSettings,
+    light_tree::{MAX_HEIGHT, TreeKind},
+};
+use lapidary_precompute::{Preset, SettingsError, resolve};
+
+/// Height of the smallest tree in the list: 256 lights. Fewer are for tests.
+const LEAST_HEIGHT: u32 = 8;
+
+const PRESETS: [(Preset, &str, &str); 3] = [
+    (Preset::Draft, "Draft", "A quarter of the lights and few vertices, for setting up a scene."),
+    (Preset::Normal, "Normal", "32,768 lights and sigma 2, as in the paper."),
+    (Preset::High, "High", "Finer cuts and three times the vertices, for final pictures."),
+];
+
+/// The presets, and what each will take.
+pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut Vec<Action>) {
+    Grid::new("presets").num_columns(2).show(ui, |ui| {
+        for (preset, name, help) in PRESETS {
+            let settings = preset.settings();
+            let button = ui.add(Button::selectable(context.document.bake == settings, name)).on_hover_text(help);
+            if button.clicked() {
+                let edit = Edit::Bake(Box::new(settings.clone()));
+                actions.extend([Action::Edit { edit, label: "Bake preset" }, Action::EndGesture]);
+            }
+            ui.label(RichText::new(cost(speed.estimate(&settings))).weak());
+            ui.end_row();
+        }
+    });
+    if PRESETS.iter().all(|(preset, ..)| context.document.bake != preset.settings()) {
+        ui.label(format!("Custom: {}", cost(speed.estimate(&context.document.bake))));
+    }
+    let source = if context.dataset.is_some() { "the last bake" } else { "other scenes" };
+    ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
+}
+
+fn cost(estimate: Option<Estimate>) -> String {
+    let Some(estimate) = estimate else { return "the scene's size is not known yet".into() };
+    let (time, size) = (duration(estimate.secs), bytes(estimate.bytes));
+    format!("{} vertices, about {time}, {size}", grouped(estimate.vertices as u64))
+}
+
+/// Every setting by itself, and what is wrong with them.
+pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
+    let wrap = |bake: BakeSettings| Edit::Bake(Box::new(bake));
+    edit_row(actions, "Lights", bake, wrap, |b| lights_row(ui, b));
+    let kinds = [
+        (TreeKind::Mixed, tree_name(TreeKind::Mixed), "By direction and visibility (Eq. 12)."),
+        (TreeKind::Geometric, tree_name(TreeKind::Geometric), "By direction alone (Eq. 10)."),
+        (TreeKind::DataDriven, tree_name(TreeKind::DataDriven), "By visibility alone (Eq. 11)."),
+    ];
+    edit_row(actions, "Light tree", bake, wrap, |b| {
+        combo_row(ui, "Light tree", "What lights are clustered by.", &mut b.tree, &kinds)
+    });
+    let unused = (bake.tree != TreeKind::Mixed).then_some("Only a mixed tree has it.");
+    let beta = Number::new("Beta", "Weight of direction against visibility in a mixed tree, 0 to 1.", 0.0..=1.0, 0.5);
+    edit_row(actions, "Beta", bake, wrap, |b| slider_row(ui, &beta.disabled(unused), &mut b.beta));
+    let help = "Error bound of a cluster (Eq. 5): smaller is finer cuts, more memory and time.";
+    let sigma = Number::new("Sigma", help, 0.5..=8.0, 2.0).entry(0.0..=1e4);
+    edit_row(actions, "Sigma", bake, wrap, |b| slider_row(ui, &sigma, &mut b.criterion.sigma));
+    limits(ui, bake, actions);
+    if let Err(error) = resolve(bake.clone()) {
+        ui.label(RichText::new(error_text(&error)).color(ui.visuals().error_fg_color));
+    }
+}
+
+fn lights_row(ui: &mut Ui, bake: &mut BakeSettings) -> crate::panels::widgets::Edited {
+    let mut counts: Vec<usize> = (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h).collect();
+    if !counts.contains(&bake.lights) {
+        counts.push(bake.lights);
+    }
+    let names: Vec<String> = counts.iter().map(|&n| grouped(n as u64)).collect();
+    let choices: Vec<(usize, &str, &str)> =
+        counts.iter().zip(&names).map(|(&n, name)| (n, name.as_str(), "")).collect();
+    combo_row(ui, "Lights", "Samples of the environment: a power of two.", &mut bake.lights, &choices)
+}
+
+fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
+    let wrap = |bake: BakeSettings| Edit::Bake(Box::new(bake));
+    let help =
+        "Splits triangles where visibility varies until there are this many. Without it the mesh stays as it is.";
+    let vertices = Decades::count("Max vertices", help, 0.0..=1e9, 100_000.0);
+    edit_row(actions, "Max vertices", bake, wrap, |b| limit_row(ui, &vertices, &mut b.max_vertices));
+    let help = "Coarsens all cuts alike until they fit in this many megabytes.";
+    let size = Decades { unit: " MB", decimals: 1, ..Decades::count("Byte budget", help, 0.0..=1e7, 64.0) };
+    edit_row(actions, "Byte budget", bake, wrap, |b| {
+        let mut megabytes = b.max_bytes.map(|bytes| bytes as f64 / 1e6);
+        let edited = limit_row(ui, &size, &mut megabytes);
+        if edited.changed {
+            b.max_bytes = megabytes.map(|m| (m * 1e6).round() as u64);
+        }
+        edited
+    });
+    let help = "Stops refining a cut when the root of its summed squared errors is below this, in lights.";
+    let error = Decades { decimals: 1, ..Decades::count("Total error", help, 0.0..=1e4, 16.0) };
+    edit_row(actions, "Total error", bake, wrap, |b| limit_row(ui, &error, &mut b.criterion.total_error));
+}
+
+/// What is wrong with settings, with the names of the panel instead of those of the command line.
+pub fn error_text(error: &SettingsError) -> String {
+    let SettingsError::Range { name, value, low, high } = error else { return error.to_string() };
+    let name = name.trim_start_matches("--").replace('-', " ");
+    let (first, rest) = name.split_at(name.len().min(1));
+    format!("{}{rest} is {value}, but must lie between {low} and {high}", first.to_uppercase())
+}

@@ -1,0 +1,49 @@
+//! Whether a bake would give another dataset than the one there is, and why.
+
+use crate::{document::Document, panels::units::grouped};
+use lapidary_core::{
+    dataset::{BakeSettings, Dataset},
+    light_tree::TreeKind,
+};
+
+/// What differs between what the document asks for and what the dataset was baked with, in sentences; empty if nothing.
+/// `scene_hash_now` is the hash of the scene file as it is, if that is known.
+pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Option<&str>) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {
+        reasons.push("The scene file changed since the bake".into());
+    }
+    let (now, baked) = (described(&document.bake), described(&dataset.settings));
+    let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);
+    reasons.extend(differing.map(|((name, now), (_, baked))| format!("{name}: {now} now, {baked} in the bake")));
+    reasons
+}
+
+/// Name for people.
+pub fn tree_name(tree: TreeKind) -> &'static str {
+    match tree {
+        TreeKind::Geometric => "Geometric",
+        TreeKind::DataDriven => "Data-driven",
+        TreeKind::Mixed => "Mixed",
+    }
+}
+
+/// All settings in words. Beta counts in a mixed tree only.
+fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
+    // Destructured, so that a new setting cannot be forgotten here.
+    let BakeSettings { lights, tree, beta, criterion, pilot_clusters, max_vertices, max_bytes } = settings;
+    let limit = |limit: Option<u64>| limit.map_or("no limit".into(), grouped);
+    let beta = if *tree == TreeKind::Mixed { beta.to_string() } else { "unused".into() };
+    let max_nodes = (criterion.max_nodes < u32::MAX).then_some(u64::from(criterion.max_nodes));
+    vec![
+        ("Lights", grouped(*lights as u64)),
+        ("Light tree", tree_name(*tree).to_lowercase()),
+        ("Beta", beta),
+        ("Sigma", criterion.sigma.to_string()),
+        ("Largest cut", limit(max_nodes)),
+        ("Total error", criterion.total_error.map_or("no limit".into(), |e| e.to_string())),
+        ("Pilot clusters", grouped(*pilot_clusters as u64)),
+        ("Vertices", limit(max_vertices.map(|v| v as u64))),
+        ("Bytes", limit(*max_bytes)),
+    ]
+}

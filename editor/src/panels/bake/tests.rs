@@ -1,0 +1,201 @@
+use super::*;
+use crate::document::Edit;
+use egui::{Key, vec2};
+use egui_kittest::{Harness, kittest::Queryable};
+use glam::{Vec2, Vec3, Vec4};
+use lapidary_core::{
+    cut::packed::{PackedCuts, pack_node},
+    dataset::{BakeReport, BakeSettings},
+    light_tree::{LightTree, TreeKind},
+    material::Material,
+    scene::{Mesh, Object, Scene},
+};
+use lapidary_precompute::Preset;
+
+/// A dataset of one triangle, baked with the normal preset.
+pub fn test_dataset() -> Dataset {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        normals: vec![Vec3::Y; 3],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        triangles: vec![[0, 2, 1]],
+        triangle_material: vec![0],
+        triangle_object: vec![0],
+    };
+    let objects = vec![Object { name: "Floor".into() }];
+    let mut cuts = PackedCuts::default();
+    for _ in 0..3 {
+        let offset = cuts.push_cut(&[pack_node(0, 1.0)]);
+        cuts.push_vertex(offset);
+    }
+    Dataset {
+        scene: Scene { mesh, materials: vec![Material::default()], objects, ..Default::default() },
+        two_sided: vec![true],
+        vertex_valid: vec![true; 3],
+        tree: LightTree::geometric(64).unwrap(),
+        cuts,
+        settings: Preset::Normal.settings(),
+        scene_hash: "abc".into(),
+        report: BakeReport {
+            vertices: 3,
+            source_vertices: 3,
+            cut_size_histogram: vec![3, 0, 1],
+            warnings: vec!["a corner is thin".into()],
+            ..Default::default()
+        },
+    }
+}
+
+struct Probe {
+    document: Document,
+    dataset: Option<Dataset>,
+    status: BakeStatus,
+    actions: Vec<Action>,
+}
+
+fn document() -> Document {
+    Document { scene: Some("scene.obj".into()), ..Document::empty() }
+}
+
+fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Harness<'static, Probe> {
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let Probe { document, dataset, status, actions } = probe;
+        let scene_stats = Some(SceneStats { vertices: 1000, triangles: 2000 });
+        let context = BakeContext { document, dataset: dataset.as_ref(), status, scene_stats, cores: 2 };
+        show(ui, &context, actions);
+    };
+    let probe = Probe { document, dataset, status, actions: Vec::new() };
+    let mut panel = Harness::builder().with_size(vec2(320.0, 900.0)).build_ui_state(show, probe);
+    panel.run();
+    assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    panel
+}
+
+/// Clicks what has this label and returns the actions.
+fn clicked(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
+    panel.get_by_label(label).click();
+    panel.run();
+    std::mem::take(&mut panel.state_mut().actions)
+}
+
+fn bake_asked(actions: &[Action]) -> Option<BakeSettings> {
+    actions.iter().find_map(|action| match action {
+        Action::Edit { edit: Edit::Bake(bake), .. } => Some((**bake).clone()),
+        _ => None,
+    })
+}
+
+#[test]
+fn bake_resume_and_cancel_ask_for_what_they_say() {
+    let mut fresh = panel(BakeStatus::None, document(), None);
+    assert!(matches!(clicked(&mut fresh, "Bake")[..], [Action::Bake { resume: false }]));
+    assert!(fresh.query_by_label("Resume").is_none() && fresh.query_by_label("Cancel").is_none());
+    let mut stopped = panel(BakeStatus::Cancelled { resumable: true }, document(), None);
+    assert!(matches!(clicked(&mut stopped, "Resume")[..], [Action::Bake { resume: true }]));
+    assert!(matches!(clicked(&mut stopped, "Start over")[..], [Action::Bake { resume: false }]));
+    let failed = BakeStatus::Failed { message: "the disk is full; free some space".into(), resumable: false };
+    let failed = panel(failed, document(), None);
+    assert!(failed.query_by_label_contains("disk is full").is_some() && failed.query_by_label("Resume").is_none());
+}
+
+#[test]
+fn a_running_bake_shows_progress_and_can_be_cancelled() {
+    let running = BakeStatus::Running {
+        phase: Phase::Visibility,
+        done: 250,
+        total: 1000,
+        unit: "points",
+        elapsed_secs: 30.0,
+        phase_elapsed_secs: 20.0,
+    };
+    let mut panel = panel(running, document(), None);
+    assert!(panel.query_by_label("250 of 1,000 points").is_some());
+    assert!(panel.query_by_label("About 1 min 00 s left in this phase").is_some());
+    let percent = |name: &str| panel.get_by_label(name).value();
+    assert_eq!(percent("Visibility progress").as_deref(), Some("25"));
+    assert_eq!(percent("Pilot progress").as_deref(), Some("100"));
+    assert_eq!(percent("Pack progress").as_deref(), Some("0"));
+    assert!(panel.query_by_label("Bake").is_none());
+    assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
+}
+
+#[test]
+fn a_stale_bake_is_named_with_its_reasons() {
+    let stale = BakeStatus::Stale { reasons: vec!["The scene file changed since the bake".into()] };
+    let mut outdated = panel(stale, document(), Some(test_dataset()));
+    assert!(outdated.query_by_label("The bake is out of date").is_some());
+    assert!(outdated.query_by_label_contains("scene file changed").is_some());
+    assert!(matches!(clicked(&mut outdated, "Bake")[..], [Action::Bake { resume: false }]));
+    let current = panel(BakeStatus::UpToDate, document(), Some(test_dataset()));
+    assert!(current.query_by_label("The bake is out of date").is_none(), "negative control");
+}
+
+#[test]
+fn reasons_name_both_values_and_only_what_differs() {
+    let (mut document, mut dataset) = (document(), test_dataset());
+    assert_eq!(stale_reasons(&document, &dataset, Some("abc")), [""; 0]);
+    assert_eq!(stale_reasons(&document, &dataset, None), [""; 0], "an unknown scene is no reason");
+    assert_eq!(stale_reasons(&document, &dataset, Some("other")), ["The scene file changed since the bake"]);
+    document.bake.lights = 8192;
+    document.bake.max_vertices = None;
+    let expected = ["Lights: 8,192 now, 32,768 in the bake", "Vertices: no limit now, 100,000 in the bake"];
+    assert_eq!(stale_reasons(&document, &dataset, Some("abc")), expected);
+    // Beta is of no account in a geometric tree.
+    (document.bake, dataset.settings) = (Preset::Normal.settings(), Preset::Normal.settings());
+    (document.bake.tree, dataset.settings.tree) = (TreeKind::Geometric, TreeKind::Geometric);
+    document.bake.beta = 0.9;
+    assert_eq!(stale_reasons(&document, &dataset, None), [""; 0]);
+}
+
+#[test]
+fn presets_show_their_cost_and_set_everything() {
+    let mut panel = panel(BakeStatus::None, document(), None);
+    assert!(panel.query_by_label("100,000 vertices, about 3 min 38 s, 34.0 MB").is_some());
+    assert!(panel.query_by_label_contains("estimates").is_some());
+    assert_eq!(bake_asked(&clicked(&mut panel, "Draft")), Some(Preset::Draft.settings()));
+}
+
+#[test]
+fn settings_out_of_range_are_named_and_cannot_be_baked() {
+    let mut wrong = document();
+    wrong.bake.max_vertices = Some(1);
+    let mut wrong = panel(BakeStatus::None, wrong, None);
+    assert!(wrong.query_by_label_contains("Max vertices is 1, but must lie between 3").is_some());
+    assert!(clicked(&mut wrong, "Bake").is_empty());
+    let mut alone = panel(BakeStatus::None, Document::empty(), None);
+    assert!(alone.query_by_label_contains("Open the scene file").is_some());
+    assert!(clicked(&mut alone, "Bake").is_empty());
+}
+
+#[test]
+fn advanced_settings_are_typed_ticked_and_chosen() {
+    let mut panel = panel(BakeStatus::None, document(), None);
+    assert!(clicked(&mut panel, "Advanced").is_empty());
+    panel.run();
+    panel.get_by_label("Sigma value").click();
+    panel.run();
+    panel.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    panel.get_by_label("Sigma value").type_text("1.25");
+    panel.run();
+    panel.key_press(Key::Enter);
+    panel.run();
+    let asked = bake_asked(&std::mem::take(&mut panel.state_mut().actions)).expect("an edit");
+    let mut expected = Preset::Normal.settings();
+    expected.criterion.sigma = 1.25;
+    assert_eq!(asked, expected);
+    assert_eq!(bake_asked(&clicked(&mut panel, "Byte budget")).expect("an edit").max_bytes, Some(64_000_000));
+    assert_eq!(bake_asked(&clicked(&mut panel, "Max vertices")).expect("an edit").max_vertices, None);
+    clicked(&mut panel, "Lights");
+    assert_eq!(bake_asked(&clicked(&mut panel, "8,192")).expect("an edit").lights, 8192);
+}
+
+#[test]
+fn the_report_shows_its_table_and_warnings() {
+    let with = panel(BakeStatus::UpToDate, document(), Some(test_dataset()));
+    for label in ["Mean cut", "Visibility error", "a corner is thin", "Nodes of the visibility cuts"] {
+        assert!(with.query_by_label(label).is_some(), "{label}");
+    }
+    let without = panel(BakeStatus::None, document(), None);
+    assert!(without.query_by_label("Mean cut").is_none());
+}

@@ -1,0 +1,142 @@
+//! Rows for what the common ones do not hold: values over decades, counts, optional limits, long lists of choices, points.
+
+use super::widgets::{Edited, RowName, row};
+use egui::{ComboBox, DragValue, Response, RichText, Slider, TextStyle, Ui, emath::Numeric, vec2};
+use glam::Vec3;
+use std::ops::RangeInclusive;
+
+/// Points of a number entry.
+const NUMBER_WIDTH: f32 = 62.0;
+/// Points of a note beside it.
+const NOTE_WIDTH: f32 = 64.0;
+
+/// A number whose slider is logarithmic: a whole one if it has no decimals.
+#[derive(Clone, Debug)]
+pub struct Decades<'a> {
+    /// The parameter's name.
+    pub label: &'a str,
+    /// What it does, its range and its unit.
+    pub help: &'a str,
+    /// What the slider covers and what can be typed.
+    pub range: RangeInclusive<f64>,
+    /// What reset puts back.
+    pub default: f64,
+    /// Shown after the number, with its space.
+    pub unit: &'a str,
+    /// Digits after the point.
+    pub decimals: usize,
+    /// The value in other words, shown beside it.
+    pub note: Option<String>,
+}
+
+impl<'a> Decades<'a> {
+    /// A whole number without a unit.
+    pub fn count(label: &'a str, help: &'a str, range: RangeInclusive<f64>, default: f64) -> Self {
+        Self { label, help, range, default, unit: "", decimals: 0, note: None }
+    }
+
+    fn entry(&self, ui: &mut Ui, name: &RowName, number: &mut f64) -> Response {
+        ui.style_mut().drag_value_text_style = TextStyle::Monospace;
+        let entry = DragValue::new(number)
+            .range(self.range.clone())
+            .clamp_existing_to_range(false)
+            .speed(if self.decimals == 0 { 1.0 } else { 0.02 })
+            .fixed_decimals(self.decimals)
+            .suffix(self.unit)
+            .min_size(vec2(NUMBER_WIDTH, ui.spacing().interact_size.y))
+            .update_while_editing(false);
+        ui.add(entry).accessible_name(format!("{} value", name.full))
+    }
+
+    fn slider(&self, ui: &mut Ui, number: &mut f64) -> Response {
+        let smallest = if self.decimals == 0 { 1.0 } else { 0.01 };
+        let slider = Slider::new(number, self.range.clone()).logarithmic(true).smallest_positive(smallest);
+        let slider = slider.show_value(false).clamping(egui::SliderClamping::Edits);
+        ui.add(if self.decimals == 0 { slider.integer() } else { slider })
+    }
+}
+
+/// One row with a logarithmic slider and a number entry.
+pub fn decades_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut T) -> Edited {
+    let mut number = value.to_f64();
+    let differs = (number - decades.default).abs() > 1e-6 * decades.default.abs();
+    let edited = row(ui, decades.label, decades.help, differs, |ui, name, reset| {
+        if reset {
+            number = decades.default;
+            return Edited::at_once(true);
+        }
+        let before = number;
+        let gap = ui.spacing().item_spacing.x;
+        let note_width = decades.note.as_ref().map_or(0.0, |_| NOTE_WIDTH + gap);
+        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - gap - note_width).max(24.0);
+        let slider = name.of(decades.slider(ui, &mut number));
+        let entry = decades.entry(ui, name, &mut number);
+        if let Some(note) = &decades.note {
+            ui.add(egui::Label::new(RichText::new(note).weak()).truncate());
+        }
+        let ended = Edited::by(ui, &slider).ended | Edited::by(ui, &entry).ended;
+        Edited { changed: number != before, ended }
+    });
+    if edited.changed {
+        *value = T::from_f64(number);
+    }
+    edited
+}
+
+/// One row with a check box that sets a limit, and the limit. Ticking it puts the default in.
+pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<T>) -> Edited {
+    row(ui, decades.label, decades.help, false, |ui, name, _| {
+        let mut on = value.is_some();
+        let ticked = name.of(ui.checkbox(&mut on, "")).on_hover_text(decades.help).changed();
+        if ticked {
+            *value = on.then(|| T::from_f64(decades.default));
+        }
+        let Some(limit) = value else {
+            ui.weak("no limit");
+            return Edited::at_once(ticked);
+        };
+        let (mut number, before) = (limit.to_f64(), limit.to_f64());
+        let entry = decades.entry(ui, name, &mut number);
+        *limit = T::from_f64(number);
+        Edited::at_once(ticked) | Edited { changed: number != before, ended: Edited::by(ui, &entry).ended }
+    })
+}
+
+/// One row with a list that drops down: each choice a value, its name and what it means.
+pub fn combo_row<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    value: &mut T,
+    choices: &[(T, &str, &str)],
+) -> Edited {
+    row(ui, label, help, false, |ui, name, _| {
+        let before = *value;
+        let current = choices.iter().find(|c| c.0 == before).map_or("", |c| c.1);
+        let list = ComboBox::from_id_salt(label).selected_text(current).width(ui.available_width());
+        let list = list.show_ui(ui, |ui| {
+            for &(choice, name, meaning) in choices {
+                ui.selectable_value(value, choice, name).on_hover_text(meaning);
+            }
+        });
+        name.of(list.response).on_hover_text(help);
+        Edited::at_once(*value != before)
+    })
+}
+
+/// One row with the coordinates of a point in metres.
+pub fn point_row(ui: &mut Ui, label: &str, help: &str, point: &mut Vec3) -> Edited {
+    row(ui, label, help, false, |ui, name, _| {
+        ui.style_mut().drag_value_text_style = TextStyle::Monospace;
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let width = ((ui.available_width() - 4.0) / 3.0).max(36.0);
+        let mut edited = Edited::default();
+        for (coordinate, axis) in point.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
+            let entry = DragValue::new(coordinate).speed(0.01).max_decimals(3).update_while_editing(false);
+            let entry = ui.add_sized([width, ui.spacing().interact_size.y], entry);
+            edited |= Edited::by(ui, &entry);
+            entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, m"));
+        }
+        edited
+    })
+}

@@ -1,0 +1,165 @@
+//! The outliner: objects with their materials, materials, and cameras to go back to.
+
+mod bookmarks;
+#[cfg(test)]
+mod tests;
+
+use super::widgets::section;
+use crate::{actions::Action, document::Document};
+use egui::{Button, Color32, Layout, Response, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
+use lapidary_core::{color::srgb_from_linear, dataset::Dataset, material::Material};
+use std::collections::BTreeSet;
+
+/// Rows of a list before it scrolls.
+const VISIBLE_ROWS: f32 = 9.0;
+/// Materials of an object that are shown beside its name.
+const SWATCHES: usize = 4;
+/// Side of a swatch in points.
+const SWATCH: f32 = 11.0;
+
+/// What the panel shows.
+pub struct SceneContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Its dataset, if one is loaded.
+    pub dataset: Option<&'a Dataset>,
+    /// The selected object.
+    pub selected_object: Option<u32>,
+    /// The selected material.
+    pub selected_material: Option<usize>,
+}
+
+/// What the panel keeps between frames.
+#[derive(Default)]
+pub struct ScenePanel {
+    filter: String,
+    renaming: Option<bookmarks::Renaming>,
+    object_materials: ObjectMaterials,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut ScenePanel, context: &SceneContext, actions: &mut Vec<Action>) {
+    let filter = TextEdit::singleline(&mut state.filter).hint_text("Filter").desired_width(f32::INFINITY);
+    ui.add(filter).accessible_name("Filter objects and materials");
+    let wanted = state.filter.trim().to_lowercase();
+    if let Some(dataset) = context.dataset {
+        state.object_materials.update(dataset);
+        objects(ui, context, dataset, &state.object_materials, &wanted, actions);
+    }
+    materials(ui, context, &wanted, actions);
+    section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));
+}
+
+/// Which materials each object's triangles have; found once a dataset, for it takes a pass over all triangles.
+#[derive(Default)]
+struct ObjectMaterials {
+    key: Option<(String, usize)>,
+    of_object: Vec<BTreeSet<u32>>,
+}
+
+impl ObjectMaterials {
+    fn update(&mut self, dataset: &Dataset) {
+        let key = (&dataset.scene_hash, dataset.scene.mesh.triangles.len());
+        if self.key.as_ref().is_some_and(|(hash, triangles)| (hash, *triangles) == key) {
+            return;
+        }
+        self.key = Some((key.0.clone(), key.1));
+        self.of_object = vec![BTreeSet::new(); dataset.scene.objects.len()];
+        let mesh = &dataset.scene.mesh;
+        for (&object, &material) in mesh.triangle_object.iter().zip(&mesh.triangle_material) {
+            self.of_object[object as usize].insert(material);
+        }
+    }
+}
+
+fn objects(
+    ui: &mut Ui,
+    context: &SceneContext,
+    dataset: &Dataset,
+    materials: &ObjectMaterials,
+    wanted: &str,
+    actions: &mut Vec<Action>,
+) {
+    let names: Vec<&str> = dataset.scene.objects.iter().map(|o| o.name.as_str()).collect();
+    list(ui, "Objects", &names, wanted, |ui, index| {
+        let right_to_left = Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right_to_left, |ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            for &material in materials.of_object[index].iter().take(SWATCHES) {
+                object_swatch(ui, context, names[index], material as usize, actions);
+            }
+            let selected = context.selected_object == Some(index as u32);
+            let name = name_button(ui, selected, names[index]);
+            if name.clicked() || name.double_clicked() {
+                actions.push(Action::SelectObject(Some(index as u32)));
+            }
+            if name.on_hover_text("Double-click to frame it").double_clicked() {
+                actions.push(Action::FrameSelection);
+            }
+        });
+    });
+}
+
+/// The colour of one of an object's materials; a click selects the material.
+fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize, actions: &mut Vec<Action>) {
+    let Some(material) = context.document.materials.get(index) else { return };
+    let name = material_name(index, material);
+    let swatch = swatch(ui, material, Sense::click());
+    swatch.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{name} of {object}")));
+    if swatch.on_hover_text(name).clicked() {
+        actions.push(Action::SelectMaterial(Some(index)));
+    }
+}
+
+fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Vec<Action>) {
+    let materials = &context.document.materials;
+    let names: Vec<String> = materials.iter().enumerate().map(|(i, m)| material_name(i, m)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    list(ui, "Materials", &names, wanted, |ui, index| {
+        swatch(ui, &materials[index], Sense::hover());
+        if name_button(ui, context.selected_material == Some(index), names[index]).clicked() {
+            actions.push(Action::SelectMaterial(Some(index)));
+        }
+    });
+}
+
+/// A folding list of the names that hold `wanted`; only the rows in view are laid out, since there may be thousands.
+fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: impl FnMut(&mut Ui, usize)) {
+    let shown: Vec<usize> =
+        (0..names.len()).filter(|&i| wanted.is_empty() || names[i].to_lowercase().contains(wanted)).collect();
+    section(ui, title, true, |ui| {
+        if shown.is_empty() {
+            ui.weak(if names.is_empty() { "None yet" } else { "None of that name" });
+            return;
+        }
+        let height = ui.spacing().interact_size.y;
+        let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
+        let area = ScrollArea::vertical().id_salt(title).max_height(limit).auto_shrink([false, true]);
+        area.show_rows(ui, height, shown.len(), |ui, rows| {
+            for &index in &shown[rows] {
+                ui.push_id(index, |ui| {
+                    let layout = Layout::left_to_right(egui::Align::Center);
+                    let size = vec2(ui.available_width(), height);
+                    ui.allocate_ui_with_layout(size, layout, |ui| add_row(ui, index));
+                });
+            }
+        });
+    });
+}
+
+/// A name that takes the rest of the row.
+fn name_button(ui: &mut Ui, selected: bool, name: &str) -> Response {
+    let button = Button::selectable(selected, "").left_text(name).truncate();
+    ui.add(button.min_size(ui.available_size())).accessible_name(name)
+}
+
+fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(SWATCH, SWATCH), sense);
+    let color = material.parameters.base_color.map(srgb_from_linear).to_array().map(|c| (c * 255.0 + 0.5) as u8);
+    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(color[0], color[1], color[2]));
+    response
+}
+
+fn material_name(index: usize, material: &Material) -> String {
+    if material.name.is_empty() { format!("Material {}", index + 1) } else { material.name.clone() }
+}

@@ -1,0 +1,130 @@
+use super::*;
+use crate::{document::Edit, panels::bake::test_dataset};
+use egui::Key;
+use egui_kittest::{Harness, kittest::Queryable};
+use glam::Vec3;
+use lapidary_core::{camera::Camera, scene::Object};
+
+struct Probe {
+    document: Document,
+    dataset: Dataset,
+    panel: ScenePanel,
+    actions: Vec<Action>,
+}
+
+fn named(names: &[&str]) -> Dataset {
+    let mut dataset = test_dataset();
+    dataset.scene.objects = names.iter().map(|n| Object { name: (*n).into() }).collect();
+    dataset
+}
+
+fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
+    let mut document = Document::empty();
+    document.materials = vec![Material { name: "Gold".into(), ..Default::default() }, Material::default()];
+    document.bookmarks = bookmarks.iter().map(|n| Camera { name: (*n).into(), ..document.camera.clone() }).collect();
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let Probe { document, dataset, panel, actions } = probe;
+        let context =
+            SceneContext { document, dataset: Some(dataset), selected_object: Some(0), selected_material: None };
+        show(ui, panel, &context, actions);
+    };
+    let probe = Probe { document, dataset, panel: ScenePanel::default(), actions: Vec::new() };
+    let mut panel = Harness::builder().with_size(vec2(280.0, 700.0)).build_ui_state(show, probe);
+    panel.run();
+    assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    panel
+}
+
+/// The names of the bookmarks that were asked for last.
+fn bookmarks_asked(panel: &Harness<Probe>) -> Option<Vec<String>> {
+    panel.state().actions.iter().rev().find_map(|action| match action {
+        Action::Edit { edit: Edit::Bookmarks(cameras), .. } => Some(cameras.iter().map(|c| c.name.clone()).collect()),
+        _ => None,
+    })
+}
+
+#[test]
+fn clicks_select_objects_and_materials() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    panel.get_by_label("Teapot").click();
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::SelectObject(Some(1))]));
+    panel.state_mut().actions.clear();
+    panel.get_by_label("Gold").click();
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::SelectMaterial(Some(0))]));
+    panel.state_mut().actions.clear();
+    panel.get_by_label("Material 2").click();
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::SelectMaterial(Some(1))]));
+}
+
+#[test]
+fn an_object_shows_its_materials_only() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    assert!(panel.query_by_label("Gold of Teapot").is_none(), "the only triangle belongs to the floor");
+    panel.get_by_label("Gold of Floor").click();
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::SelectMaterial(Some(0))]));
+}
+
+#[test]
+fn a_filter_hides_what_does_not_match() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    panel.get_by_label("Filter objects and materials").click();
+    panel.run();
+    panel.get_by_label("Filter objects and materials").type_text("TEA");
+    panel.run();
+    assert!(panel.query_by_label("Teapot").is_some());
+    assert!(panel.query_by_label("Floor").is_none() && panel.query_by_label("Gold").is_none());
+}
+
+#[test]
+fn of_thousands_of_objects_only_those_in_view_are_laid_out() {
+    let names: Vec<String> = (0..5000).map(|i| format!("Object number {i}")).collect();
+    let panel = panel(named(&names.iter().map(String::as_str).collect::<Vec<_>>()), &[]);
+    let rows = panel.query_all_by_label_contains("Object number").count();
+    assert!((3..60).contains(&rows), "{rows}");
+}
+
+#[test]
+fn a_bookmark_is_gone_to_added_and_deleted() {
+    let mut panel = panel(named(&["Floor"]), &["View 1", "Close"]);
+    panel.get_by_label("Close").click();
+    panel.run();
+    assert!(matches!(&panel.state().actions[..], [Action::Camera(c)] if c.name == "Close"));
+    panel.get_by_label("Add view").click();
+    panel.run();
+    assert_eq!(bookmarks_asked(&panel).expect("an edit"), ["View 1", "Close", "View 2"]);
+    panel.get_by_label("Delete View 1").click();
+    panel.run();
+    assert_eq!(bookmarks_asked(&panel).expect("an edit"), ["Close"]);
+}
+
+#[test]
+fn a_double_click_renames_and_escape_does_not() {
+    for (key, expected) in [(Key::Enter, Some(vec!["Far".to_owned()])), (Key::Escape, None)] {
+        let mut panel = panel(named(&["Floor"]), &["Close"]);
+        panel.get_by_label("Close").click();
+        panel.get_by_label("Close").click();
+        panel.run();
+        panel.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+        panel.get_by_label("View name").type_text("Far");
+        panel.run();
+        panel.key_press(key);
+        panel.run();
+        assert_eq!(bookmarks_asked(&panel), expected, "{key:?}");
+        assert!(panel.query_by_label("View name").is_none());
+    }
+}
+
+#[test]
+fn cameras_of_the_scene_are_there_but_not_to_be_deleted() {
+    let mut dataset = named(&["Floor"]);
+    dataset.scene.cameras = vec![Camera { name: "Hero".into(), ..Camera::look_at(Vec3::Z, Vec3::ZERO, 30.0) }];
+    let mut panel = panel(dataset, &[]);
+    assert!(panel.query_by_label("Delete Hero").is_none());
+    panel.get_by_label("Hero").click();
+    panel.run();
+    assert!(matches!(&panel.state().actions[..], [Action::Camera(c)] if c.name == "Hero"));
+}

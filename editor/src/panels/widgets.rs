@@ -1,0 +1,284 @@
+//! Rows that all inspectors are made of: a label with an explanation, the control, and a button that puts the default back.
+//!
+//! Every row tells whether its value changed and whether the gesture that changes it has ended, because a drag of many
+//! frames is to be one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
+
+mod color;
+
+pub use color::color_row;
+
+use egui::{
+    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, TextStyle, Ui, UiBuilder,
+    UiStackInfo, vec2,
+};
+use std::ops::{BitOr, BitOrAssign, RangeInclusive};
+
+/// Points that the labels of all rows take, so that controls align.
+const LABEL_WIDTH: f32 = 84.0;
+/// Points for the reset button, kept free where there is none.
+const RESET_WIDTH: f32 = 20.0;
+/// Points of a number entry.
+const NUMBER_WIDTH: f32 = 62.0;
+/// How much slower a slider moves while Shift is held.
+const FINE: f32 = 0.1;
+
+/// What happened to a value in this frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[must_use]
+pub struct Edited {
+    /// It has another value now.
+    pub changed: bool,
+    /// The drag stopped, the field was left, or a click set the value: what follows is another step of undo.
+    pub ended: bool,
+}
+
+impl Edited {
+    /// A change that is complete at once, as by a click.
+    pub fn at_once(changed: bool) -> Self {
+        Self { changed, ended: changed }
+    }
+
+    /// What a slider or number entry did. A gesture that changed nothing does not end either.
+    pub fn by(ui: &Ui, response: &Response) -> Self {
+        let over = response.drag_stopped() || response.lost_focus() || !(response.dragged() || response.has_focus());
+        Self::until(ui, response.id, response.changed(), over)
+    }
+
+    /// Remembers under `id` that there was a change until the gesture is `over`.
+    fn until(ui: &Ui, id: Id, changed: bool, over: bool) -> Self {
+        let id = id.with("gesture");
+        let under_way = changed || ui.data(|d| d.get_temp(id)).unwrap_or(false);
+        ui.data_mut(|d| d.insert_temp(id, under_way && !over));
+        Self { changed, ended: under_way && over }
+    }
+}
+
+/// How a row's controls are called for screen readers.
+#[derive(Clone, Debug)]
+pub struct RowName {
+    /// The name, with that of the group.
+    pub full: String,
+    /// The visible label, if that alone is the name.
+    label: Option<Id>,
+}
+
+impl RowName {
+    /// Gives the row's name to its main control.
+    pub fn of(&self, control: Response) -> Response {
+        match self.label {
+            Some(label) => control.labelled_by(label),
+            None => control.accessible_name(self.full.as_str()),
+        }
+    }
+}
+
+impl BitOr for Edited {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self { changed: self.changed | other.changed, ended: self.ended | other.ended }
+    }
+}
+
+impl BitOrAssign for Edited {
+    fn bitor_assign(&mut self, other: Self) {
+        *self = *self | other;
+    }
+}
+
+/// A number that a row edits.
+#[derive(Clone, Debug)]
+pub struct Number<'a> {
+    /// The parameter's name.
+    pub label: &'a str,
+    /// What it does, its range and its unit.
+    pub help: &'a str,
+    /// What the slider covers.
+    pub range: RangeInclusive<f32>,
+    /// What can be typed.
+    pub entry: RangeInclusive<f32>,
+    /// What reset puts back.
+    pub default: f32,
+    /// Shown after the number, with its space: " mm".
+    pub unit: &'a str,
+    /// Digits after the point.
+    pub decimals: usize,
+    /// Why it cannot be edited now.
+    pub disabled: Option<&'a str>,
+}
+
+impl<'a> Number<'a> {
+    /// A plain number that can be typed in the slider's range, with two digits after the point.
+    pub fn new(label: &'a str, help: &'a str, range: RangeInclusive<f32>, default: f32) -> Self {
+        Self { label, help, entry: range.clone(), range, default, unit: "", decimals: 2, disabled: None }
+    }
+
+    /// Shown with a unit and this many digits.
+    pub fn unit(self, unit: &'a str, decimals: usize) -> Self {
+        Self { unit, decimals, ..self }
+    }
+
+    /// Can be typed beyond the slider.
+    pub fn entry(self, entry: RangeInclusive<f32>) -> Self {
+        Self { entry, ..self }
+    }
+
+    /// Greyed, for a reason.
+    pub fn disabled(self, reason: Option<&'a str>) -> Self {
+        Self { disabled: reason, ..self }
+    }
+
+    fn differs(&self, value: f32) -> bool {
+        (value - self.default).abs() > 0.5 * 0.1_f32.powi(self.decimals as i32 + 2)
+    }
+}
+
+/// One row with a slider and a number entry.
+pub fn slider_row(ui: &mut Ui, number: &Number, value: &mut f32) -> Edited {
+    let enabled = number.disabled.is_none();
+    let help = number.disabled.map_or(number.help.to_owned(), |reason| format!("{}\n\n{reason}", number.help));
+    ui.add_enabled_ui(enabled, |ui| {
+        row(ui, number.label, &help, number.differs(*value), |ui, name, reset| {
+            if reset {
+                *value = number.default;
+                return Edited::at_once(true);
+            }
+            let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(24.0);
+            ui.spacing_mut().slider_width = width;
+            let slider = name.of(fine_slider(ui, number, value));
+            let slid = Edited::by(ui, &slider);
+            let entry = number_entry(ui, number, value).accessible_name(format!("{} value", name.full));
+            slid | Edited::by(ui, &entry)
+        })
+    })
+    .inner
+}
+
+/// A slider that moves slowly, from where the value is, while Shift is held.
+fn fine_slider(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
+    let before = *value;
+    let slider = Slider::new(value, number.range.clone()).show_value(false).clamping(egui::SliderClamping::Edits);
+    let mut response = ui.add(slider);
+    if response.is_pointer_button_down_on() && ui.input(|i| i.modifiers.shift) {
+        let span = number.range.end() - number.range.start();
+        let moved = response.drag_delta().x / response.rect.width().max(1.0) * span * FINE;
+        *value = (before + moved).clamp(*number.entry.start(), *number.entry.end());
+    }
+    if *value == before {
+        response.flags.remove(egui::response::Flags::CHANGED);
+    } else {
+        response.mark_changed();
+    }
+    response
+}
+
+/// The number beside a slider. Figures are monospaced, so that they do not jitter in a drag.
+fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
+    ui.style_mut().drag_value_text_style = TextStyle::Monospace;
+    let span = number.range.end() - number.range.start();
+    let entry = DragValue::new(value)
+        .range(number.entry.clone())
+        .clamp_existing_to_range(false)
+        .speed(span / 300.0)
+        .fixed_decimals(number.decimals)
+        .suffix(number.unit)
+        .min_size(vec2(NUMBER_WIDTH, ui.spacing().interact_size.y))
+        .update_while_editing(false);
+    ui.add(entry)
+}
+
+/// One row with a few choices side by side: each a value, its name and what it means.
+pub fn choice_row<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    value: &mut T,
+    choices: &[(T, &str, &str)],
+) -> Edited {
+    row(ui, label, help, false, |ui, row, _| {
+        let before = *value;
+        for &(choice, name, meaning) in choices {
+            let button = ui.selectable_value(value, choice, name).on_hover_text(meaning);
+            button.accessible_name(format!("{}: {name}", row.full));
+        }
+        Edited::at_once(*value != before)
+    })
+}
+
+/// One row with a check box.
+pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edited {
+    row(ui, label, help, false, |ui, name, _| {
+        Edited::at_once(name.of(ui.checkbox(value, "")).on_hover_text(help).changed())
+    })
+}
+
+/// A part of an inspector that folds, without a box around it.
+pub fn section<R>(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui) -> R) -> Option<R> {
+    ui.add_space(4.0);
+    let header = CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open);
+    header.show_unindented(ui, body).body_returned
+}
+
+/// Rows that belong to one thing of several alike: its name stands before those of the rows for screen readers.
+pub fn group<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> R {
+    let info = UiStackInfo::default().with_tag_value(GROUP, name.to_owned());
+    ui.scope_builder(UiBuilder::new().id_salt(name).ui_stack_info(info), body).inner
+}
+
+/// The tag of a [`group`]'s name.
+const GROUP: &str = "group of rows";
+
+fn full_name(ui: &Ui, label: &str) -> Option<String> {
+    let group = ui.stack().iter().find_map(|s| s.tags().get_downcast::<String>(GROUP))?;
+    Some(format!("{group} {}", label.to_lowercase()))
+}
+
+/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. `body` is told whether
+/// to reset, by the button or a double click on the label.
+pub fn row(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    differs: bool,
+    body: impl FnOnce(&mut Ui, &RowName, bool) -> Edited,
+) -> Edited {
+    let height = ui.spacing().interact_size.y;
+    let gap = ui.spacing().item_spacing.x;
+    let centred = Layout::left_to_right(Align::Center);
+    ui.horizontal(|ui| {
+        let total = ui.available_width();
+        let shown = cell(ui, LABEL_WIDTH, height, |ui| {
+            let shown = ui.add(Label::new(label).truncate().selectable(false).sense(Sense::click()));
+            shown.on_hover_text(help).on_disabled_hover_text(help)
+        });
+        let name = match full_name(ui, label) {
+            Some(full) => RowName { full, label: None },
+            None => RowName { full: label.to_owned(), label: Some(shown.id) },
+        };
+        let reset_at = ui.max_rect().left() + total - RESET_WIDTH;
+        let reset = egui::Rect::from_min_size(egui::pos2(reset_at, ui.max_rect().top()), vec2(RESET_WIDTH, height));
+        let mut reset_ui = ui.new_child(UiBuilder::new().max_rect(reset).layout(centred).id_salt("reset"));
+        let asked = differs && (reset_button(&mut reset_ui, &name.full) || shown.double_clicked());
+        cell(ui, (total - LABEL_WIDTH - RESET_WIDTH - 2.0 * gap).max(40.0), height, |ui| body(ui, &name, asked))
+    })
+    .inner
+}
+
+/// A part of a row of fixed width.
+fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&mut Ui) -> R) -> R {
+    let layout = Layout::left_to_right(Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
+        ui.set_min_width(width);
+        ui.set_max_width(width);
+        body(ui)
+    })
+    .inner
+}
+
+fn reset_button(ui: &mut Ui, name: &str) -> bool {
+    let button = egui::Button::new(RichText::new("↺").monospace().weak()).frame(false).small();
+    let name = format!("Reset {name}");
+    ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,125 @@
+use super::{
+    color::{hex_from_linear, linear_from_hex},
+    *,
+};
+use egui_kittest::{Harness, kittest::Queryable};
+use glam::Vec3;
+
+#[derive(Default)]
+struct Probe {
+    value: f32,
+    color: Vec3,
+    changes: usize,
+    ends: usize,
+}
+
+impl Probe {
+    fn note(&mut self, edited: Edited) {
+        self.changes += usize::from(edited.changed);
+        self.ends += usize::from(edited.ended);
+    }
+}
+
+fn slider() -> Harness<'static, Probe> {
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let number = Number::new("Width", "Metres.", 0.0..=1.0, 0.5).entry(0.0..=10.0);
+        let edited = slider_row(ui, &number, &mut probe.value);
+        probe.note(edited);
+    };
+    let mut harness =
+        Harness::builder().with_size(vec2(320.0, 80.0)).build_ui_state(show, Probe { value: 0.5, ..Probe::default() });
+    harness.run();
+    harness
+}
+
+#[test]
+fn typing_changes_once_and_reaches_beyond_the_slider() {
+    let mut harness = slider();
+    harness.get_by_label("Width value").click();
+    harness.run();
+    harness.get_by_label("Width value").type_text("7.25");
+    harness.run();
+    assert_eq!(harness.state().changes, 0, "an unfinished number is no change");
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    let probe = harness.state();
+    assert_eq!((probe.value, probe.changes, probe.ends), (7.25, 1, 1));
+}
+
+#[test]
+fn a_drag_changes_often_and_ends_once() {
+    let mut harness = slider();
+    let rect = harness.get_by_label("Width").rect();
+    harness.drag_at(rect.center());
+    harness.step();
+    for i in 1..5 {
+        harness.hover_at(rect.center() + vec2(8.0 * i as f32, 0.0));
+        harness.step();
+    }
+    assert_eq!(harness.state().ends, 0);
+    harness.drop_at(rect.center() + vec2(40.0, 0.0));
+    harness.run();
+    let probe = harness.state();
+    assert!(probe.value > 0.6 && probe.changes >= 4, "{} after {}", probe.value, probe.changes);
+    assert_eq!(probe.ends, 1);
+}
+
+#[test]
+fn shift_makes_a_drag_fine() {
+    let dragged = |shift: bool| {
+        let mut harness = slider();
+        let rect = harness.get_by_label("Width").rect();
+        harness.event(egui::Event::ModifiersChanged(egui::Modifiers { shift, ..Default::default() }));
+        harness.drag_at(rect.center());
+        harness.step();
+        harness.hover_at(rect.center() + vec2(30.0, 0.0));
+        harness.step();
+        harness.state().value - 0.5
+    };
+    let (coarse, fine) = (dragged(false), dragged(true));
+    assert!(fine > 0.0 && fine < 0.2 * coarse, "{fine} for {coarse}");
+}
+
+#[test]
+fn reset_is_there_only_when_the_value_differs() {
+    let mut harness = slider();
+    assert!(harness.query_by_label("Reset Width").is_none());
+    harness.state_mut().value = 0.75;
+    harness.run();
+    harness.get_by_label("Reset Width").click();
+    harness.run();
+    let probe = harness.state();
+    assert_eq!((probe.value, probe.changes, probe.ends), (0.5, 1, 1));
+}
+
+#[test]
+fn hex_is_srgb_and_what_is_no_colour_is_refused() {
+    let half = linear_from_hex("#808080").unwrap();
+    assert!((half.x - 0.2158605).abs() < 1e-5);
+    assert_eq!(hex_from_linear(half), "#808080");
+    assert_eq!(linear_from_hex("f00"), Some(Vec3::X));
+    for wrong in ["", "#12345", "#gg0000", "+12345", "éé", "1234567"] {
+        assert_eq!(linear_from_hex(wrong), None, "{wrong}");
+    }
+}
+
+#[test]
+fn a_typed_hex_colour_arrives_when_the_field_is_left() {
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let edited = color_row(ui, "Tint", "A color.", &mut probe.color, Vec3::ONE);
+        probe.note(edited);
+    };
+    let mut harness = Harness::builder().with_size(vec2(320.0, 80.0)).build_ui_state(show, Probe::default());
+    harness.run();
+    for (typed, expected) in [("nonsense", 0.0), ("#ff0000", 1.0)] {
+        harness.get_by_label("Tint hex").click();
+        harness.run();
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+        harness.get_by_label("Tint hex").type_text(typed);
+        harness.run();
+        harness.key_press(egui::Key::Enter);
+        harness.run();
+        assert_eq!(harness.state().color.x, expected, "{typed}");
+    }
+    assert_eq!((harness.state().changes, harness.state().ends), (1, 1));
+}
