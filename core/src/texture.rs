@@ -4,7 +4,7 @@ use crate::{
     color::linear_from_srgb,
     image::{ImageError, decode},
 };
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::{
     path::Path,
@@ -55,6 +55,8 @@ pub struct TextureSlot {
     pub rotation: f32,
     /// Scales normals and heights; 1 leaves other maps alone.
     pub strength: f32,
+    /// Normals have their green channel down (DirectX) instead of up (OpenGL).
+    pub flip_y: bool,
 }
 
 impl Default for TextureSlot {
@@ -67,6 +69,7 @@ impl Default for TextureSlot {
             offset: Vec2::ZERO,
             rotation: 0.0,
             strength: 1.0,
+            flip_y: false,
         }
     }
 }
@@ -77,6 +80,12 @@ impl TextureSlot {
         let (sin, cos) = self.rotation.sin_cos();
         let s = uv * self.scale;
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
+    }
+
+    /// The tangent-space normal, not normalised, that a texel of a normal map stands for.
+    pub fn tangent_normal(&self, texel: Vec3) -> Vec3 {
+        let green = if self.flip_y { -self.strength } else { self.strength };
+        (2.0 * texel - 1.0) * Vec3::new(self.strength, green, 1.0)
     }
 }
 
@@ -156,6 +165,14 @@ impl Texture {
     pub fn sample_channel(&self, uv: Vec2, slot: &TextureSlot) -> f32 {
         self.sample_slot(uv, slot)[slot.channel as usize]
     }
+
+    /// Change of a bump map's height in metres per unit of u and v, by central differences over one texel.
+    pub fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
+        let height = |uv: Vec2| self.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
+        let texel = Vec2::new(self.size[0] as f32, self.size[1] as f32) * slot.scale;
+        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)]
+            .map(|step| slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element()))
+    }
 }
 
 #[cfg(test)]
@@ -175,6 +192,17 @@ mod tests {
             assert_eq!(t.sample(Vec2::new(0.75 + shift, 0.5), ColorSpace::Linear).x, 1.0);
         }
         assert!((t.sample(Vec2::new(0.5, 0.5), ColorSpace::Linear).x - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn flipping_turns_green_upside_down_and_nothing_else() {
+        let slot = TextureSlot { strength: 0.5, ..Default::default() };
+        let flipped = TextureSlot { flip_y: true, ..slot.clone() };
+        let texel = Vec3::new(0.75, 0.75, 1.0);
+        assert_eq!(slot.tangent_normal(texel), Vec3::new(0.25, 0.25, 1.0));
+        assert_eq!(flipped.tangent_normal(texel), Vec3::new(0.25, -0.25, 1.0));
+        let old: TextureSlot = serde_json::from_str(r#"{"texture": 3}"#).unwrap();
+        assert!(!old.flip_y, "files from before have their green up");
     }
 
     #[test]

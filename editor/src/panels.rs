@@ -3,6 +3,8 @@
 pub mod bake;
 mod entries;
 pub mod environment;
+pub mod material;
+pub mod presets;
 pub mod scene;
 mod units;
 pub mod view;

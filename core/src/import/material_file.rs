@@ -64,6 +64,9 @@ pub struct SlotFile {
     /// Scales normals and heights.
     #[serde(default = "full_strength")]
     pub strength: f32,
+    /// Normals have their green channel down (DirectX).
+    #[serde(default)]
+    pub flip_y: bool,
 }
 
 fn one() -> Vec2 {
@@ -135,5 +138,6 @@ fn load_slot(
         offset: slot.offset,
         rotation: slot.rotation_degrees.to_radians(),
         strength: slot.strength,
+        flip_y: slot.flip_y,
     })
 }

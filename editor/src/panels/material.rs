@@ -1,0 +1,172 @@
+//! The material inspector: a ball under the scene's light, the BRDF and its parameters, their maps, and the lobe.
+//!
+//! The panel works on a copy of the material and asks for one edit a frame if the copy differs.
+
+mod lobe_plot;
+mod maps;
+mod parameters;
+mod preview_ball;
+mod preview_worker;
+mod thumbnails;
+mod transfer;
+
+use crate::{
+    actions::{Action, MapKind},
+    document::{Document, Edit},
+    panels::widgets::{Edited, section},
+};
+use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
+use lapidary_core::{
+    material::Material,
+    texture::{ColorSpace, TextureSlot},
+};
+use lapidary_render::SceneLighting;
+use lobe_plot::LobePlot;
+use preview_ball::Ball;
+use preview_worker::Preview;
+use std::{collections::HashSet, sync::Arc};
+use thumbnails::Thumbnails;
+use transfer::Copied;
+
+/// Points of the preview's side.
+const PREVIEW_SIDE: f32 = 128.0;
+
+/// What the panel shows.
+#[derive(Clone, Copy)]
+pub struct MaterialContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Which of its materials, if any.
+    pub selected: Option<usize>,
+    /// The scene's light; `None` until there is a bake.
+    pub lighting: Option<&'a Arc<SceneLighting>>,
+    /// Another number for each change of the light.
+    pub light_revision: u64,
+}
+
+/// What the panel remembers between frames.
+#[derive(Default)]
+pub struct MaterialPanel {
+    copied: Option<Copied>,
+    clear_maps: bool,
+    /// Maps whose horizontal and vertical scale are edited apart.
+    unlinked: HashSet<(usize, MapKind)>,
+    thumbnails: Thumbnails,
+    preview: Preview,
+    plot: LobePlot,
+}
+
+/// The material as edited in this frame.
+struct Changes {
+    material: Material,
+    label: &'static str,
+    ended: bool,
+}
+
+impl Changes {
+    /// Takes note of what a row did; `label` is what undo calls it.
+    fn note(&mut self, label: &'static str, edited: Edited) {
+        if edited.changed {
+            self.label = label;
+        }
+        self.ended |= edited.ended;
+    }
+
+    /// A change that is complete at once.
+    fn replace(&mut self, label: &'static str, material: Material) {
+        self.material = material;
+        self.note(label, Edited::at_once(true));
+    }
+
+    fn finish(self, index: usize, original: &Material, actions: &mut Vec<Action>) {
+        if self.material != *original {
+            let edit = Edit::Material { index, material: Box::new(self.material) };
+            actions.push(Action::Edit { edit, label: self.label });
+        }
+        if self.ended {
+            actions.push(Action::EndGesture);
+        }
+    }
+}
+
+/// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimetre.
+pub fn new_slot(kind: MapKind, texture: u32) -> TextureSlot {
+    let slot = TextureSlot { texture, ..TextureSlot::default() };
+    match kind {
+        MapKind::BaseColor => TextureSlot { color_space: ColorSpace::Srgb, ..slot },
+        MapKind::Bump => TextureSlot { strength: 1e-3, ..slot },
+        _ => slot,
+    }
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, actions: &mut Vec<Action>) {
+    let materials = &context.document.materials;
+    choose(ui, context, actions);
+    let Some((index, original)) = context.selected.and_then(|i| Some((i, materials.get(i)?))) else {
+        ui.weak("Select a material here, or click a surface in the viewport.");
+        return;
+    };
+    let mut changes = Changes { material: original.clone(), label: "Material", ended: false };
+    transfer::show(ui, state, context.document, index, &mut changes, actions);
+    ball(ui, state, context, original);
+    section(ui, "Reflection", true, |ui| {
+        parameters::show(ui, state, context.document, index, &mut changes, actions);
+    });
+    section(ui, "Surface detail", true, |ui| {
+        for kind in [MapKind::Normal, MapKind::Bump] {
+            maps::slot(ui, state, context.document, maps::Target { index, kind }, &mut changes, actions);
+        }
+    });
+    section(ui, "Lobe", false, |ui| state.plot.show(ui, &changes.material));
+    changes.finish(index, original, actions);
+}
+
+/// Which material, of how many.
+fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
+    let materials = &context.document.materials;
+    let title = |i: usize| match materials[i].name.as_str() {
+        "" => format!("Material {}", i + 1),
+        name => name.to_owned(),
+    };
+    let current = context.selected.filter(|&i| i < materials.len());
+    ui.horizontal(|ui| {
+        let shown = current.map_or("No material".to_owned(), title);
+        let width = ui.available_width() - 64.0;
+        let combo = ComboBox::from_id_salt("material").selected_text(shown).width(width).truncate();
+        let opened = combo.show_ui(ui, |ui| {
+            for i in 0..materials.len() {
+                if ui.selectable_label(current == Some(i), title(i)).clicked() {
+                    actions.push(Action::SelectMaterial(Some(i)));
+                }
+            }
+        });
+        opened.response.accessible_name("Material");
+        let which = current.map_or(String::new(), |i| format!("{} of ", i + 1));
+        ui.weak(format!("{which}{}", materials.len()));
+    });
+}
+
+/// The material on a ball under the scene's light, or why there is none.
+fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, material: &Material) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), PREVIEW_SIDE + 8.0), Sense::hover());
+    ui.painter().rect_filled(rect, 4.0, Color32::from_gray(52));
+    let Some(lighting) = context.lighting else {
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let text = "The preview is lit by the scene: bake it first.";
+        ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, Color32::from_gray(160));
+        return;
+    };
+    let textures = context.document.textures.iter().map(|t| t.texture.clone()).collect();
+    let ball = Ball { material: material.clone(), textures, lighting: lighting.clone() };
+    let size = (PREVIEW_SIDE * ui.pixels_per_point()).round().clamp(64.0, 256.0) as u32;
+    let post = context.document.view.post;
+    if let Some(picture) = state.preview.picture(ui.ctx(), ball, context.light_revision, post, size) {
+        let at = Rect::from_center_size(rect.center(), vec2(PREVIEW_SIDE, PREVIEW_SIDE));
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(picture.id(), at, whole, Color32::WHITE);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,314 @@
+use super::*;
+use crate::{document::TextureEntry, panels::presets::PRESETS};
+use egui::{Key, accesskit::Role};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    light_tree::LightTree,
+    material::{BrdfModel, MaterialMaps},
+    texture::{Channel, Texels, Texture},
+};
+use std::{
+    path::{Path, PathBuf},
+    thread,
+    time::Duration,
+};
+
+struct App {
+    document: Document,
+    panel: MaterialPanel,
+    selected: Option<usize>,
+    lighting: Option<Arc<SceneLighting>>,
+    actions: Vec<Action>,
+}
+
+impl App {
+    fn material(&self) -> &Material {
+        &self.document.materials[0]
+    }
+
+    /// The labels of the edits so far, and how many gestures ended.
+    fn log(&self) -> (Vec<&'static str>, usize) {
+        let label = |a: &Action| if let Action::Edit { label, .. } = a { Some(*label) } else { None };
+        let ends = self.actions.iter().filter(|a| matches!(a, Action::EndGesture)).count();
+        (self.actions.iter().filter_map(label).collect(), ends)
+    }
+}
+
+/// The panel over a document of two materials and one texture. Edits are done as the window does them.
+fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
+    let named = |name: &str| Material { name: name.into(), ..Default::default() };
+    let texels = Texels::U8(vec![[255, 0, 0, 255]]);
+    let texture = Texture { name: "red.png".into(), size: [1, 1], texels, encoded: Arc::from([]) };
+    let textures = vec![TextureEntry { texture: texture.into(), file: Some(PathBuf::from("/maps/red.png")) }];
+    let document = Document { materials: vec![named("Knob"), named("Door")], textures, ..Document::empty() };
+    let mut app =
+        App { document, panel: MaterialPanel::default(), selected: Some(0), lighting: None, actions: Vec::new() };
+    edit(&mut app);
+    let show = |ui: &mut Ui, app: &mut App| {
+        let context = MaterialContext {
+            document: &app.document,
+            selected: app.selected,
+            lighting: app.lighting.as_ref(),
+            light_revision: 0,
+        };
+        let mut actions = Vec::new();
+        super::show(ui, &mut app.panel, &context, &mut actions);
+        for action in &actions {
+            if let Action::Edit { edit, .. } = action {
+                edit.clone().swap(&mut app.document);
+            }
+        }
+        app.actions.extend(actions);
+    };
+    let mut harness = Harness::builder().with_size(vec2(340.0, 1400.0)).build_ui_state(show, app);
+    harness.run();
+    harness
+}
+
+fn click(harness: &mut Harness<App>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run();
+}
+
+fn type_in(harness: &mut Harness<App>, label: &str, text: &str) {
+    click(harness, label);
+    harness.get_by_label(label).type_text(text);
+    harness.key_press(Key::Enter);
+    harness.run();
+}
+
+#[test]
+fn typing_a_roughness_is_one_edit_and_one_gesture() {
+    let mut harness = harness(|_| {});
+    type_in(&mut harness, "Roughness value", "0.25");
+    assert_eq!(harness.state().material().parameters.roughness, 0.25);
+    assert_eq!(harness.state().log(), (vec!["Roughness"], 1));
+    assert_eq!(harness.state().document.materials[1], Material { name: "Door".into(), ..Default::default() });
+}
+
+#[test]
+fn dragging_the_slider_is_many_edits_and_one_gesture() {
+    let mut harness = harness(|_| {});
+    let rect = harness.get_by_label("Roughness").rect();
+    harness.drag_at(rect.center());
+    harness.step();
+    for i in 1..6 {
+        harness.hover_at(rect.center() + vec2(6.0 * i as f32, 0.0));
+        harness.step();
+    }
+    harness.drop_at(rect.center() + vec2(30.0, 0.0));
+    harness.run();
+    let (labels, ends) = harness.state().log();
+    assert!(labels.len() >= 3 && labels.iter().all(|l| *l == "Roughness"), "{labels:?}");
+    assert_eq!(ends, 1);
+    assert!(matches!(harness.state().actions.last(), Some(Action::EndGesture)));
+    assert!(harness.state().material().parameters.roughness > 0.55);
+}
+
+#[test]
+fn doing_nothing_asks_for_nothing() {
+    let mut harness = harness(|_| {});
+    harness.run();
+    click(&mut harness, "Roughness value");
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(harness.state().actions.is_empty(), "{:?}", harness.state().actions);
+}
+
+#[test]
+fn reset_puts_the_default_back() {
+    let mut harness = harness(|app| app.document.materials[0].parameters.ior = 2.4);
+    assert!(harness.query_by_label("Reset Roughness").is_none());
+    click(&mut harness, "Reset IOR");
+    assert_eq!(harness.state().material().parameters.ior, 1.5);
+    assert_eq!(harness.state().log(), (vec!["IOR"], 1));
+}
+
+#[test]
+fn the_model_greys_what_it_does_not_read() {
+    let mut harness = harness(|_| {});
+    let disabled =
+        |h: &Harness<App>, label: &str| h.get_by_role_and_label(Role::Slider, label).accesskit_node().is_disabled();
+    assert!(!disabled(&harness, "Roughness"));
+    click(&mut harness, "Model: Lambert");
+    assert_eq!(harness.state().material().model, BrdfModel::Lambert);
+    assert_eq!(harness.state().log(), (vec!["BRDF model"], 1));
+    assert!(disabled(&harness, "Roughness"));
+    click(&mut harness, "Model: Ward");
+    assert!(!disabled(&harness, "Roughness") && !disabled(&harness, "IOR"));
+    harness.state_mut().document.materials[0].parameters.metalness = 1.0;
+    harness.run();
+    assert!(!disabled(&harness, "Roughness") && disabled(&harness, "IOR"));
+}
+
+#[test]
+fn copy_and_paste_carry_values_and_maps_but_not_the_name() {
+    let mut harness = harness(|app| {
+        app.document.materials[0].parameters.roughness = 0.1;
+        app.document.materials[0].maps.normal = Some(TextureSlot::default());
+    });
+    click(&mut harness, "Copy");
+    harness.state_mut().selected = Some(1);
+    harness.run();
+    click(&mut harness, "Paste");
+    let pasted = harness.state().document.materials[1].clone();
+    assert_eq!((pasted.name.as_str(), pasted.parameters.roughness), ("Door", 0.1));
+    assert_eq!(pasted.maps.normal, Some(TextureSlot::default()));
+    assert_eq!(harness.state().log(), (vec!["Paste material"], 1));
+}
+
+#[test]
+fn maps_of_another_document_are_not_pasted() {
+    let mut harness = harness(|app| app.document.materials[0].maps.normal = Some(TextureSlot::default()));
+    click(&mut harness, "Copy");
+    let texture = &mut harness.state_mut().document.textures[0].texture;
+    *texture = Arc::new(Texture::clone(texture));
+    harness.state_mut().selected = Some(1);
+    harness.run();
+    click(&mut harness, "Paste");
+    assert_eq!(harness.state().document.materials[1].maps, MaterialMaps::default());
+}
+
+#[test]
+fn a_material_that_is_text_is_pasted() {
+    let mut harness = harness(|_| {});
+    harness.event(egui::Event::Paste("not a material".into()));
+    harness.run();
+    assert!(harness.state().actions.is_empty());
+    harness.event(egui::Event::Paste(r#"{"model": "ward", "parameters": {"roughness": 0.75}}"#.into()));
+    harness.run();
+    let material = harness.state().material();
+    assert_eq!((material.model, material.parameters.roughness), (BrdfModel::Ward, 0.75));
+}
+
+#[test]
+fn presets_keep_the_maps_unless_they_are_cleared() {
+    let mut harness = harness(|app| app.document.materials[0].maps.bump = Some(TextureSlot::default()));
+    click(&mut harness, "Presets");
+    click(&mut harness, "Gold");
+    assert_eq!(harness.state().material().parameters.metalness, 1.0);
+    assert!(harness.state().material().maps.bump.is_some());
+    click(&mut harness, "Presets");
+    click(&mut harness, "Clear the maps");
+    click(&mut harness, "Rubber");
+    assert_eq!(harness.state().material().maps, MaterialMaps::default());
+    let rubber = PRESETS.iter().find(|p| p.name == "Rubber").unwrap();
+    assert_eq!(harness.state().material().parameters, rubber.parameters);
+    assert_eq!(harness.state().log(), (vec!["Preset"; 2], 2));
+}
+
+#[test]
+fn loading_saving_and_choosing_are_asked_for() {
+    let mut harness = harness(|_| {});
+    for label in ["Load Roughness map", "Load…", "Save…"] {
+        click(&mut harness, label);
+    }
+    click(&mut harness, "Material");
+    click(&mut harness, "Door");
+    let actions = &harness.state().actions;
+    assert!(matches!(actions[0], Action::LoadTexture { material: 0, map: MapKind::Roughness, path: None }));
+    assert!(matches!(actions[1], Action::LoadMaterial { material: 0, path: None }));
+    assert!(matches!(actions[2], Action::SaveMaterial { material: 0, path: None }));
+    assert!(matches!(actions[3], Action::SelectMaterial(Some(1))));
+    assert_eq!(actions.len(), 4);
+}
+
+#[test]
+fn a_picture_dropped_on_a_row_is_loaded_there() {
+    #[derive(Debug)]
+    struct Dropped;
+    impl egui::DroppedFile for Dropped {
+        fn path(&self) -> &Path {
+            Path::new("/maps/wood.png")
+        }
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            Err("not read here".into())
+        }
+    }
+    let mut harness = harness(|_| {});
+    let row = harness.get_by_label("Load Metalness map").rect();
+    harness.hover_at(row.center());
+    harness.run();
+    harness.input_mut().dropped_files = vec![Arc::new(Dropped)];
+    harness.run();
+    let actions = &harness.state().actions;
+    assert_eq!(actions.len(), 1);
+    let Action::LoadTexture { material: 0, map: MapKind::Metalness, path: Some(path) } = &actions[0] else {
+        panic!("{actions:?}")
+    };
+    assert_eq!(path, Path::new("/maps/wood.png"));
+}
+
+#[test]
+fn placement_edits_scale_offset_rotation_and_channel() {
+    let mut harness = harness(|app| app.document.materials[0].maps.roughness = Some(TextureSlot::default()));
+    let slot = |h: &Harness<App>| h.state().material().maps.roughness.clone().unwrap();
+    click(&mut harness, "Roughness map placement");
+    type_in(&mut harness, "Roughness map scale value", "4");
+    assert_eq!(slot(&harness).scale, Vec2::splat(4.0));
+    click(&mut harness, "Roughness map link x and y");
+    type_in(&mut harness, "Roughness map scale y value", "2");
+    assert_eq!(slot(&harness).scale, Vec2::new(4.0, 2.0));
+    type_in(&mut harness, "Roughness map rotation value", "90");
+    assert!((slot(&harness).rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+    type_in(&mut harness, "Roughness map offset x value", "0.5");
+    assert_eq!(slot(&harness).offset, Vec2::new(0.5, 0.0));
+    click(&mut harness, "Roughness map channel: G");
+    assert_eq!(slot(&harness).channel, Channel::G);
+    let labels = vec!["Map scale", "Map scale", "Map rotation", "Map offset", "Map channel"];
+    assert_eq!(harness.state().log(), (labels, 5));
+    click(&mut harness, "Remove Roughness map");
+    assert_eq!(harness.state().material().maps, MaterialMaps::default());
+}
+
+#[test]
+fn bumps_are_in_millimetres_and_can_be_inverted_and_normals_flipped() {
+    let mut harness = harness(|app| {
+        let maps = &mut app.document.materials[0].maps;
+        (maps.bump, maps.normal) = (Some(new_slot(MapKind::Bump, 0)), Some(new_slot(MapKind::Normal, 0)));
+    });
+    type_in(&mut harness, "Bump map height value", "2.5");
+    click(&mut harness, "Bump map invert");
+    let maps = &harness.state().material().maps;
+    assert!((maps.bump.as_ref().unwrap().strength + 0.0025).abs() < 1e-7);
+    assert!(!maps.normal.as_ref().unwrap().flip_y);
+    click(&mut harness, "Normal map flip y (directx)");
+    assert!(harness.state().material().maps.normal.as_ref().unwrap().flip_y);
+    assert_eq!(harness.state().log(), (vec!["Bump height", "Invert bumps", "Flip Y"], 3));
+}
+
+#[test]
+fn a_slot_whose_texture_is_missing_is_shown_and_can_be_swapped() {
+    let mut harness = harness(|app| {
+        app.document.materials[0].maps.base_color = Some(TextureSlot { texture: 99, ..Default::default() });
+    });
+    click(&mut harness, "Swap Base color map");
+    assert!(matches!(harness.state().actions[0], Action::LoadTexture { map: MapKind::BaseColor, .. }));
+}
+
+#[test]
+fn nothing_selected_and_nothing_open_are_no_errors() {
+    let mut harness = harness(|app| (app.selected, app.document) = (Some(7), Document::empty()));
+    assert!(harness.query_by_label("Roughness").is_none());
+    harness.run();
+    assert!(harness.state().actions.is_empty());
+}
+
+#[test]
+fn the_preview_arrives_and_the_panel_comes_to_rest() {
+    let tree = LightTree::geometric(64).unwrap();
+    let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 64], 16));
+    let mut harness = harness(|app| app.lighting = Some(lighting));
+    for _ in 0..1000 {
+        harness.step();
+        if harness.state().panel.preview.has_picture() {
+            return;
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no preview came");
+}

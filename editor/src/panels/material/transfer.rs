@@ -1,0 +1,153 @@
+//! Materials from elsewhere and to elsewhere: presets, copy and paste, files.
+
+use super::{Changes, MaterialPanel};
+use crate::{actions::Action, document::Document, panels::presets::PRESETS};
+use egui::{
+    Button, Event, PopupCloseBehavior, Sense, Ui, ViewportCommand,
+    containers::menu::{MenuButton, MenuConfig},
+    vec2,
+};
+use lapidary_core::{
+    color::srgb_from_linear,
+    import::MaterialFile,
+    material::{Material, MaterialMaps},
+    texture::Texture,
+};
+use std::sync::{Arc, Weak};
+
+/// A material that was copied, and the textures that its maps meant then.
+pub struct Copied {
+    material: Material,
+    textures: Vec<(u32, Weak<Texture>)>,
+}
+
+impl Copied {
+    fn new(material: &Material, document: &Document) -> Self {
+        let texture = |i: u32| Some((i, Arc::downgrade(&document.textures.get(i as usize)?.texture)));
+        let textures = material.maps.slots().filter_map(|slot| texture(slot.texture)).collect();
+        Self { material: material.clone(), textures }
+    }
+
+    /// `target` with what was copied, but for its name and sides. Maps of another document stay behind.
+    fn pasted_on(&self, target: &Material, document: &Document) -> Material {
+        let same = |index: u32| {
+            let now = document.textures.get(index as usize).map(|t| Arc::as_ptr(&t.texture));
+            self.textures.iter().any(|(i, texture)| *i == index && now == Some(texture.as_ptr()))
+        };
+        let keep = |slot: &Option<_>| slot.clone().filter(|s: &lapidary_core::texture::TextureSlot| same(s.texture));
+        let m = &self.material.maps;
+        let maps = MaterialMaps {
+            base_color: keep(&m.base_color),
+            roughness: keep(&m.roughness),
+            metalness: keep(&m.metalness),
+            specular: keep(&m.specular),
+            normal: keep(&m.normal),
+            bump: keep(&m.bump),
+        };
+        let Material { model, parameters, .. } = self.material;
+        Material { model, parameters, maps, ..target.clone() }
+    }
+}
+
+/// The row of buttons.
+pub fn show(
+    ui: &mut Ui,
+    state: &mut MaterialPanel,
+    document: &Document,
+    index: usize,
+    changes: &mut Changes,
+    actions: &mut Vec<Action>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        // The check box in it must not close the menu.
+        let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+        MenuButton::new("Presets").config(config).ui(ui, |ui| presets(ui, &mut state.clear_maps, changes));
+        if ui.button("Copy").on_hover_text("Copy this material; as text too, without its maps").clicked() {
+            ui.ctx().copy_text(text_of(&changes.material));
+            state.copied = Some(Copied::new(&changes.material, document));
+        }
+        let hint = "Paste the copied material onto this one. Ctrl+V pastes a material that is text on the clipboard.";
+        if ui.button("Paste").on_hover_text(hint).clicked() {
+            match &state.copied {
+                Some(copied) => changes.replace("Paste material", copied.pasted_on(&changes.material, document)),
+                None => ui.ctx().send_viewport_cmd(ViewportCommand::RequestPaste),
+            }
+        }
+        if ui.button("Load…").on_hover_text("Replace this material by that of a file").clicked() {
+            actions.push(Action::LoadMaterial { material: index, path: None });
+        }
+        if ui.button("Save…").on_hover_text("Write this material to a file").clicked() {
+            actions.push(Action::SaveMaterial { material: index, path: None });
+        }
+    });
+    if let Some(material) = pasted_text(ui).and_then(|text| material_of(&text, &changes.material)) {
+        changes.replace("Paste material", material);
+    }
+}
+
+fn presets(ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
+    ui.checkbox(clear_maps, "Clear the maps").on_hover_text("Otherwise they stay and modulate the preset's values");
+    ui.separator();
+    for preset in &PRESETS {
+        let chosen = ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::hover());
+            let [r, g, b] = preset.parameters.base_color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
+            ui.painter().rect_filled(rect, 3.0, egui::Color32::from_rgb(r, g, b));
+            ui.add(Button::new(preset.name).frame(false).min_size(vec2(140.0, 0.0)))
+                .on_hover_text(preset.source)
+                .clicked()
+        });
+        if chosen.inner {
+            changes.replace("Preset", preset.applied_to(&changes.material, *clear_maps));
+            ui.close();
+        }
+    }
+}
+
+/// A material as text, which is also a valid material file. Maps are indices into a document: they stay behind.
+fn text_of(material: &Material) -> String {
+    let portable = Material { maps: MaterialMaps::default(), ..material.clone() };
+    serde_json::to_string_pretty(&portable).unwrap_or_default()
+}
+
+/// `target` with the model and values that `text` describes, if it describes a material.
+fn material_of(text: &str, target: &Material) -> Option<Material> {
+    let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text).ok()?;
+    // Every field has a default; without this, any empty object would be a material.
+    object.get("parameters").or(object.get("model"))?;
+    let file: MaterialFile = serde_json::from_value(object.into()).ok()?;
+    Some(Material { model: file.model, parameters: file.parameters.sanitized(), ..target.clone() })
+}
+
+/// Text that was pasted while no field was edited.
+fn pasted_text(ui: &Ui) -> Option<String> {
+    if ui.memory(|m| m.focused().is_some()) {
+        return None;
+    }
+    let text = |event: &Event| if let Event::Paste(text) = event { Some(text.clone()) } else { None };
+    ui.input(|i| i.events.iter().find_map(text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::material::{BrdfModel, BrdfParameters};
+
+    #[test]
+    fn materials_survive_as_text_but_for_maps_and_name() {
+        let parameters = BrdfParameters { roughness: 0.125, ..Default::default() };
+        let source = Material { name: "A".into(), model: BrdfModel::Ward, parameters, ..Default::default() };
+        let target = Material { name: "B".into(), ..Default::default() };
+        let pasted = material_of(&text_of(&source), &target).unwrap();
+        assert_eq!(pasted, Material { name: "B".into(), ..source });
+    }
+
+    #[test]
+    fn other_text_is_no_material() {
+        for text in ["", "roughness", "{}", "[1]", r#"{"position": [0, 0, 1]}"#, r#"{"model": "phong"}"#] {
+            assert!(material_of(text, &Material::default()).is_none(), "{text}");
+        }
+        let beyond = material_of(r#"{"parameters": {"roughness": 7}}"#, &Material::default()).unwrap();
+        assert_eq!(beyond.parameters.roughness, 1.0);
+    }
+}
