@@ -48,10 +48,9 @@ pub struct SessionMaterial {
     pub double_sided: bool,
 }
 
-/// See [`MaterialMaps`].
+/// See [`MaterialMaps`], whose fields these are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(missing_docs, reason = "the fields are those of MaterialMaps")]
 pub struct SessionMaps {
     pub base_color: Option<SessionSlot>,
     pub roughness: Option<SessionSlot>,
@@ -98,10 +97,9 @@ pub enum TextureSource {
     },
 }
 
-/// See [`Camera`].
+/// See [`Camera`], whose fields these are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(missing_docs, reason = "the fields are those of Camera")]
 pub struct SessionCamera {
     pub name: String,
     pub eye: Vec3,
