@@ -55,7 +55,7 @@ impl Preferences {
             }
         };
         let message = format!(
-            "the preferences cannot be read whole: {}; set them again in the Preferences menu ({})",
+            "the preferences cannot be read whole: {}; what was not read is as by default, choose it again ({})",
             problems.join("; "),
             file.display()
         );

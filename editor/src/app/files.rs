@@ -180,6 +180,7 @@ fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
         offset: slot.offset,
         rotation_degrees: slot.rotation.to_degrees(),
         strength: slot.strength,
+        flip_y: slot.flip_y,
     }
 }
 

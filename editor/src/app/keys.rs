@@ -180,7 +180,7 @@ fn take(ctx: &Context, modifiers: Modifiers, key: Key) -> bool {
 
 /// Shows the keyboard map. Returns whether it stays open.
 pub fn show_map(ctx: &Context) -> bool {
-    let modal = Modal::new(egui::Id::new("keyboard map")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("keyboard map")).show(ctx, |ui| {
         ui.heading("Keyboard and pointer");
         ui.add_space(6.0);
         ui.horizontal_top(|ui| {

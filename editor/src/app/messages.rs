@@ -123,7 +123,7 @@ impl Messages {
         self.expire(ctx);
         let shown: Vec<usize> = self.shown().collect();
         if !shown.is_empty() {
-            Area::new(Id::new("messages"))
+            Area::new(Id::unique("messages"))
                 .order(Order::Foreground)
                 .anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -bottom - 12.0))
                 .show(ctx, |ui| self.show_shown(ui, &shown));

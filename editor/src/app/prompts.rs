@@ -48,7 +48,7 @@ pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
         return;
     }
     let title = state.title();
-    let modal = Modal::new(egui::Id::new("prompt")).show(ctx, |ui| {
+    let modal = Modal::new(egui::Id::unique("prompt")).show(ctx, |ui| {
         ui.set_max_width(440.0);
         match prompt {
             Prompt::Unsaved { .. } => unsaved(ui, &title),

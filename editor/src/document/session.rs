@@ -15,10 +15,12 @@ mod resolve;
 mod write;
 
 pub use error::SessionError;
-pub use file::{Session, SessionCamera, SessionMaps, SessionMaterial, SessionSlot, TextureSource};
+pub use file::Session;
 pub use lenient::{Unknown, read_leniently};
 pub use read::{LoadedSession, MissingFile, load};
 pub use write::save;
+
+use file::{SessionCamera, SessionMaterial, SessionSlot, TextureSource};
 
 pub(super) use read::read_json;
 pub(super) use write::save_for_recovery;

@@ -46,7 +46,7 @@ impl PathEntry {
 
     /// Shows it.
     pub fn show(&mut self, ctx: &Context) -> Answer {
-        let modal = Modal::new(egui::Id::new("path entry")).show(ctx, |ui| self.contents(ui));
+        let modal = Modal::new(egui::Id::unique("path entry")).show(ctx, |ui| self.contents(ui));
         let closed = modal.should_close();
         modal.inner.or(closed.then_some(None))
     }

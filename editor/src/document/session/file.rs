@@ -48,10 +48,9 @@ pub struct SessionMaterial {
     pub double_sided: bool,
 }
 
-/// See [`MaterialMaps`].
+/// See [`MaterialMaps`], whose fields these are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(missing_docs, reason = "the fields are those of MaterialMaps")]
 pub struct SessionMaps {
     pub base_color: Option<SessionSlot>,
     pub roughness: Option<SessionSlot>,
@@ -79,6 +78,8 @@ pub struct SessionSlot {
     pub rotation_degrees: f64,
     /// Scales normals and heights.
     pub strength: f32,
+    /// Normals have their green channel down.
+    pub flip_y: bool,
 }
 
 /// Where a texture comes from.
@@ -96,10 +97,9 @@ pub enum TextureSource {
     },
 }
 
-/// See [`Camera`].
+/// See [`Camera`], whose fields these are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-#[expect(missing_docs, reason = "the fields are those of Camera")]
 pub struct SessionCamera {
     pub name: String,
     pub eye: Vec3,
@@ -222,6 +222,7 @@ impl SessionSlot {
             offset: self.offset,
             rotation: self.rotation_degrees.to_radians() as f32,
             strength: self.strength,
+            flip_y: self.flip_y,
         }
     }
 }
@@ -237,6 +238,7 @@ impl From<&TextureSlot> for SessionSlot {
             offset: slot.offset,
             rotation_degrees: degrees(slot.rotation),
             strength: slot.strength,
+            flip_y: slot.flip_y,
         }
     }
 }
