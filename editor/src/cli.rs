@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn options_are_consistent_and_every_one_is_explained() {
-        let mut command = Cli::command();
+        let mut command = <Cli as CommandFactory>::command();
         command.build();
         command.clone().debug_assert();
         for command in command.get_subcommands().filter(|c| c.get_name() != "help") {

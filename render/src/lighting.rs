@@ -44,7 +44,11 @@ pub struct SceneLighting {
 
 impl SceneLighting {
     /// Means up the tree of `leaf_radiance` (one a leaf in tree order) and an illumination cut of at most `illum_cut` nodes.
-    fn new(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+    pub fn new(tree: &LightTree, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+        Self::with_cones(tree, NodeCones::new(tree).into(), leaf_radiance, illum_cut)
+    }
+
+    fn with_cones(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         let nodes = Lighting::new(tree, leaf_radiance);
         let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
         Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
@@ -72,6 +76,6 @@ impl LightRig {
         let resample = || (light.environment.clone(), self.sampler.grid_energy(&light.environment));
         let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
         let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
-        SceneLighting::new(&self.tree, self.cones.clone(), &leaves, illum_cut)
+        SceneLighting::with_cones(&self.tree, self.cones.clone(), &leaves, illum_cut)
     }
 }
