@@ -1,0 +1,78 @@
+//! The GPU renderer from end to end, on whatever adapter there is: `render --backend gpu`, and `bench`.
+
+mod common;
+
+use common::{Stage, keys};
+use lapidary_core::image::Image;
+
+const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72";
+
+/// A baked scene, or `None`, said aloud, where there is no adapter and none is required.
+fn baked() -> Option<Stage> {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let output = stage.run(&format!("render a.cuts {VIEW} --backend gpu --out gpu.exr"));
+    if output.status.success() {
+        return Some(stage);
+    }
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.contains("no graphics adapter"), "{errors}");
+    assert!(std::env::var_os("LAPIDARY_REQUIRE_GPU").is_none(), "LAPIDARY_REQUIRE_GPU is set, but {errors}");
+    eprintln!("SKIPPED: {errors}");
+    None
+}
+
+fn error(stage: &Stage, test: &str, reference: &str) -> f64 {
+    stage.succeed(&format!("compare {test} {reference} --json m.json"));
+    stage.json("m.json")["rel_rmse"].as_f64().expect("a number")
+}
+
+#[test]
+fn both_backends_make_the_same_picture_but_for_silhouettes() {
+    let Some(stage) = baked() else { return };
+    stage.succeed(&format!("render a.cuts {VIEW} --backend gpu --aa 4 --out gpu.exr --stats gpu.json"));
+    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --out cpu.exr --stats cpu.json"));
+    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --roughness 0.6 --out other.exr"));
+    let (same, other) = (error(&stage, "gpu.exr", "cpu.exr"), error(&stage, "other.exr", "cpu.exr"));
+    assert!(same < 0.01, "{same}");
+    assert!(other > 0.01, "negative control: {other}");
+    let (gpu, cpu) = (stage.json("gpu.json"), stage.json("cpu.json"));
+    assert_eq!((gpu["backend"].as_str(), cpu["backend"].as_str()), (Some("gpu"), Some("cpu")));
+    assert!(gpu["adapter"].is_string() && cpu["adapter"].is_null());
+    let nodes = |stats: &serde_json::Value| stats["mean_merged_nodes"].as_f64().expect("a number");
+    assert!((nodes(&gpu) / nodes(&cpu) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_transparent_background_leaves_alpha_and_no_light() {
+    let Some(stage) = baked() else { return };
+    let sky = "--env sun-sky:50 --eye 0.5,0.6,3 --target 0,0.9,0 --fov 60 --size 64x48 --background transparent";
+    for backend in ["gpu", "cpu"] {
+        stage.succeed(&format!("render a.cuts {sky} --backend {backend} --out {backend}.png --out {backend}.exr"));
+        let texture = lapidary_core::texture::Texture::read(&stage.path(&format!("{backend}.png"))).expect("a picture");
+        let lapidary_core::texture::Texels::U8(texels) = &texture.texels else { panic!("8 bits a channel") };
+        assert_eq!(texels[0], [0; 4]);
+        assert!(texels.iter().any(|t| t[3] == 255));
+        assert_eq!(Image::read(&stage.path(&format!("{backend}.exr"))).expect("a picture").pixels[0], glam::Vec3::ZERO);
+    }
+}
+
+#[test]
+fn bench_reports_medians_by_pass_size_and_cut() {
+    let Some(stage) = baked() else { return };
+    let options = "--size 64x48 --illum-cuts 16,64 --frames 2 --json";
+    for (backend, passes) in
+        [("gpu", &["deferred", "display", "merge", "total", "visibility"][..]), ("cpu", &["total"][..])]
+    {
+        let text = stage.succeed(&format!("bench a.cuts --backend {backend} {options}"));
+        let bench: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(bench["size"], serde_json::json!([64, 48]));
+        assert!(bench["adapter"].is_string() && bench["rotation_milliseconds"].as_f64().is_some_and(|ms| ms > 0.0));
+        let runs = bench["runs"].as_array().expect("runs");
+        assert_eq!(runs.iter().map(|r| r["illum_cut"].as_u64()).collect::<Vec<_>>(), [Some(16), Some(64)]);
+        for run in runs {
+            assert_eq!(keys(&run["milliseconds"]), passes);
+            assert!(run["milliseconds"]["total"].as_f64().is_some_and(|ms| ms > 0.0));
+        }
+    }
+}
