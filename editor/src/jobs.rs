@@ -28,7 +28,7 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 
 /// Runs `work`; a panic in it becomes an error that says so, since a thread that ends in silence leaves the window
 /// waiting.
-fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Result<T, String> {
+pub fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(error)) => Err(lapidary_precompute::cli::error_text(&error)),
@@ -43,7 +43,7 @@ fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Result<T,
 ///
 /// # Panics
 /// If the system has no thread left.
-fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::thread::JoinHandle<()> {
+pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::thread::JoinHandle<()> {
     let thread = std::thread::Builder::new().name(name.into()).spawn(work);
     thread.expect("the system refuses another thread")
 }

@@ -13,7 +13,7 @@ pub use thumbnail::thumbnail;
 use super::{
     edit_row,
     entries::{Decades, decades_row},
-    widgets::{Edited, Number, choice_row, color_row, section, slider_row},
+    widgets::{Edited, Number, choice_row, color_row, slider_row},
 };
 use crate::{
     actions::Action,
@@ -61,7 +61,11 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
     }
     placement(ui, &context.document.environment, actions);
     formula(ui, &context.document.environment, actions);
-    section(ui, "Library", true, |ui| library::show(ui, &mut state.formulas, context, actions));
+}
+
+/// Shows the library: formulas and maps to choose from.
+pub fn show_library(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    library::show(ui, &mut state.formulas, context, actions);
 }
 
 fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
