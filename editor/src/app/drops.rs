@@ -22,7 +22,8 @@ impl EditorState {
         for path in dropped {
             match kind_of(&path) {
                 Kind::Scene | Kind::Dataset | Kind::Session if opened => {
-                    self.messages.warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
+                    self.messages
+                        .warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
                     opened = true;
@@ -52,7 +53,9 @@ impl EditorState {
                 self.selection.material = Some(material);
                 actions.push(action(material, path));
             }
-            None => self.messages.error(format!("Drop it on an object, or select a material first ({})", path.display())),
+            None => {
+                self.messages.error(format!("Drop it on an object, or select a material first ({})", path.display()))
+            }
         }
     }
 

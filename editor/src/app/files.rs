@@ -186,8 +186,9 @@ fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
 
 fn write_material(file: &MaterialFile, path: &Path) -> Result<()> {
     let text = serde_json::to_string_pretty(file)?;
-    write_atomically(path, format!("{text}\n").as_bytes())
-        .with_context(|| format!("cannot write the material; check the free space and permissions ({})", path.display()))
+    write_atomically(path, format!("{text}\n").as_bytes()).with_context(|| {
+        format!("cannot write the material; check the free space and permissions ({})", path.display())
+    })
 }
 
 /// Uses a picture for the base colour of a material.

@@ -145,7 +145,8 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         }
         Side::Library => {
             let library = library(state);
-            let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &library);
+            let context =
+                environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &library);
             scrolled(ui, |ui| environment::show_library(ui, &mut state.interface.environment, &context, actions));
         }
     }

@@ -100,11 +100,8 @@ fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
             });
         }
     });
-    let answers = [
-        ("Look in a folder...", Answer::Look),
-        ("Open without them", Answer::OpenWithout),
-        ("Cancel", Answer::Cancel),
-    ];
+    let answers =
+        [("Look in a folder...", Answer::Look), ("Open without them", Answer::OpenWithout), ("Cancel", Answer::Cancel)];
     buttons(ui, answers)
 }
 
@@ -186,6 +183,9 @@ mod tests {
     #[test]
     fn ages_are_told_in_the_unit_that_fits() {
         let ago = |secs| age(SystemTime::now() - Duration::from_secs(secs));
-        assert_eq!([ago(5), ago(300), ago(3 * 3600), ago(3 * 86_400)], ["just now", "5 min ago", "3 hours ago", "3 days ago"]);
+        assert_eq!(
+            [ago(5), ago(300), ago(3 * 3600), ago(3 * 86_400)],
+            ["just now", "5 min ago", "3 hours ago", "3 days ago"]
+        );
     }
 }

@@ -27,14 +27,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.add_space(1.0);
 }
 
-fn tool(
-    ui: &mut Ui,
-    state: &mut EditorState,
-    actions: &mut Vec<Action>,
-    command: Command,
-    label: &str,
-    enabled: bool,
-) {
+fn tool(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>, command: Command, label: &str, enabled: bool) {
     let help = format!("{} ({})", keys::binding(command).label, keys::text(ui.ctx(), command));
     if ui.add_enabled(enabled, Button::new(label)).on_hover_text(help).clicked() {
         state.command(command, actions);
@@ -55,7 +48,8 @@ fn view_tools(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     ui.label("Exposure");
     let mut new = view.clone();
     ui.style_mut().drag_value_text_style = TextStyle::Monospace;
-    let exposure = DragValue::new(&mut new.post.exposure).range(-30.0..=30.0).speed(0.02).fixed_decimals(2).suffix(" EV");
+    let exposure =
+        DragValue::new(&mut new.post.exposure).range(-30.0..=30.0).speed(0.02).fixed_decimals(2).suffix(" EV");
     let response = ui.add(exposure).accessible_name("Exposure tool").on_hover_text("Stops; drag, or click to type");
     push(actions, view, &new, "Exposure", response.drag_stopped() || response.lost_focus());
 

@@ -64,7 +64,12 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
 }
 
 /// Shows the library: formulas and maps to choose from.
-pub fn show_library(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+pub fn show_library(
+    ui: &mut Ui,
+    state: &mut EnvironmentPanel,
+    context: &EnvironmentContext,
+    actions: &mut Vec<Action>,
+) {
     library::show(ui, &mut state.formulas, context, actions);
 }
 

@@ -53,9 +53,7 @@ impl Purpose {
             Action::LoadTexture { .. } => purpose("Load a texture", "Load", Mode::Open, "Pictures", PICTURES),
             Action::LoadMaterial { .. } => purpose("Load a material", "Load", Mode::Open, "Materials", MATERIALS),
             Action::SaveMaterial { .. } => purpose("Save the material", "Save", Mode::Save, "Materials", MATERIALS),
-            Action::LoadEnvironment(_) => {
-                purpose("Load an environment", "Load", Mode::Open, "Environments", PICTURES)
-            }
+            Action::LoadEnvironment(_) => purpose("Load an environment", "Load", Mode::Open, "Environments", PICTURES),
             Action::AddToLibrary(_) => {
                 purpose("Add environments to the library", "Add", Mode::OpenMany, "Environments", PICTURES)
             }
