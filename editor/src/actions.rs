@@ -106,10 +106,6 @@ pub enum MapKind {
 }
 
 impl MapKind {
-    /// All of them, in the order of the panel.
-    pub const ALL: [Self; 6] =
-        [Self::BaseColor, Self::Roughness, Self::Metalness, Self::Specular, Self::Normal, Self::Bump];
-
     /// Name for people.
     pub fn label(self) -> &'static str {
         match self {

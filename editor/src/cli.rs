@@ -69,7 +69,7 @@ pub struct Cli {
 
 impl Cli {
     /// What to do.
-    pub fn command(&self) -> Command {
+    pub fn chosen(&self) -> Command {
         self.command.clone().unwrap_or_else(|| Command::Edit(EditArgs::of_environment()))
     }
 }
@@ -175,9 +175,9 @@ mod tests {
 
     #[test]
     fn without_a_command_the_window_opens() {
-        assert!(matches!(Cli::parse_from(["lapidary"]).command(), Command::Edit(_)));
-        assert!(matches!(Cli::parse_from(["lapidary", "--quiet"]).command(), Command::Edit(_)));
-        assert!(matches!(Cli::parse_from(["lapidary", "demo"]).command(), Command::Demo(_)));
+        assert!(matches!(Cli::parse_from(["lapidary"]).chosen(), Command::Edit(_)));
+        assert!(matches!(Cli::parse_from(["lapidary", "--quiet"]).chosen(), Command::Edit(_)));
+        assert!(matches!(Cli::parse_from(["lapidary", "demo"]).chosen(), Command::Demo(_)));
     }
 
     #[test]

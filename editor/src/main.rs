@@ -28,7 +28,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let outcome = cli.command().run(console::Console { quiet: cli.quiet });
+    let outcome = cli.chosen().run(console::Console { quiet: cli.quiet });
     let outcome = outcome.unwrap_or_else(|error| {
         eprintln!("error: {}", error_text(&error));
         Outcome::of_error(&error)

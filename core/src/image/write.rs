@@ -70,12 +70,30 @@ fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 a pixel; colours are not premultiplied.
+///
+/// # Panics
+/// If there is not one alpha a pixel.
+pub fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
+    assert_eq!(image.pixels.len(), alpha.len(), "one alpha a pixel");
+    let pixel = |(&color, alpha): (&Vec3, &f32)| {
+        let [r, g, b] = srgb_bytes(color);
+        [r, g, b, (255.0 * alpha.clamp(0.0, 1.0) + 0.5) as u8]
+    };
+    let bytes: Vec<u8> = image.pixels.iter().zip(alpha).flat_map(pixel).collect();
+    png(&bytes, image.size, ExtendedColorType::Rgba8)
+}
+
 /// The picture as an 8-bit sRGB png: values are clamped to 0 to 1, and NaN shows magenta.
 pub fn encode_png(image: &Image) -> Vec<u8> {
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|&p| srgb_bytes(p)).collect();
+    png(&bytes, image.size, ExtendedColorType::Rgb8)
+}
+
+fn png(bytes: &[u8], [width, height]: [u32; 2], color: ExtendedColorType) -> Vec<u8> {
     let mut encoded = Vec::new();
     PngEncoder::new(&mut encoded)
-        .write_image(&bytes, image.size[0], image.size[1], ExtendedColorType::Rgb8)
+        .write_image(bytes, width, height, color)
         .expect("writing to memory does not fail and the buffer has the size of the picture");
     encoded
 }
@@ -107,6 +125,14 @@ mod tests {
 
     fn picture() -> Image {
         Image::from_fn([9, 5], |x, y| Vec3::new(0.1 * x as f32, 300.0 * y as f32, 70_000.0))
+    }
+
+    #[test]
+    fn alpha_is_written_beside_the_colours() {
+        let image = Image::from_fn([2, 1], |x, _| Vec3::splat(x as f32));
+        let bytes = encode_png_with_alpha(&image, &[0.0, 0.5]);
+        let read = ::image::load_from_memory(&bytes).unwrap().into_rgba8();
+        assert_eq!(read.as_raw()[..], [0, 0, 0, 0, 255, 255, 255, 128]);
     }
 
     #[test]

@@ -18,8 +18,6 @@ use std::{path::Path, sync::Arc, time::Instant};
 pub struct Baking {
     run: Option<Run>,
     ended: Option<Ended>,
-    /// The next picture is of the draft, while the bake goes on.
-    draft_shown: bool,
 }
 
 struct Run {
@@ -39,11 +37,6 @@ impl Baking {
     /// How far the bake at work is.
     pub fn progress(&self) -> Option<BakeProgress> {
         self.run.as_ref().map(|run| run.job.progress())
-    }
-
-    /// Whether the dataset that is shown is only a draft of the one being baked.
-    pub fn shows_draft(&self) -> bool {
-        self.draft_shown && self.run.is_some()
     }
 
     /// One line about the bake at work.
@@ -91,7 +84,6 @@ impl EditorState {
         let now = Instant::now();
         let job = BakeRun::start(task, self.wake.clone());
         self.baking.ended = None;
-        self.baking.draft_shown = false;
         self.baking.run = Some(Run { job, since: now, phase: None, phase_since: now, cancelling: false });
     }
 
@@ -112,10 +104,7 @@ impl EditorState {
         for message in messages {
             match message {
                 BakeMessage::Warning(text) => self.messages.warning(text),
-                BakeMessage::Draft(dataset) => {
-                    self.show_dataset(dataset);
-                    self.baking.draft_shown = true;
-                }
+                BakeMessage::Draft(dataset) => self.show_dataset(dataset),
                 BakeMessage::Done(dataset) => {
                     let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
                     self.messages.note(format!("Baked {} vertices in {seconds:.0} s", dataset.report.vertices));

@@ -76,13 +76,19 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         ui.weak("No files yet");
         return;
     }
+    let mut chosen = None;
     for file in state.recent.entries() {
         let name = file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy().into_owned();
         let label = if file.missing { format!("{name} (missing)") } else { name };
         if ui.button(label).on_hover_text(file.path.display().to_string()).clicked() {
-            actions.push(Action::Open(Some(file.path.clone())));
+            chosen = Some(file.clone());
             ui.close();
         }
+    }
+    match chosen {
+        Some(file) if file.missing && !file.path.exists() => state.forget_recent(&file.path),
+        Some(file) => actions.push(Action::Open(Some(file.path))),
+        None => {}
     }
     ui.separator();
     if ui.button("Clear the list").clicked() {

@@ -87,9 +87,10 @@ impl Messages {
         }
     }
 
-    /// All of them, the oldest first.
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
+    /// Whether a message with this in it was given.
+    #[cfg(test)]
+    pub fn any_contains(&self, text: &str) -> bool {
+        self.entries.iter().any(|e| e.text.contains(text))
     }
 
     /// The newest, for the status line.
@@ -283,7 +284,7 @@ mod tests {
         messages.expire(&Context::default());
         let shown: Vec<_> = messages.shown().map(|i| messages.entries[i].text.clone()).collect();
         assert_eq!(shown, ["fresh"]);
-        assert_eq!(messages.entries().len(), 2);
+        assert_eq!(messages.entries.len(), 2);
     }
 
     #[test]
@@ -291,14 +292,14 @@ mod tests {
         let mut messages = Messages::default();
         messages.warning("thin");
         messages.warning("thin");
-        assert_eq!((messages.entries().len(), messages.entries()[0].times), (1, 2));
+        assert_eq!((messages.entries.len(), messages.entries[0].times), (1, 2));
         messages.warnings("Import", &["a".into(), "b".into(), "a".into()]);
-        let texts: Vec<_> = messages.entries().iter().map(|e| e.text.as_str()).collect();
+        let texts: Vec<_> = messages.entries.iter().map(|e| e.text.as_str()).collect();
         assert_eq!(texts.len(), 4, "{texts:?}");
         assert!(texts[3].starts_with("Import: 3 warnings"));
         assert_eq!(messages.shown().count(), 2);
         messages.warnings("Bake", &[]);
-        assert_eq!(messages.entries().len(), 4);
+        assert_eq!(messages.entries.len(), 4);
     }
 
     #[test]

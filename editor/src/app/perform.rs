@@ -10,7 +10,7 @@ use super::{
 use crate::{
     actions::Action,
     app::keys::Command,
-    document::{Document, Edit, History, ViewSettings, session},
+    document::{Document, Edit, History, ViewSettings, library::maps_in, session},
     jobs::load::{Source, Topic},
     preferences::Preferences,
     viewport::{camera_text, navigation, pick},
@@ -269,6 +269,14 @@ impl EditorState {
         }
     }
 
+    pub(super) fn forget_recent(&mut self, path: &Path) {
+        self.messages
+            .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
+        if let Err(error) = self.recent.remove(path) {
+            self.messages.warning(format!("{error:#}"));
+        }
+    }
+
     pub(super) fn collect_opened(&mut self) {
         let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
         self.opening = None;
@@ -290,6 +298,9 @@ impl EditorState {
         self.history = if unsaved { History::unsaved() } else { History::new() };
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
         self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
+        if self.scene.session.is_none() {
+            self.widen_camera();
+        }
         self.pictures.clear();
         self.requests.forget();
         let name = self.title();
@@ -302,7 +313,7 @@ impl EditorState {
 
     /// Looks for the missing files of the session that waits for it.
     fn relink(&mut self, folder: &Path) {
-        let Some(Prompt::Missing { loaded, .. }) = &mut self.prompt else { return };
+        let Some(Prompt::Missing { loaded, .. }) = &mut self.prompt else { return self.relink_library(folder) };
         let found = loaded.relink(folder);
         let missing = loaded.missing.len();
         self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
@@ -310,6 +321,31 @@ impl EditorState {
             && let Some(Prompt::Missing { loaded, path, unsaved }) = self.prompt.take()
         {
             self.open(Target::Session { loaded, path, unsaved });
+        }
+    }
+
+    /// Looks for the maps of the library that are not where they were.
+    fn relink_library(&mut self, folder: &Path) {
+        let maps = maps_in(folder);
+        let mut found = 0;
+        for entry in self.library.entries().into_iter().filter(|entry| entry.missing && !entry.bundled) {
+            let Some(map) = maps.iter().find(|map| map.file_name() == entry.path.file_name()) else { continue };
+            let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
+            match moved {
+                Ok(_) => found += 1,
+                Err(error) => self.messages.error(format!("{error:#}")),
+            }
+        }
+        self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
+    }
+
+    /// A camera of a scene file was set up for a picture of this shape; a narrower viewport sees as much in width.
+    fn widen_camera(&mut self) {
+        const SHAPE: f32 = 1.5;
+        let aspect = self.aspect();
+        if (0.2..SHAPE).contains(&aspect) {
+            let tan = (0.5 * self.document.camera.fov_y).tan() * SHAPE / aspect;
+            self.document.camera = navigation::with_field_of_view(&self.document.camera, 2.0 * tan.atan(), false);
         }
     }
 

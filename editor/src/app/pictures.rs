@@ -1,15 +1,22 @@
 //! What the render thread has made: the picture on the screen, what is known about it, and pictures for files.
 
 use super::state::EditorState;
-use crate::jobs::{
-    guarded,
-    render_thread::{LinearPicture, RenderEvent, RenderedFrame},
-    spawn,
+use crate::{
+    document::BackgroundKind,
+    jobs::{
+        guarded,
+        render_thread::{LinearPicture, RenderEvent, RenderedFrame},
+        spawn,
+    },
 };
 use anyhow::{Context as _, Result};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use glam::Vec3;
-use lapidary_core::{atomic::write_atomically, color::linear_from_srgb, image::encode_png};
+use lapidary_core::{
+    atomic::write_atomically,
+    color::linear_from_srgb,
+    image::{encode_png, encode_png_with_alpha},
+};
 use lapidary_render::{PictureStats, Post, SceneLighting, ViewMode, display_pixel};
 use std::{
     path::{Path, PathBuf},
@@ -48,6 +55,8 @@ struct Look {
     mode: ViewMode,
     post: Post,
     count_top: f32,
+    /// Nothing lies behind the surfaces.
+    transparent: bool,
 }
 
 /// Pictures, on the screen and on their way to files.
@@ -134,7 +143,12 @@ impl EditorState {
             return;
         }
         let view = &self.document.view;
-        let look = Look { mode: view.mode, post: view.post, count_top: view.mode.count_top(view.illum_cut) };
+        let look = Look {
+            mode: view.mode,
+            post: view.post,
+            count_top: view.mode.count_top(view.illum_cut),
+            transparent: view.background == BackgroundKind::Transparent,
+        };
         self.pictures.exports_asked += 1;
         let id = self.pictures.exports_asked;
         self.pictures.exports.push((id, path, look));
@@ -155,17 +169,20 @@ impl EditorState {
     }
 }
 
-/// A png holds what the window shows; exr and hdr are scene-linear.
+/// A png holds what the window shows but for the wireframe; exr and hdr are scene-linear.
 fn write(picture: LinearPicture, path: &Path, look: Look) -> Result<()> {
-    let mut image = picture.image;
+    let LinearPicture { mut image, coverage } = picture;
     let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if !is_png {
         return Ok(image.write(path)?);
     }
-    for pixel in &mut image.pixels {
-        let encoded = display_pixel(look.mode, &look.post, look.count_top, *pixel);
+    for (pixel, &covered) in image.pixels.iter_mut().zip(&coverage) {
+        // Alpha says how much of a pixel is covered, so that its colour is that of the surfaces alone.
+        let weight = if look.transparent && covered > 0.0 { covered } else { 1.0 };
+        let encoded = display_pixel(look.mode, &look.post, look.count_top, *pixel / weight);
         *pixel = Vec3::from_array(encoded.to_array().map(linear_from_srgb));
     }
-    write_atomically(path, &encode_png(&image))
+    let bytes = if look.transparent { encode_png_with_alpha(&image, &coverage) } else { encode_png(&image) };
+    write_atomically(path, &bytes)
         .with_context(|| format!("cannot write the picture; check the free space and permissions ({})", path.display()))
 }

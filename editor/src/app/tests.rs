@@ -1,1 +1,295 @@
+//! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
+use super::{
+    opening::Target,
+    state::{Bundled, EditorState, Setup},
+};
+use crate::{actions::Action, paths::Folders};
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::{Harness, kittest::Queryable};
+use lapidary_core::{dataset::BakeSettings, import::import};
+use lapidary_precompute::{BakeJob, Preset, Silent, bake};
+use lapidary_render::CpuBackend;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// A floor and a pyramid on it.
+const SCENE: &str = "\
+o floor\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n\
+o pyramid\nv -0.3 0 -0.3\nv 0.3 0 -0.3\nv 0.3 0 0.3\nv -0.3 0 0.3\nv 0 0.6 0\nf 5 9 6\nf 6 9 7\nf 7 9 8\nf 8 9 5\n";
+
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.obj"), SCENE).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn bake(&self) {
+        let scene = import(&self.path("scene.obj")).unwrap().scene;
+        let output = self.path("scene.cuts");
+        let job =
+            BakeJob { settings: few_lights(), output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+        bake(scene, &job, &Silent).unwrap();
+    }
+
+    fn window(&self) -> Window {
+        let home = self.path("home");
+        let folders = Folders { config: home.join("config"), state: home.join("state"), cache: home.join("cache") };
+        let setup = Setup {
+            folders,
+            bundled: Bundled::default(),
+            factory: Box::new(|| Ok(Box::new(CpuBackend::new()))),
+            wake: Arc::new(|| ()),
+            system_dialogs: false,
+        };
+        let builder = Harness::builder().with_size(vec2(1100.0, 760.0));
+        Window(builder.build_ui_state(|ui, state: &mut EditorState| state.frame(ui), EditorState::new(setup)))
+    }
+}
+
+fn few_lights() -> BakeSettings {
+    BakeSettings { lights: 256, pilot_clusters: 8, max_vertices: None, ..Preset::Draft.settings() }
+}
+
+struct Window(Harness<'static, EditorState>);
+
+impl Window {
+    fn open(&mut self, path: &Path) {
+        self.0.state_mut().open(Target::File(path.to_owned()));
+        self.wait("the file", |s| s.opening.is_none());
+    }
+
+    /// Runs frames until something is so.
+    fn wait(&mut self, what: &str, is_so: impl Fn(&EditorState) -> bool) {
+        let start = Instant::now();
+        self.0.step();
+        while !is_so(self.0.state()) {
+            assert!(start.elapsed() < Duration::from_secs(30), "waited in vain for {what}");
+            std::thread::sleep(Duration::from_millis(5));
+            self.0.step();
+        }
+        self.0.run_steps(2);
+    }
+
+    fn perform(&mut self, action: Action) {
+        let ctx = self.0.ctx.clone();
+        self.0.state_mut().perform(&ctx, action);
+        self.0.run_steps(2);
+    }
+
+    fn click(&mut self, label: &str) {
+        self.0.get_by_label(label).click();
+        self.0.run_steps(3);
+    }
+
+    fn shows(&self, label: &str) -> bool {
+        self.0.query_all_by_label_contains(label).next().is_some()
+    }
+
+    fn type_roughness(&mut self, text: &str) {
+        let entry = self.0.get_by_label("Roughness value");
+        entry.click();
+        self.0.run_steps(3);
+        self.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.0.get_by_label("Roughness value").type_text(text);
+        self.0.run_steps(2);
+        self.0.key_press(Key::Enter);
+        self.0.run_steps(3);
+    }
+
+    fn roughness(&self) -> f32 {
+        self.0.state().document.materials[0].parameters.roughness
+    }
+
+    fn drop_file(&mut self, path: PathBuf) {
+        self.0.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
+        self.0.run_steps(2);
+    }
+
+    fn has_said(&self, text: &str) -> bool {
+        self.0.state().messages.any_contains(text)
+    }
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Ok(Vec::new())
+    }
+}
+
+#[test]
+fn what_was_edited_is_undone_saved_and_found_again() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    let before = window.roughness();
+    window.type_roughness("0.25");
+    assert_eq!(window.roughness(), 0.25);
+    window.perform(Action::Undo);
+    assert_eq!(window.roughness(), before);
+    assert!(!window.0.state().is_modified());
+    window.perform(Action::Redo);
+    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    assert!(!window.0.state().is_modified() && window.has_said("Saved"));
+    let mut again = place.window();
+    again.open(&place.path("look.lapidary"));
+    assert_eq!(again.roughness(), 0.25);
+    assert_eq!(again.0.state().title(), "look.lapidary");
+    again.wait("a picture", |s| s.pictures.shown().is_some());
+    assert_eq!(again.0.state().recent.entries().len(), 2);
+}
+
+#[test]
+fn at_rest_nothing_asks_for_another_frame() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    // The preview ball and other pictures come from threads.
+    std::thread::sleep(Duration::from_millis(300));
+    window.0.run_steps(4);
+    assert!(window.0.try_run().is_ok(), "frames go on and on");
+}
+
+#[test]
+fn changes_are_asked_about_before_they_are_lost() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::Quit);
+    assert!(window.0.state().may_close, "there is nothing to lose");
+    window.0.state_mut().may_close = false;
+    window.type_roughness("0.1");
+    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    assert!(window.shows("Save the changes?"));
+    window.click("Cancel");
+    assert!(!window.shows("Save the changes?") && window.0.state().opening.is_none());
+    assert_eq!(window.roughness(), 0.1);
+    window.perform(Action::Quit);
+    assert!(!window.0.state().may_close);
+    window.click("Discard");
+    assert!(window.0.state().may_close);
+}
+
+#[test]
+fn saving_before_leaving_goes_on_with_what_was_asked_for() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.type_roughness("0.1");
+    window.perform(Action::Quit);
+    window.click("Save");
+    window.wait("the end", |s| s.may_close);
+    assert!(std::fs::read_to_string(place.path("look.lapidary")).unwrap().contains("0.1"));
+}
+
+#[test]
+fn a_foreign_file_is_refused_with_what_can_be_opened() {
+    let place = Place::new();
+    std::fs::write(place.path("notes.docx"), b"PK").unwrap();
+    let mut window = place.window();
+    window.drop_file(place.path("notes.docx"));
+    assert!(window.has_said(".gltf") && window.has_said("notes.docx"));
+    assert!(window.0.state().opening.is_none());
+    window.drop_file(place.path("scene.obj"));
+    window.wait("the scene", |s| s.scene.source.is_some());
+}
+
+#[test]
+fn a_dropped_picture_goes_on_the_selected_material_as_a_step_of_undo() {
+    let place = Place::new();
+    place.bake();
+    let image = lapidary_core::image::Image::filled([3, 3], glam::Vec3::X);
+    image.write(&place.path("red.png")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.drop_file(place.path("red.png"));
+    window.wait("the texture", |s| s.document.materials[0].maps.base_color.is_some());
+    window.perform(Action::Undo);
+    assert!(window.0.state().document.materials[0].maps.base_color.is_none());
+}
+
+#[test]
+fn a_bake_of_another_version_is_not_shown_until_it_is_asked_for() {
+    let place = Place::new();
+    place.bake();
+    std::fs::write(place.path("scene.obj"), SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    assert!(window.shows("has changed") && window.0.state().scene.shown().is_none());
+    window.click("Show anyway");
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    assert!(!window.shows("has changed") && window.0.state().scene.is_stale());
+}
+
+#[test]
+fn a_scene_without_a_bake_is_baked_from_the_notice() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    assert!(window.shows("is not baked yet"));
+    window.0.state_mut().document.bake = few_lights();
+    window.click("Bake now");
+    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    assert!(place.path("scene.cuts").is_file() && window.has_said("Baked"));
+    assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
+}
+
+#[test]
+fn keys_act_and_a_failed_open_keeps_what_is_open() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.key_press(Key::Num2);
+    window.0.run_steps(3);
+    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Normals);
+    window.0.key_press(Key::F1);
+    window.0.run_steps(3);
+    assert!(window.shows("Keyboard and pointer"));
+    window.open(&place.path("gone.obj"));
+    assert!(window.has_said("gone.obj") && window.0.state().scene.shown().is_some());
+}
+
+#[test]
+fn a_changed_texture_is_loaded_again() {
+    let place = Place::new();
+    place.bake();
+    let write = |color| lapidary_core::image::Image::filled([2, 2], color).write(&place.path("paint.png")).unwrap();
+    write(glam::Vec3::X);
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.drop_file(place.path("paint.png"));
+    window.wait("the texture", |s| s.document.materials[0].maps.base_color.is_some());
+    let old = window.0.state().document.textures[0].texture.clone();
+    window.wait("the watch", |s| !s.watched.is_empty());
+    std::thread::sleep(Duration::from_millis(700));
+    lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
+    window.wait("the new texture", |s| !Arc::ptr_eq(&s.document.textures[0].texture, &old));
+    assert!(window.has_said("Loaded again"));
+}

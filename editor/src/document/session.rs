@@ -17,8 +17,11 @@ mod write;
 pub use error::SessionError;
 pub use file::Session;
 pub use lenient::{Unknown, read_leniently};
-pub use read::{LoadedSession, MissingFile, load};
+pub use read::{LoadedSession, load};
 pub use write::save;
+
+#[cfg(test)]
+use read::MissingFile;
 
 use file::{SessionCamera, SessionMaterial, SessionSlot, TextureSource};
 

@@ -7,12 +7,7 @@ pub use kind::{Kind, foreign, kind_of};
 use super::{Wake, guarded, spawn};
 use crate::actions::MapKind;
 use lapidary_core::{
-    dataset::Dataset,
-    environment::Environment,
-    import::{Imported, import, load_material},
-    material::Material,
-    scene::Scene,
-    texture::Texture,
+    environment::Environment, import::load_material, material::Material, scene::Scene, texture::Texture,
 };
 use std::{
     collections::HashMap,
@@ -21,14 +16,11 @@ use std::{
         Arc,
         mpsc::{Receiver, Sender, channel},
     },
-    time::Instant,
 };
 
 /// What a load is for. Of two for the same only the later counts.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
-    /// The scene or dataset of the document.
-    Document,
     /// The light.
     Environment,
     /// A map of a material.
@@ -47,10 +39,6 @@ pub enum Topic {
 /// What to open.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A scene to import.
-    Scene(PathBuf),
-    /// A baked scene.
-    Dataset(PathBuf),
     /// A path or formula, as [`Environment::from_spec`] reads it.
     Environment(String),
     /// A picture for a map.
@@ -67,10 +55,6 @@ pub enum Source {
 /// What was opened.
 #[derive(Clone, Debug)]
 pub enum Loaded {
-    /// With the report of its import.
-    Scene(Box<Imported>),
-    /// Checked whole.
-    Dataset(Arc<Dataset>),
     /// A light.
     Environment {
         /// The map.
@@ -96,8 +80,6 @@ pub struct LoadResult {
     pub id: u64,
     /// What it was for.
     pub topic: Topic,
-    /// Seconds that it took.
-    pub seconds: f64,
     /// What was opened, or why not.
     pub result: Result<Loaded, String>,
 }
@@ -126,10 +108,9 @@ impl Loader {
         self.latest.insert(topic.clone(), id);
         let (sender, wake) = (self.sender.clone(), self.wake.clone());
         spawn("load", move || {
-            let start = Instant::now();
             let result = guarded("opening the file", || open(source));
             // Nobody is left to tell if the window is gone.
-            let _ = sender.send(LoadResult { id, topic, seconds: start.elapsed().as_secs_f64(), result });
+            let _ = sender.send(LoadResult { id, topic, result });
             wake();
         });
         id
@@ -147,22 +128,10 @@ impl Loader {
         };
         self.results.try_iter().filter(counts).collect()
     }
-
-    /// Drops what is being opened for a topic.
-    pub fn cancel(&mut self, topic: &Topic) {
-        self.latest.remove(topic);
-    }
-
-    /// Whether something is being opened for a topic.
-    pub fn is_loading(&self, topic: &Topic) -> bool {
-        self.latest.contains_key(topic)
-    }
 }
 
 fn open(source: Source) -> anyhow::Result<Loaded> {
     Ok(match source {
-        Source::Scene(path) => Loaded::Scene(import(&path)?.into()),
-        Source::Dataset(path) => Loaded::Dataset(Dataset::read(&path)?.into()),
         Source::Environment(spec) => {
             let (environment, warnings) = Environment::from_spec(&spec)?;
             Loaded::Environment { environment: environment.into(), warnings }

@@ -13,12 +13,9 @@ fn next(loader: &mut Loader) -> LoadResult {
 fn every_source_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
     Image::filled([2, 2], Vec3::ONE).write(&path("t.png")).unwrap();
     std::fs::write(path("m.json"), r#"{"maps": {"base_color": {"file": "t.png"}}}"#).unwrap();
     let mut loader = Loader::new(silent());
-    loader.load(Topic::Document, Source::Scene(path("a.obj")));
-    assert!(matches!(next(&mut loader).result, Ok(Loaded::Scene(s)) if s.scene.mesh.triangles.len() == 1));
     loader.load(Topic::Environment, Source::Environment("constant:2".into()));
     let Ok(Loaded::Environment { environment, .. }) = next(&mut loader).result else { panic!("no environment") };
     assert_eq!(environment.radiance(Vec3::Y), Vec3::splat(2.0));
@@ -55,15 +52,9 @@ fn the_latest_load_on_a_topic_wins_and_topics_are_apart() {
 }
 
 #[test]
-fn errors_say_which_file_and_cancelled_loads_say_nothing() {
+fn errors_say_which_file() {
     let mut loader = Loader::new(silent());
-    loader.load(Topic::Document, Source::Dataset("missing.cuts".into()));
-    assert!(loader.is_loading(&Topic::Document));
+    loader.load(Topic::Environment, Source::Environment("missing.hdr".into()));
     let error = next(&mut loader).result.unwrap_err();
-    assert!(error.contains("missing.cuts"), "{error}");
-    assert!(!loader.is_loading(&Topic::Document));
-    loader.load(Topic::Document, Source::Dataset("missing.cuts".into()));
-    loader.cancel(&Topic::Document);
-    std::thread::sleep(std::time::Duration::from_millis(50));
-    assert!(loader.results().is_empty());
+    assert!(error.contains("missing.hdr"), "{error}");
 }

@@ -46,6 +46,7 @@ fn panel(probe: Probe) -> Harness<'static, Probe> {
             message: probe.message,
         };
         show(ui, &mut probe.panel, &context, &mut probe.actions);
+        show_library(ui, &mut probe.panel, &context, &mut probe.actions);
     };
     // Thumbnails come from threads, and each asks for another frame.
     let builder = Harness::builder().with_size(vec2(320.0, 800.0)).with_max_steps(20);
