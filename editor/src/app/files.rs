@@ -3,6 +3,7 @@
 use super::state::EditorState;
 use crate::{
     actions::{Action, MapKind},
+    backend_option::shader_source,
     document::{Document, Edit, TextureEntry},
     jobs::load::{LoadResult, Loaded, Source, Topic},
     panels::material::new_slot,
@@ -94,12 +95,16 @@ impl EditorState {
 
     /// Watches the files in use, and reads those again that have changed.
     pub(super) fn collect_changed_files(&mut self) {
-        let files = files_in_use(&self.document);
+        let files: Vec<PathBuf> = files_in_use(&self.document).into_iter().chain(shader_source().files()).collect();
         if files != self.watched {
             self.watcher.watch(files.clone());
             self.watched = files;
         }
         for path in self.watcher.changed() {
+            if path.extension().is_some_and(|e| e == "wgsl") {
+                self.render.reload();
+                continue;
+            }
             let spec = &self.document.environment.spec;
             let source = if self.document.environment.file() == Some(&path) {
                 self.environments.forget_picture(spec);

@@ -138,13 +138,13 @@ impl GpuBackend {
         let height = self.picture().view.size[1];
         self.write_frame(sample);
         self.gpu.wait()?;
-        let mut times = PassTimes::default();
-        times.visibility = self.timed(|s, encoder| s.encode_visibility(encoder))?;
-        times.deferred = self.timed(|s, encoder| s.encode_deferred(encoder))?;
-        times.merge = self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?;
         self.write_display(post, sample + 1);
-        times.display = self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?;
-        Ok(times)
+        Ok(PassTimes {
+            visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
+            deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
+            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?,
+            display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
+        })
     }
 
     fn timed(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {

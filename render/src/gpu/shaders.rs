@@ -74,6 +74,7 @@ pub const MERGE: Program = Program {
 pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
 
 /// All of them.
+#[cfg(test)]
 pub const PROGRAMS: [Program; 5] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY];
 
 /// Where shaders come from.

@@ -260,7 +260,7 @@ fn what_a_display_shows_agrees_with_the_cpu_backend_but_at_silhouettes() {
     let mut cpu = CpuBackend::new();
     cpu.set_scene(rig.renderer.dataset()).unwrap();
     cpu.set_light(&light(), &rig.lighting).unwrap();
-    let mut shown = |view: &View, backend: &mut dyn Backend| {
+    let shown = |view: &View, backend: &mut dyn Backend| {
         backend.begin(view, BrdfSampling::Refine).unwrap();
         (0..view.aa).for_each(|sample| backend.render_rows(sample, 0..view.size[1]).unwrap());
         backend.display(&Post::default(), view.aa).unwrap()
@@ -294,15 +294,19 @@ fn the_paper_s_loop_is_told_from_the_refined_one() {
 fn bands_and_jittered_samples_add_up_to_the_whole() {
     let Some(mut rig) = Rig::new(64) else { return };
     let view = View { aa: 3, ..view(ViewMode::Shaded) };
-    let mut whole = |bands: &[std::ops::Range<u32>]| {
+    let mut whole = |ends: &[u32]| {
         rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
         for sample in 0..3 {
-            bands.iter().for_each(|b| rig.gpu.render_rows(sample, b.clone()).unwrap());
+            let mut start = 0;
+            for &end in ends {
+                rig.gpu.render_rows(sample, start..end).unwrap();
+                start = end;
+            }
         }
         (rig.gpu.read(3).unwrap().0, rig.gpu.stats().unwrap())
     };
-    let (one, stats) = whole(&[0..56]);
-    assert!(whole(&[0..1, 1..17, 17..17, 17..56]).0 == one);
+    let (one, stats) = whole(&[56]);
+    assert!(whole(&[1, 17, 17, 56]).0 == one);
     assert!(rig.gpu.read(2).unwrap().0 != one);
     assert!(stats.pixels_shaded > 1000 && stats.mean_merged_nodes > 64.0, "{stats:?}");
     let cpu = rig.renderer.render_lit(&view, &light(), &rig.lighting, BrdfSampling::Refine);
