@@ -4,6 +4,8 @@ pub mod bake;
 mod entries;
 pub mod environment;
 pub mod scene;
+#[cfg(test)]
+mod tests;
 mod units;
 pub mod view;
 pub mod widgets;
