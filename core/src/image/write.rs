@@ -21,7 +21,7 @@ pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Re
     match extension.as_str() {
         "exr" => encode_exr(image, coverage).map_err(failed),
         "hdr" => encode_hdr(image).map_err(failed),
-        "png" => Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_rgba(image, coverage))),
+        "png" => Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_premultiplied(image, coverage))),
         _ => Err(ImageError::UnknownExtension { path: path.into() }),
     }
 }
@@ -98,18 +98,11 @@ fn png(bytes: &[u8], [width, height]: [u32; 2], color: ExtendedColorType) -> Vec
     encoded
 }
 
-/// An 8-bit sRGB png with alpha. The picture is premultiplied; pngs are not.
-fn encode_png_rgba(image: &Image, coverage: &[f32]) -> Vec<u8> {
-    let pixel = |(&p, &a): (&Vec3, &f32)| {
-        let [r, g, b] = if a > 0.0 { srgb_bytes(p / a) } else { [0; 3] };
-        [r, g, b, (255.0 * a.clamp(0.0, 1.0) + 0.5) as u8]
-    };
-    let bytes: Vec<u8> = image.pixels.iter().zip(coverage).flat_map(pixel).collect();
-    let mut encoded = Vec::new();
-    PngEncoder::new(&mut encoded)
-        .write_image(&bytes, image.size[0], image.size[1], ExtendedColorType::Rgba8)
-        .expect("writing to memory does not fail and the buffer has the size of the picture");
-    encoded
+/// A premultiplied picture as png, whose colours are not.
+fn encode_png_premultiplied(image: &Image, coverage: &[f32]) -> Vec<u8> {
+    let straight = |(&p, &a): (&Vec3, &f32)| if a > 0.0 { p / a } else { Vec3::ZERO };
+    let pixels = image.pixels.iter().zip(coverage).map(straight).collect();
+    encode_png_with_alpha(&Image { size: image.size, pixels }, coverage)
 }
 
 fn srgb_bytes(linear: Vec3) -> [u8; 3] {

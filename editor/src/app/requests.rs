@@ -114,7 +114,8 @@ fn illumination(document: &Document, environment: Arc<Environment>) -> Illuminat
     Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
 }
 
-fn view_of(document: &Document, size: [u32; 2]) -> View {
+/// What a picture of `size` pixels shows of a document.
+pub fn view_of(document: &Document, size: [u32; 2]) -> View {
     let view = &document.view;
     View {
         aa: view.aa,

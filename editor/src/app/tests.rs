@@ -1,5 +1,7 @@
 //! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
+mod window;
+
 use super::{
     opening::Target,
     state::{Bundled, EditorState, Setup},
@@ -45,6 +47,10 @@ impl Place {
     }
 
     fn window(&self) -> Window {
+        self.window_of(vec2(1100.0, 760.0))
+    }
+
+    fn window_of(&self, size: egui::Vec2) -> Window {
         let home = self.path("home");
         let folders = Folders { config: home.join("config"), state: home.join("state"), cache: home.join("cache") };
         let setup = Setup {
@@ -54,7 +60,7 @@ impl Place {
             wake: Arc::new(|| ()),
             system_dialogs: false,
         };
-        let builder = Harness::builder().with_size(vec2(1100.0, 760.0));
+        let builder = Harness::builder().with_size(size);
         Window(builder.build_ui_state(|ui, state: &mut EditorState| state.frame(ui), EditorState::new(setup)))
     }
 }

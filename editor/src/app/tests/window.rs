@@ -1,0 +1,195 @@
+//! The real window on a virtual display: it is driven by input events, and what it shows is compared with what the
+//! document asks for. Where controls are is learned from the same interface run without a window.
+
+use super::{Place, Window};
+use crate::{app::requests::view_of, document::Document};
+use egui_kittest::kittest::Queryable;
+use lapidary_core::{dataset::Dataset, environment::Environment, image::decode, texture::Texels};
+use lapidary_render::{Backend, CpuBackend, Illumination, LightRig};
+use std::{
+    io::{BufRead, BufReader},
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// Size of the window, and of the screen, in pixels.
+const SIZE: [u32; 2] = [1440, 900];
+
+/// A virtual display with the program on it; both end with it.
+struct Screen {
+    display: String,
+    processes: Vec<Child>,
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        for process in self.processes.iter_mut().rev() {
+            // It may have ended by itself.
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+impl Screen {
+    /// Starts display and program.
+    fn start(program: &Path, place: &Place) -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", &format!("{}x{}x24", SIZE[0], SIZE[1])])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let display = format!(":{}", number.trim());
+        let editor = Command::new(program)
+            .args(["edit", "scene.cuts", "--backend", "cpu"])
+            .current_dir(place.folder.path())
+            .env("DISPLAY", &display)
+            .env_remove("WAYLAND_DISPLAY")
+            .env("LAPIDARY_HOME", place.path("window-home"))
+            .spawn()
+            .unwrap();
+        Self { display, processes: vec![server, editor] }
+    }
+
+    /// Sends input, as `xdotool` has it.
+    fn input(&self, words: &str) {
+        let status = Command::new("xdotool").args(words.split(' ')).env("DISPLAY", &self.display).status().unwrap();
+        assert!(status.success(), "xdotool {words}");
+        std::thread::sleep(Duration::from_millis(60));
+    }
+
+    /// What is on the screen inside a rectangle.
+    fn capture(&mut self, rect: egui::Rect) -> Vec<[u8; 4]> {
+        assert!(self.processes[1].try_wait().unwrap().is_none(), "the program has ended");
+        let picture = Command::new("import").args(["-window", "root", "png:-"]).env("DISPLAY", &self.display).output();
+        let texture = decode(&picture.unwrap().stdout, Path::new("screen.png")).unwrap();
+        let Texels::U8(texels) = texture.texels else { panic!("8 bits a channel") };
+        let [left, top] = [rect.min.x.round() as u32, rect.min.y.round() as u32];
+        let [width, height] = [rect.width().round() as u32, rect.height().round() as u32];
+        let texel = |x: u32, y: u32| texels[((top + y) * texture.size[0] + left + x) as usize];
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect()
+    }
+
+    /// Waits until the screen shows `expected`, and returns how far it is from it: the mean difference in code values.
+    fn wait_for(&mut self, rect: egui::Rect, expected: &[[u8; 4]], limit: f64) -> f64 {
+        let start = Instant::now();
+        loop {
+            let error = difference(&self.capture(rect), expected);
+            if error < limit || start.elapsed() > Duration::from_secs(60) {
+                return error;
+            }
+            std::thread::sleep(Duration::from_millis(200));
+        }
+    }
+}
+
+fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let pixel = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|c| u64::from(a[c].abs_diff(b[c]))).sum::<u64>();
+    a.iter().zip(b).map(pixel).sum::<u64>() as f64 / (3 * a.len()) as f64
+}
+
+/// The picture that a document asks for.
+fn expected(document: &Document, dataset: &Arc<Dataset>, size: [u32; 2]) -> Vec<[u8; 4]> {
+    let mut cpu = CpuBackend::new();
+    cpu.set_scene(dataset).unwrap();
+    cpu.set_appearance(&document.appearance()).unwrap();
+    let (environment, _) = Environment::from_spec(&document.environment.spec).unwrap();
+    let settings = &document.environment;
+    let light =
+        Illumination { environment: environment.into(), rotation: settings.rotation(), intensity: settings.intensity };
+    let lighting = LightRig::new(&dataset.tree).lighting(&light, document.view.illum_cut);
+    cpu.set_light(&light, &lighting.into()).unwrap();
+    let view = view_of(document, size);
+    cpu.begin(&view, document.view.sampling).unwrap();
+    (0..view.aa).for_each(|sample| cpu.render_rows(sample, 0..size[1]).unwrap());
+    cpu.display(&document.view.post, view.aa).unwrap()
+}
+
+/// What the test needs that is missing.
+fn missing() -> Option<String> {
+    let tools = ["Xvfb", "xdotool", "import"];
+    let is_there = |tool: &&str| {
+        !std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).any(|p| p.join(tool).is_file())
+    };
+    let missing: Vec<&str> = tools.into_iter().filter(is_there).collect();
+    if !missing.is_empty() {
+        return Some(format!("{} must be installed", missing.join(", ")));
+    }
+    (!program().is_file()).then(|| format!("the program is not built ({})", program().display()))
+}
+
+/// The program beside the folder of the tests.
+fn program() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    tests.parent().and_then(Path::parent).unwrap().join("lapidary")
+}
+
+#[test]
+fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
+    if let Some(reason) = missing() {
+        assert!(
+            std::env::var_os("LAPIDARY_REQUIRE_DISPLAY").is_none(),
+            "LAPIDARY_REQUIRE_DISPLAY is set, but {reason}"
+        );
+        eprintln!("SKIPPED: {reason}");
+        return;
+    }
+    let place = Place::new();
+    place.bake();
+    let dataset = Arc::new(Dataset::read(&place.path("scene.cuts")).unwrap());
+    let mut twin = place.window_of([SIZE[0] as f32, SIZE[1] as f32].into());
+    twin.open(&place.path("scene.cuts"));
+    let viewport = twin.0.get_by_label("Viewport").rect();
+    let size = twin.0.state().interface.viewport_size;
+    let mut screen = Screen::start(&program(), &place);
+    // Off the middle of the rows, so that the legend and the line of what is done do not lie over it.
+    let shown = |document: &Document| expected(document, &dataset, size);
+    let before = shown(&twin.0.state().document);
+    assert!(screen.wait_for(viewport, &before, 1.0) < 1.0, "the first picture");
+
+    drag_roughness(&mut twin, &screen);
+    let rough = shown(&twin.0.state().document);
+    assert!(difference(&rough, &before) > 2.0, "negative control: roughness is seen");
+    assert!(screen.wait_for(viewport, &rough, 1.0) < 1.0, "the picture after roughness was dragged");
+
+    turn_environment(&mut twin, &screen, viewport);
+    let turned = shown(&twin.0.state().document);
+    assert!(difference(&turned, &rough) > 2.0, "negative control: the turn is seen");
+    assert!(screen.wait_for(viewport, &turned, 1.0) < 1.0, "the picture after the environment was turned");
+}
+
+/// Drags the slider in both windows; what it comes to is read from the one that can be asked.
+fn drag_roughness(twin: &mut Window, screen: &Screen) {
+    let slider = twin.0.get_by_label("Roughness").rect();
+    let (from, to) = (slider.center(), slider.lerp_inside([0.1, 0.5].into()));
+    screen.input(&format!("mousemove {} {} mousedown 1", from.x.round(), from.y.round()));
+    screen.input(&format!("mousemove {} {}", to.x.round(), to.y.round()));
+    screen.input("mouseup 1");
+    twin.0.drag_at(from.round());
+    twin.0.run_steps(2);
+    twin.0.hover_at(to.round());
+    twin.0.run_steps(2);
+    twin.0.drop_at(to.round());
+    twin.0.run_steps(4);
+    assert!(twin.roughness() < 0.3, "the slider was dragged: {}", twin.roughness());
+}
+
+/// Turns the environment by the key for it, twelve times.
+fn turn_environment(twin: &mut Window, screen: &Screen, viewport: egui::Rect) {
+    let over = viewport.center().round();
+    screen.input(&format!("mousemove {} {}", over.x, over.y));
+    twin.0.hover_at(over);
+    for _ in 0..12 {
+        screen.input("key bracketright");
+        twin.0.key_press(egui::Key::CloseBracket);
+        twin.0.run_steps(2);
+    }
+    let turned = twin.0.state().document.environment.rotation_degrees;
+    assert!((turned + 60.0).abs() < 1e-3, "the keys turned it: {turned}");
+}
