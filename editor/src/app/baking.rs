@@ -1,12 +1,15 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
 use super::{
-    opening::{Baked, Source},
+    opening::{Baked, Source, draft_of},
     state::EditorState,
 };
 use crate::{
     document::Document,
-    jobs::bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
+    jobs::{
+        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
+        spawn,
+    },
     panels::bake::{BakeStatus, stale_reasons},
 };
 use lapidary_core::dataset::Dataset;
@@ -104,7 +107,10 @@ impl EditorState {
         for message in messages {
             match message {
                 BakeMessage::Warning(text) => self.messages.warning(text),
-                BakeMessage::Draft(dataset) => self.show_dataset(dataset),
+                BakeMessage::Draft(dataset) => {
+                    self.keep_draft(&dataset);
+                    self.show_dataset(dataset);
+                }
                 BakeMessage::Done(dataset) => {
                     let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
                     self.messages.note(format!("Baked {} vertices in {seconds:.0} s", dataset.report.vertices));
@@ -118,6 +124,23 @@ impl EditorState {
                 }
             }
         }
+    }
+
+    /// The draft of a bundled scene is shown at the next start if the bake is not through by then.
+    fn keep_draft(&self, dataset: &Arc<Dataset>) {
+        let Some(output) = self.scene.bake_output.as_deref().filter(|o| o.starts_with(&self.folders.cache)) else {
+            return;
+        };
+        let (dataset, path) = (dataset.clone(), draft_of(output));
+        spawn("keep draft", move || {
+            // Without it the next start bakes a draft again.
+            let _ = dataset.write(&path);
+        });
+    }
+
+    /// Whether an interrupted bake can go on.
+    pub(super) fn has_checkpoint(&self) -> bool {
+        self.scene.bake_output.as_deref().is_some_and(has_checkpoint)
     }
 
     fn end_bake(&mut self, ended: Ended) {
@@ -138,7 +161,7 @@ impl EditorState {
         if let Some(run) = &self.baking.run {
             return running(run);
         }
-        let resumable = self.scene.bake_output.as_deref().is_some_and(has_checkpoint);
+        let resumable = self.has_checkpoint();
         match (&self.baking.ended, &self.scene.baked) {
             (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { resumable },
             (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), resumable },

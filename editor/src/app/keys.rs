@@ -1,6 +1,6 @@
 //! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
 
-use egui::{Context, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, Ui};
+use egui::{Context, Event, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 
 /// What menus and keys can ask for.
@@ -118,20 +118,23 @@ pub const BINDINGS: [Binding; 26] = [
     window("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
 ];
 
+/// Width of the keyboard map in points.
+const WIDTH: f32 = 960.0;
+
 /// What is done with the pointer, for the keyboard map.
 const POINTER: [(&str, &str); 12] = [
-    ("Drag, or middle drag", "Orbit"),
-    ("Shift + drag, or Shift + middle drag", "Pan"),
-    ("Wheel, pinch, or Alt + right drag", "Move closer or away"),
+    ("Drag", "Orbit (also: middle drag)"),
+    ("Shift + drag", "Pan (also: Shift + middle drag)"),
+    ("Wheel", "Move closer or away (also: Alt + right drag)"),
     ("Right drag", "Look around; W A S D Q E fly, Shift faster"),
     ("Shift + right drag", "Turn the environment"),
-    ("[ and ]", "Turn the environment by 5 degrees (Shift: 1)"),
+    ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
     ("Ctrl + 1, 3, 7", "View from the front, the right, the top"),
-    ("Shift while dragging a slider", "Fine steps"),
-    ("Double click on a label", "Default value"),
-    ("Drop a file", "Open it; a picture goes on the material under it"),
+    ("Shift + slider", "Fine steps"),
+    ("Double click label", "Default value"),
+    ("Drop a file", "Open it, or use it on what lies under it"),
 ];
 
 /// The binding of a command.
@@ -142,7 +145,7 @@ pub fn binding(command: Command) -> &'static Binding {
 
 /// The first keys of a command, as the system writes them.
 pub fn text(ctx: &Context, command: Command) -> String {
-    binding(command).keys.first().map(|k| ctx.format_shortcut(&KeyboardShortcut::new(k.0, k.1))).unwrap_or_default()
+    binding(command).keys.first().map(|&(modifiers, key)| written(ctx, modifiers, key)).unwrap_or_default()
 }
 
 /// The commands whose keys were pressed, which are taken out of the input. None while text is edited or
@@ -169,26 +172,49 @@ pub fn pressed(ctx: &Context, over_viewport: bool) -> Vec<Command> {
     commands
 }
 
-/// Letters and digits are pressed with exactly these modifiers; signs may need Shift on some keyboards.
-fn take(ctx: &Context, modifiers: Modifiers, key: Key) -> bool {
-    let sign = matches!(key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
+/// Takes one press of a key. Letters and digits count with exactly these modifiers; signs may need Shift on some
+/// keyboards. The modifiers are those of the press: on a slow machine they are up again when the frame is drawn.
+fn take(ctx: &Context, wanted: Modifiers, wanted_key: Key) -> bool {
+    let sign = matches!(wanted_key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
+    let is_it = |event: &Event| match event {
+        Event::Key { key, pressed: true, modifiers, .. } => {
+            let held = Modifiers { shift: modifiers.shift && !sign, ..*modifiers };
+            *key == wanted_key && held.matches_exact(wanted)
+        }
+        _ => false,
+    };
     ctx.input_mut(|i| {
-        let held = Modifiers { shift: i.modifiers.shift && !sign, ..i.modifiers };
-        held.matches_exact(modifiers) && i.consume_key(modifiers, key)
+        let place = i.events.iter().position(is_it);
+        place.map(|place| i.events.remove(place)).is_some()
     })
+}
+
+/// Keys as they are written on them.
+fn written(ctx: &Context, modifiers: Modifiers, key: Key) -> String {
+    match key {
+        Key::Plus => "+".into(),
+        Key::Minus => "-".into(),
+        Key::Equals => "=".into(),
+        Key::Questionmark => "?".into(),
+        _ => ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key)),
+    }
 }
 
 /// Shows the keyboard map. Returns whether it stays open.
 pub fn show_map(ctx: &Context) -> bool {
+    let room = ctx.content_rect().size() - egui::vec2(80.0, 160.0);
     let modal = Modal::new(egui::Id::unique("keyboard map")).show(ctx, |ui| {
+        ui.set_width(room.x.min(WIDTH));
         ui.heading("Keyboard and pointer");
         ui.add_space(6.0);
-        ui.horizontal_top(|ui| {
-            for groups in [&["File", "Edit", "Bake", "Window"][..], &["View", "What the pixels show"]] {
-                ui.vertical(|ui| groups.iter().for_each(|group| show_group(ui, group)));
-                ui.add_space(24.0);
-            }
-            ui.vertical(|ui| table(ui, "Viewport", POINTER.map(|(keys, what)| (keys.to_owned(), what))));
+        ScrollArea::both().max_height(room.y).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                for groups in [&["File", "Edit", "Bake", "Window"][..], &["View", "What the pixels show"]] {
+                    ui.vertical(|ui| groups.iter().for_each(|group| show_group(ui, group)));
+                    ui.add_space(20.0);
+                }
+                ui.vertical(|ui| table(ui, "Viewport", POINTER.map(|(keys, what)| (keys.to_owned(), what))));
+            });
         });
         ui.add_space(6.0);
         ui.button("Close").clicked()
@@ -197,7 +223,7 @@ pub fn show_map(ctx: &Context) -> bool {
 }
 
 fn show_group(ui: &mut Ui, group: &'static str) {
-    let write = |&(modifiers, key): &(Modifiers, Key)| ui.ctx().format_shortcut(&KeyboardShortcut::new(modifiers, key));
+    let write = |&(modifiers, key): &(Modifiers, Key)| written(ui.ctx(), modifiers, key);
     let bindings = BINDINGS.iter().filter(|b| b.group == group);
     let rows = bindings.map(|b| (b.keys.iter().map(write).collect::<Vec<_>>().join(", "), b.label));
     let rows: Vec<_> = rows.collect();
@@ -251,6 +277,16 @@ mod tests {
         assert_eq!(after(Modifiers::SHIFT, Key::Plus), [Command::LargerInterface]);
         assert_eq!(after(CTRL, Key::B), [], "Ctrl+B is not B");
         assert_eq!(after(NONE, Key::Tab), [], "Tab steps through the controls");
+    }
+
+    #[test]
+    fn modifiers_that_are_up_again_count_as_they_were() {
+        let mut harness = harness();
+        let press =
+            |pressed, modifiers| Event::Key { key: Key::O, physical_key: None, pressed, repeat: false, modifiers };
+        harness.input_mut().events.extend([press(true, CTRL), press(false, NONE)]);
+        harness.run_steps(2);
+        assert_eq!(harness.state().pressed, [Command::Open]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::{
     keys, menus, notice,
     pictures::Pictures,
     state::{EditorState, OpenScene},
-    status, toolbar,
+    status, theme, toolbar,
 };
 use crate::{
     actions::Action,
@@ -101,7 +101,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         let inspector = Panel::right("inspector").resizable(true).default_size(340.0).size_range(280.0..=640.0);
         inspector.show(ui, |ui| show_inspector(ui, state, actions));
     }
-    let centre = CentralPanel::default().frame(Frame::NONE.fill(ui.visuals().extreme_bg_color));
+    let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
     let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
     state.interface.viewport_size = viewport.size_px;
     let over_viewport = ui.input(|i| i.pointer.latest_pos().is_some_and(|p| viewport.rect.contains(p)));

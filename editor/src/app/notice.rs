@@ -38,7 +38,7 @@ fn heading(ui: &mut Ui, text: &str) {
 
 fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: &mut Vec<Action>) {
     heading(ui, title);
-    ui.label("Its visibility is baked once; a draft is shown first.");
+    ui.label("Visibility is traced once; light and materials can then be edited freely.");
     ui.add_space(6.0);
     ui.add(ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(WIDTH - 60.0).desired_height(6.0));
     ui.weak(line);

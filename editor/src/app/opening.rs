@@ -236,14 +236,23 @@ fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
     let output = bakes.join(bundled_name(scene, &source.hash));
     let mut warnings = source.report.warnings.clone();
     let normal = Preset::Normal.settings();
-    let fits = |baked: &Baked| baked.dataset.settings == normal && baked.dataset.scene_hash == source.hash;
-    let baked = read_if_there(&output, &mut warnings).filter(fits);
+    let mut read =
+        |path: &Path| read_if_there(path, &mut warnings).filter(|baked| baked.dataset.scene_hash == source.hash);
+    let whole = read(&output).filter(|baked| baked.dataset.settings == normal);
+    let bake_now = whole.is_none();
+    let baked = whole.or_else(|| read(&draft_of(&output)));
     let document = match &baked {
-        Some(baked) => Document::of_dataset(&baked.dataset, output.clone(), Some(scene.into())),
+        Some(baked) => {
+            Document { bake: normal, ..Document::of_dataset(&baked.dataset, output.clone(), Some(scene.into())) }
+        }
         None => Document { bake: normal, ..Document::of_scene(&source.scene, Some(scene.into())) },
     };
-    let bake_now = baked.is_none();
     Ok(Ready { bake_output: Some(output), bake_now, ..Ready::new(document, baked, Some(source), warnings) })
+}
+
+/// Where the draft of a bundled scene's bake is kept, to be shown at once while the bake goes on.
+pub fn draft_of(output: &Path) -> PathBuf {
+    output.with_extension("draft.cuts")
 }
 
 /// Another version of the scene has another bake.

@@ -17,6 +17,7 @@ use crate::{
 };
 use egui::{Context, ViewportCommand};
 use lapidary_core::camera::Camera;
+use lapidary_precompute::Preset;
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -42,7 +43,7 @@ impl EditorState {
             }
             Action::Preferences(preferences) => self.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
-            Action::Bake { resume } => self.start_bake(resume, false),
+            Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
             Action::CancelBake => self.cancel_bake(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
             Action::OpenBundled | Action::Open(Some(_)) | Action::Quit => self.leave_document(ctx, action),
@@ -307,8 +308,14 @@ impl EditorState {
         self.messages.warnings(&name, &warnings);
         recent.into_iter().for_each(|path| self.remember(&path));
         if bake_now {
-            self.start_bake(false, true);
+            let (has_draft, has_checkpoint) = (self.scene.baked.is_some(), self.has_checkpoint());
+            self.start_bake(has_draft && has_checkpoint, !has_draft);
         }
+    }
+
+    /// A long bake of something that cannot be seen yet begins with a draft.
+    fn wants_draft(&self) -> bool {
+        self.scene.shown().is_none() && self.document.bake.lights > Preset::Draft.settings().lights
     }
 
     /// Looks for the missing files of the session that waits for it.

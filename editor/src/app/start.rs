@@ -42,7 +42,7 @@ pub fn run(launch: &Launch) -> Result<()> {
     let Err(first) = window(eframe::Renderer::Wgpu) else { return Ok(()) };
     if is_display_missing() {
         bail!(
-            "there is no display to open a window on ({first}); set DISPLAY or WAYLAND_DISPLAY, or make pictures without a \
+            "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or make pictures without a \
              window: lapidary render --help"
         );
     }

@@ -16,8 +16,10 @@ pub const SCALE_STEP: f32 = 0.125;
 /// The greys of a theme, from the ground up, and its accent.
 struct Palette {
     panel: u8,
-    /// Text fields, and behind the picture.
+    /// Text fields.
     well: u8,
+    /// Behind the picture: never bright, which would dazzle beside it.
+    stage: u8,
     control: u8,
     hovered: u8,
     active: u8,
@@ -34,6 +36,7 @@ struct Palette {
 const DARK: Palette = Palette {
     panel: 40,
     well: 26,
+    stage: 26,
     control: 58,
     hovered: 70,
     active: 84,
@@ -50,6 +53,7 @@ const DARK: Palette = Palette {
 const LIGHT: Palette = Palette {
     panel: 222,
     well: 244,
+    stage: 208,
     control: 204,
     hovered: 192,
     active: 178,
@@ -75,6 +79,11 @@ pub fn apply(ctx: &Context, preferences: &Preferences) {
     // The window has its own keys for the scale, which keeps it within bounds and remembers it.
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.set_zoom_factor(preferences.ui_scale.clamp(*SCALE.start(), *SCALE.end()));
+}
+
+/// What lies behind the picture.
+pub fn stage_color(visuals: &Visuals) -> Color32 {
+    visuals.code_bg_color
 }
 
 /// The next scale up or down.
@@ -116,7 +125,7 @@ fn visuals(theme: egui::Theme, palette: &Palette) -> Visuals {
         faint_bg_color: grey(if theme == egui::Theme::Dark { palette.panel + 5 } else { palette.panel - 6 }),
         extreme_bg_color: grey(palette.well),
         text_edit_bg_color: Some(grey(palette.well)),
-        code_bg_color: grey(palette.well),
+        code_bg_color: grey(palette.stage),
         warn_fg_color: palette.warning,
         error_fg_color: palette.error,
         panel_fill: grey(palette.panel),
@@ -173,6 +182,7 @@ mod tests {
                 (grey(palette.text), grey(palette.panel)),
                 (grey(palette.weak), grey(palette.panel)),
                 (grey(palette.text), grey(palette.control)),
+                (grey(palette.weak), grey(palette.stage)),
                 (grey(palette.strong), grey(palette.active)),
                 (palette.on_accent, palette.accent),
                 (palette.warning, grey(palette.panel)),

@@ -1,7 +1,7 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
-use egui::{Context, Key, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Align, Context, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 
 /// Entries that are listed; more can be typed.
@@ -89,7 +89,8 @@ impl PathEntry {
                 for entry in &self.entries[rows] {
                     let label = if entry.is_folder { format!("{}/", entry.name) } else { entry.name.clone() };
                     let row = egui::Button::selectable(self.text == entry.name, label);
-                    let response = ui.add_sized(vec2(ui.available_width(), height), row.truncate());
+                    let left = Layout::top_down_justified(Align::LEFT);
+                    let response = ui.with_layout(left, |ui| ui.add(row.truncate())).inner;
                     if response.clicked() && entry.is_folder {
                         entered = Some(entry.name.clone());
                     } else if response.clicked() {
