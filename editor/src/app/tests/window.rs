@@ -142,13 +142,12 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     }
     let place = Place::new();
     place.bake();
-    let dataset = Arc::new(Dataset::read(&place.path("scene.cuts")).unwrap());
+    let dataset = Arc::new(polished(&place.path("scene.cuts")));
     let mut twin = place.window_of([SIZE[0] as f32, SIZE[1] as f32].into());
     twin.open(&place.path("scene.cuts"));
     let viewport = twin.0.get_by_label("Viewport").rect();
     let size = twin.0.state().interface.viewport_size;
     let mut screen = Screen::start(&program(), &place);
-    // Off the middle of the rows, so that the legend and the line of what is done do not lie over it.
     let shown = |document: &Document| expected(document, &dataset, size);
     let before = shown(&twin.0.state().document);
     assert!(screen.wait_for(viewport, &before, 1.0) < 1.0, "the first picture");
@@ -164,10 +163,20 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     assert!(screen.wait_for(viewport, &turned, 1.0) < 1.0, "the picture after the environment was turned");
 }
 
+/// The dataset with materials of metal, whose roughness is seen everywhere.
+fn polished(path: &Path) -> Dataset {
+    let mut dataset = Dataset::read(path).unwrap();
+    for material in &mut dataset.scene.materials {
+        material.parameters.metalness = 1.0;
+    }
+    dataset.write(path).unwrap();
+    dataset
+}
+
 /// Drags the slider in both windows; what it comes to is read from the one that can be asked.
 fn drag_roughness(twin: &mut Window, screen: &Screen) {
     let slider = twin.0.get_by_label("Roughness").rect();
-    let (from, to) = (slider.center(), slider.lerp_inside([0.1, 0.5].into()));
+    let (from, to) = (slider.center(), slider.lerp_inside(egui::vec2(0.1, 0.5)));
     screen.input(&format!("mousemove {} {} mousedown 1", from.x.round(), from.y.round()));
     screen.input(&format!("mousemove {} {}", to.x.round(), to.y.round()));
     screen.input("mouseup 1");
