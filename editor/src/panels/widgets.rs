@@ -18,7 +18,7 @@ const LABEL_WIDTH: f32 = 84.0;
 /// Points for the reset button, kept free where there is none.
 const RESET_WIDTH: f32 = 20.0;
 /// Points of a number entry.
-const NUMBER_WIDTH: f32 = 62.0;
+const NUMBER_WIDTH: f32 = 72.0;
 /// How much slower a slider moves while Shift is held.
 const FINE: f32 = 0.1;
 
@@ -204,11 +204,14 @@ pub fn choice_row<T: PartialEq + Copy>(
     })
 }
 
-/// One row with a check box.
+/// One row with a check box, its name beside it.
 pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edited {
-    row(ui, label, help, false, |ui, name, _| {
-        Edited::at_once(name.of(ui.checkbox(value, "")).on_hover_text(help).changed())
+    ui.horizontal(|ui| {
+        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+        let full = full_name(ui, label).unwrap_or_else(|| label.to_owned());
+        Edited::at_once(ui.checkbox(value, label).on_hover_text(help).accessible_name(full).changed())
     })
+    .inner
 }
 
 /// A part of an inspector that folds, without a box around it.
@@ -275,7 +278,7 @@ fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&mut Ui) -> R
 }
 
 fn reset_button(ui: &mut Ui, name: &str) -> bool {
-    let button = egui::Button::new(RichText::new("↺").monospace().weak()).frame(false).small();
+    let button = egui::Button::new(RichText::new("↺").monospace().weak()).frame(false);
     let name = format!("Reset {name}");
     ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
 }

@@ -12,6 +12,8 @@ use std::path::PathBuf;
 
 /// Points of a thumbnail's side.
 const THUMBNAIL: f32 = 26.0;
+/// Points of the empty frame where there is none: rows without a map are to take little room.
+const EMPTY: f32 = 16.0;
 
 /// A map of a material.
 #[derive(Clone, Copy)]
@@ -103,7 +105,8 @@ fn lower_first(name: &str) -> String {
 }
 
 fn thumbnail(ui: &mut Ui, state: &mut MaterialPanel, entry: Option<&TextureEntry>) {
-    let (rect, response) = ui.allocate_exact_size(vec2(THUMBNAIL, THUMBNAIL), Sense::hover());
+    let side = if entry.is_some() { THUMBNAIL } else { EMPTY };
+    let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     let Some(entry) = entry else {
         let stroke = Stroke::new(1.0, ui.visuals().weak_text_color().gamma_multiply(0.5));
         ui.painter().rect_stroke(rect.shrink(1.0), 2.0, stroke, StrokeKind::Inside);

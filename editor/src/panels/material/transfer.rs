@@ -3,7 +3,7 @@
 use super::{Changes, MaterialPanel};
 use crate::{actions::Action, document::Document, panels::presets::PRESETS};
 use egui::{
-    Button, Event, PopupCloseBehavior, Sense, Ui, ViewportCommand,
+    Atom, Button, Color32, Event, IdSalt, PopupCloseBehavior, Rect, Ui, ViewportCommand,
     containers::menu::{MenuButton, MenuConfig},
     vec2,
 };
@@ -49,6 +49,9 @@ impl Copied {
     }
 }
 
+/// Points of a preset's colour in the menu.
+const SWATCH: f32 = 16.0;
+
 /// The row of buttons.
 pub fn show(
     ui: &mut Ui,
@@ -89,15 +92,13 @@ fn presets(ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
     ui.checkbox(clear_maps, "Clear the maps").on_hover_text("Otherwise they stay and modulate the preset's values");
     ui.separator();
     for preset in &PRESETS {
-        let chosen = ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::hover());
-            let [r, g, b] = preset.parameters.base_color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
-            ui.painter().rect_filled(rect, 3.0, egui::Color32::from_rgb(r, g, b));
-            ui.add(Button::new(preset.name).frame(false).min_size(vec2(140.0, 0.0)))
-                .on_hover_text(preset.source)
-                .clicked()
-        });
-        if chosen.inner {
+        let swatch = Atom::custom(IdSalt::new("swatch"), vec2(SWATCH, SWATCH));
+        let button = ui.add(Button::new((swatch, preset.name))).on_hover_text(preset.source);
+        let left = button.rect.left_center() + vec2(ui.spacing().button_padding.x + 0.5 * SWATCH, 0.0);
+        let [r, g, b] = preset.parameters.base_color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
+        let square = Rect::from_center_size(left, vec2(SWATCH, SWATCH));
+        ui.painter().rect_filled(square, 3.0, Color32::from_rgb(r, g, b));
+        if button.clicked() {
             changes.replace("Preset", preset.applied_to(&changes.material, *clear_maps));
             ui.close();
         }

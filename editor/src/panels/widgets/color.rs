@@ -30,7 +30,7 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     let shown = hex_from_linear(*color);
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
     let entry =
-        TextEdit::singleline(&mut text).id(id).desired_width(64.0).font(FontSelection::from(TextStyle::Monospace));
+        TextEdit::singleline(&mut text).id(id).desired_width(76.0).font(FontSelection::from(TextStyle::Monospace));
     let response = ui.add(entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, text));
