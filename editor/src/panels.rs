@@ -6,6 +6,8 @@ pub mod environment;
 pub mod material;
 pub mod presets;
 pub mod scene;
+#[cfg(test)]
+mod tests;
 mod units;
 pub mod view;
 pub mod widgets;

@@ -90,7 +90,7 @@ fn objects(
             }
             let selected = context.selected_object == Some(index as u32);
             let name = name_button(ui, selected, names[index]);
-            if name.clicked() || name.double_clicked() {
+            if name.clicked() {
                 actions.push(Action::SelectObject(Some(index as u32)));
             }
             if name.on_hover_text("Double-click to frame it").double_clicked() {

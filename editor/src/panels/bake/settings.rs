@@ -33,29 +33,38 @@ const PRESETS: [(Preset, &str, &str); 3] = [
 
 /// The presets, and what each will take.
 pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut Vec<Action>) {
-    Grid::new("presets").num_columns(2).show(ui, |ui| {
+    let bake = &context.document.bake;
+    Grid::new("presets").num_columns(4).show(ui, |ui| {
+        for title in ["Preset", "Vertices", "Time", "Size"] {
+            ui.label(RichText::new(title).weak().small());
+        }
+        ui.end_row();
         for (preset, name, help) in PRESETS {
             let settings = preset.settings();
-            let button = ui.add(Button::selectable(context.document.bake == settings, name)).on_hover_text(help);
-            if button.clicked() {
+            if ui.add(Button::selectable(*bake == settings, name)).on_hover_text(help).clicked() {
                 let edit = Edit::Bake(Box::new(settings.clone()));
                 actions.extend([Action::Edit { edit, label: "Bake preset" }, Action::EndGesture]);
             }
-            ui.label(RichText::new(cost(speed.estimate(&settings))).weak());
-            ui.end_row();
+            cost(ui, speed.estimate(&settings));
+        }
+        if PRESETS.iter().all(|(preset, ..)| *bake != preset.settings()) {
+            ui.label("Custom").on_hover_text("The settings below.");
+            cost(ui, speed.estimate(bake));
         }
     });
-    if PRESETS.iter().all(|(preset, ..)| context.document.bake != preset.settings()) {
-        ui.label(format!("Custom: {}", cost(speed.estimate(&context.document.bake))));
-    }
     let source = if context.dataset.is_some() { "the last bake" } else { "other scenes" };
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 
-fn cost(estimate: Option<Estimate>) -> String {
-    let Some(estimate) = estimate else { return "the scene's size is not known yet".into() };
-    let (time, size) = (duration(estimate.secs), bytes(estimate.bytes));
-    format!("{} vertices, about {time}, {size}", grouped(estimate.vertices as u64))
+/// The rest of a preset's row; a dash where the size of the scene is not known.
+fn cost(ui: &mut Ui, estimate: Option<Estimate>) {
+    let texts = estimate.map_or(["-".into(), "-".into(), "-".into()], |e| {
+        [grouped(e.vertices as u64), duration(e.secs), bytes(e.bytes)]
+    });
+    for text in texts {
+        ui.label(text);
+    }
+    ui.end_row();
 }
 
 /// Every setting by itself, and what is wrong with them.

@@ -1,7 +1,13 @@
 use super::*;
-use crate::document::Edit;
+use crate::{
+    document::Edit,
+    panels::tests::{WIDTH, assert_fits},
+};
 use egui::{Key, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     cut::packed::{PackedCuts, pack_node},
@@ -66,9 +72,10 @@ fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Ha
         show(ui, &context, actions);
     };
     let probe = Probe { document, dataset, status, actions: Vec::new() };
-    let mut panel = Harness::builder().with_size(vec2(320.0, 900.0)).build_ui_state(show, probe);
+    let mut panel = Harness::builder().with_size(vec2(WIDTH, 900.0)).build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    assert_fits(&panel, WIDTH);
     panel
 }
 
@@ -112,10 +119,9 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     let mut panel = panel(running, document(), None);
     assert!(panel.query_by_label("250 of 1,000 points").is_some());
     assert!(panel.query_by_label("About 1 min 00 s left in this phase").is_some());
-    let percent = |name: &str| panel.get_by_label(name).value();
-    assert_eq!(percent("Visibility progress").as_deref(), Some("25"));
-    assert_eq!(percent("Pilot progress").as_deref(), Some("100"));
-    assert_eq!(percent("Pack progress").as_deref(), Some("0"));
+    let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
+    let phases = ["Pilot progress", "Visibility progress", "Pack progress"];
+    assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
 }
@@ -151,7 +157,10 @@ fn reasons_name_both_values_and_only_what_differs() {
 #[test]
 fn presets_show_their_cost_and_set_everything() {
     let mut panel = panel(BakeStatus::None, document(), None);
-    assert!(panel.query_by_label("100,000 vertices, about 3 min 38 s, 34.0 MB").is_some());
+    for cost in ["100,000", "3 min 38 s", "34.0 MB"] {
+        assert!(panel.query_by_label(cost).is_some(), "{cost}");
+    }
+    assert!(panel.query_by_label("Custom").is_none());
     assert!(panel.query_by_label_contains("estimates").is_some());
     assert_eq!(bake_asked(&clicked(&mut panel, "Draft")), Some(Preset::Draft.settings()));
 }
@@ -161,6 +170,7 @@ fn settings_out_of_range_are_named_and_cannot_be_baked() {
     let mut wrong = document();
     wrong.bake.max_vertices = Some(1);
     let mut wrong = panel(BakeStatus::None, wrong, None);
+    assert!(wrong.query_by_label("Custom").is_some());
     assert!(wrong.query_by_label_contains("Max vertices is 1, but must lie between 3").is_some());
     assert!(clicked(&mut wrong, "Bake").is_empty());
     let mut alone = panel(BakeStatus::None, Document::empty(), None);
@@ -173,6 +183,7 @@ fn advanced_settings_are_typed_ticked_and_chosen() {
     let mut panel = panel(BakeStatus::None, document(), None);
     assert!(clicked(&mut panel, "Advanced").is_empty());
     panel.run();
+    assert_fits(&panel, WIDTH);
     panel.get_by_label("Sigma value").click();
     panel.run();
     panel.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::panels::tests::{WIDTH, assert_fits};
 use egui::{Key, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use lapidary_core::image::Image;
@@ -49,10 +50,11 @@ fn panel(probe: Probe) -> Harness<'static, Probe> {
         show_library(ui, &mut probe.panel, &context, &mut probe.actions);
     };
     // Thumbnails come from threads, and each asks for another frame.
-    let builder = Harness::builder().with_size(vec2(320.0, 800.0)).with_max_steps(20);
+    let builder = Harness::builder().with_size(vec2(WIDTH, 800.0)).with_max_steps(20);
     let mut panel = builder.build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    assert_fits(&panel, WIDTH);
     panel
 }
 

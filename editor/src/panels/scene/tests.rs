@@ -1,5 +1,11 @@
 use super::*;
-use crate::{document::Edit, panels::bake::test_dataset};
+use crate::{
+    document::Edit,
+    panels::{
+        bake::test_dataset,
+        tests::{WIDTH, assert_fits},
+    },
+};
 use egui::Key;
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
@@ -29,9 +35,12 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
         show(ui, panel, &context, actions);
     };
     let probe = Probe { document, dataset, panel: ScenePanel::default(), actions: Vec::new() };
-    let mut panel = Harness::builder().with_size(vec2(280.0, 700.0)).build_ui_state(show, probe);
+    // Steps short enough that two clicks are a double click.
+    let builder = Harness::builder().with_size(vec2(WIDTH, 700.0)).with_step_dt(0.02).with_max_steps(60);
+    let mut panel = builder.build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    assert_fits(&panel, WIDTH);
     panel
 }
 

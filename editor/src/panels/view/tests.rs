@@ -1,4 +1,5 @@
 use super::*;
+use crate::panels::tests::{WIDTH, assert_fits};
 use egui::{Key, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 
@@ -8,9 +9,10 @@ fn panel(document: Document) -> Panel {
     let show = |ui: &mut Ui, (document, actions): &mut (Document, Vec<Action>)| {
         show(ui, &ViewContext { document }, actions);
     };
-    let mut panel = Harness::builder().with_size(vec2(320.0, 800.0)).build_ui_state(show, (document, Vec::new()));
+    let mut panel = Harness::builder().with_size(vec2(WIDTH, 800.0)).build_ui_state(show, (document, Vec::new()));
     panel.run();
     assert!(panel.state().1.is_empty(), "showing asks for nothing");
+    assert_fits(&panel, WIDTH);
     panel
 }
 
