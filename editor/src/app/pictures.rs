@@ -59,13 +59,16 @@ struct Look {
     transparent: bool,
 }
 
+/// A picture file, or why there is none.
+type Written = Result<PathBuf, String>;
+
 /// Pictures, on the screen and on their way to files.
 pub struct Pictures {
     texture: Option<TextureHandle>,
     shown: Option<Shown>,
     exports: Vec<(u64, PathBuf, Look)>,
     exports_asked: u64,
-    written: (Sender<Result<PathBuf, String>>, Receiver<Result<PathBuf, String>>),
+    written: (Sender<Written>, Receiver<Written>),
 }
 
 impl Default for Pictures {

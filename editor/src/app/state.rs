@@ -173,7 +173,7 @@ impl EditorState {
         let mut messages = Messages::default();
         problem.into_iter().for_each(|p| messages.warning(p));
         let recoverable = autosave::recoverable(&folders.state);
-        let prompt = (!recoverable.is_empty()).then(|| Prompt::Recover(recoverable));
+        let prompt = (!recoverable.is_empty()).then_some(Prompt::Recover(recoverable));
         let library = EnvironmentLibrary::open(&folders.config, bundled.environments.clone());
         Self {
             document: Document::empty(),
