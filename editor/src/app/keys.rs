@@ -150,26 +150,36 @@ pub fn text(ctx: &Context, command: Command) -> String {
 
 /// The commands whose keys were pressed, which are taken out of the input. None while text is edited or
 /// a question waits; none without a modifier while the right button is held, since those keys fly then.
-pub fn pressed(ctx: &Context, over_viewport: bool) -> Vec<Command> {
-    if ctx.text_edit_focused() || ctx.memory(|m| m.top_modal_layer().is_some()) {
+pub fn pressed(ctx: &Context) -> Vec<Command> {
+    if is_shut_out(ctx) {
         return Vec::new();
     }
     let flying = ctx.input(|i| i.pointer.secondary_down());
-    // Tab steps through the controls unless the pointer rests on the picture.
-    let tab_is_free = over_viewport && ctx.memory(|m| m.focused().is_none());
     let mut commands = Vec::new();
     for binding in BINDINGS.iter().filter(|b| b.by == By::Window) {
         for &(modifiers, key) in binding.keys {
-            let blocked = (flying && modifiers.is_none()) || (key == Key::Tab && !tab_is_free);
+            let blocked = (flying && modifiers.is_none()) || key == Key::Tab;
             if !blocked && take(ctx, modifiers, key) {
                 commands.push(binding.command);
             }
         }
     }
-    if commands.contains(&Command::TogglePanels) {
+    commands
+}
+
+/// Whether Tab asks for the picture alone. It steps through the controls unless the pointer rests on the picture and no
+/// control has the focus. To be called before any control of the frame, which would take the focus.
+pub fn tab_pressed(ctx: &Context, over_viewport: bool) -> bool {
+    let is_free = over_viewport && !is_shut_out(ctx) && ctx.memory(|m| m.focused().is_none());
+    let pressed = is_free && take(ctx, NONE, Key::Tab);
+    if pressed {
         ctx.memory_mut(|m| m.move_focus(egui::FocusDirection::None));
     }
-    commands
+    pressed
+}
+
+fn is_shut_out(ctx: &Context) -> bool {
+    ctx.text_edit_focused() || ctx.memory(|m| m.top_modal_layer().is_some())
 }
 
 /// Takes one press of a key. Letters and digits count with exactly these modifiers; signs may need Shift on some
@@ -250,14 +260,17 @@ mod tests {
     struct State {
         pressed: Vec<Command>,
         text: String,
+        tabs: u32,
+        over_viewport: bool,
     }
 
     fn harness() -> Harness<'static, State> {
         let ui = |ui: &mut Ui, state: &mut State| {
-            state.pressed.extend(pressed(ui.ctx(), false));
+            state.tabs += u32::from(tab_pressed(ui.ctx(), state.over_viewport));
+            state.pressed.extend(pressed(ui.ctx()));
             ui.text_edit_singleline(&mut state.text).accessible_name("Text");
         };
-        Harness::new_ui_state(ui, State { pressed: Vec::new(), text: String::new() })
+        Harness::new_ui_state(ui, State { pressed: Vec::new(), text: String::new(), tabs: 0, over_viewport: false })
     }
 
     fn after(modifiers: Modifiers, key: Key) -> Vec<Command> {
@@ -277,6 +290,19 @@ mod tests {
         assert_eq!(after(Modifiers::SHIFT, Key::Plus), [Command::LargerInterface]);
         assert_eq!(after(CTRL, Key::B), [], "Ctrl+B is not B");
         assert_eq!(after(NONE, Key::Tab), [], "Tab steps through the controls");
+    }
+
+    #[test]
+    fn tab_hides_panels_over_the_picture_and_steps_through_controls_elsewhere() {
+        let mut harness = harness();
+        harness.state_mut().over_viewport = true;
+        harness.key_press(Key::Tab);
+        harness.run_steps(3);
+        assert!(harness.state().tabs == 1 && !harness.get_by_label("Text").is_focused());
+        harness.state_mut().over_viewport = false;
+        harness.key_press(Key::Tab);
+        harness.run_steps(3);
+        assert!(harness.state().tabs == 1 && harness.get_by_label("Text").is_focused());
     }
 
     #[test]

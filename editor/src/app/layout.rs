@@ -3,7 +3,8 @@
 
 use super::{
     environments::Environments,
-    keys, menus, notice,
+    keys::{self, Command},
+    menus, notice,
     pictures::Pictures,
     state::{EditorState, OpenScene},
     status, theme, toolbar,
@@ -20,7 +21,7 @@ use crate::{
     },
     viewport::{self, ViewportContext, ViewportResponse, ViewportState},
 };
-use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 
 /// What the inspector shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,7 +61,6 @@ pub enum Side {
 }
 
 /// What the interface remembers between frames.
-#[derive(Default)]
 pub struct Interface {
     /// What the inspector shows.
     pub inspector: Inspector,
@@ -74,12 +74,33 @@ pub struct Interface {
     pub done: Option<String>,
     /// Width and height of the viewport in pixels.
     pub viewport_size: [u32; 2],
+    /// Where the viewport was in the last frame.
+    pub viewport_rect: Rect,
     /// The next text from the clipboard is a camera.
     pub pasting_camera: bool,
     viewport: ViewportState,
     material: MaterialPanel,
     environment: EnvironmentPanel,
     scene: ScenePanel,
+}
+
+impl Default for Interface {
+    fn default() -> Self {
+        Self {
+            inspector: Inspector::default(),
+            side: Side::default(),
+            panels_hidden: false,
+            keys_open: false,
+            done: None,
+            viewport_size: [1, 1],
+            viewport_rect: Rect::NOTHING,
+            pasting_camera: false,
+            viewport: ViewportState::default(),
+            material: MaterialPanel::default(),
+            environment: EnvironmentPanel::default(),
+            scene: ScenePanel::default(),
+        }
+    }
 }
 
 /// Where things came to lie in a frame.
@@ -92,6 +113,11 @@ pub struct Laid {
 
 /// Shows everything, and takes the keys that nothing else has taken.
 pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> Laid {
+    let viewport_rect = state.interface.viewport_rect;
+    let over_viewport = ui.input(|i| i.pointer.latest_pos().is_some_and(|p| viewport_rect.contains(p)));
+    if keys::tab_pressed(ui.ctx(), over_viewport) {
+        state.command(Command::TogglePanels, actions);
+    }
     Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
     let status_height = Panel::bottom("status").show(ui, |ui| status::show(ui, state)).response.rect.height();
     if !state.interface.panels_hidden {
@@ -104,8 +130,8 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
     let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
     state.interface.viewport_size = viewport.size_px;
-    let over_viewport = ui.input(|i| i.pointer.latest_pos().is_some_and(|p| viewport.rect.contains(p)));
-    for command in keys::pressed(ui.ctx(), over_viewport) {
+    state.interface.viewport_rect = viewport.rect;
+    for command in keys::pressed(ui.ctx()) {
         state.command(command, actions);
     }
     if state.interface.keys_open {

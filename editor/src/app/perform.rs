@@ -34,7 +34,9 @@ impl EditorState {
             Action::SelectObject(object) => self.select_object(object),
             Action::SelectMaterial(material) => {
                 self.selection.material = material;
-                self.interface.inspector = Inspector::Material;
+                if material.is_some() {
+                    self.interface.inspector = Inspector::Material;
+                }
             }
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => {

@@ -1,7 +1,10 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
-use egui::{Align, Context, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{
+    Align, Context, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
+    text::{CCursor, CCursorRange},
+};
 use std::path::{Path, PathBuf};
 
 /// Entries that are listed; more can be typed.
@@ -112,10 +115,16 @@ impl PathEntry {
 
     /// Returns whether Enter was pressed in it.
     fn text_field(&mut self, ui: &mut Ui) -> bool {
-        let field = ui.add(TextEdit::singleline(&mut self.text).desired_width(f32::INFINITY).hint_text("Name or path"));
-        let field = field.accessible_name("Path");
+        let edit = TextEdit::singleline(&mut self.text).desired_width(f32::INFINITY).hint_text("Name or path");
+        let mut output = edit.show(ui);
+        let field = output.response.response.accessible_name("Path");
         if std::mem::take(&mut self.fresh) {
             field.request_focus();
+            // What is typed first replaces the suggested name and leaves its extension.
+            let stem = Path::new(&self.text).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
+            let range = CCursorRange::two(CCursor::new(0), CCursor::new(stem));
+            output.state.cursor.set_char_range(Some(range));
+            output.state.store(ui.ctx(), field.id);
         }
         if field.changed() {
             self.problem = None;

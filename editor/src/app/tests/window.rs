@@ -75,13 +75,18 @@ impl Screen {
         (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect()
     }
 
-    /// Waits until the screen shows `expected`, and returns how far it is from it: the mean difference in code values.
-    fn wait_for(&mut self, rect: egui::Rect, expected: &[[u8; 4]], limit: f64) -> f64 {
+    /// Waits until the screen shows `expected`, to a mean difference of a code value.
+    fn wait_for(&mut self, what: &str, rect: egui::Rect, expected: &[[u8; 4]]) {
         let start = Instant::now();
         loop {
             let error = difference(&self.capture(rect), expected);
-            if error < limit || start.elapsed() > Duration::from_secs(60) {
-                return error;
+            if error < 1.0 {
+                return;
+            }
+            if start.elapsed() > Duration::from_secs(60) {
+                let kept = std::env::temp_dir().join("lapidary-window.png");
+                let _ = Command::new("import").args(["-window", "root"]).arg(&kept).env("DISPLAY", &self.display).status();
+                panic!("{what} is off by {error} code values; the screen is kept in {}", kept.display());
             }
             std::thread::sleep(Duration::from_millis(200));
         }
@@ -150,17 +155,17 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     let mut screen = Screen::start(&program(), &place);
     let shown = |document: &Document| expected(document, &dataset, size);
     let before = shown(&twin.0.state().document);
-    assert!(screen.wait_for(viewport, &before, 1.0) < 1.0, "the first picture");
+    screen.wait_for("the first picture", viewport, &before);
 
     drag_roughness(&mut twin, &screen);
     let rough = shown(&twin.0.state().document);
     assert!(difference(&rough, &before) > 2.0, "negative control: roughness is seen");
-    assert!(screen.wait_for(viewport, &rough, 1.0) < 1.0, "the picture after roughness was dragged");
+    screen.wait_for("the picture after roughness was dragged", viewport, &rough);
 
     turn_environment(&mut twin, &screen, viewport);
     let turned = shown(&twin.0.state().document);
     assert!(difference(&turned, &rough) > 2.0, "negative control: the turn is seen");
-    assert!(screen.wait_for(viewport, &turned, 1.0) < 1.0, "the picture after the environment was turned");
+    screen.wait_for("the picture after the environment was turned", viewport, &turned);
 }
 
 /// The dataset with materials of metal, whose roughness is seen everywhere.
