@@ -145,8 +145,9 @@ impl EditorState {
     }
 
     fn frame_all(&mut self) {
-        if let Some(baked) = self.scene.shown() {
-            let bounds = baked.dataset.scene.mesh.bounds();
+        let baked = self.scene.baked.as_ref().map(|baked| &baked.dataset.scene);
+        if let Some(scene) = baked.or(self.scene.source.as_ref().map(|source| &*source.scene)) {
+            let bounds = scene.mesh.bounds();
             self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
         }
     }
@@ -302,7 +303,7 @@ impl EditorState {
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
         self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
         if self.scene.session.is_none() {
-            self.widen_camera();
+            self.fit_camera();
         }
         self.pictures.clear();
         self.requests.forget();
@@ -349,8 +350,12 @@ impl EditorState {
     }
 
     /// A camera of a scene file was set up for a picture of this shape; a narrower viewport sees as much in width.
-    fn widen_camera(&mut self) {
+    /// Without cameras all of the scene is framed.
+    fn fit_camera(&mut self) {
         const SHAPE: f32 = 1.5;
+        if self.document.bookmarks.is_empty() {
+            return self.frame_all();
+        }
         let aspect = self.aspect();
         if (0.2..SHAPE).contains(&aspect) {
             let tan = (0.5 * self.document.camera.fov_y).tan() * SHAPE / aspect;
