@@ -5,11 +5,14 @@
 //! when there are some.
 
 pub mod bake;
+mod baked;
 pub mod budget;
 pub mod load;
 pub mod render_thread;
 pub mod thumbnails;
 pub mod watch;
+
+pub use baked::Baked;
 
 use std::{
     any::Any,

@@ -14,6 +14,12 @@ pub struct Preferences {
     pub theme: Theme,
     /// Scale of the interface, 0.5 to 3; 1 is 96 points an inch.
     pub ui_scale: f32,
+    /// Width and height of the window in points.
+    pub window_size: [f32; 2],
+    /// Width of the left side in points.
+    pub side_width: f32,
+    /// Width of the inspector in points.
+    pub inspector_width: f32,
 }
 
 /// Dark or light.
@@ -29,7 +35,13 @@ pub enum Theme {
 
 impl Default for Preferences {
     fn default() -> Self {
-        Self { theme: Theme::default(), ui_scale: 1.0 }
+        Self {
+            theme: Theme::default(),
+            ui_scale: 1.0,
+            window_size: [1440.0, 900.0],
+            side_width: 230.0,
+            inspector_width: 340.0,
+        }
     }
 }
 
@@ -71,10 +83,21 @@ impl Preferences {
         write_setting(&config.join(FILE), &format!("{value:#}\n"))
     }
 
-    /// With a scale at which the interface can be used.
+    /// With a scale and sizes at which the interface can be used.
     pub fn clamped(self) -> Self {
-        let ui_scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale.clamp(0.5, 3.0) };
-        Self { ui_scale, ..self }
+        let usual = Self::default();
+        let clamp = |x: f32, low: f32, high: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
+        let [width, height] = self.window_size;
+        Self {
+            theme: self.theme,
+            ui_scale: clamp(self.ui_scale, 0.5, 3.0, usual.ui_scale),
+            window_size: [
+                clamp(width, 800.0, 16_384.0, usual.window_size[0]),
+                clamp(height, 500.0, 16_384.0, usual.window_size[1]),
+            ],
+            side_width: clamp(self.side_width, 160.0, 480.0, usual.side_width),
+            inspector_width: clamp(self.inspector_width, 280.0, 640.0, usual.inspector_width),
+        }
     }
 }
 
@@ -87,7 +110,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("not/there/yet");
         assert_eq!(Preferences::load(&config), (Preferences::default(), None));
-        let preferences = Preferences { theme: Theme::Light, ui_scale: 1.25 };
+        let preferences = Preferences { theme: Theme::Light, ui_scale: 1.25, side_width: 300.0, ..Default::default() };
         preferences.save(&config).unwrap();
         assert_eq!(Preferences::load(&config), (preferences, None));
     }
@@ -98,7 +121,11 @@ mod tests {
         for (text, expected, complains) in [
             ("{\"theme\": \"light\"", Preferences::default(), true),
             ("[]", Preferences::default(), true),
-            ("{\"theme\": \"light\", \"ui_scale\": \"big\"}", Preferences { theme: Theme::Light, ui_scale: 1.0 }, true),
+            (
+                "{\"theme\": \"light\", \"ui_scale\": \"big\"}",
+                Preferences { theme: Theme::Light, ..Default::default() },
+                true,
+            ),
             ("{\"ui_scale\": 99, \"later\": 1}", Preferences { ui_scale: 3.0, ..Default::default() }, false),
         ] {
             std::fs::write(folder.path().join(FILE), text).unwrap();

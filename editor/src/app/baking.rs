@@ -1,12 +1,13 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
 use super::{
-    opening::{Baked, Source, draft_of},
+    opening::{Source, draft_of},
     state::EditorState,
 };
 use crate::{
     document::Document,
     jobs::{
+        Baked,
         bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
         spawn,
     },
@@ -107,15 +108,15 @@ impl EditorState {
         for message in messages {
             match message {
                 BakeMessage::Warning(text) => self.messages.warning(text),
-                BakeMessage::Draft(dataset) => {
-                    self.keep_draft(&dataset);
-                    self.show_dataset(dataset);
+                BakeMessage::Draft(baked) => {
+                    self.keep_draft(&baked.dataset);
+                    self.show_baked(baked);
                 }
-                BakeMessage::Done(dataset) => {
+                BakeMessage::Done(baked) => {
                     let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
-                    self.messages.note(format!("Baked {} vertices in {seconds:.0} s", dataset.report.vertices));
+                    self.messages.note(format!("Baked {} vertices in {seconds:.0} s", baked.dataset.report.vertices));
                     self.document.dataset.clone_from(&self.scene.bake_output);
-                    self.show_dataset(dataset);
+                    self.show_baked(baked);
                 }
                 BakeMessage::Cancelled => self.end_bake(Ended::Cancelled),
                 BakeMessage::Failed(error) => {
@@ -149,10 +150,11 @@ impl EditorState {
     }
 
     /// Renders another bake of the scene. Materials that were edited stay.
-    fn show_dataset(&mut self, dataset: Arc<Dataset>) {
-        fit_materials(&mut self.document, &dataset);
-        self.selection.object = self.selection.object.filter(|&o| (o as usize) < dataset.scene.objects.len());
-        self.scene.baked = Some(Baked::new(dataset));
+    fn show_baked(&mut self, baked: Baked) {
+        fit_materials(&mut self.document, &baked.dataset);
+        let objects = baked.dataset.scene.objects.len();
+        self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
+        self.scene.baked = Some(baked);
         self.scene.show_stale = false;
     }
 

@@ -78,6 +78,8 @@ pub struct Interface {
     pub viewport_rect: Rect,
     /// The next text from the clipboard is a camera.
     pub pasting_camera: bool,
+    /// Widths of the left side and of the inspector, once they were shown.
+    pub panel_widths: Option<[f32; 2]>,
     viewport: ViewportState,
     material: MaterialPanel,
     environment: EnvironmentPanel,
@@ -95,6 +97,7 @@ impl Default for Interface {
             viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
             pasting_camera: false,
+            panel_widths: None,
             viewport: ViewportState::default(),
             material: MaterialPanel::default(),
             environment: EnvironmentPanel::default(),
@@ -122,10 +125,11 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     let status_height = Panel::bottom("status").show(ui, |ui| status::show(ui, state)).response.rect.height();
     if !state.interface.panels_hidden {
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
-        let side = Panel::left("side").resizable(true).default_size(230.0).size_range(160.0..=480.0);
-        side.show(ui, |ui| show_side(ui, state, actions));
-        let inspector = Panel::right("inspector").resizable(true).default_size(340.0).size_range(280.0..=640.0);
-        inspector.show(ui, |ui| show_inspector(ui, state, actions));
+        let side = Panel::left("side").resizable(true).default_size(state.preferences.side_width);
+        let side = side.size_range(160.0..=480.0).show(ui, |ui| show_side(ui, state, actions));
+        let inspector = Panel::right("inspector").resizable(true).default_size(state.preferences.inspector_width);
+        let inspector = inspector.size_range(280.0..=640.0).show(ui, |ui| show_inspector(ui, state, actions));
+        state.interface.panel_widths = Some([side.response.rect.width(), inspector.response.rect.width()]);
     }
     let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
     let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;

@@ -7,7 +7,7 @@ use crate::{
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Wake, guarded,
+        Baked, Wake, guarded,
         load::{Kind, foreign, kind_of},
         spawn,
     },
@@ -16,7 +16,6 @@ use anyhow::Result;
 use lapidary_core::{
     dataset::{Dataset, scene_hash},
     import::{ImportReport, import},
-    ray::Intersector,
     scene::Scene,
 };
 use lapidary_precompute::Preset;
@@ -91,23 +90,6 @@ pub struct Ready {
     pub warnings: Vec<String>,
     /// The file to list among the recent ones.
     pub recent: Option<PathBuf>,
-}
-
-/// A dataset and what picking needs.
-#[derive(Clone)]
-pub struct Baked {
-    /// The dataset.
-    pub dataset: Arc<Dataset>,
-    /// Made of its mesh.
-    pub intersector: Arc<Intersector>,
-}
-
-impl Baked {
-    /// Takes a while for large meshes.
-    pub fn new(dataset: Arc<Dataset>) -> Self {
-        let intersector = Arc::new(Intersector::new(&dataset.scene.mesh));
-        Self { dataset, intersector }
-    }
 }
 
 /// An imported scene.

@@ -5,7 +5,10 @@ use super::{
     opening::Target,
     state::{Bundled, EditorState, Setup},
 };
-use crate::{backend_option::BackendOption, demo::DataFolder, document::library::maps_in, jobs::Wake, paths::Folders};
+use crate::{
+    backend_option::BackendOption, demo::DataFolder, document::library::maps_in, jobs::Wake, paths::Folders,
+    preferences::Preferences,
+};
 use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
@@ -31,7 +34,7 @@ pub fn run(launch: &Launch) -> Result<()> {
     let folders = Folders::find()?;
     let window = |renderer: eframe::Renderer| {
         let (launch, bundled, folders) = (launch.clone(), bundled.clone(), folders.clone());
-        let options = options(renderer);
+        let options = options(renderer, &Preferences::load(&folders.config).0);
         eframe::run_native(
             "Lapidary",
             options,
@@ -69,12 +72,12 @@ fn bundled(launch: &Launch) -> Result<Bundled> {
     }
 }
 
-fn options(renderer: eframe::Renderer) -> NativeOptions {
+fn options(renderer: eframe::Renderer, preferences: &Preferences) -> NativeOptions {
     NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("Lapidary")
             .with_app_id("lapidary")
-            .with_inner_size(vec2(1440.0, 900.0))
+            .with_inner_size(preferences.window_size)
             .with_min_inner_size(vec2(800.0, 500.0))
             .with_drag_and_drop(true),
         renderer,

@@ -6,7 +6,7 @@ use super::{
     environments::Environments,
     layout::{self, Interface},
     messages::Messages,
-    opening::{Baked, Opening, Source, Target},
+    opening::{Opening, Source, Target},
     pictures::Pictures,
     prompts::{self, Prompt},
     requests::Requests,
@@ -21,7 +21,7 @@ use crate::{
         session::Unknown,
     },
     jobs::{
-        Wake,
+        Baked, Wake,
         load::Loader,
         render_thread::{Factory, RenderThread},
         watch::Watcher,
@@ -163,6 +163,8 @@ pub struct EditorState {
     /// Nothing is left to ask: the window may close.
     pub(super) may_close: bool,
     themed: Option<Preferences>,
+    /// Size of the window in points, but not while it fills the screen.
+    window_size: Option<[f32; 2]>,
 }
 
 impl EditorState {
@@ -205,6 +207,7 @@ impl EditorState {
             recovered: None,
             may_close: false,
             themed: None,
+            window_size: None,
             folders,
             wake,
         }
@@ -227,6 +230,7 @@ impl EditorState {
             super::theme::apply(&ctx, &self.preferences);
             self.themed = Some(self.preferences.clone());
         }
+        self.note_window_size(&ctx);
         self.collect(&ctx);
         self.bounds.update(self.scene.shown(), self.selection.object);
         self.take_pasted_camera(&ctx);
@@ -247,6 +251,17 @@ impl EditorState {
         self.load_environment();
         self.request_picture(&ctx, laid.viewport);
         self.keep_safe(&ctx);
+    }
+
+    /// Remembers how large the window is, for the next start.
+    fn note_window_size(&mut self, ctx: &egui::Context) {
+        let scale = self.preferences.ui_scale;
+        self.window_size = ctx.input(|i| {
+            let window = i.viewport();
+            let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
+            // The interface's points are larger than the window's by its scale.
+            window.inner_rect.filter(|_| !fills).map(|rect| [rect.width() * scale, rect.height() * scale])
+        });
     }
 
     /// The text that was asked of the clipboard arrives a frame later.
@@ -319,6 +334,12 @@ impl EditorState {
     /// The window closes with nothing left to lose.
     pub fn finish(&mut self) {
         self.forget_autosave();
+        if let Some([side, inspector]) = self.interface.panel_widths {
+            (self.preferences.side_width, self.preferences.inspector_width) = (side, inspector);
+        }
+        if let Some(size) = self.window_size {
+            self.preferences.window_size = size;
+        }
         if let Err(error) = self.preferences.save(&self.folders.config) {
             eprintln!("warning: {error:#}");
         }

@@ -1,7 +1,7 @@
 //! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
 
-use super::{Wake, guarded, spawn};
-use lapidary_core::{dataset::Dataset, scene::Scene};
+use super::{Baked, Wake, guarded, spawn};
+use lapidary_core::{cut::CutCriterion, dataset::BakeSettings, scene::Scene};
 use lapidary_precompute::{BakeError, BakeJob, Event, Observer, Phase, Preset, bake, on_threads};
 use std::{
     path::{Path, PathBuf},
@@ -53,9 +53,9 @@ pub enum BakeMessage {
     /// Something was repaired or left out.
     Warning(String),
     /// A first dataset to look at.
-    Draft(Arc<Dataset>),
+    Draft(Baked),
     /// The dataset, which was also written.
-    Done(Arc<Dataset>),
+    Done(Baked),
     /// It was cancelled; its checkpoint stays.
     Cancelled,
     /// Why there is no dataset.
@@ -70,7 +70,7 @@ pub struct BakeRun {
 }
 
 impl BakeRun {
-    /// Starts a bake on all cores but one, which is left to the window.
+    /// Starts a bake.
     pub fn start(task: BakeTask, wake: Wake) -> Self {
         Self::start_with(task, wake, Arc::default())
     }
@@ -80,9 +80,7 @@ impl BakeRun {
         let progress: Arc<Mutex<BakeProgress>> = Arc::default();
         let teller = Teller { sender, progress: progress.clone(), cancel: cancel.clone(), wake, draft: false };
         spawn("bake", move || {
-            let cores = std::thread::available_parallelism().map_or(1, usize::from);
-            let work = || guarded("the bake", || Ok(run(task, &teller)));
-            let end = on_threads(cores.saturating_sub(1).max(1), work).unwrap_or_else(BakeMessage::Failed);
+            let end = guarded("the bake", || Ok(run(task, &teller))).unwrap_or_else(BakeMessage::Failed);
             teller.tell(end);
         });
         Self { messages, progress, cancel }
@@ -151,20 +149,32 @@ impl Observer for Teller {
     }
 }
 
+/// Settings of the first bake that is shown: coarser than a draft, for it is waited for.
+fn preview_settings() -> BakeSettings {
+    let draft = Preset::Draft.settings();
+    // A quarter of the lights at half the sigma is the same error in solid angle.
+    let criterion = CutCriterion { sigma: 0.5 * draft.criterion.sigma, ..draft.criterion };
+    BakeSettings { lights: draft.lights / 4, pilot_clusters: 64, criterion, ..draft }
+}
+
 /// The draft, if one is wanted, and then the bake itself.
 fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
-    let draft_settings = Preset::Draft.settings();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let draft_settings = preview_settings();
     if task.progressive && !task.job.resume && task.job.settings != draft_settings {
         let scratch = Scratch::new(&task.cache);
         let job = BakeJob { settings: draft_settings, output: scratch.0.join("draft.cuts"), ..task.job.clone() };
-        match bake(task.scene.clone(), &job, &Teller { draft: true, ..teller.clone() }) {
-            Ok(dataset) => teller.tell(BakeMessage::Draft(dataset.into())),
+        let teller_of_draft = Teller { draft: true, ..teller.clone() };
+        // There is nothing to render yet: it may have all cores.
+        match on_threads(cores, || bake(task.scene.clone(), &job, &teller_of_draft)) {
+            Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::new(dataset.into()))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
             Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {error}"))),
         }
     }
-    match bake(task.scene, &task.job, teller) {
-        Ok(dataset) => BakeMessage::Done(dataset.into()),
+    // One core is left to the window.
+    match on_threads(cores.saturating_sub(1).max(1), || bake(task.scene, &task.job, teller)) {
+        Ok(dataset) => BakeMessage::Done(Baked::new(dataset.into())),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
         Err(error) => BakeMessage::Failed(error.to_string()),
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::jobs::testing::{silent, wait_for};
-use lapidary_core::{dataset::BakeSettings, import::import};
+use lapidary_core::{dataset::Dataset, import::import};
 
 const LIGHTS: usize = 256;
 
@@ -35,7 +35,7 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
     let mut run = BakeRun::start(task, silent());
     let messages = all(&mut run);
     let [BakeMessage::Draft(draft), BakeMessage::Done(dataset)] = &messages[..] else { panic!("{messages:?}") };
-    assert_eq!((draft.tree.len(), dataset.tree.len()), (Preset::Draft.settings().lights, LIGHTS));
+    assert_eq!((draft.dataset.tree.len(), dataset.dataset.tree.len()), (preview_settings().lights, LIGHTS));
     assert_eq!(Dataset::read(&output).unwrap().tree.len(), LIGHTS);
     assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
     let progress = run.progress();
