@@ -110,7 +110,7 @@ fn impossible_options_are_refused_before_any_work() {
         "--out a.gif",
         "--roughness 7 --out a.png",
         "--fov 0 --out a.png",
-        "--backend gpu --out a.png",
+        "--backend abacus --out a.png",
         "--eye 1,2 --out a.png",
         "--eye 1,2,3 --out a.png",
         "--target 1,2,3 --out a.png",
@@ -220,4 +220,20 @@ fn a_full_disk_keeps_the_old_dataset_and_says_so() {
     assert!(message.contains("space") && message.contains("a.cuts"), "{message}");
     assert_eq!(kept, old);
     assert!(unmounted.is_ok_and(|s| s.success()));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_the_editor_says_what_to_do() {
+    let stage = Stage::new();
+    for options in ["", "edit", "edit scene.obj"] {
+        let mut command = stage.command(options);
+        for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(variable);
+        }
+        let output = command.env("LAPIDARY_HOME", stage.path("home")).output().expect("the program starts");
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{options}: {errors}");
+        assert!(errors.contains("set DISPLAY") && errors.contains("lapidary render"), "{options}: {errors}");
+    }
 }

@@ -177,7 +177,7 @@ fn write(picture: LinearPicture, path: &Path, look: Look) -> Result<()> {
     let LinearPicture { mut image, coverage } = picture;
     let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if !is_png {
-        return Ok(image.write(path)?);
+        return Ok(image.write_with(look.transparent.then_some(coverage.as_slice()), path)?);
     }
     for (pixel, &covered) in image.pixels.iter_mut().zip(&coverage) {
         // Alpha says how much of a pixel is covered, so that its colour is that of the surfaces alone.
