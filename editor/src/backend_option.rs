@@ -25,17 +25,19 @@ impl BackendOption {
     /// The renderer on the adapter, or `None` for the CPU.
     ///
     /// # Errors
-    /// No adapter where one is asked for, or a driver that refuses.
+    /// No adapter, or a driver that refuses, where the adapter is asked for.
     pub fn gpu(self) -> Result<Option<GpuBackend>, BackendError> {
-        let open = || GpuBackend::new(Room::All, &shader_source());
         match self {
             Self::Cpu => Ok(None),
-            Self::Gpu => open().map(Some),
+            Self::Gpu => GpuBackend::new(Room::All, &shader_source()).map(Some),
             // An emulated adapter would only be a slower way to the same cores.
-            Self::Auto => match open() {
-                Ok(gpu) => Ok(Some(gpu).filter(|gpu| !gpu.is_software())),
+            Self::Auto => match GpuBackend::on_hardware(Room::All, &shader_source()) {
+                Ok(gpu) => Ok(Some(gpu)),
                 Err(BackendError::NoAdapter { .. }) => Ok(None),
-                Err(error) => Err(error),
+                Err(error) => {
+                    eprintln!("warning: rendering on the CPU: {error}");
+                    Ok(None)
+                }
             },
         }
     }

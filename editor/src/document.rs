@@ -11,7 +11,7 @@ pub mod session;
 #[cfg(test)]
 mod test_data;
 
-pub use edit::{Edit, Redo};
+pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
 

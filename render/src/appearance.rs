@@ -1,6 +1,10 @@
 //! What of a scene may change without a bake: its materials and their textures.
 
-use lapidary_core::{material::Material, scene::Scene, texture::Texture};
+use lapidary_core::{
+    material::{Material, MaterialMaps},
+    scene::Scene,
+    texture::Texture,
+};
 use std::sync::Arc;
 
 /// Materials and the textures that they refer to by index.
@@ -16,5 +20,26 @@ impl Appearance {
     /// As the scene has them.
     pub fn of(scene: &Scene) -> Self {
         Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
+    }
+
+    /// With a material for each of the scene's `own` and no map that is not there, and what was done for it, in sentences.
+    pub(crate) fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
+        let mut remarks = Vec::new();
+        let (given, needed) = (self.materials.len(), own.len());
+        if given != needed {
+            remarks.push(format!(
+                "there are {given} materials for the {needed} of the scene; those that lack are the scene's own"
+            ));
+        }
+        let mut materials: Vec<Material> = self.materials.iter().take(needed).cloned().collect();
+        materials.extend(own.iter().skip(given).cloned());
+        for material in &mut materials {
+            if material.maps.slots().any(|slot| slot.texture as usize >= self.textures.len()) {
+                let name = &material.name;
+                remarks.push(format!("material \"{name}\" has maps without a picture and is shown without maps"));
+                material.maps = MaterialMaps::default();
+            }
+        }
+        (Self { materials, textures: self.textures.clone() }, remarks)
     }
 }

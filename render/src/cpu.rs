@@ -7,11 +7,7 @@ use crate::{
     painter::Painter,
     picture::Picture,
 };
-use lapidary_core::{
-    dataset::Dataset,
-    image::Image,
-    material::{Material, MaterialMaps},
-};
+use lapidary_core::{dataset::Dataset, image::Image};
 use std::{ops::Range, sync::Arc};
 
 /// Name of the renderer on the cores.
@@ -54,7 +50,7 @@ impl Backend for CpuBackend {
 
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let Some(renderer) = &mut self.renderer else { return Ok(Vec::new()) };
-        let (fitted, remarks) = fit(appearance, &renderer.dataset.scene.materials);
+        let (fitted, remarks) = appearance.fitted(&renderer.dataset.scene.materials);
         renderer.set_appearance(fitted);
         Ok(remarks)
     }
@@ -96,28 +92,6 @@ impl Backend for CpuBackend {
     fn stats(&mut self) -> Result<PictureStats, BackendError> {
         Ok(self.begun.as_ref().map_or_else(PictureStats::default, |begun| begun.picture.stats()))
     }
-}
-
-/// An appearance with a material for each of the dataset's and no map that is not there, and what was done for it.
-fn fit(appearance: &Appearance, own: &[Material]) -> (Appearance, Vec<String>) {
-    let mut remarks = Vec::new();
-    let (given, needed) = (appearance.materials.len(), own.len());
-    if given != needed {
-        remarks.push(format!(
-            "there are {given} materials for the {needed} of the scene; those that lack are the scene's own"
-        ));
-    }
-    let mut materials: Vec<Material> = appearance.materials.iter().take(needed).cloned().collect();
-    materials.extend(own.iter().skip(given).cloned());
-    let textures = &appearance.textures;
-    for material in &mut materials {
-        if material.maps.slots().any(|slot| slot.texture as usize >= textures.len()) {
-            remarks
-                .push(format!("material \"{}\" has maps without a picture and is shown without maps", material.name));
-            material.maps = MaterialMaps::default();
-        }
-    }
-    (Appearance { materials, textures: textures.clone() }, remarks)
 }
 
 #[cfg(test)]

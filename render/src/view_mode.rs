@@ -53,11 +53,6 @@ impl ViewMode {
         matches!(self, Self::VisibilityCut | Self::MergedCut | Self::BrdfEvaluations)
     }
 
-    /// Whether pixels depend on the light.
-    pub fn needs_merge(self) -> bool {
-        matches!(self, Self::Shaded | Self::MergedCut | Self::BrdfEvaluations)
-    }
-
     /// The count at the upper end of the false colours, for an illumination cut of `illum_cut` nodes.
     pub fn count_top(self, illum_cut: u32) -> f32 {
         match self {

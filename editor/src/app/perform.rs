@@ -116,13 +116,13 @@ impl EditorState {
     }
 
     fn undo(&mut self) {
-        if let Some((label, _)) = self.history.undo(&mut self.document) {
+        if let Some(label) = self.history.undo(&mut self.document) {
             self.interface.done = Some(format!("Undone: {label}"));
         }
     }
 
     fn redo(&mut self) {
-        if let Some((label, _)) = self.history.redo(&mut self.document) {
+        if let Some(label) = self.history.redo(&mut self.document) {
             self.interface.done = Some(format!("Redone: {label}"));
         }
     }

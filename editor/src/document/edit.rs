@@ -24,19 +24,6 @@ pub enum Edit {
     Bake(Box<BakeSettings>),
 }
 
-/// The least that must be done again after an edit (all that comes later in the list follows from it).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Redo {
-    /// Nothing that is drawn.
-    Nothing,
-    /// The post pass.
-    Post,
-    /// Deferred pass and merge.
-    Picture,
-    /// Illumination cut and merge.
-    Light,
-}
-
 impl Edit {
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
@@ -75,54 +62,11 @@ impl Edit {
             _ => discriminant(self) == discriminant(other),
         }
     }
-
-    /// What must be done again when this edit is swapped into `document`.
-    pub fn redo(&self, document: &Document) -> Redo {
-        match self {
-            Self::Material { .. } => Redo::Picture,
-            Self::Environment(e) if *e == document.environment => Redo::Nothing,
-            Self::Environment(_) => Redo::Light,
-            Self::View(view) => view_redo(view, &document.view),
-            Self::Bookmarks(_) | Self::Bake(_) => Redo::Nothing,
-        }
-    }
-}
-
-fn view_redo(new: &ViewSettings, old: &ViewSettings) -> Redo {
-    if new.illum_cut != old.illum_cut {
-        return Redo::Light;
-    }
-    let but_post =
-        |view: &ViewSettings| ViewSettings { post: Default::default(), frame_budget_ms: 0.0, ..view.clone() };
-    if but_post(new) != but_post(old) {
-        Redo::Picture
-    } else if new.post != old.post {
-        Redo::Post
-    } else {
-        Redo::Nothing
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::{Post, ViewMode};
-
-    #[test]
-    fn no_more_is_redone_than_an_edit_asks_for() {
-        let document = Document::empty();
-        let view = document.view.clone();
-        let redo = |view: ViewSettings| Edit::View(view).redo(&document);
-        let post = Post { exposure: 1.0, ..view.post };
-        assert_eq!(redo(view.clone()), Redo::Nothing);
-        assert_eq!(redo(ViewSettings { frame_budget_ms: 20.0, ..view.clone() }), Redo::Nothing);
-        assert_eq!(redo(ViewSettings { post, ..view.clone() }), Redo::Post);
-        assert_eq!(redo(ViewSettings { post, mode: ViewMode::Normals, ..view.clone() }), Redo::Picture);
-        assert_eq!(redo(ViewSettings { illum_cut: 64, ..view }), Redo::Light);
-        assert_eq!(Edit::Environment(document.environment.clone()).redo(&document), Redo::Nothing);
-        let turned = EnvironmentSettings { rotation_degrees: 5.0, ..document.environment.clone() };
-        assert_eq!(Edit::Environment(turned).redo(&document), Redo::Light);
-    }
 
     #[test]
     fn swapping_twice_restores_both() {

@@ -1,6 +1,6 @@
 //! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
 
-use super::{Document, Edit, Redo};
+use super::{Document, Edit};
 use std::collections::VecDeque;
 
 /// More steps than anyone goes back by hand; the oldest is forgotten first. A step holds one value, at most some kB.
@@ -44,11 +44,10 @@ impl History {
 
     /// Does an edit, as part of the last step if that has the same label and target and its gesture goes on. An edit
     /// that changes nothing, or that names a material that is not there, is ignored.
-    pub fn apply(&mut self, document: &mut Document, mut edit: Edit, label: &'static str) -> Redo {
+    pub fn apply(&mut self, document: &mut Document, mut edit: Edit, label: &'static str) {
         if !edit.changes(document) {
-            return Redo::Nothing;
+            return;
         }
-        let redo = edit.redo(document);
         let joins = self.joins(&edit, label);
         edit.swap(document);
         self.undone.clear();
@@ -60,7 +59,6 @@ impl History {
         } else {
             self.push(Step { edit, label, before, after: self.state });
         }
-        redo
     }
 
     fn joins(&self, edit: &Edit, label: &'static str) -> bool {
@@ -92,29 +90,29 @@ impl History {
         self.gesture_open = false;
     }
 
-    /// Takes back the last step. Returns its label and what to do again.
-    pub fn undo(&mut self, document: &mut Document) -> Option<(&'static str, Redo)> {
+    /// Takes back the last step. Returns its label.
+    pub fn undo(&mut self, document: &mut Document) -> Option<&'static str> {
         self.gesture_open = false;
         while let Some(mut step) = self.done.pop_back() {
-            if let Some(redo) = swap(&mut step, document) {
+            if swap(&mut step, document) {
                 self.arrive_at(step.before);
                 let label = step.label;
                 self.undone.push(step);
-                return Some((label, redo));
+                return Some(label);
             }
         }
         None
     }
 
-    /// Does the last undone step again. Returns its label and what to do again.
-    pub fn redo(&mut self, document: &mut Document) -> Option<(&'static str, Redo)> {
+    /// Does the last undone step again. Returns its label.
+    pub fn redo(&mut self, document: &mut Document) -> Option<&'static str> {
         self.gesture_open = false;
         while let Some(mut step) = self.undone.pop() {
-            if let Some(redo) = swap(&mut step, document) {
+            if swap(&mut step, document) {
                 self.arrive_at(step.after);
                 let label = step.label;
                 self.done.push_back(step);
-                return Some((label, redo));
+                return Some(label);
             }
         }
         None
@@ -152,14 +150,14 @@ impl History {
     }
 }
 
-/// Swaps a step's value with the document's, unless the document was replaced by one that has no place for it.
-fn swap(step: &mut Step, document: &mut Document) -> Option<Redo> {
+/// Swaps a step's value with the document's, unless the document was replaced by one that has no place for it. Returns
+/// whether it did.
+fn swap(step: &mut Step, document: &mut Document) -> bool {
     let fits = step.edit.fits(document);
-    fits.then(|| {
-        let redo = step.edit.redo(document);
+    if fits {
         step.edit.swap(document);
-        redo
-    })
+    }
+    fits
 }
 
 #[cfg(test)]

@@ -1,13 +1,17 @@
 //! The backend gives what the renderer gives, in any number of bands, and its other modes show known values.
 
 use super::*;
-use crate::{
     Background, ViewMode,
     compare::map::magma,
     renderer::tests::{dataset, from_above, from_the_side, glossy, illumination, mesh, white},
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{camera::Camera, material::BrdfParameters, texture::TextureSlot};
+use lapidary_core::material::Material;
+use lapidary_core::{
+    camera::Camera,
+    material::{BrdfParameters, Material},
+    texture::TextureSlot,
+};
 
 const ILLUM_CUT: u32 = 64;
 

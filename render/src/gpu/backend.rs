@@ -1,12 +1,13 @@
-//! [`Backend`] on the GPU: resources by what changes them, and the passes of a picture.
+//! [`Backend`] on the GPU: resources by what changes them, and pictures made of passes.
+
+mod encode;
 
 use super::{
     device::{GpuDevice, Room},
-    frame::frame,
     layout,
     light::{GpuLight, GpuMap, scaled_map},
     materials::GpuMaterials,
-    passes::{MergeVariant, Passes, bind},
+    passes::{Passes, bind},
     readback,
     scene::GpuScene,
     shaders::ShaderSource,
@@ -47,6 +48,7 @@ pub struct GpuBackend {
 struct Loaded {
     scene: GpuScene,
     materials: GpuMaterials,
+    dataset: Arc<Dataset>,
 }
 
 /// The picture that is being made.
@@ -92,8 +94,23 @@ impl GpuBackend {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
+        Self::on(GpuDevice::new(room)?, source)
+    }
+
+    /// On the fastest adapter, unless that computes on the processor: the CPU renderer is faster there.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; an emulated adapter counts as none.
+    pub fn on_hardware(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
         let gpu = GpuDevice::new(room)?;
-        let passes = Passes::new(&gpu, source)?;
+        if gpu.info.device_type == wgpu::DeviceType::Cpu {
+            return Err(BackendError::NoAdapter { reason: format!("{} is emulated", gpu.info.name) });
+        }
+        Self::on(gpu, source)
+    }
+
+    fn on(gpu: GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+        let passes = Passes::new(&gpu, source, &[])?;
         let uniform = |label, size: usize| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -120,11 +137,6 @@ impl GpuBackend {
             targets: None,
             picture: None,
         })
-    }
-
-    /// Whether the adapter computes on the processor, so that the CPU renderer is faster.
-    pub fn is_software(&self) -> bool {
-        self.gpu.info.device_type == wgpu::DeviceType::Cpu
     }
 
     /// Renders one sample pass by pass, waiting for each, and says how long each took.
@@ -170,103 +182,6 @@ impl GpuBackend {
 
     fn targets(&self) -> &Targets {
         self.targets.as_ref().expect("a picture is begun with targets")
-    }
-
-    fn write_frame(&self, sample: u32) {
-        let picture = self.picture();
-        let offset = picture.offsets[sample as usize % picture.offsets.len()];
-        let light = self.light.as_ref().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, offset, &self.loaded().scene, light);
-        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
-    }
-
-    fn write_display(&self, post: &Post, samples: u32) {
-        let picture = self.picture();
-        let uniforms = layout::Display {
-            exposure: post.exposure.exp2(),
-            inv_samples: 1.0 / samples.max(1) as f32,
-            count_top: picture.count_top,
-            tone_map: post.tone_map as u32,
-            view_mode: picture.view.mode as u32,
-            transparent: u32::from(picture.view.background == Background::Transparent),
-            padding: [0; 2],
-        };
-        self.gpu.queue.write_buffer(&self.display, 0, bytemuck::bytes_of(&uniforms));
-    }
-
-    fn encode_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (targets, groups) = (self.targets(), &self.picture().groups);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("visibility"),
-            color_attachments: &[cleared(&targets.triangle)],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth.view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.passes.visibility);
-        pass.set_bind_group(0, &groups.frame, &[]);
-        pass.set_bind_group(1, &groups.scene, &[]);
-        pass.draw(0..3 * self.loaded().scene.triangle_count, 0..1);
-    }
-
-    fn encode_deferred(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (targets, groups) = (self.targets(), &self.picture().groups);
-        let outputs = [&targets.geometry, &targets.rotation];
-        let shared = [&groups.frame, &groups.scene, &groups.materials];
-        full_screen(encoder, "surface", &self.passes.surface, &outputs, &[&shared[..], &[&groups.triangle]].concat());
-        let outputs = [&targets.color_roughness, &targets.others];
-        full_screen(
-            encoder,
-            "parameters",
-            &self.passes.parameters,
-            &outputs,
-            &[&shared[..], &[&groups.geometry]].concat(),
-        );
-    }
-
-    fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
-        let variant = self.merge_variant();
-        let pipeline = self.passes.merge(&self.gpu, variant).clone();
-        let (targets, picture) = (self.targets(), self.picture());
-        let (from, to) = ((sample & 1) as usize, (1 - (sample & 1)) as usize);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("merge"),
-            color_attachments: &[kept(&targets.sum[to]), kept(&targets.work[to])],
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        let groups = &picture.groups;
-        for (i, group) in [&groups.frame, &groups.scene, &groups.light, &groups.merge[from]].into_iter().enumerate() {
-            pass.set_bind_group(i as u32, group, &[]);
-        }
-        pass.set_scissor_rect(0, rows.start, picture.view.size[0], rows.end - rows.start);
-        pass.draw(0..3, 0..1);
-    }
-
-    fn encode_display(&self, encoder: &mut wgpu::CommandEncoder, samples: u32) {
-        let group = &self.picture().groups.display[(samples & 1) as usize];
-        full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
-    }
-
-    fn merge_variant(&self) -> MergeVariant {
-        let materials = &self.loaded().materials;
-        MergeVariant {
-            refine: self.picture().sampling == BrdfSampling::Refine,
-            has_ggx: materials.has_ggx,
-            has_ward: materials.has_ward,
-        }
-    }
-
-    fn clear_sums(&self, encoder: &mut wgpu::CommandEncoder) {
-        let targets = self.targets();
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clear"),
-            color_attachments: &[cleared(&targets.sum[0]), cleared(&targets.work[0])],
-            ..Default::default()
-        });
     }
 
     fn groups(&self, loaded: &Loaded, light: &GpuLight, map: &wgpu::TextureView, targets: &Targets) -> Groups {
@@ -326,7 +241,7 @@ impl Backend for GpuBackend {
     }
 
     fn reload(&mut self) -> Result<(), BackendError> {
-        self.passes = Passes::new(&self.gpu, &self.source)?;
+        self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
         self.picture = None;
         Ok(())
     }
@@ -335,7 +250,7 @@ impl Backend for GpuBackend {
         let scene = GpuScene::new(&self.gpu, dataset)?;
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
-        self.scene = Some(Loaded { scene, materials });
+        self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
         self.light = None;
         self.picture = None;
         Ok(())
@@ -343,8 +258,10 @@ impl Backend for GpuBackend {
 
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let Some(loaded) = self.scene.take() else { return Ok(Vec::new()) };
-        let (materials, messages) = GpuMaterials::new(&self.gpu, appearance, Some(loaded.materials));
-        self.scene = Some(Loaded { scene: loaded.scene, materials });
+        let (fitted, mut messages) = appearance.fitted(&loaded.dataset.scene.materials);
+        let (materials, scaled) = GpuMaterials::new(&self.gpu, &fitted, Some(loaded.materials));
+        messages.extend(scaled);
+        self.scene = Some(Loaded { materials, ..loaded });
         self.picture = None;
         self.gpu.check()?;
         Ok(messages)
@@ -364,6 +281,9 @@ impl Backend for GpuBackend {
         let limit = u64::from(self.gpu.limits.max_texture_dimension_2d);
         let longest = u64::from(view.size[0].max(view.size[1]));
         self.gpu.within("the sides of the picture", "pixels", longest, limit, "render a smaller picture")?;
+        let bytes = u64::from(view.size[0].next_multiple_of(256)) * u64::from(view.size[1]) * 16;
+        let limit = self.gpu.limits.max_buffer_size;
+        self.gpu.within("the pixels of the picture", "bytes", bytes, limit, "render a smaller picture")?;
         if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
             // Freed first: two sets of a large picture may not fit.
             self.targets = None;
@@ -442,38 +362,4 @@ impl GpuBackend {
     fn read_floats(&self, target: &Target) -> Result<Vec<[f32; 4]>, BackendError> {
         Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
     }
-}
-
-fn attachment(target: &Target, load: wgpu::LoadOp<wgpu::Color>) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
-}
-
-fn cleared(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
-}
-
-fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    attachment(target, wgpu::LoadOp::Load)
-}
-
-/// A pass over every pixel.
-fn full_screen(
-    encoder: &mut wgpu::CommandEncoder,
-    label: &str,
-    pipeline: &wgpu::RenderPipeline,
-    outputs: &[&Target],
-    groups: &[&wgpu::BindGroup],
-) {
-    let attachments: Vec<_> = outputs.iter().map(|t| cleared(t)).collect();
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &attachments,
-        ..Default::default()
-    });
-    pass.set_pipeline(pipeline);
-    for (i, group) in groups.iter().enumerate() {
-        pass.set_bind_group(i as u32, *group, &[]);
-    }
-    pass.draw(0..3, 0..1);
 }

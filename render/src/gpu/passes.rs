@@ -41,13 +41,16 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Builds the pipelines from `source`.
+    /// Builds the pipelines from `source`, the merge pass in `variants`.
     ///
     /// # Errors
     /// A shader that cannot be read or does not compile, with the compiler's message.
-    pub fn new(gpu: &GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, source: &ShaderSource, variants: &[MergeVariant]) -> Result<Self, BackendError> {
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let passes = Self::build(gpu, source);
+        let mut passes = Self::build(gpu, source);
+        if let Ok(passes) = &mut passes {
+            variants.iter().for_each(|&variant| drop(passes.merge(gpu, variant).clone()));
+        }
         match pollster::block_on(scope.pop()) {
             None => passes,
             Some(error) => Err(BackendError::Driver(error.to_string())),
@@ -86,6 +89,11 @@ impl Passes {
             merge: HashMap::new(),
             layouts,
         })
+    }
+
+    /// The variants of the merge pass that are in use.
+    pub fn variants(&self) -> Vec<MergeVariant> {
+        self.merge.keys().copied().collect()
     }
 
     /// The merge pass for a variant, built at its first use.

@@ -9,7 +9,6 @@ use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
 };
-use wgpu::util::DeviceExt;
 
 /// Buffers and textures of one dataset.
 pub struct GpuScene {
@@ -76,11 +75,15 @@ fn triangles(dataset: &Dataset) -> Vec<Triangle> {
 
 /// A read-only storage buffer.
 pub fn storage(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    // Not mapped at creation: mapping panics on a lost device, writing reports it.
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        contents,
+        size: contents.len() as u64,
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-    })
+        mapped_at_creation: false,
+    });
+    gpu.queue.write_buffer(&buffer, 0, contents);
+    buffer
 }
 
 fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<wgpu::TextureView, BackendError> {

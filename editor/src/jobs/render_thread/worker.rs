@@ -40,6 +40,8 @@ pub struct Worker {
     pace: Pace,
     /// Speed of the last bands, for their height: rows of sky are faster than others.
     band_pace: Pace,
+    /// The shaders are to be read again.
+    reload_wanted: bool,
     /// The picture is to be displayed again.
     redisplay: bool,
     /// Who waits for the full picture.
@@ -63,6 +65,7 @@ impl Worker {
             begun: None,
             pace: Pace::default(),
             band_pace: Pace::default(),
+            reload_wanted: false,
             redisplay: false,
             reads: Vec::new(),
             restarts: Restarts::default(),
@@ -105,7 +108,7 @@ impl Worker {
             match message {
                 Message::Request(request) => newest = Some(request),
                 Message::ReadPicture(id) => self.reads.push(id),
-                Message::Reload => self.reload(),
+                Message::Reload => self.reload_wanted = true,
             }
             next = match self.inbox.try_recv() {
                 Ok(message) => Some(message),
@@ -159,6 +162,9 @@ impl Worker {
 
     /// One step, not much longer than a band of rows.
     fn step(&mut self) -> Result<(), BackendError> {
+        if std::mem::take(&mut self.reload_wanted) {
+            self.reload();
+        }
         let Some(request) = self.wanted.clone() else { return self.answer_reads() };
         if std::mem::take(&mut self.redisplay) {
             self.publish(&request)?;
