@@ -1,6 +1,7 @@
 //! The backend gives what the renderer gives, in any number of bands, and its other modes show known values.
 
 use super::*;
+use crate::{
     Background, ViewMode,
     compare::map::magma,
     renderer::tests::{dataset, from_above, from_the_side, glossy, illumination, mesh, white},
