@@ -7,7 +7,6 @@ use crate::{
     renderer::tests::{dataset, from_above, from_the_side, glossy, illumination, mesh, white},
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::material::Material;
 use lapidary_core::{
     camera::Camera,
     material::{BrdfParameters, Material},
