@@ -119,15 +119,19 @@ impl Pictures {
 
 impl EditorState {
     pub(super) fn collect_pictures(&mut self, ctx: &Context) {
+        // A picture of the scene before may still have been on its way.
         if let Some(frame) = self.render.frames()
-            && self.scene.shown().is_some()
+            && self.scene.shown().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
         {
             self.pictures.show(ctx, frame);
         }
         for event in self.render.events() {
             match event {
                 RenderEvent::Remark(text) => self.messages.warning(text),
-                RenderEvent::Failed(text) => self.messages.error(text),
+                RenderEvent::Failed(text) => {
+                    self.pictures.clear();
+                    self.messages.error(text);
+                }
                 RenderEvent::Picture { id, result } => self.write_picture(id, result),
             }
         }

@@ -51,6 +51,8 @@ pub struct RenderRequest {
 /// A picture to show.
 #[derive(Clone, Debug)]
 pub struct RenderedFrame {
+    /// The scene that it shows.
+    pub dataset: Arc<Dataset>,
     /// As [`Backend::display`] gives them.
     pub pixels: Vec<[u8; 4]>,
     /// Width and height of `pixels`.

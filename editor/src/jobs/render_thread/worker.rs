@@ -264,8 +264,10 @@ impl Worker {
     /// Shows the picture as it is.
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(light)) = (&self.begun, self.station.light().cloned()) else { return Ok(()) };
+        let Some(dataset) = request.dataset.clone() else { return Ok(()) };
         let backend = self.station.backend()?;
         let frame = RenderedFrame {
+            dataset,
             pixels: backend.display(&request.post, begun.complete)?,
             size: begun.size,
             full_size: begun.full_size,
