@@ -17,7 +17,7 @@ use lapidary_core::{
     color::linear_from_srgb,
     image::{encode_png, encode_png_with_alpha},
 };
-use lapidary_render::{PictureStats, Post, SceneLighting, ViewMode, display_pixel};
+use lapidary_render::{Post, ViewMode, display_pixel};
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -25,29 +25,6 @@ use std::{
         mpsc::{Receiver, Sender, channel},
     },
 };
-
-/// The newest picture and its figures.
-#[derive(Clone)]
-pub struct Shown {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Whether it has the size of the viewport.
-    pub full_size: bool,
-    /// Samples a pixel so far.
-    pub samples: u32,
-    /// Samples a pixel in the end.
-    pub of_samples: u32,
-    /// Work done for it.
-    pub stats: PictureStats,
-    /// Milliseconds of rendering.
-    pub millis: f64,
-    /// The light that it was made with.
-    pub lighting: Arc<SceneLighting>,
-    /// Another number for another light.
-    pub light_revision: u64,
-    /// Name of the renderer.
-    pub backend: String,
-}
 
 /// How scene-linear pixels are shown.
 #[derive(Clone, Copy)]
@@ -65,7 +42,8 @@ type Written = Result<PathBuf, String>;
 /// Pictures, on the screen and on their way to files.
 pub struct Pictures {
     texture: Option<TextureHandle>,
-    shown: Option<Shown>,
+    /// What is known of the picture on the screen; its pixels are in the texture.
+    shown: Option<RenderedFrame>,
     exports: Vec<(u64, PathBuf, Look)>,
     exports_asked: u64,
     written: (Sender<Written>, Receiver<Written>),
@@ -84,7 +62,7 @@ impl Pictures {
     }
 
     /// What is known about it.
-    pub fn shown(&self) -> Option<&Shown> {
+    pub fn shown(&self) -> Option<&RenderedFrame> {
         self.shown.as_ref()
     }
 
@@ -100,20 +78,7 @@ impl Pictures {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
             None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
         }
-        let RenderedFrame {
-            size,
-            full_size,
-            samples,
-            of_samples,
-            stats,
-            millis,
-            lighting,
-            light_revision,
-            backend,
-            ..
-        } = frame;
-        self.shown =
-            Some(Shown { size, full_size, samples, of_samples, stats, millis, lighting, light_revision, backend });
+        self.shown = Some(RenderedFrame { pixels: Vec::new(), ..frame });
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{
     messages::{self, Severity},
-    pictures::Shown,
     state::EditorState,
 };
+use crate::jobs::render_thread::RenderedFrame;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows the line.
@@ -33,7 +33,7 @@ fn message(ui: &mut Ui, state: &EditorState) {
 }
 
 /// From right to left, so that they stay at the edge while their figures change.
-fn figures(ui: &mut Ui, shown: Option<&Shown>) {
+fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
     if let Some(bytes) = resident_bytes() {
         figure(ui, format!("{:>5} MB", bytes >> 20), "Memory of this program");
     }

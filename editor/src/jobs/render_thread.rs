@@ -55,7 +55,7 @@ pub struct RenderedFrame {
     pub dataset: Arc<Dataset>,
     /// As [`Backend::display`] gives them.
     pub pixels: Vec<[u8; 4]>,
-    /// Width and height of `pixels`.
+    /// Width and height of the picture.
     pub size: [u32; 2],
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
