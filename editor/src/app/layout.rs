@@ -76,8 +76,8 @@ pub struct Interface {
     pub viewport_size: [u32; 2],
     /// Where the viewport was in the last frame.
     pub viewport_rect: Rect,
-    /// The next text from the clipboard is a camera.
-    pub pasting_camera: bool,
+    /// Frames in which a text from the clipboard is a camera.
+    pub pasting_camera: u8,
     /// Widths of the left side and of the inspector, once they were shown.
     pub panel_widths: Option<[f32; 2]>,
     viewport: ViewportState,
@@ -96,7 +96,7 @@ impl Default for Interface {
             done: None,
             viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
-            pasting_camera: false,
+            pasting_camera: 0,
             panel_widths: None,
             viewport: ViewportState::default(),
             material: MaterialPanel::default(),

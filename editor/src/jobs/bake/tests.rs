@@ -13,7 +13,14 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
     let output = folder.join("a.cuts");
     let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
-    BakeTask { scene: import(&obj).unwrap().scene, job, progressive, cache: folder.join("cache") }
+    BakeTask {
+        scene: import(&obj).unwrap().scene,
+        job,
+        progressive,
+        or_afresh: false,
+        turn: Arc::default(),
+        cache: folder.join("cache"),
+    }
 }
 
 /// All messages up to the one that ends the bake.
