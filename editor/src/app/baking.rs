@@ -1,13 +1,10 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
-use super::{
-    opening::{Source, draft_of},
-    state::EditorState,
-};
+use super::{opening::draft_of, state::EditorState};
 use crate::{
     document::{Document, TextureEntry},
     jobs::{
-        Baked,
+        Baked, Imported,
         bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
         spawn,
     },
@@ -97,7 +94,7 @@ impl EditorState {
                 .messages
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
-        let Source { scene, import_secs, report, .. } = source;
+        let Imported { scene, import_secs, report, .. } = source;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
         let task = BakeTask {
             scene: (*scene).clone(),
@@ -180,6 +177,26 @@ impl EditorState {
         self.scene.show_stale = false;
     }
 
+    /// What differs between the bake that is there and what a bake would give.
+    pub(super) fn stale_reasons(&self) -> Vec<String> {
+        let hash = self.scene.source.as_ref().map(|source| source.hash.as_str());
+        let baked = self.scene.baked.as_ref();
+        baked.map_or_else(Vec::new, |baked| stale_reasons(&self.document, &baked.dataset, hash))
+    }
+
+    /// The scene file has changed. A bake of what it was is out of date, unless only looks were changed in it.
+    pub(super) fn scene_changed(&mut self, path: &Path, source: Imported) {
+        let hash = self.scene.source.as_ref().map(|source| &source.hash);
+        if self.document.scene.as_deref() != Some(path) || hash == Some(&source.hash) {
+            return;
+        }
+        self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
+        self.scene.bake_output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
+        // What is on the screen stays there, and is marked.
+        self.scene.show_stale = self.scene.shown().is_some();
+        self.scene.source = Some(source);
+    }
+
     /// How things stand, for the bake panel.
     pub(super) fn bake_status(&self) -> BakeStatus {
         if let Some(run) = &self.baking.run {
@@ -189,9 +206,8 @@ impl EditorState {
         match (&self.baking.ended, &self.scene.baked) {
             (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { resumable },
             (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), resumable },
-            (None, Some(baked)) => {
-                let hash = self.scene.source.as_ref().map(|s| s.hash.as_str());
-                let reasons = stale_reasons(&self.document, &baked.dataset, hash);
+            (None, Some(_)) => {
+                let reasons = self.stale_reasons();
                 if reasons.is_empty() { BakeStatus::UpToDate } else { BakeStatus::Stale { reasons } }
             }
             (None, None) if resumable => BakeStatus::Cancelled { resumable },

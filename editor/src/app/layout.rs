@@ -216,6 +216,7 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         document: &state.document,
         dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
+        reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
         cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
     };

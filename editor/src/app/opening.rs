@@ -7,25 +7,17 @@ use crate::{
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Baked, Wake, guarded,
+        Baked, Imported as Source, Wake, guarded,
         load::{Kind, foreign, kind_of},
         spawn,
     },
 };
 use anyhow::Result;
-use lapidary_core::{
-    dataset::{Dataset, scene_hash},
-    import::{ImportReport, import},
-    scene::Scene,
-};
+use lapidary_core::dataset::Dataset;
 use lapidary_precompute::{Preset, cli::error_text};
 use std::{
     path::{Path, PathBuf},
-    sync::{
-        Arc,
-        mpsc::{Receiver, TryRecvError, channel},
-    },
-    time::Instant,
+    sync::mpsc::{Receiver, TryRecvError, channel},
 };
 
 /// What to open.
@@ -90,29 +82,6 @@ pub struct Ready {
     pub warnings: Vec<String>,
     /// The file to list among the recent ones.
     pub recent: Option<PathBuf>,
-}
-
-/// An imported scene.
-#[derive(Clone)]
-pub struct Source {
-    /// As imported.
-    pub scene: Arc<Scene>,
-    /// Tells whether a dataset was baked from it.
-    pub hash: String,
-    /// Seconds that the import took.
-    pub import_secs: f64,
-    /// What was found and repaired.
-    pub report: ImportReport,
-}
-
-impl Source {
-    fn read(path: &Path) -> Result<Self> {
-        let start = Instant::now();
-        let imported = import(path)?;
-        let hash = scene_hash(&imported.scene);
-        let import_secs = start.elapsed().as_secs_f64();
-        Ok(Self { scene: imported.scene.into(), hash, import_secs, report: imported.report })
-    }
 }
 
 /// A thread that opens something. Dropping it drops the result.

@@ -320,6 +320,8 @@ impl EditorState {
             ready;
         self.forget_autosave();
         self.baking.clear();
+        self.loader.forget_document();
+        self.loading.clear();
         self.document = document;
         self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.recovered = recovery;

@@ -6,7 +6,7 @@ use super::{
     environments::Environments,
     layout::{self, Interface},
     messages::Messages,
-    opening::{Opening, Source, Target},
+    opening::{Opening, Target},
     pictures::Pictures,
     prompts::{self, Prompt, Then},
     requests::Requests,
@@ -21,7 +21,7 @@ use crate::{
         session::Unknown,
     },
     jobs::{
-        Baked, Wake,
+        Baked, Imported, Wake,
         load::Loader,
         render_thread::{Factory, RenderThread},
         watch::Watcher,
@@ -80,7 +80,7 @@ pub struct OpenScene {
     /// What can be rendered.
     pub baked: Option<Baked>,
     /// What can be baked.
-    pub source: Option<Source>,
+    pub source: Option<Imported>,
     /// Where a bake goes.
     pub bake_output: Option<PathBuf>,
     /// Show a bake of another version of the scene.
