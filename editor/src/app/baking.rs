@@ -191,7 +191,11 @@ impl EditorState {
             return;
         }
         self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
-        self.scene.bake_output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
+        let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
+        self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));
+        if self.scene.baked.is_none() {
+            take_textures(&mut self.document, &source.scene.textures);
+        }
         // What is on the screen stays there, and is marked.
         self.scene.show_stale = self.scene.shown().is_some();
         self.scene.source = Some(source);

@@ -69,6 +69,32 @@ fn a_cancelled_bake_says_so_and_goes_on_when_resumed() {
 }
 
 #[test]
+fn a_checkpoint_of_other_settings_is_an_error_only_to_who_asked_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut task = task(folder.path(), false);
+    task.job.resume = true;
+    std::fs::create_dir(folder.path().join("a.cuts.partial")).unwrap();
+    std::fs::write(folder.path().join("a.cuts.partial/bake.json"), "{}").unwrap();
+    let messages = all(&mut BakeRun::start(task.clone(), silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Failed(_)]), "{messages:?}");
+    let messages = all(&mut BakeRun::start(BakeTask { or_afresh: true, ..task }, silent()));
+    assert!(matches!(messages.last(), Some(BakeMessage::Done(_))), "{messages:?}");
+}
+
+#[test]
+fn a_bake_waits_for_one_that_was_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = task(folder.path(), false);
+    let turn = task.turn.clone();
+    let held = turn.lock().unwrap();
+    let mut run = BakeRun::start(task, silent());
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    assert!(run.messages().is_empty() && !folder.path().join("a.cuts").exists());
+    drop(held);
+    assert!(matches!(&all(&mut run)[..], [BakeMessage::Done(_)]));
+}
+
+#[test]
 fn what_cannot_be_baked_or_written_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut odd = task(folder.path(), false);

@@ -111,6 +111,6 @@ fn a_failed_write_keeps_the_old_file_and_says_what_to_do() {
 #[test]
 fn paths_to_nowhere_in_particular_are_missing_and_no_more() {
     let project = Project::new();
-    let loaded = project.changed(|json| json["dataset"] = json!("/../..//\0"));
-    assert!(loaded.missing.iter().any(|m| m.what == "dataset"));
+    let loaded = project.changed(|json| json["scene"] = json!("/../..//\0"));
+    assert!(loaded.missing.iter().any(|m| m.what == "scene"));
 }
