@@ -7,12 +7,14 @@
 pub mod bake;
 mod baked;
 pub mod budget;
+mod imported;
 pub mod load;
 pub mod render_thread;
 pub mod thumbnails;
 pub mod watch;
 
 pub use baked::Baked;
+pub use imported::Imported;
 
 use std::{
     any::Any,

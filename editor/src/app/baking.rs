@@ -1,27 +1,30 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
-use super::{
-    opening::{Source, draft_of},
-    state::EditorState,
-};
+use super::{opening::draft_of, state::EditorState};
 use crate::{
-    document::Document,
+    document::{Document, TextureEntry},
     jobs::{
-        Baked,
+        Baked, Imported,
         bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
         spawn,
     },
     panels::bake::{BakeStatus, stale_reasons},
 };
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, texture::Texture};
 use lapidary_precompute::{BakeJob, Phase, resolve};
-use std::{path::Path, sync::Arc, time::Instant};
+use std::{
+    path::Path,
+    sync::{Arc, Mutex},
+    time::Instant,
+};
 
 /// The bake at work, or how the last one ended.
 #[derive(Default)]
 pub struct Baking {
     run: Option<Run>,
     ended: Option<Ended>,
+    /// Held by the bake at work, also by one that was left and has not noticed yet.
+    turn: Arc<Mutex<()>>,
 }
 
 struct Run {
@@ -56,13 +59,22 @@ impl Baking {
 
     /// Stops what is at work, and forgets how the last one ended: another scene was opened.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self { turn: self.turn.clone(), ..Self::default() };
     }
 }
 
 impl EditorState {
     /// Bakes with the document's settings; `progressive` bakes a draft to look at first.
     pub(super) fn start_bake(&mut self, resume: bool, progressive: bool) {
+        self.bake(resume, progressive, false);
+    }
+
+    /// Bakes the bundled scene without being asked. A checkpoint of other settings is no reason to stop.
+    pub(super) fn bake_bundled(&mut self, resume: bool, progressive: bool) {
+        self.bake(resume, progressive, true);
+    }
+
+    fn bake(&mut self, resume: bool, progressive: bool, or_afresh: bool) {
         if self.baking.run.is_some() {
             self.messages.note("A bake is under way; cancel it first");
             return;
@@ -82,9 +94,16 @@ impl EditorState {
                 .messages
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
-        let Source { scene, import_secs, report, .. } = source;
+        let Imported { scene, import_secs, report, .. } = source;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
-        let task = BakeTask { scene: (*scene).clone(), job, progressive, cache: self.folders.cache.clone() };
+        let task = BakeTask {
+            scene: (*scene).clone(),
+            job,
+            progressive,
+            or_afresh,
+            turn: self.baking.turn.clone(),
+            cache: self.folders.cache.clone(),
+        };
         let now = Instant::now();
         let job = BakeRun::start(task, self.wake.clone());
         self.baking.ended = None;
@@ -158,6 +177,30 @@ impl EditorState {
         self.scene.show_stale = false;
     }
 
+    /// What differs between the bake that is there and what a bake would give.
+    pub(super) fn stale_reasons(&self) -> Vec<String> {
+        let hash = self.scene.source.as_ref().map(|source| source.hash.as_str());
+        let baked = self.scene.baked.as_ref();
+        baked.map_or_else(Vec::new, |baked| stale_reasons(&self.document, &baked.dataset, hash))
+    }
+
+    /// The scene file has changed. A bake of what it was is out of date, unless only looks were changed in it.
+    pub(super) fn scene_changed(&mut self, path: &Path, source: Imported) {
+        let hash = self.scene.source.as_ref().map(|source| &source.hash);
+        if self.document.scene.as_deref() != Some(path) || hash == Some(&source.hash) {
+            return;
+        }
+        self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
+        let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
+        self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));
+        if self.scene.baked.is_none() {
+            take_textures(&mut self.document, &source.scene.textures);
+        }
+        // What is on the screen stays there, and is marked.
+        self.scene.show_stale = self.scene.shown().is_some();
+        self.scene.source = Some(source);
+    }
+
     /// How things stand, for the bake panel.
     pub(super) fn bake_status(&self) -> BakeStatus {
         if let Some(run) = &self.baking.run {
@@ -167,9 +210,8 @@ impl EditorState {
         match (&self.baking.ended, &self.scene.baked) {
             (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { resumable },
             (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), resumable },
-            (None, Some(baked)) => {
-                let hash = self.scene.source.as_ref().map(|s| s.hash.as_str());
-                let reasons = stale_reasons(&self.document, &baked.dataset, hash);
+            (None, Some(_)) => {
+                let reasons = self.stale_reasons();
                 if reasons.is_empty() { BakeStatus::UpToDate } else { BakeStatus::Stale { reasons } }
             }
             (None, None) if resumable => BakeStatus::Cancelled { resumable },
@@ -203,11 +245,31 @@ fn fit_materials(document: &mut Document, dataset: &Dataset) {
     let materials = &dataset.scene.materials;
     document.materials.truncate(materials.len());
     let known = document.materials.len();
+    let places = take_textures(document, &dataset.scene.textures);
     document.materials.extend_from_slice(&materials[known..]);
-    if document.textures.is_empty() {
-        let fresh = Document::of_dataset(dataset, Default::default(), None);
-        document.textures = fresh.textures;
+    for slot in document.materials[known..].iter_mut().flat_map(|material| material.maps.slots_mut()) {
+        if let Some(&place) = places.get(slot.texture as usize) {
+            slot.texture = place;
+        }
     }
+}
+
+/// Takes over the textures of a scene, by name, first in the same place: what stood in for them goes, those that are
+/// new come last. Returns where each is.
+fn take_textures(document: &mut Document, textures: &[Arc<Texture>]) -> Vec<u32> {
+    let mut places = Vec::with_capacity(textures.len());
+    for (i, texture) in textures.iter().enumerate() {
+        let is_it = |entry: &TextureEntry| entry.file.is_none() && entry.texture.name == texture.name;
+        let same = document.textures.get(i).is_some_and(is_it).then_some(i);
+        let place = same.or_else(|| document.textures.iter().position(is_it)).unwrap_or(document.textures.len());
+        let entry = TextureEntry { texture: texture.clone(), file: None };
+        match document.textures.get_mut(place) {
+            Some(old) => *old = entry,
+            None => document.textures.push(entry),
+        }
+        places.push(place as u32);
+    }
+    places
 }
 
 #[cfg(test)]

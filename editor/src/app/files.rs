@@ -37,8 +37,8 @@ impl EditorState {
                 (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
                     self.use_texture(material, map, texture, path);
                 }
-                (Topic::Material(index), Ok(Loaded::Material { material, textures })) => {
-                    self.use_material(index, *material, textures, path);
+                (Topic::Material(index), Ok(Loaded::Material { material, textures, given })) => {
+                    self.use_material(index, *material, &textures[given..], given, path);
                 }
                 // Topics and sources go together where they are asked for.
                 _ => {}
@@ -59,11 +59,23 @@ impl EditorState {
         self.edit_material(index, material, map.label());
     }
 
-    fn use_material(&mut self, index: usize, material: Material, textures: Vec<Arc<Texture>>, file: Option<PathBuf>) {
+    /// `added` are textures that the material refers to after the first `given` ones of the document. More may have come to
+    /// the document since then.
+    fn use_material(
+        &mut self,
+        index: usize,
+        mut material: Material,
+        added: &[Arc<Texture>],
+        given: usize,
+        file: Option<PathBuf>,
+    ) {
         let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let known = self.document.textures.len();
-        for texture in textures.into_iter().skip(known) {
-            let path = folder.join(&texture.name);
+        let since = self.document.textures.len().saturating_sub(given);
+        for slot in material.maps.slots_mut().filter(|slot| slot.texture as usize >= given) {
+            slot.texture += since as u32;
+        }
+        for texture in added {
+            let (texture, path) = (texture.clone(), folder.join(&texture.name));
             self.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
         }
         let Some(old) = self.document.materials.get(index) else { return };
@@ -109,6 +121,8 @@ impl EditorState {
             let source = if self.document.environment.file() == Some(&path) {
                 self.environments.forget_picture(spec);
                 Source::Environment(spec.clone())
+            } else if self.document.scene.as_ref() == Some(&path) {
+                Source::Scene(path.clone())
             } else {
                 Source::Texture(path.clone())
             };
@@ -125,6 +139,9 @@ impl EditorState {
                 }
                 self.messages.note(format!("Loaded again ({})", path.display()));
             }
+            Ok(Loaded::Scene(source)) => self.scene_changed(path, *source),
+            // Another one may have been chosen meanwhile.
+            Ok(_) if self.document.environment.file() != Some(path) => {}
             Ok(loaded) => {
                 self.environment_loaded(into_environment(loaded));
                 self.messages.note(format!("Loaded again ({})", path.display()));
@@ -143,12 +160,12 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
     }
 }
 
-/// Files that the document's materials and light are made of, each once.
+/// Files that the document's scene, materials and light are made of, each once.
 fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
     let textures = slots.filter_map(|slot| document.textures.get(slot.texture as usize)?.file.clone());
     let environment = document.environment.file().map(Path::to_owned);
-    let mut files: Vec<PathBuf> = textures.chain(environment).collect();
+    let mut files: Vec<PathBuf> = textures.chain(environment).chain(document.scene.clone()).collect();
     files.sort();
     files.dedup();
     files

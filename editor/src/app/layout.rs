@@ -76,8 +76,8 @@ pub struct Interface {
     pub viewport_size: [u32; 2],
     /// Where the viewport was in the last frame.
     pub viewport_rect: Rect,
-    /// The next text from the clipboard is a camera.
-    pub pasting_camera: bool,
+    /// Frames in which a text from the clipboard is a camera.
+    pub pasting_camera: u8,
     /// Widths of the left side and of the inspector, once they were shown.
     pub panel_widths: Option<[f32; 2]>,
     viewport: ViewportState,
@@ -96,7 +96,7 @@ impl Default for Interface {
             done: None,
             viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
-            pasting_camera: false,
+            pasting_camera: 0,
             panel_widths: None,
             viewport: ViewportState::default(),
             material: MaterialPanel::default(),
@@ -216,6 +216,7 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         document: &state.document,
         dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
+        reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
         cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
     };

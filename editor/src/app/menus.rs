@@ -161,7 +161,7 @@ fn help(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         ui.close();
     }
     if ui.button("About Lapidary").clicked() {
-        state.prompt = Some(Prompt::About);
+        state.ask(Prompt::About);
         ui.close();
     }
 }

@@ -2,30 +2,22 @@
 
 use crate::{
     document::{
-        Document, TextureEntry,
+        Document,
         autosave::Recovery,
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Baked, Wake, guarded,
+        Baked, Imported as Source, Wake, guarded,
         load::{Kind, foreign, kind_of},
         spawn,
     },
 };
 use anyhow::Result;
-use lapidary_core::{
-    dataset::{Dataset, scene_hash},
-    import::{ImportReport, import},
-    scene::Scene,
-};
-use lapidary_precompute::Preset;
+use lapidary_core::dataset::Dataset;
+use lapidary_precompute::{Preset, cli::error_text};
 use std::{
     path::{Path, PathBuf},
-    sync::{
-        Arc,
-        mpsc::{Receiver, TryRecvError, channel},
-    },
-    time::Instant,
+    sync::mpsc::{Receiver, TryRecvError, channel},
 };
 
 /// What to open.
@@ -48,8 +40,8 @@ pub enum Target {
         loaded: Box<LoadedSession>,
         /// Its file; `None` for recovered work without one.
         path: Option<PathBuf>,
-        /// Whether no file has its changes.
-        unsaved: bool,
+        /// The autosave it was read from, which nothing else keeps.
+        recovery: Option<Recovery>,
     },
 }
 
@@ -63,8 +55,8 @@ pub enum Opened {
         loaded: Box<LoadedSession>,
         /// Its file.
         path: Option<PathBuf>,
-        /// Whether no file has its changes.
-        unsaved: bool,
+        /// The autosave it was read from, which nothing else keeps.
+        recovery: Option<Recovery>,
     },
 }
 
@@ -76,8 +68,8 @@ pub struct Ready {
     pub unknown: Unknown,
     /// The session file.
     pub session: Option<PathBuf>,
-    /// Whether no file has its changes.
-    pub unsaved: bool,
+    /// The autosave it was read from, which nothing else keeps.
+    pub recovery: Option<Recovery>,
     /// What can be rendered.
     pub baked: Option<Baked>,
     /// What can be baked.
@@ -90,29 +82,6 @@ pub struct Ready {
     pub warnings: Vec<String>,
     /// The file to list among the recent ones.
     pub recent: Option<PathBuf>,
-}
-
-/// An imported scene.
-#[derive(Clone)]
-pub struct Source {
-    /// As imported.
-    pub scene: Arc<Scene>,
-    /// Tells whether a dataset was baked from it.
-    pub hash: String,
-    /// Seconds that the import took.
-    pub import_secs: f64,
-    /// What was found and repaired.
-    pub report: ImportReport,
-}
-
-impl Source {
-    fn read(path: &Path) -> Result<Self> {
-        let start = Instant::now();
-        let imported = import(path)?;
-        let hash = scene_hash(&imported.scene);
-        let import_secs = start.elapsed().as_secs_f64();
-        Ok(Self { scene: imported.scene.into(), hash, import_secs, report: imported.report })
-    }
 }
 
 /// A thread that opens something. Dropping it drops the result.
@@ -164,12 +133,14 @@ pub fn open(target: Target) -> Result<Opened> {
         Target::File(path) => match kind_of(&path) {
             Kind::Scene => open_scene(&path).map(ready),
             Kind::Dataset => open_dataset(&path).map(ready),
-            Kind::Session => open_session(&path, Some(path.clone()), false),
+            Kind::Session => open_session(&path, Some(path.clone()), None),
             _ => Err(anyhow::Error::msg(foreign(&path))),
         },
         Target::Bundled { scene, bakes } => open_bundled(&scene, &bakes).map(ready),
-        Target::Recovered(recovery) => open_session(&recovery.file, recovery.session_path, true),
-        Target::Session { loaded, path, unsaved } => resolve(*loaded, path, unsaved).map(ready),
+        Target::Recovered(recovery) => {
+            open_session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery))
+        }
+        Target::Session { loaded, path, recovery } => Ok(ready(resolve(*loaded, path, recovery))),
     }
 }
 
@@ -217,18 +188,17 @@ fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
     let source = Source::read(scene)?;
     let output = bakes.join(bundled_name(scene, &source.hash));
     let mut warnings = source.report.warnings.clone();
-    let normal = Preset::Normal.settings();
     let mut read =
         |path: &Path| read_if_there(path, &mut warnings).filter(|baked| baked.dataset.scene_hash == source.hash);
-    let whole = read(&output).filter(|baked| baked.dataset.settings == normal);
+    // A bake of other settings is one that the user asked for.
+    let whole = read(&output);
     let bake_now = whole.is_none();
+    let bake = whole.as_ref().map_or(Preset::Normal.settings(), |whole| whole.dataset.settings.clone());
     let baked = whole.or_else(|| read(&draft_of(&output)));
-    let document = match &baked {
-        Some(baked) => {
-            Document { bake: normal, ..Document::of_dataset(&baked.dataset, output.clone(), Some(scene.into())) }
-        }
-        None => Document { bake: normal, ..Document::of_scene(&source.scene, Some(scene.into())) },
-    };
+    let shown = baked.as_ref().map_or(&*source.scene, |baked| &baked.dataset.scene);
+    // Named before it is there, so that a session finds it later.
+    let dataset = Some(output.clone());
+    let document = Document { bake, dataset, ..Document::of_scene(shown, Some(scene.into())) };
     Ok(Ready { bake_output: Some(output), bake_now, ..Ready::new(document, baked, Some(source), warnings) })
 }
 
@@ -243,40 +213,46 @@ fn bundled_name(scene: &Path, hash: &str) -> String {
     format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash))
 }
 
-fn open_session(file: &Path, path: Option<PathBuf>, unsaved: bool) -> Result<Opened> {
+fn open_session(file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>) -> Result<Opened> {
     let loaded = session::load(file)?;
     if loaded.missing.is_empty() {
-        return resolve(loaded, path, unsaved).map(ready);
+        return Ok(ready(resolve(loaded, path, recovery)));
     }
-    Ok(Opened::Missing { loaded: loaded.into(), path, unsaved })
+    Ok(Opened::Missing { loaded: loaded.into(), path, recovery })
 }
 
-fn resolve(loaded: LoadedSession, path: Option<PathBuf>, unsaved: bool) -> Result<Ready> {
+/// All that the session names, as far as it can be read: what cannot is left out with a warning.
+fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
     let mut warnings = Vec::new();
     let scene_path = loaded.session.scene.clone();
-    let source = scene_path.as_deref().filter(|p| p.is_file()).map(Source::read).transpose()?;
+    let source = scene_path.as_deref().and_then(|path| source_if_there(path, &mut warnings));
     let output = loaded.session.dataset.clone().or_else(|| scene_path.map(|p| p.with_extension("cuts")));
-    let baked = output.as_deref().and_then(|output| read_if_there(output, &mut warnings));
+    let baked = output.as_deref().and_then(|output| read_or_draft(output, source.as_ref(), &mut warnings));
     let unknown = loaded.unknown.clone();
-    let (mut document, remarks) = loaded.into_document(baked.as_ref().map(|b| &*b.dataset));
-    if let (None, Some(source)) = (&baked, &source) {
-        complete(&mut document, &source.scene);
-    }
+    let of_bake = baked.as_ref().map(|baked| &baked.dataset.scene);
+    let scene = of_bake.or(source.as_ref().map(|source| &*source.scene));
+    let (document, remarks) = loaded.into_document(scene);
     warnings.extend(remarks);
     let recent = path.clone();
     let bake_output = source.is_some().then_some(output).flatten();
     let rest = Ready::new(document, baked, source, warnings);
-    Ok(Ready { unknown, session: path, unsaved, bake_output, recent, ..rest })
+    Ready { unknown, session: path, recovery, bake_output, recent, ..rest }
 }
 
-/// A session of a scene that was not baked yet may have fewer materials and textures than the scene.
-fn complete(document: &mut Document, scene: &Scene) {
-    if document.textures.is_empty() {
-        let entry = |texture: &Arc<_>| TextureEntry { texture: Arc::clone(texture), file: None };
-        document.textures = scene.textures.iter().map(entry).collect();
+/// Without its scene a session can still be seen, but not baked again.
+fn source_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Source> {
+    if !path.is_file() {
+        return None;
     }
-    let known = document.materials.len().min(scene.materials.len());
-    document.materials.extend_from_slice(&scene.materials[known..]);
+    let source = Source::read(path);
+    source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {}", error_text(&error)))).ok()
+}
+
+/// The bake, or the draft of it if that is of the scene as it is.
+fn read_or_draft(output: &Path, source: Option<&Source>, warnings: &mut Vec<String>) -> Option<Baked> {
+    let hash = source.map(|source| source.hash.as_str());
+    let is_of_scene = |baked: &Baked| hash == Some(baked.dataset.scene_hash.as_str());
+    read_if_there(output, warnings).or_else(|| read_if_there(&draft_of(output), warnings).filter(is_of_scene))
 }
 
 impl Ready {
@@ -285,7 +261,7 @@ impl Ready {
             document,
             unknown: Unknown::default(),
             session: None,
-            unsaved: false,
+            recovery: None,
             baked,
             source,
             bake_output: None,

@@ -3,7 +3,7 @@
 use super::{
     layout::Inspector,
     opening::{Opened, Ready, Target},
-    prompts::Prompt,
+    prompts::{Prompt, Then},
     state::{EditorState, OpenScene, Selection},
     theme,
 };
@@ -40,7 +40,7 @@ impl EditorState {
             }
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => {
-                self.interface.pasting_camera = true;
+                self.interface.pasting_camera = 2;
                 ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
             }
             Action::Preferences(preferences) => self.prefer(preferences),
@@ -76,6 +76,7 @@ impl EditorState {
 
     /// Does what a menu or key asks for.
     pub(super) fn command(&mut self, command: Command, actions: &mut Vec<Action>) {
+        let is_step = matches!(command, Command::Mode(_) | Command::Wireframe);
         let view = |change: &dyn Fn(&mut ViewSettings)| {
             let mut settings = self.document.view.clone();
             change(&mut settings);
@@ -105,6 +106,9 @@ impl EditorState {
                 return;
             }
         });
+        if is_step {
+            actions.push(Action::EndGesture);
+        }
     }
 
     fn scaled(&self, steps: i32) -> Preferences {
@@ -214,15 +218,28 @@ impl EditorState {
 
     /// Another document takes this one's place, or the window closes: changes are asked about first.
     fn leave_document(&mut self, ctx: &Context, action: Action) {
+        let then = Then::Do(Box::new(action));
         if self.history.is_modified() {
-            self.prompt = Some(Prompt::Unsaved { then: Box::new(action) });
+            self.ask(Prompt::Unsaved { then });
         } else {
-            self.leave_now(ctx, action);
+            self.leave_now(ctx, then);
         }
     }
 
+    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
+    pub(super) fn ask(&mut self, prompt: Prompt) {
+        if let Prompt::Unsaved { .. } = prompt {
+            self.prompts.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));
+        }
+        self.prompts.push_back(prompt);
+    }
+
     /// Goes on without asking.
-    pub(super) fn leave_now(&mut self, ctx: &Context, action: Action) {
+    pub(super) fn leave_now(&mut self, ctx: &Context, then: Then) {
+        let action = match then {
+            Then::Do(action) => *action,
+            Then::Show(ready) => return self.take_document(*ready),
+        };
         match action {
             Action::Open(Some(path)) => self.open(Target::File(path)),
             Action::OpenBundled => self.open_bundled(),
@@ -262,8 +279,8 @@ impl EditorState {
         self.scene.session = Some(path.to_owned());
         self.remember(path);
         self.messages.note(format!("Saved ({})", path.display()));
-        if let Some(action) = self.after_save.take() {
-            self.leave_now(ctx, action);
+        if let Some(then) = self.after_save.take() {
+            self.leave_now(ctx, then);
         }
     }
 
@@ -285,21 +302,29 @@ impl EditorState {
         let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
         self.opening = None;
         match result {
-            Ok(Opened::Ready(ready)) => self.take_document(*ready),
-            Ok(Opened::Missing { loaded, path, unsaved }) => {
-                self.prompt = Some(Prompt::Missing { loaded, path, unsaved });
+            Ok(Opened::Ready(ready)) => {
+                let edited_since = self.history.revision() != self.opening_since;
+                if edited_since && self.history.is_modified() {
+                    self.ask(Prompt::Unsaved { then: Then::Show(ready) });
+                } else {
+                    self.take_document(*ready);
+                }
             }
+            Ok(Opened::Missing { loaded, path, recovery }) => self.ask(Prompt::Missing { loaded, path, recovery }),
             Err(error) => self.messages.error(error),
         }
     }
 
     fn take_document(&mut self, ready: Ready) {
-        let Ready { document, unknown, session, unsaved, baked, source, bake_output, bake_now, warnings, recent } =
+        let Ready { document, unknown, session, recovery, baked, source, bake_output, bake_now, warnings, recent } =
             ready;
         self.forget_autosave();
         self.baking.clear();
+        self.loader.forget_document();
+        self.loading.clear();
         self.document = document;
-        self.history = if unsaved { History::unsaved() } else { History::new() };
+        self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
+        self.recovered = recovery;
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
         self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
         if self.scene.session.is_none() {
@@ -312,7 +337,7 @@ impl EditorState {
         recent.into_iter().for_each(|path| self.remember(&path));
         if bake_now {
             let (has_draft, has_checkpoint) = (self.scene.baked.is_some(), self.has_checkpoint());
-            self.start_bake(has_draft && has_checkpoint, !has_draft);
+            self.bake_bundled(has_draft && has_checkpoint, !has_draft);
         }
     }
 
@@ -323,14 +348,14 @@ impl EditorState {
 
     /// Looks for the missing files of the session that waits for it.
     fn relink(&mut self, folder: &Path) {
-        let Some(Prompt::Missing { loaded, .. }) = &mut self.prompt else { return self.relink_library(folder) };
+        let Some(Prompt::Missing { loaded, .. }) = self.prompts.front_mut() else { return self.relink_library(folder) };
         let found = loaded.relink(folder);
         let missing = loaded.missing.len();
         self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
         if missing == 0
-            && let Some(Prompt::Missing { loaded, path, unsaved }) = self.prompt.take()
+            && let Some(Prompt::Missing { loaded, path, recovery }) = self.prompts.pop_front()
         {
-            self.open(Target::Session { loaded, path, unsaved });
+            self.open(Target::Session { loaded, path, recovery });
         }
     }
 

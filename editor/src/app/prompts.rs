@@ -1,6 +1,9 @@
 //! Questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says.
 
-use super::{opening::Target, state::EditorState};
+use super::{
+    opening::{Ready, Target},
+    state::EditorState,
+};
 use crate::{
     actions::Action,
     document::{autosave::Recovery, session::LoadedSession},
@@ -13,7 +16,7 @@ pub enum Prompt {
     /// Changes would be lost.
     Unsaved {
         /// What was asked for.
-        then: Box<Action>,
+        then: Then,
     },
     /// Work of processes that ended too early was found.
     Recover(Vec<Recovery>),
@@ -23,11 +26,19 @@ pub enum Prompt {
         loaded: Box<LoadedSession>,
         /// Its file.
         path: Option<PathBuf>,
-        /// Whether no file has its changes.
-        unsaved: bool,
+        /// The autosave it was read from, which nothing else keeps.
+        recovery: Option<Recovery>,
     },
     /// What this program is.
     About,
+}
+
+/// What is done once the document may be left.
+pub enum Then {
+    /// What was asked for.
+    Do(Box<Action>),
+    /// A document takes its place, which was opened while this one was edited.
+    Show(Box<Ready>),
 }
 
 /// What was answered.
@@ -43,7 +54,7 @@ enum Answer {
 
 /// Shows the question that waits, if any, and does what is answered.
 pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let Some(prompt) = &state.prompt else { return };
+    let Some(prompt) = state.prompts.front() else { return };
     if state.dialogs.is_open() {
         return;
     }
@@ -148,20 +159,18 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
     if matches!(answer, Answer::Look) {
         return actions.push(Action::Relink(None));
     }
-    match (state.prompt.take(), answer) {
+    match (state.prompts.pop_front(), answer) {
         (Some(Prompt::Unsaved { then }), Answer::Save) => {
-            state.after_save = Some(*then);
+            state.after_save = Some(then);
             actions.push(Action::Save);
         }
-        (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, *then),
+        (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, then),
         (Some(Prompt::Recover(found)), Answer::DiscardAll) => discard(state, found),
         (Some(Prompt::Recover(mut found)), Answer::Recover(i)) => {
-            let recovery = found.swap_remove(i);
-            state.open(Target::Recovered(recovery.clone()));
-            state.recovered = Some(recovery);
+            state.open(Target::Recovered(found.swap_remove(i)));
         }
-        (Some(Prompt::Missing { loaded, path, unsaved }), Answer::OpenWithout) => {
-            state.open(Target::Session { loaded, path, unsaved });
+        (Some(Prompt::Missing { loaded, path, recovery }), Answer::OpenWithout) => {
+            state.open(Target::Session { loaded, path, recovery });
         }
         _ => {}
     }

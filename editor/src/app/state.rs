@@ -6,9 +6,9 @@ use super::{
     environments::Environments,
     layout::{self, Interface},
     messages::Messages,
-    opening::{Opening, Source, Target},
+    opening::{Opening, Target},
     pictures::Pictures,
-    prompts::{self, Prompt},
+    prompts::{self, Prompt, Then},
     requests::Requests,
 };
 use crate::{
@@ -21,7 +21,7 @@ use crate::{
         session::Unknown,
     },
     jobs::{
-        Baked, Wake,
+        Baked, Imported, Wake,
         load::Loader,
         render_thread::{Factory, RenderThread},
         watch::Watcher,
@@ -33,7 +33,7 @@ use crate::{
 use egui::{Event, Ui, ViewportCommand};
 use lapidary_core::scene::{Bounds, Mesh};
 use std::{
-    collections::HashMap,
+    collections::{HashMap, VecDeque},
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -80,7 +80,7 @@ pub struct OpenScene {
     /// What can be rendered.
     pub baked: Option<Baked>,
     /// What can be baked.
-    pub source: Option<Source>,
+    pub source: Option<Imported>,
     /// Where a bake goes.
     pub bake_output: Option<PathBuf>,
     /// Show a bake of another version of the scene.
@@ -136,9 +136,10 @@ pub struct EditorState {
     pub(super) interface: Interface,
     pub(super) messages: Messages,
     pub(super) dialogs: FileDialogs,
-    pub(super) prompt: Option<Prompt>,
+    /// Questions that wait, the one that is asked first.
+    pub(super) prompts: VecDeque<Prompt>,
     /// What is done once the session has been saved.
-    pub(super) after_save: Option<Action>,
+    pub(super) after_save: Option<Then>,
     pub(super) preferences: Preferences,
     pub(super) recent: RecentFiles,
     pub(super) library: EnvironmentLibrary,
@@ -152,6 +153,8 @@ pub struct EditorState {
     pub(super) watcher: Watcher,
     pub(super) watched: Vec<PathBuf>,
     pub(super) opening: Option<Opening>,
+    /// Revision of the document when the opening began.
+    pub(super) opening_since: u64,
     pub(super) baking: Baking,
     pub(super) environments: Environments,
     pub(super) pictures: Pictures,
@@ -175,7 +178,7 @@ impl EditorState {
         let mut messages = Messages::default();
         problem.into_iter().for_each(|p| messages.warning(p));
         let recoverable = autosave::recoverable(&folders.state);
-        let prompt = (!recoverable.is_empty()).then_some(Prompt::Recover(recoverable));
+        let prompts = (!recoverable.is_empty()).then_some(Prompt::Recover(recoverable)).into_iter().collect();
         let library = EnvironmentLibrary::open(&folders.config, bundled.environments.clone());
         Self {
             document: Document::empty(),
@@ -186,7 +189,7 @@ impl EditorState {
             interface: Interface::default(),
             messages,
             dialogs: FileDialogs::new(wake.clone(), system_dialogs),
-            prompt,
+            prompts,
             after_save: None,
             preferences,
             recent: RecentFiles::open(&folders.config),
@@ -198,6 +201,7 @@ impl EditorState {
             watcher: Watcher::start(wake.clone()),
             watched: Vec::new(),
             opening: None,
+            opening_since: 0,
             baking: Baking::default(),
             environments: Environments::new(wake.clone()),
             pictures: Pictures::default(),
@@ -216,6 +220,7 @@ impl EditorState {
     /// Begins to open something, without asking about changes.
     pub fn open(&mut self, target: Target) {
         self.opening = Some(Opening::start(target, self.wake.clone()));
+        self.opening_since = self.history.revision();
     }
 
     /// Whether there are changes that are not saved.
@@ -237,7 +242,7 @@ impl EditorState {
         let mut actions = Vec::new();
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
-        actions.extend(self.dialogs.show(&ctx));
+        self.show_dialog(&ctx, &mut actions);
         prompts::show(&ctx, self, &mut actions);
         self.messages.show(&ctx, laid.status_height);
         self.ask_before_closing(&ctx, &mut actions);
@@ -264,17 +269,28 @@ impl EditorState {
         });
     }
 
-    /// The text that was asked of the clipboard arrives a frame later.
+    /// Shows the file dialog, if one is open. Cancelling where to save to cancels what was to follow.
+    fn show_dialog(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let was_open = self.dialogs.is_open();
+        let chosen = self.dialogs.show(ctx);
+        if was_open && !self.dialogs.is_open() && chosen.is_empty() {
+            self.after_save = None;
+        }
+        actions.extend(chosen);
+    }
+
+    /// The text that was asked of the clipboard arrives a frame later, or never if there is none.
     fn take_pasted_camera(&mut self, ctx: &egui::Context) {
-        if !self.interface.pasting_camera {
+        if self.interface.pasting_camera == 0 {
             return;
         }
+        self.interface.pasting_camera -= 1;
         let pasted = ctx.input_mut(|i| {
             let place = i.events.iter().position(|e| matches!(e, Event::Paste(_)))?;
             Some(i.events.remove(place))
         });
         if let Some(Event::Paste(text)) = pasted {
-            self.interface.pasting_camera = false;
+            self.interface.pasting_camera = 0;
             self.paste_camera(&text);
         }
     }

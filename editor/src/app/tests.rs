@@ -1,5 +1,6 @@
 //! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
+mod kept;
 mod window;
 
 use super::{

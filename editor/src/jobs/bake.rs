@@ -1,8 +1,12 @@
 //! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
 
 use super::{Baked, Wake, guarded, spawn};
-use lapidary_core::{cut::CutCriterion, dataset::BakeSettings, scene::Scene};
-use lapidary_precompute::{BakeError, BakeJob, Event, Observer, Phase, Preset, bake, on_threads};
+use lapidary_core::{
+    cut::CutCriterion,
+    dataset::{BakeSettings, Dataset},
+    scene::Scene,
+};
+use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads};
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -21,6 +25,10 @@ pub struct BakeTask {
     pub job: BakeJob,
     /// Bakes a draft first, unless the job is one or goes on from a checkpoint.
     pub progressive: bool,
+    /// Begins afresh if the checkpoint to go on from is of another scene or other settings.
+    pub or_afresh: bool,
+    /// Held while it works: a bake that was left ends before the next begins, which may write the same files.
+    pub turn: Arc<Mutex<()>>,
     /// Folder in which the draft is written and removed again.
     pub cache: PathBuf,
 }
@@ -159,6 +167,9 @@ fn preview_settings() -> BakeSettings {
 
 /// The draft, if one is wanted, and then the bake itself.
 fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
+    // A bake that failed badly has left its turn as well.
+    let turn = task.turn.clone();
+    let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let draft_settings = preview_settings();
     if task.progressive && !task.job.resume && task.job.settings != draft_settings {
@@ -173,10 +184,20 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
         }
     }
     // One core is left to the window.
-    match on_threads(cores.saturating_sub(1).max(1), || bake(task.scene, &task.job, teller)) {
+    match on_threads(cores.saturating_sub(1).max(1), || bake_whole(task, teller)) {
         Ok(dataset) => BakeMessage::Done(Baked::new(dataset.into())),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
         Err(error) => BakeMessage::Failed(error.to_string()),
+    }
+}
+
+fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {
+    let spare = (task.or_afresh && task.job.resume).then(|| task.scene.clone());
+    match (bake(task.scene, &task.job, teller), spare) {
+        (Err(BakeError::Checkpoint(CheckpointError::Mismatch { .. })), Some(scene)) => {
+            bake(scene, &BakeJob { resume: false, ..task.job }, teller)
+        }
+        (result, _) => result,
     }
 }
 

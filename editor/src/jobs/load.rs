@@ -4,7 +4,7 @@ mod kind;
 
 pub use kind::{Kind, foreign, kind_of};
 
-use super::{Wake, guarded, spawn};
+use super::{Imported, Wake, guarded, spawn};
 use crate::actions::MapKind;
 use lapidary_core::{
     environment::Environment, import::load_material, material::Material, scene::Scene, texture::Texture,
@@ -41,6 +41,8 @@ pub enum Topic {
 pub enum Source {
     /// A path or formula, as [`Environment::from_spec`] reads it.
     Environment(String),
+    /// A scene file that has changed.
+    Scene(PathBuf),
     /// A picture for a map.
     Texture(PathBuf),
     /// A material file.
@@ -62,14 +64,18 @@ pub enum Loaded {
         /// What was repaired, in sentences.
         warnings: Vec<String>,
     },
+    /// A scene.
+    Scene(Box<Imported>),
     /// A picture.
     Texture(Arc<Texture>),
     /// A material that refers to `textures`.
     Material {
         /// The material.
         material: Box<Material>,
-        /// Those of the document and, after them, those that the material added.
+        /// Those that were given and, after them, those that the material added.
         textures: Vec<Arc<Texture>>,
+        /// How many were given.
+        given: usize,
     },
 }
 
@@ -116,6 +122,11 @@ impl Loader {
         id
     }
 
+    /// No load that is under way counts any more, but for that of the light: another document was opened.
+    pub fn forget_document(&mut self) {
+        self.latest.retain(|topic, _| *topic == Topic::Environment);
+    }
+
     /// Loads that have ended since the last call and still count.
     pub fn results(&mut self) -> Vec<LoadResult> {
         let latest = &mut self.latest;
@@ -136,11 +147,13 @@ fn open(source: Source) -> anyhow::Result<Loaded> {
             let (environment, warnings) = Environment::from_spec(&spec)?;
             Loaded::Environment { environment: environment.into(), warnings }
         }
+        Source::Scene(path) => Loaded::Scene(Imported::read(&path)?.into()),
         Source::Texture(path) => Loaded::Texture(Texture::read(&path)?.into()),
         Source::Material { path, textures } => {
+            let given = textures.len();
             let mut scene = Scene { textures, ..Default::default() };
             let material = load_material(&path, &mut scene)?.into();
-            Loaded::Material { material, textures: scene.textures }
+            Loaded::Material { material, textures: scene.textures, given }
         }
     })
 }

@@ -28,6 +28,8 @@ pub struct BakeContext<'a> {
     pub dataset: Option<&'a Dataset>,
     /// How things stand.
     pub status: &'a BakeStatus,
+    /// What differs between the dataset and what a bake would give.
+    pub reasons: &'a [String],
     /// Size of the scene before tessellation, if it is known.
     pub scene_stats: Option<SceneStats>,
     /// Cores that a bake may use, for estimates.
@@ -81,6 +83,9 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         progress::show(ui, context.status, actions);
     } else {
         notice(ui, context.status);
+        if let BakeStatus::Cancelled { .. } | BakeStatus::Failed { .. } = context.status {
+            differences(ui, context.reasons);
+        }
         buttons(ui, context, actions);
         settings::presets(ui, context, &Speed::known(context), actions);
         section(ui, "Advanced", false, |ui| settings::advanced(ui, &context.document.bake, actions));
@@ -98,13 +103,25 @@ fn notice(ui: &mut Ui, status: &BakeStatus) {
         BakeStatus::UpToDate => ui.label("The bake is up to date."),
         BakeStatus::Stale { reasons } => {
             ui.label(RichText::new("The bake is out of date").color(warn).strong());
-            ui.label(reasons.iter().map(|r| format!("• {r}")).collect::<Vec<_>>().join("\n"))
+            ui.label(listed(reasons))
         }
         BakeStatus::Cancelled { resumable: true } => ui.label("The bake was stopped. Resume goes on where it was."),
         BakeStatus::Cancelled { resumable: false } => ui.label("The bake was stopped before there was work to keep."),
         BakeStatus::Failed { message, .. } => ui.label(RichText::new(message).color(ui.visuals().error_fg_color)),
         BakeStatus::Running { .. } => return,
     };
+}
+
+fn listed(reasons: &[String]) -> String {
+    reasons.iter().map(|r| format!("• {r}")).collect::<Vec<_>>().join("\n")
+}
+
+/// What is out of date in the bake that is still shown after another one did not come to its end.
+fn differences(ui: &mut Ui, reasons: &[String]) {
+    if !reasons.is_empty() {
+        ui.label("The bake before it is shown, and is out of date:");
+        ui.label(listed(reasons));
+    }
 }
 
 fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {

@@ -80,7 +80,15 @@ fn missing_files(session: &mut Session) -> Vec<MissingFile> {
             missing.push(MissingFile { what, path: path.clone() });
         }
     });
+    forget_what_can_be_baked(session, &mut missing);
     missing
+}
+
+/// A dataset can be made again while its scene is there; a session may even be saved before the first bake.
+pub fn forget_what_can_be_baked(session: &Session, missing: &mut Vec<MissingFile>) {
+    if session.scene.as_deref().is_some_and(Path::is_file) {
+        missing.retain(|file| file.what != "dataset");
+    }
 }
 
 #[derive(Default)]

@@ -1,6 +1,6 @@
 //! Finding files that moved: by name, below a folder that the user points at.
 
-use super::LoadedSession;
+use super::{LoadedSession, read::forget_what_can_be_baked};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -24,6 +24,7 @@ impl LoadedSession {
             }
         });
         self.missing.retain(|m| !found.contains_key(&m.path));
+        forget_what_can_be_baked(&self.session, &mut self.missing);
         found.len()
     }
 }

@@ -1,29 +1,29 @@
-//! From a session and the dataset that it names to a document.
+//! From a session and the scene that it names to a document.
 
 use super::{LoadedSession, Session, SessionMaterial, TextureSource};
 use crate::document::{Document, TextureEntry};
-use lapidary_core::{dataset::Dataset, material::Material, texture::Texture};
+use lapidary_core::{material::Material, scene::Scene, texture::Texture};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
 };
 
-/// Scene textures that are stood in for when there is no dataset; a file may name any number.
+/// Scene textures that are stood in for when there is no scene; a file may name any number.
 const MAX_STAND_INS: u32 = 10_000;
 
 impl LoadedSession {
     /// The document, and what was remarked on loading and now. Pictures are read here, so this takes a while.
     ///
-    /// Without a dataset the materials are those of the session. With one they are its own, each with the session's
+    /// Without a scene the materials are those of the session. With one they are its own, each with the session's
     /// values if that has a material of the same name, or, if no other has the name, in the same place.
-    pub fn into_document(self, dataset: Option<&Dataset>) -> (Document, Vec<String>) {
+    pub fn into_document(self, scene: Option<&Scene>) -> (Document, Vec<String>) {
         let Self { mut session, mut warnings, .. } = self;
-        let mut document = match dataset {
-            Some(dataset) => Document::of_dataset(dataset, PathBuf::new(), None),
+        let mut document = match scene {
+            Some(scene) => Document::of_scene(scene, None),
             None => Document::empty(),
         };
-        let mut textures = Textures::new(document.textures, &mut session, dataset.is_some(), &mut warnings);
-        document.materials = match dataset {
+        let mut textures = Textures::new(document.textures, &mut session, scene.is_some(), &mut warnings);
+        document.materials = match scene {
             Some(_) => merged_materials(&document.materials, &session.materials, &mut textures),
             None => session.materials.iter().map(|m| m.material(|source| textures.index_of(source))).collect(),
         };
@@ -54,7 +54,7 @@ fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mu
     own.iter().zip(&places).map(merge).collect()
 }
 
-/// For each material of the dataset the one of the session: of the same name, first in the same place; or, in lists of
+/// For each material of the scene the one of the session: of the same name, first in the same place; or, in lists of
 /// the same length, what is left in the same place, since artists rename materials.
 fn match_materials(own: &[Material], session: &[SessionMaterial]) -> Vec<Option<usize>> {
     let mut places = vec![None; own.len()];
@@ -94,20 +94,20 @@ fn warn_of_differences(
     let lost: Vec<&str> = (0..session.len()).filter(|&j| !used(j)).map(|j| session[j].name.as_str()).collect();
     if !lost.is_empty() {
         warnings.push(format!(
-            "the dataset has no materials {}, so their edits are left out; save under another name to keep the session as \
+            "the scene has no materials {}, so their edits are left out; save under another name to keep the session as \
              it was",
             quoted(lost)
         ));
     }
     let new: Vec<&str> = own.iter().zip(places).filter(|(_, p)| p.is_none()).map(|(m, _)| m.name.as_str()).collect();
     if !new.is_empty() {
-        warnings.push(format!("the session has no materials {}; they are as in the dataset", quoted(new)));
+        warnings.push(format!("the session has no materials {}; they are as in the scene", quoted(new)));
     }
     let same_names = own.iter().zip(places).any(|(m, p)| p.is_some_and(|j| session[j].name == m.name));
     if !same_names && places.iter().any(Option::is_some) {
         warnings.push(
-            "no material of the dataset has the name of one in the session, so they were matched by their order; check \
-             that this is the dataset of the session"
+            "no material of the scene has the name of one in the session, so they were matched by their order; check \
+             that this is the scene of the session"
                 .into(),
         );
     }

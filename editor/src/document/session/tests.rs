@@ -118,7 +118,7 @@ fn everything_survives_the_disk() {
     let document = project.document();
     let loaded = project.reloaded(&document);
     assert_eq!((&loaded.missing, &loaded.unknown), (&Vec::new(), &Unknown::default()));
-    let (read, warnings) = loaded.into_document(Some(&project.dataset));
+    let (read, warnings) = loaded.into_document(Some(&project.dataset.scene));
     assert_eq!(warnings, Vec::<String>::new());
     assert_same(&read, &document);
     let mut other = document.clone();
@@ -167,7 +167,7 @@ fn what_later_versions_add_is_written_back() {
     });
     assert_eq!(loaded.warnings, Vec::<String>::new());
     let unknown = loaded.unknown.clone();
-    let (mut document, _) = loaded.into_document(Some(&project.dataset));
+    let (mut document, _) = loaded.into_document(Some(&project.dataset.scene));
     document.bookmarks.remove(0);
     save(&document, &unknown, &project.file()).unwrap();
     let json = project.json();
@@ -188,7 +188,7 @@ fn a_missing_texture_is_shown_said_and_not_lost() {
     std::fs::remove_file(project.path("maps/linen.png")).unwrap();
     let loaded = load(&project.file()).unwrap();
     assert_eq!(loaded.missing, [MissingFile { what: "texture", path: project.path("maps/linen.png") }]);
-    let (document, warnings) = loaded.into_document(Some(&project.dataset));
+    let (document, warnings) = loaded.into_document(Some(&project.dataset.scene));
     assert!(warnings.len() == 1 && warnings[0].contains("linen.png"), "{warnings:?}");
     assert_eq!(document.textures[3].texture.texels, Texture::missing("").texels);
     let again = project.reloaded(&document);
@@ -211,7 +211,7 @@ fn files_that_moved_are_found_by_name() {
     assert_eq!(loaded.relink(&project.path("sessions")), 0);
     assert_eq!(loaded.relink(&project.path("new")), 2);
     assert_eq!(loaded.missing, [MissingFile { what: "scene", path: project.path("a.gltf") }], "too deep");
-    let (document, warnings) = loaded.into_document(Some(&project.dataset));
+    let (document, warnings) = loaded.into_document(Some(&project.dataset.scene));
     assert_eq!(warnings, Vec::<String>::new());
     assert_eq!(document.textures[3].file, Some(project.path("new/maps/Linen.PNG")), "the folder decides");
     assert_eq!(document.environment.file(), Some(&*project.path("new/old maps/room.hdr")));
@@ -234,7 +234,7 @@ fn without_its_dataset_a_session_loses_nothing() {
     assert_eq!(warnings, Vec::<String>::new());
     assert_eq!(read.materials[1].name, "cloth");
     project.reloaded(&read);
-    let (back, warnings) = load(&project.file()).unwrap().into_document(Some(&project.dataset));
+    let (back, warnings) = load(&project.file()).unwrap().into_document(Some(&project.dataset.scene));
     assert_eq!(warnings, Vec::<String>::new());
     assert_same(&back, &document);
 }
@@ -244,7 +244,7 @@ fn materials_are_found_by_name_in_another_bake_and_the_rest_is_said() {
     let project = Project::new();
     let session = project.reloaded(&project.document());
     let other = dataset(&["new", "glaze", "stone", "cloth"], &["grain.png"]);
-    let (document, warnings) = session.into_document(Some(&other));
+    let (document, warnings) = session.into_document(Some(&other.scene));
     let roughness: Vec<f32> = document.materials.iter().map(|m| m.parameters.roughness).collect();
     assert_eq!(roughness, [0.5, 0.5, 0.5, 0.35]);
     assert_eq!(document.materials.iter().map(|m| &*m.name).collect::<Vec<_>>(), ["new", "glaze", "stone", "cloth"]);
@@ -261,9 +261,9 @@ fn renamed_materials_keep_their_place() {
     let mut document = project.document();
     document.materials[1].name = "velvet".into();
     let session = project.reloaded(&document);
-    let (read, warnings) = session.clone().into_document(Some(&project.dataset));
+    let (read, warnings) = session.clone().into_document(Some(&project.dataset.scene));
     assert_eq!((read.materials[1].name.as_str(), warnings.len()), ("velvet", 0));
-    let (_, warnings) = session.into_document(Some(&dataset(&["x", "y", "z"], &["own.png", "own.png"])));
+    let (_, warnings) = session.into_document(Some(&dataset(&["x", "y", "z"], &["own.png", "own.png"]).scene));
     assert!(warnings.len() == 1 && warnings[0].contains("by their order"), "{warnings:?}");
 }
 

@@ -13,7 +13,14 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
     let output = folder.join("a.cuts");
     let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
-    BakeTask { scene: import(&obj).unwrap().scene, job, progressive, cache: folder.join("cache") }
+    BakeTask {
+        scene: import(&obj).unwrap().scene,
+        job,
+        progressive,
+        or_afresh: false,
+        turn: Arc::default(),
+        cache: folder.join("cache"),
+    }
 }
 
 /// All messages up to the one that ends the bake.
@@ -59,6 +66,32 @@ fn a_cancelled_bake_says_so_and_goes_on_when_resumed() {
     task.job.resume = true;
     let messages = all(&mut BakeRun::start(task, silent()));
     assert!(matches!(&messages[..], [BakeMessage::Done(_)]), "no draft when going on: {messages:?}");
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_is_an_error_only_to_who_asked_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut task = task(folder.path(), false);
+    task.job.resume = true;
+    std::fs::create_dir(folder.path().join("a.cuts.partial")).unwrap();
+    std::fs::write(folder.path().join("a.cuts.partial/bake.json"), "{}").unwrap();
+    let messages = all(&mut BakeRun::start(task.clone(), silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Failed(_)]), "{messages:?}");
+    let messages = all(&mut BakeRun::start(BakeTask { or_afresh: true, ..task }, silent()));
+    assert!(matches!(messages.last(), Some(BakeMessage::Done(_))), "{messages:?}");
+}
+
+#[test]
+fn a_bake_waits_for_one_that_was_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = task(folder.path(), false);
+    let turn = task.turn.clone();
+    let held = turn.lock().unwrap();
+    let mut run = BakeRun::start(task, silent());
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    assert!(run.messages().is_empty() && !folder.path().join("a.cuts").exists());
+    drop(held);
+    assert!(matches!(&all(&mut run)[..], [BakeMessage::Done(_)]));
 }
 
 #[test]

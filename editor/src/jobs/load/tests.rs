@@ -24,7 +24,7 @@ fn every_source_is_opened() {
     for (own, expected) in [(Vec::new(), 1), (vec![texture], 1)] {
         let source = Source::Material { path: path("m.json"), textures: own };
         loader.load(Topic::Material(0), source);
-        let Ok(Loaded::Material { material, textures }) = next(&mut loader).result else { panic!("no material") };
+        let Ok(Loaded::Material { material, textures, .. }) = next(&mut loader).result else { panic!("no material") };
         assert_eq!((material.name.as_str(), textures.len()), ("m", expected));
         assert!(material.maps.base_color.is_some());
     }

@@ -68,7 +68,7 @@ fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Ha
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, dataset, status, actions } = probe;
         let scene_stats = Some(SceneStats { vertices: 1000, triangles: 2000 });
-        let context = BakeContext { document, dataset: dataset.as_ref(), status, scene_stats, cores: 2 };
+        let context = BakeContext { document, dataset: dataset.as_ref(), status, reasons: &[], scene_stats, cores: 2 };
         show(ui, &context, actions);
     };
     let probe = Probe { document, dataset, status, actions: Vec::new() };

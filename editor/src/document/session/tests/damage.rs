@@ -57,7 +57,7 @@ fn values_out_of_range_are_replaced_with_a_warning_each() {
     });
     assert_eq!(loaded.warnings.len(), 11, "{:#?}", loaded.warnings);
     assert_eq!(loaded.session.camera, None);
-    let (document, _) = loaded.into_document(Some(&project.dataset));
+    let (document, _) = loaded.into_document(Some(&project.dataset.scene));
     let cloth = &document.materials[1];
     assert_eq!(cloth.parameters.roughness, 0.0);
     assert_eq!(cloth.maps.bump.as_ref().unwrap().scale, Vec2::new(1e6, 2.0));
@@ -89,7 +89,7 @@ fn no_value_in_any_place_panics() {
         std::fs::write(project.file(), changed.to_string()).unwrap();
         if let Ok(loaded) = load(&project.file()) {
             let dataset = (i % 2 == 0).then_some(&project.dataset);
-            let document = loaded.into_document(dataset).0;
+            let document = loaded.into_document(dataset.map(|d| &d.scene)).0;
             document.materials.iter().flat_map(|m| m.maps.slots()).for_each(|slot| {
                 assert!((slot.texture as usize) < document.textures.len(), "{place}");
             });
@@ -111,6 +111,6 @@ fn a_failed_write_keeps_the_old_file_and_says_what_to_do() {
 #[test]
 fn paths_to_nowhere_in_particular_are_missing_and_no_more() {
     let project = Project::new();
-    let loaded = project.changed(|json| json["dataset"] = json!("/../..//\0"));
-    assert!(loaded.missing.iter().any(|m| m.what == "dataset"));
+    let loaded = project.changed(|json| json["scene"] = json!("/../..//\0"));
+    assert!(loaded.missing.iter().any(|m| m.what == "scene"));
 }

@@ -1,0 +1,194 @@
+//! What a user made is kept: recovered work, edits while something opens, sessions of scenes without a bake, bakes.
+
+use super::{Place, Window, few_lights};
+use crate::{
+    actions::Action,
+    app::opening::{Opened, Ready, Target, open},
+    document::{Document, TextureEntry, autosave, autosave::Autosave, session},
+};
+use lapidary_core::{image::Image, texture::Texture, texture::TextureSlot};
+use lapidary_precompute::{BakeJob, Silent, bake};
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// A scene whose floor has a picture.
+fn textured(place: &Place) -> PathBuf {
+    Image::filled([2, 2], glam::Vec3::X).write(&place.path("paint.png")).unwrap();
+    std::fs::write(place.path("look.mtl"), "newmtl paint\nKd 1 1 1\nmap_Kd paint.png\n").unwrap();
+    let text = "mtllib look.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 3/3 2/2\n";
+    std::fs::write(place.path("textured.obj"), text).unwrap();
+    place.path("textured.obj")
+}
+
+fn opened(target: Target) -> Box<Ready> {
+    match open(target).unwrap() {
+        Opened::Ready(ready) => ready,
+        Opened::Missing { loaded, .. } => panic!("missing: {:?}", loaded.missing),
+    }
+}
+
+fn bundled(place: &Place, scene: &Path) -> Target {
+    Target::Bundled { scene: scene.into(), bakes: place.path("bakes") }
+}
+
+fn bake_into(ready: &Ready) {
+    let output = ready.bake_output.clone().unwrap();
+    std::fs::create_dir_all(output.parent().unwrap()).unwrap();
+    let job =
+        BakeJob { settings: few_lights(), output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+    bake((*ready.source.as_ref().unwrap().scene).clone(), &job, &Silent).unwrap();
+}
+
+fn is_stand_in(document: &Document) -> bool {
+    let slot = document.materials[0].maps.base_color.as_ref().unwrap();
+    document.textures[slot.texture as usize].texture.texels == Texture::missing("").texels
+}
+
+#[test]
+fn a_session_saved_before_the_first_bake_finds_bake_and_textures_later() {
+    let place = Place::new();
+    let scene = textured(&place);
+    let first = opened(bundled(&place, &scene));
+    assert!(first.bake_now && first.baked.is_none() && !is_stand_in(&first.document));
+    let file = place.path("look.lapidary");
+    session::save(&first.document, &Default::default(), &file).unwrap();
+    let again = opened(Target::File(file.clone()));
+    assert_eq!(again.bake_output, first.bake_output, "not beside the scene");
+    assert!(again.baked.is_none() && !is_stand_in(&again.document));
+    let mut window = place.window();
+    window.open(&file);
+    window.0.state_mut().document.bake = few_lights();
+    window.perform(Action::Bake { resume: false });
+    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    assert!(!is_stand_in(&window.0.state().document) && first.bake_output.unwrap().is_file());
+}
+
+#[test]
+fn a_bake_of_other_settings_of_the_bundled_scene_is_not_replaced() {
+    let place = Place::new();
+    let scene = textured(&place);
+    bake_into(&opened(bundled(&place, &scene)));
+    let again = opened(bundled(&place, &scene));
+    assert!(!again.bake_now && again.baked.is_some());
+    assert_eq!(again.document.bake, few_lights());
+    let text = std::fs::read_to_string(&scene).unwrap().replace("v 1 0 0", "v 2 0 0");
+    std::fs::write(&scene, text).unwrap();
+    assert!(opened(bundled(&place, &scene)).bake_now, "another scene");
+}
+
+#[test]
+fn a_damaged_scene_does_not_keep_a_session_from_opening() {
+    let place = Place::new();
+    place.bake();
+    let document = opened(Target::File(place.path("scene.obj"))).document;
+    session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
+    std::fs::write(place.path("scene.obj"), "v 1 nonsense\n").unwrap();
+    let ready = opened(Target::File(place.path("look.lapidary")));
+    assert!(ready.baked.is_some() && ready.source.is_none());
+    assert!(ready.warnings.iter().any(|w| w.contains("scene.obj")), "{:?}", ready.warnings);
+}
+
+/// An autosave of a process that is gone.
+fn autosaved(place: &Place, document: &Document) -> PathBuf {
+    let state = place.path("home/state");
+    let mut autosave = Autosave::new(&state, Duration::ZERO);
+    let history = crate::document::History::unsaved();
+    let written = autosave.tick(Instant::now(), document, &history, &Default::default(), None);
+    assert!(written.unwrap());
+    let entry = std::fs::read_dir(&state).unwrap().next().unwrap().unwrap();
+    let orphan = state.join("autosave-1-1.lapidary");
+    std::fs::rename(entry.path(), &orphan).unwrap();
+    assert_eq!(autosave::recoverable(&state).len(), 1);
+    orphan
+}
+
+#[test]
+fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
+    let place = Place::new();
+    place.bake();
+    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    document.materials[0].parameters.roughness = 0.125;
+    let orphan = autosaved(&place, &document);
+    let mut window = place.window();
+    window.0.run_steps(2);
+    window.click("Recover");
+    window.wait("the recovered work", |s| s.opening.is_none() && !s.document.materials.is_empty());
+    assert_eq!(window.roughness(), 0.125);
+    assert!(window.0.state().is_modified() && orphan.is_file());
+    window.perform(Action::SaveAs(Some(place.path("saved.lapidary"))));
+    assert!(!orphan.exists() && !window.0.state().is_modified());
+}
+
+#[test]
+fn recovery_that_was_given_up_keeps_the_autosave() {
+    let place = Place::new();
+    place.bake();
+    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    document.environment.spec = place.path("gone.hdr").to_string_lossy().into_owned();
+    let orphan = autosaved(&place, &document);
+    let mut window = place.window();
+    window.0.run_steps(2);
+    window.click("Recover");
+    window.wait("the question", |s| !s.prompts.is_empty());
+    assert!(window.shows("Files are missing"));
+    window.click("Cancel");
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::SaveAs(Some(place.path("other.lapidary"))));
+    assert!(orphan.is_file(), "it is of another document");
+}
+
+#[test]
+fn edits_made_while_a_file_opens_are_asked_about() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().open(Target::File(place.path("scene.cuts")));
+    let ctx = window.0.ctx.clone();
+    // Before the frame that would collect what was opened.
+    window.0.state_mut().perform(&ctx, Action::LoadEnvironment(Some("sun-sky".into())));
+    window.wait("the file", |s| s.opening.is_none());
+    assert!(window.shows("Save the changes?"));
+    assert_eq!(window.0.state().document.environment.spec, "sun-sky");
+    window.click("Discard");
+    assert!(window.0.state().document.scene.is_none() && !window.0.state().is_modified());
+}
+
+#[test]
+fn a_session_whose_texture_moved_is_relinked() {
+    let place = Place::new();
+    place.bake();
+    let picture = place.path("red.png");
+    Image::filled([3, 3], glam::Vec3::X).write(&picture).unwrap();
+    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    let texture = Texture::read(&picture).unwrap().into();
+    document.textures.push(TextureEntry { texture, file: Some(picture.clone()) });
+    let texture = (document.textures.len() - 1) as u32;
+    document.materials[0].maps.base_color = Some(TextureSlot { texture, ..Default::default() });
+    session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
+    std::fs::create_dir(place.path("moved")).unwrap();
+    std::fs::rename(&picture, place.path("moved/red.png")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("look.lapidary"));
+    assert!(window.shows("Files are missing") && window.shows("red.png"));
+    window.perform(Action::Relink(Some(place.path("moved"))));
+    window.wait("the session", |s| s.opening.is_none() && !s.document.materials.is_empty());
+    assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().document));
+    let files: Vec<_> = window.0.state().document.textures.iter().filter_map(|t| t.file.clone()).collect();
+    assert_eq!(files, [place.path("moved/red.png")]);
+}
+
+#[test]
+fn a_scene_that_changes_on_disk_is_said_and_its_bake_is_marked() {
+    let place = Place::new();
+    place.bake();
+    let mut window: Window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("the watch", |s| s.watched.contains(&place.path("scene.obj")));
+    std::thread::sleep(Duration::from_millis(700));
+    std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.95 0")).unwrap();
+    window.wait("the change", |s| s.scene.is_stale());
+    assert!(window.has_said("The scene file has changed") && window.0.state().scene.shown().is_some());
+}

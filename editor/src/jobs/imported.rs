@@ -1,0 +1,36 @@
+//! A scene that can be baked.
+
+use anyhow::Result;
+use lapidary_core::{
+    dataset::scene_hash,
+    import::{ImportReport, import},
+    scene::Scene,
+};
+use std::{path::Path, sync::Arc, time::Instant};
+
+/// An imported scene.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// As imported.
+    pub scene: Arc<Scene>,
+    /// Tells whether a dataset was baked from it.
+    pub hash: String,
+    /// Seconds that the import took.
+    pub import_secs: f64,
+    /// What was found and repaired.
+    pub report: ImportReport,
+}
+
+impl Imported {
+    /// Imports a scene file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no scene.
+    pub fn read(path: &Path) -> Result<Self> {
+        let start = Instant::now();
+        let imported = import(path)?;
+        let hash = scene_hash(&imported.scene);
+        let import_secs = start.elapsed().as_secs_f64();
+        Ok(Self { scene: imported.scene.into(), hash, import_secs, report: imported.report })
+    }
+}
