@@ -155,10 +155,12 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
         return Vec::new();
     }
     let flying = ctx.input(|i| i.pointer.secondary_down());
+    // On a slow frame a click into a field and the text typed there arrive together.
+    let clicked = ctx.input(|i| i.events.iter().any(|e| matches!(e, Event::PointerButton { .. })));
     let mut commands = Vec::new();
     for binding in BINDINGS.iter().filter(|b| b.by == By::Window) {
         for &(modifiers, key) in binding.keys {
-            let blocked = (flying && modifiers.is_none()) || key == Key::Tab;
+            let blocked = ((flying || clicked) && modifiers.is_none()) || key == Key::Tab;
             if !blocked && take(ctx, modifiers, key) {
                 commands.push(binding.command);
             }

@@ -327,7 +327,8 @@ impl EditorState {
         self.recovered = recovery;
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
         self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
-        if self.scene.session.is_none() {
+        // The cameras of sessions and of recovered work are as they were left.
+        if self.scene.session.is_none() && self.recovered.is_none() {
             self.fit_camera();
         }
         self.pictures.clear();
