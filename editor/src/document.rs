@@ -9,7 +9,7 @@ pub mod recent;
 mod relative;
 pub mod session;
 #[cfg(test)]
-mod test_data;
+pub(crate) mod test_data;
 
 pub use edit::Edit;
 pub use history::History;

@@ -1,8 +1,7 @@
 //! Materials to start from. Values are physically plausible; colours are linear.
 //!
-//! Metals: reflectance at normal incidence as measured, in the table "Physically Based Materials" of the Unreal Engine
-//! documentation; brass by
-//! physicallybased.info. Dielectrics: index of refraction of the bulk material, albedo of common samples.
+//! Metals: reflectance at normal incidence close to what is commonly published for them. Dielectrics: index of refraction
+//! of the bulk material, albedo of common samples. They are starting points, not measurements.
 
 use glam::Vec3;
 use lapidary_core::material::{BrdfModel, BrdfParameters, Material, MaterialMaps};
@@ -70,7 +69,7 @@ const fn dielectric(name: &'static str, color: [f32; 3], roughness: f32, ior: f3
 const fn metal(name: &'static str, reflectance: [f32; 3], roughness: f32, anisotropy: f32) -> Preset {
     let base_color = Vec3::from_array(reflectance);
     let parameters = BrdfParameters { base_color, roughness, metalness: 1.0, anisotropy, ..BASE };
-    Preset { name, source: "Measured reflectance at normal incidence", model: BrdfModel::Ggx, parameters }
+    Preset { name, source: "Reflectance at normal incidence, as commonly published", model: BrdfModel::Ggx, parameters }
 }
 
 #[cfg(test)]

@@ -1,20 +1,12 @@
 //! The thread over a renderer that only counts what it is asked for.
 
 use super::*;
-use crate::jobs::testing::{silent, wait_for};
-use glam::{Vec2, Vec3, Vec4};
-use lapidary_core::{
-    camera::Camera,
-    cut::{
-        CutCriterion,
-        packed::{PackedCuts, pack_node},
-    },
-    dataset::{BakeReport, BakeSettings},
-    environment::Environment,
-    light_tree::{LightTree, TreeKind},
-    material::Material,
-    scene::{Mesh, Object, Scene},
+use crate::{
+    document::test_data,
+    jobs::testing::{silent, wait_for},
 };
+use glam::Vec3;
+use lapidary_core::{camera::Camera, environment::Environment};
 use lapidary_render::{CpuBackend, Renderer};
 use std::ops::Range;
 
@@ -113,46 +105,7 @@ impl Backend for Fake {
 }
 
 fn dataset() -> Arc<Dataset> {
-    let mesh = Mesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
-        normals: vec![Vec3::Y; 3],
-        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
-        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
-        triangles: vec![[0, 2, 1]],
-        triangle_material: vec![0],
-        triangle_object: vec![0],
-    };
-    let mut cuts = PackedCuts::default();
-    for _ in 0..3 {
-        let offset = cuts.push_cut(&[pack_node(0, 1.0)]);
-        cuts.push_vertex(offset);
-    }
-    let settings = BakeSettings {
-        lights: 64,
-        tree: TreeKind::Geometric,
-        beta: 1.0,
-        criterion: CutCriterion::default(),
-        pilot_clusters: 1,
-        max_vertices: None,
-        max_bytes: None,
-    };
-    let scene = Scene {
-        mesh,
-        materials: vec![Material::default()],
-        objects: vec![Object { name: "o".into() }],
-        ..Default::default()
-    };
-    let dataset = Dataset {
-        two_sided: vec![true],
-        vertex_valid: vec![true; 3],
-        tree: LightTree::geometric(64).unwrap(),
-        cuts,
-        settings,
-        scene_hash: String::new(),
-        report: BakeReport::default(),
-        scene,
-    };
-    dataset.into()
+    test_data::dataset(&["a"], &[]).into()
 }
 
 fn request(aa: u32) -> RenderRequest {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    document::Edit,
+    document::{Edit, test_data},
     panels::tests::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
@@ -8,39 +8,15 @@ use egui_kittest::{
     Harness,
     kittest::{NodeT, Queryable},
 };
-use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
-    cut::packed::{PackedCuts, pack_node},
     dataset::{BakeReport, BakeSettings},
-    light_tree::{LightTree, TreeKind},
-    material::Material,
-    scene::{Mesh, Object, Scene},
+    light_tree::TreeKind,
 };
 use lapidary_precompute::Preset;
 
 /// A dataset of one triangle, baked with the normal preset.
 pub fn test_dataset() -> Dataset {
-    let mesh = Mesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
-        normals: vec![Vec3::Y; 3],
-        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
-        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
-        triangles: vec![[0, 2, 1]],
-        triangle_material: vec![0],
-        triangle_object: vec![0],
-    };
-    let objects = vec![Object { name: "Floor".into() }];
-    let mut cuts = PackedCuts::default();
-    for _ in 0..3 {
-        let offset = cuts.push_cut(&[pack_node(0, 1.0)]);
-        cuts.push_vertex(offset);
-    }
     Dataset {
-        scene: Scene { mesh, materials: vec![Material::default()], objects, ..Default::default() },
-        two_sided: vec![true],
-        vertex_valid: vec![true; 3],
-        tree: LightTree::geometric(64).unwrap(),
-        cuts,
         settings: Preset::Normal.settings(),
         scene_hash: "abc".into(),
         report: BakeReport {
@@ -50,6 +26,7 @@ pub fn test_dataset() -> Dataset {
             warnings: vec!["a corner is thin".into()],
             ..Default::default()
         },
+        ..test_data::dataset(&[""], &[])
     }
 }
 
