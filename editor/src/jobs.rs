@@ -5,7 +5,6 @@
 //! when there are some.
 
 pub mod bake;
-mod baked;
 pub mod budget;
 mod imported;
 pub mod load;
@@ -13,7 +12,6 @@ pub mod render_thread;
 pub mod thumbnails;
 pub mod watch;
 
-pub use baked::Baked;
 pub use imported::Imported;
 
 use std::{

@@ -4,8 +4,8 @@
 //! rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as wanted. Scene, appearance and
 //! light stay until they are replaced, so that an edit redoes only what it changed.
 
-use crate::{Appearance, BrdfSampling, Illumination, Post, SceneLighting, View};
-use lapidary_core::{dataset::Dataset, image::Image};
+use crate::{Appearance, Baked, BrdfSampling, Illumination, Post, SceneLighting, View};
+use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc};
 use thiserror::Error;
 
@@ -75,7 +75,7 @@ pub trait Backend: Send {
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits; the scene before is kept then.
-    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError>;
+    fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
     /// Gives the scene other materials. Returns what had to be done to make it fit, in sentences.
     ///

@@ -1,13 +1,14 @@
 //! The renderer of the interactive view on the cores of this machine: [`Renderer`] in steps that can be stopped between.
 
 use crate::{
-    Appearance, Backend, BackendError, BrdfSampling, Illumination, PictureStats, Post, Renderer, SceneLighting, View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Illumination, PictureStats, Post, Renderer, SceneLighting,
+    View,
     background::{Backdrop, BlurCache},
     frame::Frame,
     painter::Painter,
     picture::Picture,
 };
-use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc};
 
 /// Name of the renderer on the cores.
@@ -42,8 +43,8 @@ impl Backend for CpuBackend {
         CPU.into()
     }
 
-    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
-        self.renderer = Some(Renderer::new(dataset.clone()));
+    fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
+        self.renderer = Some(Renderer::new(baked.clone()));
         (self.light, self.begun) = (None, None);
         Ok(())
     }

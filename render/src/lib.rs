@@ -8,6 +8,7 @@
 mod appearance;
 mod backend;
 mod background;
+mod baked;
 pub mod compare;
 mod cpu;
 mod display;
@@ -29,6 +30,7 @@ mod wireframe;
 
 pub use appearance::Appearance;
 pub use backend::{Backend, BackendError, PictureStats};
+pub use baked::Baked;
 pub use cpu::{CPU, CpuBackend};
 pub use display::display_pixel;
 pub use lighting::{LightRig, SceneLighting};

@@ -4,6 +4,7 @@ use crate::{
     appearance::Appearance,
     backend::PictureStats,
     background::{Backdrop, BlurCache},
+    baked::Baked,
     frame::Frame,
     lighting::{LightRig, SceneLighting},
     painter::Painter,
@@ -60,10 +61,12 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Builds what rays need; seconds for a million triangles. The scene looks as the dataset has it.
-    pub fn new(dataset: impl Into<Arc<Dataset>>) -> Self {
-        let dataset = dataset.into();
-        let intersector = Arc::new(Intersector::new(&dataset.scene.mesh));
+    /// Builds what rays need, unless that has been done; seconds for a million triangles. The scene looks as the
+    /// dataset has it.
+    pub fn new(baked: impl Into<Baked>) -> Self {
+        let baked = baked.into();
+        let intersector = baked.intersector();
+        let dataset = baked.dataset;
         let appearance = Appearance::of(&dataset.scene);
         let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
         Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }

@@ -7,8 +7,11 @@
 //! Balancing the matrix (Sinkhorn) makes every sample receive exactly its `4π / N` of solid angle, so that a constant
 //! map gives constant leaves.
 
+mod fibonacci;
+
 use crate::{environment::Environment, image::Image, sphere::SPHERE};
-use glam::{DVec2, DVec3, Vec3};
+use fibonacci::{FibonacciLattice, Longitude, Zone};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -95,42 +98,82 @@ struct Entry {
     fraction: f64,
 }
 
-fn assign_cells(lights: usize, grid: [usize; 2]) -> Vec<Entry> {
-    (0..grid[1])
+/// Entries in the order of the cells, row by row.
+fn assign_cells(lights: usize, [columns, rows]: [usize; 2]) -> Vec<Entry> {
+    let lattice = FibonacciLattice::new(lights);
+    let middle = |i: usize, n: usize| (i as f64 + 0.5) / (n * SUBSAMPLES) as f64;
+    let longitudes: Vec<Longitude> =
+        (0..columns * SUBSAMPLES).map(|i| Longitude::new((0.5 - middle(i, columns)) * TAU)).collect();
+    (0..rows)
         .into_par_iter()
-        .flat_map_iter(|row| (0..grid[0]).flat_map(move |column| cell_entries(lights, grid, row, column)))
+        .flat_map_iter(|row| {
+            let zone = |i| lattice.zone((PI * middle(row * SUBSAMPLES + i, rows)).cos());
+            let zones: [Zone; SUBSAMPLES] = std::array::from_fn(zone);
+            let entries = longitudes.chunks_exact(SUBSAMPLES).enumerate();
+            entries.flat_map(|(column, l)| cell_entries((row * columns + column) as u32, &zones, l)).collect::<Vec<_>>()
+        })
         .collect()
 }
 
-fn cell_entries(lights: usize, [columns, rows]: [usize; 2], row: usize, column: usize) -> Vec<Entry> {
-    let cell = (row * columns + column) as u32;
+/// The samples nearest to the sub-samples of a cell.
+fn cell_entries(cell: u32, zones: &[Zone; SUBSAMPLES], longitudes: &[Longitude]) -> impl Iterator<Item = Entry> {
     let part = 1.0 / (SUBSAMPLES * SUBSAMPLES) as f64;
-    let mut entries: Vec<Entry> = Vec::with_capacity(SUBSAMPLES);
-    for i in 0..SUBSAMPLES * SUBSAMPLES {
-        let sub =
-            |i: usize, cell: usize, cells: usize| (cell as f64 + (i as f64 + 0.5) / SUBSAMPLES as f64) / cells as f64;
-        let (u, v) = (sub(i % SUBSAMPLES, column, columns), sub(i / SUBSAMPLES, row, rows));
-        let sample = nearest_fibonacci((0.5 - u) * TAU, (PI * v).cos(), lights);
-        match entries.iter_mut().find(|e| e.sample == sample) {
-            Some(entry) => entry.fraction += part,
-            None => entries.push(Entry { cell, sample, fraction: part }),
-        }
+    let mut entries = [Entry { cell, sample: u32::MAX, fraction: 0.0 }; SUBSAMPLES * SUBSAMPLES];
+    let mut count = 0;
+    for sample in zones.iter().flat_map(|zone| longitudes.iter().map(|l| zone.nearest(l))) {
+        let at = entries[..count].iter().position(|e| e.sample == sample).unwrap_or(count);
+        count = count.max(at + 1);
+        entries[at].sample = sample;
+        entries[at].fraction += part;
     }
-    entries
+    entries.into_iter().take(count)
 }
+
+/// Bands of entries that are balanced beside each other; their number decides the rounding, so it is fixed.
+const BANDS: usize = 8;
 
 /// Sinkhorn's balancing: every sample receives the same solid angle, and every cell gives all of its energy.
 fn balance(entries: &mut [Entry], lights: usize, grid: [usize; 2]) {
-    let solid_angle = |cell: u32| cell_solid_angle(cell as usize / grid[0], grid);
-    for _ in 0..BALANCING {
-        let mut received = vec![0.0; lights];
-        entries.iter().for_each(|e| received[e.sample as usize] += e.fraction * solid_angle(e.cell));
-        let fair = 4.0 * PI / lights as f64;
-        entries.iter_mut().for_each(|e| e.fraction *= fair / received[e.sample as usize]);
-        let mut given = vec![0.0; grid[0] * grid[1]];
-        entries.iter().for_each(|e| given[e.cell as usize] += e.fraction);
-        entries.iter_mut().for_each(|e| e.fraction /= given[e.cell as usize]);
+    let fair = 4.0 * PI / lights as f64;
+    let mut scale = vec![1.0; lights];
+    // The first pass only finds what the samples receive.
+    for _ in 0..=BALANCING {
+        let bands: Vec<Vec<f64>> =
+            cell_bands(entries).into_par_iter().map(|band| balance_band(band, &scale, grid)).collect();
+        let received = |i: usize| bands.iter().map(|band| band[i]).sum::<f64>();
+        scale = (0..lights).map(|i| fair / received(i)).collect();
     }
+}
+
+/// Splits entries into [`BANDS`] slices of whole cells.
+fn cell_bands(mut entries: &mut [Entry]) -> Vec<&mut [Entry]> {
+    let size = entries.len().div_ceil(BANDS).max(1);
+    let mut bands = Vec::with_capacity(BANDS);
+    while !entries.is_empty() {
+        let least = size.min(entries.len());
+        let cell = entries[least - 1].cell;
+        let end = least + entries[least..].iter().take_while(|e| e.cell == cell).count();
+        let (band, rest) = entries.split_at_mut(end);
+        bands.push(band);
+        entries = rest;
+    }
+    bands
+}
+
+/// Scales the entries of each sample, lets each cell give its whole energy, and returns the solid angle that every sample
+/// receives from the band.
+fn balance_band(band: &mut [Entry], scale: &[f64], grid: [usize; 2]) -> Vec<f64> {
+    let mut received = vec![0.0; scale.len()];
+    for cell in band.chunk_by_mut(|a, b| a.cell == b.cell) {
+        let solid_angle = cell_solid_angle(cell[0].cell as usize / grid[0], grid);
+        cell.iter_mut().for_each(|e| e.fraction *= scale[e.sample as usize]);
+        let given: f64 = cell.iter().map(|e| e.fraction).sum();
+        for e in cell {
+            e.fraction /= given;
+            received[e.sample as usize] += e.fraction * solid_angle;
+        }
+    }
+    received
 }
 
 fn cell_solid_angle(row: usize, [columns, rows]: [usize; 2]) -> f64 {
@@ -173,37 +216,6 @@ fn overlaps(source: usize, target: usize, edge: impl Fn(usize, usize) -> f64) ->
         .collect()
 }
 
-/// Index of the Fibonacci sample nearest to the direction of longitude `phi` and height `y`, in closed form
-/// (Keinert et al. 2015, *Spherical Fibonacci Mapping*).
-fn nearest_fibonacci(phi: f64, y: f64, n: usize) -> u32 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let count = n as f64;
-    let zone = ((count * PI * 5.0_f64.sqrt() * (1.0 - y * y)).ln() / (2.0 * (1.0 + GOLDEN).ln())).floor().max(2.0);
-    let fk = (1.0 + GOLDEN).powf(zone) / 5.0_f64.sqrt();
-    let f = DVec2::new(fk.round(), (fk * (1.0 + GOLDEN)).round());
-    // Lattice basis near this height: steps of the two Fibonacci numbers, in (longitude, height).
-    let turn = |k: f64| TAU * ((k + 1.0) * GOLDEN).fract() - TAU * GOLDEN;
-    let (a, b) = (DVec2::new(turn(f.x), -2.0 * f.x / count), DVec2::new(turn(f.y), -2.0 * f.y / count));
-    let phi = phi.rem_euclid(TAU);
-    let phi = if phi > PI { phi - TAU } else { phi };
-    let p = DVec2::new(phi, y - (1.0 - 1.0 / count));
-    let determinant = a.perp_dot(b);
-    let c = DVec2::new(p.perp_dot(b) / determinant, a.perp_dot(p) / determinant).floor();
-    let direction = |phi: f64, y: f64| {
-        DVec3::new((1.0 - y * y).max(0.0).sqrt() * phi.sin(), y, (1.0 - y * y).max(0.0).sqrt() * phi.cos())
-    };
-    let wanted = direction(phi, y);
-    let corner = |s: usize| {
-        let k = c + DVec2::new((s % 2) as f64, (s / 2) as f64);
-        let height = k.x * a.y + k.y * b.y + 1.0 - 1.0 / count;
-        let mirrored = height.clamp(-1.0, 1.0) * 2.0 - height;
-        let i = (count * 0.5 * (1.0 - mirrored)).floor().clamp(0.0, count - 1.0);
-        let q = direction(TAU * (i * GOLDEN).fract(), 1.0 - (2.0 * i + 1.0) / count);
-        (q.distance_squared(wanted), i as u32)
-    };
-    (0..4).map(corner).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, i)| i)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,24 +232,6 @@ mod tests {
                 row * cell_solid_angle(y, [map.width(), map.height()])
             })
             .sum()
-    }
-
-    #[test]
-    fn nearest_sample_in_closed_form_is_the_nearest_by_brute_force() {
-        for n in [64, 1024, 32_768] {
-            let samples = fibonacci_directions(n);
-            let mut rng = fastrand::Rng::with_seed(3);
-            let mut worse = 0;
-            for _ in 0..400 {
-                let (phi, y) = (rng.f64() * TAU, rng.f64() * 2.0 - 1.0);
-                let r = (1.0 - y * y).sqrt();
-                let d = Vec3::new((r * phi.sin()) as f32, y as f32, (r * phi.cos()) as f32);
-                let best = samples.iter().map(|s| s.distance(d)).fold(f32::INFINITY, f32::min);
-                let found = samples[nearest_fibonacci(phi, y, n) as usize].distance(d);
-                worse += usize::from(found > best + 1e-5);
-            }
-            assert!(worse <= 4, "{worse} of 400 are not nearest for {n} samples");
-        }
     }
 
     #[test]

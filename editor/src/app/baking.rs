@@ -4,7 +4,7 @@ use super::{opening::draft_of, state::EditorState};
 use crate::{
     document::{Document, TextureEntry},
     jobs::{
-        Baked, Imported,
+        Imported,
         bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
         spawn,
     },
@@ -12,6 +12,7 @@ use crate::{
 };
 use lapidary_core::{dataset::Dataset, texture::Texture};
 use lapidary_precompute::{BakeJob, Phase, resolve};
+use lapidary_render::Baked;
 use std::{
     path::Path,
     sync::{Arc, Mutex},

@@ -68,6 +68,7 @@ impl EditorState {
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
         let mesh = &baked.dataset.scene.mesh;
-        pick::pick(mesh, &baked.intersector, &self.document.camera, pixel, size).map(|picked| picked.material)
+        pick::pick(mesh, baked.intersector_if_ready()?, &self.document.camera, pixel, size)
+            .map(|picked| picked.material)
     }
 }

@@ -22,6 +22,7 @@ use crate::{
     viewport::{self, ViewportContext, ViewportResponse, ViewportState},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
+use lapidary_render::Baked;
 
 /// What the inspector shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -264,7 +265,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         picture_size: shown.map_or([1, 1], |s| s.size),
         checker: state.document.view.background == BackgroundKind::Transparent,
         mesh,
-        intersector: baked.map(|b| &*b.intersector),
+        intersector: baked.and_then(Baked::intersector_if_ready),
         scene_bounds: state.bounds.scene,
         selected_object,
         selection_bounds: state.bounds.selection,

@@ -7,7 +7,7 @@ use crate::{
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Baked, Imported as Source, Wake, guarded,
+        Imported as Source, Wake, guarded,
         load::{Kind, foreign, kind_of},
         spawn,
     },
@@ -15,6 +15,7 @@ use crate::{
 use anyhow::Result;
 use lapidary_core::dataset::Dataset;
 use lapidary_precompute::{Preset, cli::error_text};
+use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
     sync::mpsc::{Receiver, TryRecvError, channel},
@@ -170,7 +171,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
         return None;
     }
     match Dataset::read(path) {
-        Ok(dataset) => Some(Baked::new(dataset.into())),
+        Ok(dataset) => Some(Baked::begun(dataset)),
         Err(error) => {
             warnings.push(format!("The bake cannot be used, bake again: {error}"));
             None
@@ -179,7 +180,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
 }
 
 fn open_dataset(path: &Path) -> Result<Ready> {
-    let baked = Baked::new(Dataset::read(path)?.into());
+    let baked = Baked::begun(Dataset::read(path)?);
     let document = Document::of_dataset(&baked.dataset, path.into(), None);
     Ok(Ready { recent: Some(path.into()), ..Ready::new(document, Some(baked), None, Vec::new()) })
 }

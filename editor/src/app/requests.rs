@@ -66,10 +66,10 @@ impl EditorState {
         let moving = viewport.moving || self.is_editing_by_pointer(ctx);
         let appearance_revision = self.requests.revision_of(&self.document);
         let document = &self.document;
-        let dataset = self.scene.shown().map(|baked| baked.dataset.clone());
+        let baked = self.scene.shown().cloned();
         let view = view_of(document, viewport.size_px);
         let key = Key {
-            dataset: dataset.as_ref().map(|d| Arc::as_ptr(d) as usize),
+            dataset: baked.as_ref().map(|b| Arc::as_ptr(&b.dataset) as usize),
             appearance: appearance_revision,
             environment: Arc::as_ptr(&environment) as usize,
             rotation: document.environment.rotation(),
@@ -85,7 +85,7 @@ impl EditorState {
             return;
         }
         self.render.request(RenderRequest {
-            dataset,
+            baked,
             appearance: self.requests.appearance.clone(),
             appearance_revision,
             illumination: illumination(document, environment),

@@ -21,7 +21,7 @@ use crate::{
         session::Unknown,
     },
     jobs::{
-        Baked, Imported, Wake,
+        Imported, Wake,
         load::Loader,
         render_thread::{Factory, RenderThread},
         watch::Watcher,
@@ -32,6 +32,7 @@ use crate::{
 };
 use egui::{Event, Ui, ViewportCommand};
 use lapidary_core::scene::{Bounds, Mesh};
+use lapidary_render::Baked;
 use std::{
     collections::{HashMap, VecDeque},
     path::PathBuf,

@@ -99,7 +99,7 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
 
 fn gpu_runs(args: &BenchArgs, shot: &Shot, mut gpu: GpuBackend) -> Result<Vec<Run>> {
     let mut rig = LightRig::new(&shot.dataset.tree);
-    gpu.set_scene(&shot.dataset)?;
+    gpu.set_scene(&shot.dataset.clone().into())?;
     let mut runs = Vec::new();
     for &illum_cut in &args.illum_cuts {
         let lighting = Arc::new(rig.lighting(&shot.light, illum_cut));

@@ -78,7 +78,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
 
 /// The picture, its coverage, and how it was made.
 fn render_on(backend: &mut dyn Backend, shot: &Shot, args: &RenderArgs) -> Result<(Image, Vec<f32>, RenderStats)> {
-    backend.set_scene(&shot.dataset)?;
+    backend.set_scene(&shot.dataset.clone().into())?;
     let mut rig = LightRig::new(&shot.dataset.tree);
     let start = Instant::now();
     let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));

@@ -1,12 +1,13 @@
 //! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
 
-use super::{Baked, Wake, guarded, spawn};
+use super::{Wake, guarded, spawn};
 use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeSettings, Dataset},
     scene::Scene,
 };
 use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads};
+use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -178,14 +179,14 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
         // There is nothing to render yet: it may have all cores.
         match on_threads(cores, || bake(task.scene.clone(), &job, &teller_of_draft)) {
-            Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::new(dataset.into()))),
+            Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::begun(dataset))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
             Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {error}"))),
         }
     }
     // One core is left to the window.
     match on_threads(cores.saturating_sub(1).max(1), || bake_whole(task, teller)) {
-        Ok(dataset) => BakeMessage::Done(Baked::new(dataset.into())),
+        Ok(dataset) => BakeMessage::Done(Baked::begun(dataset)),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
         Err(error) => BakeMessage::Failed(error.to_string()),
     }

@@ -9,7 +9,7 @@ mod worker;
 use super::{Wake, spawn};
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{
-    Appearance, Backend, BackendError, BrdfSampling, Illumination, PictureStats, Post, SceneLighting, View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Illumination, PictureStats, Post, SceneLighting, View,
 };
 use std::{
     sync::{
@@ -27,7 +27,7 @@ pub type Factory = Box<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
     /// The scene; compared by pointer. `None` while nothing is open.
-    pub dataset: Option<Arc<Dataset>>,
+    pub baked: Option<Baked>,
     /// Materials and textures.
     pub appearance: Appearance,
     /// Changes whenever the appearance does.

@@ -9,6 +9,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
+    dataset::Dataset,
     material::{BrdfParameters, Material},
     texture::TextureSlot,
 };
@@ -18,7 +19,7 @@ const ILLUM_CUT: u32 = 64;
 /// A backend that has everything it needs for pictures of a dataset.
 fn lit(dataset: &Arc<Dataset>, light: &Illumination) -> CpuBackend {
     let mut backend = CpuBackend::new();
-    backend.set_scene(dataset).unwrap();
+    backend.set_scene(&dataset.clone().into()).unwrap();
     let lighting = Renderer::new(dataset.clone()).lighting(light, ILLUM_CUT);
     backend.set_light(light, &lighting.into()).unwrap();
     backend
@@ -162,7 +163,7 @@ fn wires_run_along_edges_and_change_neither_values_nor_the_rest() {
 fn without_a_light_pictures_are_black_but_for_what_needs_none() {
     let (dataset, light) = scene();
     let mut backend = lit(&dataset, &light);
-    backend.set_scene(&dataset).unwrap();
+    backend.set_scene(&dataset.into()).unwrap();
     let black = picture(&mut backend, &from_the_side(8), 8);
     assert!(black.pixels.iter().all(|p| *p == Vec3::ZERO));
     let albedo = picture(&mut backend, &View { mode: ViewMode::Albedo, ..from_above(8) }, 8);

@@ -17,6 +17,7 @@ use crate::{
     BrdfSampling, Illumination, Post, SceneLighting, View,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
+    baked::Baked,
     compare::map::magma_stops,
     view::Background,
 };
@@ -246,7 +247,8 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn set_scene(&mut self, dataset: &Arc<Dataset>) -> Result<(), BackendError> {
+    fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
+        let dataset = &baked.dataset;
         let scene = GpuScene::new(&self.gpu, dataset)?;
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;

@@ -119,7 +119,7 @@ fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
 /// The picture that a document asks for.
 fn expected(document: &Document, dataset: &Arc<Dataset>, size: [u32; 2]) -> Vec<[u8; 4]> {
     let mut cpu = CpuBackend::new();
-    cpu.set_scene(dataset).unwrap();
+    cpu.set_scene(&dataset.clone().into()).unwrap();
     cpu.set_appearance(&document.appearance()).unwrap();
     let (environment, _) = Environment::from_spec(&document.environment.spec).unwrap();
     let settings = &document.environment;

@@ -1,8 +1,7 @@
 //! What two requests differ in, and so what must be done again.
 
 use super::RenderRequest;
-use lapidary_core::dataset::Dataset;
-use lapidary_render::Illumination;
+use lapidary_render::{Baked, Illumination};
 use std::sync::Arc;
 
 /// The least that must be done again.
@@ -19,7 +18,7 @@ pub enum Changes {
 /// What `new` changes in a renderer that was last asked for `old`.
 pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
     let Some(old) = old else { return Changes::Picture };
-    let same_picture = same_dataset(old.dataset.as_ref(), new.dataset.as_ref())
+    let same_picture = same_dataset(old.baked.as_ref(), new.baked.as_ref())
         && old.appearance_revision == new.appearance_revision
         && same_light(&old.illumination, &new.illumination)
         && old.illum_cut == new.illum_cut
@@ -33,9 +32,9 @@ pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
 }
 
 /// Whether both are one dataset, or none.
-pub fn same_dataset(a: Option<&Arc<Dataset>>, b: Option<&Arc<Dataset>>) -> bool {
+pub fn same_dataset(a: Option<&Baked>, b: Option<&Baked>) -> bool {
     match (a, b) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (Some(a), Some(b)) => a.is_same(b),
         (a, b) => a.is_none() && b.is_none(),
     }
 }

@@ -4,20 +4,19 @@ use super::{
     Factory, Outbox, RenderEvent, RenderRequest,
     changes::{same_dataset, same_light},
 };
-use lapidary_core::dataset::Dataset;
-use lapidary_render::{Backend, BackendError, Illumination, LightRig, SceneLighting};
+use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, SceneLighting};
 use std::sync::Arc;
 
 /// The renderer, its scene and its light.
 pub struct Station {
     factory: Factory,
     backend: Option<Box<dyn Backend>>,
-    dataset: Option<Arc<Dataset>>,
+    baked: Option<Baked>,
     appearance_revision: Option<u64>,
     light: Option<Light>,
     /// Counts the lights that were made, for the window to see that one is new.
     light_revision: u64,
-    rig: Option<(Arc<Dataset>, LightRig)>,
+    rig: Option<LightRig>,
 }
 
 /// The light that the renderer has, and what it was made from.
@@ -37,7 +36,7 @@ impl Station {
         Self {
             factory,
             backend: None,
-            dataset: None,
+            baked: None,
             appearance_revision: None,
             light: None,
             light_revision: 0,
@@ -47,7 +46,7 @@ impl Station {
 
     /// Gives up the renderer; the next use makes another.
     pub fn reset(&mut self) {
-        (self.backend, self.dataset, self.appearance_revision, self.light) = (None, None, None, None);
+        (self.backend, self.baked, self.appearance_revision, self.light) = (None, None, None, None);
     }
 
     /// The renderer.
@@ -67,12 +66,10 @@ impl Station {
     /// Gives the renderer scene, appearance and light of a request, as far as it does not have them. Returns whether it
     /// got another scene.
     pub fn update(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<bool, BackendError> {
-        let Some(dataset) = &request.dataset else { return Ok(false) };
-        let new_scene = !same_dataset(self.dataset.as_ref(), Some(dataset));
+        let Some(baked) = &request.baked else { return Ok(false) };
+        let new_scene = !same_dataset(self.baked.as_ref(), Some(baked));
         if new_scene {
-            self.backend()?.set_scene(dataset)?;
-            self.dataset = Some(dataset.clone());
-            (self.appearance_revision, self.light) = (None, None);
+            self.set_scene(baked)?;
         }
         if self.appearance_revision != Some(request.appearance_revision) {
             let remarks = self.backend()?.set_appearance(&request.appearance)?;
@@ -81,19 +78,29 @@ impl Station {
         }
         let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(dataset, request, outbox)?;
+            self.set_light(request, outbox)?;
         }
         Ok(new_scene)
     }
 
-    fn set_light(
-        &mut self,
-        dataset: &Arc<Dataset>,
-        request: &RenderRequest,
-        outbox: &Outbox,
-    ) -> Result<(), BackendError> {
-        let kept = self.rig.take().filter(|(of, _)| Arc::ptr_eq(of, dataset));
-        let (_, rig) = self.rig.insert(kept.unwrap_or_else(|| (dataset.clone(), LightRig::new(&dataset.tree))));
+    /// The light rig is made beside the scene: each takes as long as the other.
+    fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
+        self.backend()?;
+        let tree = &baked.dataset.tree;
+        std::thread::scope(|threads| {
+            let rig = threads.spawn(|| LightRig::new(tree));
+            self.backend()?.set_scene(baked)?;
+            let rig = rig.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            self.rig = Some(rig);
+            Ok(())
+        })?;
+        self.baked = Some(baked.clone());
+        (self.appearance_revision, self.light) = (None, None);
+        Ok(())
+    }
+
+    fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+        let Some(rig) = &mut self.rig else { return Ok(()) };
         let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
         let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));

@@ -45,7 +45,7 @@ impl Backend for Fake {
         "fake".into()
     }
 
-    fn set_scene(&mut self, _: &Arc<Dataset>) -> Result<(), BackendError> {
+    fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
         let mut log = self.log.lock().unwrap();
         log.scenes += 1;
         if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
@@ -112,7 +112,7 @@ fn request(aa: u32) -> RenderRequest {
     let environment = Environment { name: "e".into(), map: Image::filled([8, 4], Vec3::ONE) };
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
     RenderRequest {
-        dataset: Some(dataset()),
+        baked: Some(dataset().into()),
         appearance: Appearance::default(),
         appearance_revision: 1,
         illumination: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
@@ -237,7 +237,7 @@ fn an_edit_redoes_only_what_it_changed() {
     thread.request(edited.clone());
     complete(&mut thread);
     assert_eq!(counts(&log), (1, 2, 3));
-    edited.dataset = Some(dataset());
+    edited.baked = Some(dataset().into());
     thread.request(edited);
     complete(&mut thread);
     assert_eq!(counts(&log), (2, 3, 4), "another scene needs everything again");
@@ -341,7 +341,7 @@ fn the_picture_is_read_when_it_is_complete_and_not_at_all_without_a_scene() {
             _ => None,
         })
     };
-    thread.request(RenderRequest { dataset: None, ..request(4) });
+    thread.request(RenderRequest { baked: None, ..request(4) });
     thread.read_picture(1);
     let (id, nothing) = answer(&mut thread);
     assert!(id == 1 && nothing.unwrap_err().contains("open a scene"));
@@ -358,7 +358,7 @@ fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
     let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
     let mut thread = RenderThread::start(Box::new(factory), silent());
     let mut request = request(3);
-    let dataset = request.dataset.clone().unwrap();
+    let dataset = request.baked.clone().unwrap().dataset;
     request.appearance = Appearance::of(&dataset.scene);
     thread.request(request.clone());
     thread.read_picture(1);

@@ -184,7 +184,7 @@ impl Worker {
         if self.station.update(request, &self.outbox)? {
             self.pace = Pace::default();
         }
-        if request.dataset.is_none() || request.view.size.contains(&0) {
+        if request.baked.is_none() || request.view.size.contains(&0) {
             self.stage = Stage::Rest;
             return Ok(());
         }
@@ -264,10 +264,10 @@ impl Worker {
     /// Shows the picture as it is.
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(light)) = (&self.begun, self.station.light().cloned()) else { return Ok(()) };
-        let Some(dataset) = request.dataset.clone() else { return Ok(()) };
+        let Some(baked) = request.baked.clone() else { return Ok(()) };
         let backend = self.station.backend()?;
         let frame = RenderedFrame {
-            dataset,
+            dataset: baked.dataset,
             pixels: backend.display(&request.post, begun.complete)?,
             size: begun.size,
             full_size: begun.full_size,

@@ -175,7 +175,7 @@ impl Rig {
         let (one, mut gpu) = backend()?;
         let renderer = Renderer::new(scene());
         let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
-        gpu.set_scene(renderer.dataset()).unwrap();
+        gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &lighting).unwrap();
         Some(Self { renderer, gpu, lighting, _one: one })
     }
@@ -258,7 +258,7 @@ fn every_view_mode_agrees_and_is_told_from_the_next() {
 fn what_a_display_shows_agrees_with_the_cpu_backend_but_at_silhouettes() {
     let Some(mut rig) = Rig::new(64) else { return };
     let mut cpu = CpuBackend::new();
-    cpu.set_scene(rig.renderer.dataset()).unwrap();
+    cpu.set_scene(&rig.renderer.dataset().clone().into()).unwrap();
     cpu.set_light(&light(), &rig.lighting).unwrap();
     let shown = |view: &View, backend: &mut dyn Backend| {
         backend.begin(view, BrdfSampling::Refine).unwrap();
@@ -373,7 +373,7 @@ fn a_dataset_or_picture_beyond_the_limits_is_an_error_with_both_numbers() {
     let mut large = (*scene()).clone();
     let vertices = (128 << 20) / 64 + 1;
     large.scene.mesh.positions.resize(vertices, Vec3::ZERO);
-    let message = rig.gpu.set_scene(&Arc::new(large)).unwrap_err().to_string();
+    let message = rig.gpu.set_scene(&large.into()).unwrap_err().to_string();
     assert!(message.contains(&format!("{}", vertices * 64)) && message.contains("134217728"), "{message}");
     // What was there before is still shown.
     let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
