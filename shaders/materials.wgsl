@@ -31,6 +31,8 @@ struct Material {
     roughness_map: TextureSlot,
     metalness_map: TextureSlot,
     specular_map: TextureSlot,
+    anisotropy_map: TextureSlot,
+    ior_map: TextureSlot,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
 }

@@ -1,4 +1,5 @@
-// Deferred pass 3: the BRDF's eight parameters, modulated by textures and clamped into their ranges.
+// Deferred pass 3: the BRDF's eight parameters, modulated by textures and clamped into their ranges. Twin of
+// Material::modulated in core/src/material.rs.
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 
@@ -27,8 +28,14 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Parameters {
     let roughness = m.roughness * scalar_map(m.roughness_map, uv);
     let metalness = m.metalness * scalar_map(m.metalness_map, uv);
     let specular = m.specular * scalar_map(m.specular_map, uv);
+    let anisotropy = m.anisotropy * scalar_map(m.anisotropy_map, uv);
+    // 1 is no refraction: the map scales what is above it.
+    var ior = m.ior;
+    if m.ior_map.kind != 0u {
+        ior = 1.0 + (m.ior - 1.0) * scalar_map(m.ior_map, uv);
+    }
     return Parameters(
         saturate(vec4(color, roughness)),
-        vec4(saturate(metalness), clamp(m.anisotropy, -1.0, 1.0), clamp(m.ior, 1.0, 10.0), saturate(specular)),
+        vec4(saturate(metalness), clamp(anisotropy, -1.0, 1.0), clamp(ior, 1.0, 10.0), saturate(specular)),
     );
 }

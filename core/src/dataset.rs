@@ -33,8 +33,9 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Version of the layout that this program writes and the newest that it reads.
-pub const FORMAT_VERSION: u32 = 1;
+/// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
+/// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// A baked scene.
 #[derive(Clone, Debug)]

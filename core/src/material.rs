@@ -4,7 +4,7 @@
 //! All models here read the same eight, so that an artist can change the model and keep the look.
 
 use crate::texture::TextureSlot;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 /// Which reflectance model a material uses; `brdf` has one file for each.
@@ -66,7 +66,9 @@ impl BrdfParameters {
     }
 }
 
-/// Textures that modulate a material. A map multiplies its parameter, as in glTF.
+/// Textures that modulate a material, one for every parameter. A map multiplies its parameter, as in glTF; only the index
+/// of refraction is scaled above 1, the value of no refraction. The model and the sides that reflect have no map: they
+/// are choices, not values, and the sides are baked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MaterialMaps {
@@ -78,6 +80,10 @@ pub struct MaterialMaps {
     pub metalness: Option<TextureSlot>,
     /// Multiplies the weight of the specular lobe.
     pub specular: Option<TextureSlot>,
+    /// Multiplies the anisotropy: a texel of zero is isotropic, and float texels below zero turn the stretch across.
+    pub anisotropy: Option<TextureSlot>,
+    /// Multiplies what the index of refraction has above 1: a texel of zero is 1, a texel of one the parameter.
+    pub ior: Option<TextureSlot>,
     /// Tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
     pub normal: Option<TextureSlot>,
     /// Heights; `strength` is the height in metres of a texel of value one.
@@ -92,6 +98,8 @@ impl MaterialMaps {
             &mut self.roughness,
             &mut self.metalness,
             &mut self.specular,
+            &mut self.anisotropy,
+            &mut self.ior,
             &mut self.normal,
             &mut self.bump,
         ]
@@ -101,9 +109,18 @@ impl MaterialMaps {
 
     /// All slots that are in use.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
-        [&self.base_color, &self.roughness, &self.metalness, &self.specular, &self.normal, &self.bump]
-            .into_iter()
-            .flatten()
+        [
+            &self.base_color,
+            &self.roughness,
+            &self.metalness,
+            &self.specular,
+            &self.anisotropy,
+            &self.ior,
+            &self.normal,
+            &self.bump,
+        ]
+        .into_iter()
+        .flatten()
     }
 }
 
@@ -123,9 +140,28 @@ pub struct Material {
     pub double_sided: bool,
 }
 
+impl Material {
+    /// The parameters after their maps, whose texels `sample` looks up; not yet clamped. Twin of
+    /// `shaders/parameters_pass.wgsl`.
+    pub fn modulated(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> BrdfParameters {
+        let (maps, p) = (&self.maps, self.parameters);
+        let scalar = |slot: &Option<TextureSlot>| slot.as_ref().map_or(1.0, |s| sample(s)[s.channel as usize]);
+        BrdfParameters {
+            base_color: p.base_color * maps.base_color.as_ref().map_or(Vec3::ONE, |s| sample(s).truncate()),
+            roughness: p.roughness * scalar(&maps.roughness),
+            metalness: p.metalness * scalar(&maps.metalness),
+            anisotropy: p.anisotropy * scalar(&maps.anisotropy),
+            ior: maps.ior.as_ref().map_or(p.ior, |_| 1.0 + (p.ior - 1.0) * scalar(&maps.ior)),
+            specular: p.specular * scalar(&maps.specular),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texture::Channel;
+    use serde_json::Value;
 
     #[test]
     fn sanitizing_clamps_and_replaces_nan() {
@@ -140,5 +176,50 @@ mod tests {
         assert_eq!(m.model, BrdfModel::Ward);
         assert_eq!(m.parameters.ior, 1.5);
         assert!(serde_json::from_str::<Material>(r#"{"parameters": {"rougness": 0.3}}"#).is_err());
+    }
+
+    #[test]
+    fn every_parameter_has_a_map() {
+        let keys = |value: Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+        let maps = keys(serde_json::to_value(MaterialMaps::default()).unwrap());
+        let parameters = keys(serde_json::to_value(BrdfParameters::default()).unwrap());
+        assert_eq!(parameters.len(), 6);
+        assert!(parameters.iter().all(|p| maps.contains(p)), "{parameters:?}, {maps:?}");
+        let slots = r#"{"texture": 1}"#;
+        let all: String = maps.iter().map(|key| format!("\"{key}\": {slots},")).collect();
+        let mut all: MaterialMaps = serde_json::from_str(&format!("{{{}}}", all.trim_end_matches(','))).unwrap();
+        assert_eq!((all.slots().count(), all.slots_mut().count()), (maps.len(), maps.len()));
+    }
+
+    #[test]
+    fn maps_scale_what_they_modulate_and_nothing_else() {
+        let parameters = BrdfParameters {
+            base_color: Vec3::new(0.8, 0.4, 0.2),
+            roughness: 0.6,
+            metalness: 0.9,
+            anisotropy: -0.8,
+            ior: 2.0,
+            specular: 0.5,
+        };
+        let plain = Material { parameters, ..Default::default() };
+        let texel = Vec4::new(0.5, 0.25, -1.0, 0.0);
+        let with = |set: &dyn Fn(&mut MaterialMaps, TextureSlot), channel| {
+            let mut material = plain.clone();
+            set(&mut material.maps, TextureSlot { channel, ..Default::default() });
+            material.modulated(|_| texel)
+        };
+        let expect = |p: BrdfParameters, expected: BrdfParameters| assert_eq!(p, expected);
+        expect(plain.modulated(|_| texel), parameters);
+        let base_color = Vec3::new(0.4, 0.1, -0.2);
+        expect(with(&|m, s| m.base_color = Some(s), Channel::R), BrdfParameters { base_color, ..parameters });
+        expect(with(&|m, s| m.roughness = Some(s), Channel::R), BrdfParameters { roughness: 0.3, ..parameters });
+        expect(with(&|m, s| m.metalness = Some(s), Channel::A), BrdfParameters { metalness: 0.0, ..parameters });
+        expect(with(&|m, s| m.specular = Some(s), Channel::G), BrdfParameters { specular: 0.125, ..parameters });
+        expect(with(&|m, s| m.anisotropy = Some(s), Channel::G), BrdfParameters { anisotropy: -0.2, ..parameters });
+        expect(with(&|m, s| m.anisotropy = Some(s), Channel::B), BrdfParameters { anisotropy: 0.8, ..parameters });
+        for (channel, ior) in [(Channel::R, 1.5), (Channel::G, 1.25), (Channel::A, 1.0)] {
+            expect(with(&|m, s| m.ior = Some(s), channel), BrdfParameters { ior, ..parameters });
+        }
+        assert_eq!(with(&|m, s| m.ior = Some(s), Channel::B).sanitized().ior, 1.0);
     }
 }

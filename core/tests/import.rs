@@ -609,6 +609,25 @@ fn random_soups_come_out_valid() {
 }
 
 #[test]
+fn material_files_have_a_map_for_every_parameter() {
+    let files = Files::new();
+    files.add_png("a.png", [0.5; 3]);
+    let keys = ["base_color", "roughness", "metalness", "specular", "anisotropy", "ior", "normal", "bump"];
+    for key in keys {
+        let json = format!(r#"{{"maps": {{"{key}": {{"file": "a.png", "channel": "b"}}}}}}"#);
+        let maps = load_material(&files.add("one.json", &json), &mut Scene::default()).unwrap().maps;
+        let read = serde_json::to_value(&maps).unwrap();
+        for other in keys {
+            assert_eq!(read[other].is_null(), other != key, "{key}, {other}");
+        }
+        let expected = if key == "base_color" { "srgb" } else { "linear" };
+        assert_eq!((&read[key]["color_space"], &read[key]["channel"]), (&expected.into(), &"b".into()));
+    }
+    let misspelt = files.add("iro.json", r#"{"maps": {"iro": {"file": "a.png"}}}"#);
+    assert!(load_material(&misspelt, &mut Scene::default()).is_err());
+}
+
+#[test]
 fn material_files_bring_their_pictures_once() {
     let files = Files::new();
     files.add_png("maps/a.png", [0.5; 3]);

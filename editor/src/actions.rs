@@ -99,6 +99,10 @@ pub enum MapKind {
     Metalness,
     /// Multiplies the specular weight.
     Specular,
+    /// Scales the index of refraction above 1.
+    Ior,
+    /// Multiplies the anisotropy.
+    Anisotropy,
     /// Tangent-space normals.
     Normal,
     /// Heights.
@@ -113,6 +117,8 @@ impl MapKind {
             Self::Roughness => "Roughness",
             Self::Metalness => "Metalness",
             Self::Specular => "Specular",
+            Self::Ior => "IOR",
+            Self::Anisotropy => "Anisotropy",
             Self::Normal => "Normal map",
             Self::Bump => "Bump map",
         }
@@ -125,6 +131,8 @@ impl MapKind {
             Self::Roughness => &maps.roughness,
             Self::Metalness => &maps.metalness,
             Self::Specular => &maps.specular,
+            Self::Ior => &maps.ior,
+            Self::Anisotropy => &maps.anisotropy,
             Self::Normal => &maps.normal,
             Self::Bump => &maps.bump,
         }
@@ -137,6 +145,8 @@ impl MapKind {
             Self::Roughness => &mut maps.roughness,
             Self::Metalness => &mut maps.metalness,
             Self::Specular => &mut maps.specular,
+            Self::Ior => &mut maps.ior,
+            Self::Anisotropy => &mut maps.anisotropy,
             Self::Normal => &mut maps.normal,
             Self::Bump => &mut maps.bump,
         }

@@ -7,7 +7,6 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, Material},
     ray::{Hit, Intersector},
-    texture::TextureSlot,
 };
 
 /// A point of a surface as seen along one ray.
@@ -117,20 +116,9 @@ impl<'a> Surfaces<'a> {
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights.to_array() }
     }
 
-    /// The material's values times its maps.
+    /// The material's values after its maps.
     fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
-        let textures = &self.appearance.textures;
-        let scalar = |slot: &Option<TextureSlot>| {
-            slot.as_ref().map_or(1.0, |s| textures[s.texture as usize].sample_channel(uv, s))
-        };
-        let (maps, mut p) = (&material.maps, material.parameters);
-        if let Some(slot) = &maps.base_color {
-            p.base_color *= textures[slot.texture as usize].sample_slot(uv, slot).truncate();
-        }
-        p.roughness *= scalar(&maps.roughness);
-        p.metalness *= scalar(&maps.metalness);
-        p.specular *= scalar(&maps.specular);
-        p
+        material.modulated(|slot| self.appearance.textures[slot.texture as usize].sample_slot(uv, slot))
     }
 
     /// The normal after normal map and bump map.

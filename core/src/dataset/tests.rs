@@ -3,8 +3,9 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
-    material::Material,
+    material::{Material, MaterialMaps},
     scene::{Mesh, Object},
+    texture::{Channel, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -75,6 +76,44 @@ fn everything_survives_the_disk() {
     assert_eq!((read.cuts, read.tree), (original.cuts, original.tree));
     assert_eq!((read.two_sided, read.vertex_valid), (original.two_sided, original.vertex_valid));
     assert_eq!((read.settings, read.report), (original.settings, original.report));
+}
+
+#[test]
+fn maps_of_every_parameter_survive_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let mut dataset = dataset();
+    dataset.scene.textures = vec![Texture::missing("a.png").into()];
+    let slot = |channel, strength| Some(TextureSlot { channel, strength, ..Default::default() });
+    dataset.scene.materials[0].maps = MaterialMaps {
+        anisotropy: slot(Channel::G, 0.5),
+        ior: slot(Channel::B, 0.25),
+        bump: slot(Channel::A, 0.125),
+        ..Default::default()
+    };
+    dataset.write(&path).unwrap();
+    let read = Dataset::read(&path).unwrap().scene.materials;
+    assert_eq!(read, dataset.scene.materials);
+    dataset.scene.materials[0].maps.ior = None;
+    assert_ne!(read, dataset.scene.materials, "negative control");
+}
+
+/// Writes over the first `from` of the header, with spaces behind so that its length stays.
+fn replace(bytes: &mut [u8], from: &str, to: &str) {
+    let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
+    bytes[at..at + from.len()].copy_from_slice(format!("{to:len$}", len = from.len()).as_bytes());
+}
+
+#[test]
+fn a_file_of_version_1_is_read_without_the_maps_that_it_does_not_know() {
+    let (_folder, path, mut bytes) = written();
+    replace(&mut bytes, r#"\"format_version\":2"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"anisotropy\":null,"#, "");
+    replace(&mut bytes, r#"\"ior\":null,"#, "");
+    std::fs::write(&path, &bytes).unwrap();
+    assert_eq!(Dataset::read(&path).unwrap().scene.materials, dataset().scene.materials);
+    let misspelt = error_after(|b| replace(b, r#"\"ior\":null"#, r#"\"iro\":null"#));
+    assert!(misspelt.to_string().contains("unknown field `iro`"), "{misspelt}");
 }
 
 #[test]

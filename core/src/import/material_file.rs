@@ -36,6 +36,8 @@ pub struct MapFiles {
     pub roughness: Option<SlotFile>,
     pub metalness: Option<SlotFile>,
     pub specular: Option<SlotFile>,
+    pub anisotropy: Option<SlotFile>,
+    pub ior: Option<SlotFile>,
     pub normal: Option<SlotFile>,
     pub bump: Option<SlotFile>,
 }
@@ -106,6 +108,8 @@ fn load_maps(maps: &MapFiles, path: &Path, scene: &mut Scene) -> Result<Material
         roughness: load(&maps.roughness, ColorSpace::Linear)?,
         metalness: load(&maps.metalness, ColorSpace::Linear)?,
         specular: load(&maps.specular, ColorSpace::Linear)?,
+        anisotropy: load(&maps.anisotropy, ColorSpace::Linear)?,
+        ior: load(&maps.ior, ColorSpace::Linear)?,
         normal: load(&maps.normal, ColorSpace::Linear)?,
         bump: load(&maps.bump, ColorSpace::Linear)?,
     })

@@ -186,6 +186,8 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
         roughness: slot(&material.maps.roughness),
         metalness: slot(&material.maps.metalness),
         specular: slot(&material.maps.specular),
+        anisotropy: slot(&material.maps.anisotropy),
+        ior: slot(&material.maps.ior),
         normal: slot(&material.maps.normal),
         bump: slot(&material.maps.bump),
     };
@@ -245,6 +247,21 @@ mod tests {
         let read = load_material(&path, &mut Default::default()).unwrap();
         let (a, b) = (read.maps.base_color.unwrap(), document.materials[0].maps.base_color.clone().unwrap());
         assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
+    }
+
+    #[test]
+    fn every_map_is_written() {
+        let document = document(Some("/a/wood.png".into()));
+        let slot = document.materials[0].maps.base_color.clone().unwrap();
+        let one = serde_json::to_value(slot).unwrap();
+        let keys = serde_json::to_value(lapidary_core::material::MaterialMaps::default()).unwrap();
+        let all = keys.as_object().unwrap().keys().map(|key| (key.clone(), one.clone()));
+        let maps = serde_json::from_value(serde_json::Value::Object(all.collect())).unwrap();
+        let (file, left_out) =
+            material_file(&Material { maps, ..Default::default() }, &document, Path::new("/a/b.json"));
+        let written = serde_json::to_value(&file.maps).unwrap();
+        assert_eq!((left_out, written.as_object().unwrap().len()), (0, 8));
+        assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
     material::{BrdfParameters, Material},
-    texture::TextureSlot,
+    texture::{Texels, Texture, TextureSlot},
 };
 
 const ILLUM_CUT: u32 = 64;
@@ -168,6 +168,34 @@ fn without_a_light_pictures_are_black_but_for_what_needs_none() {
     assert!(black.pixels.iter().all(|p| *p == Vec3::ZERO));
     let albedo = picture(&mut backend, &View { mode: ViewMode::Albedo, ..from_above(8) }, 8);
     assert!(albedo.pixels.iter().all(|p| *p == Vec3::ONE));
+}
+
+#[test]
+fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    let view = from_the_side(24);
+    let half = Texture { name: "half".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
+    let half = Arc::new(half);
+    let parameters = |anisotropy, ior| BrdfParameters { anisotropy, ior, ..glossy(0.5) };
+    let mut shown = |parameters, [anisotropy, ior]: [bool; 2]| {
+        let mut material = Material { parameters, ..Default::default() };
+        material.maps.anisotropy = anisotropy.then(TextureSlot::default);
+        material.maps.ior = ior.then(TextureSlot::default);
+        let appearance = Appearance { materials: vec![material], textures: vec![half.clone()] };
+        assert!(backend.set_appearance(&appearance).unwrap().is_empty());
+        picture(&mut backend, &view, 24)
+    };
+    let plain = shown(parameters(-0.75, 2.0), [false, false]);
+    for (maps, made) in [
+        ([true, false], parameters(-0.375, 2.0)),
+        ([false, true], parameters(-0.75, 1.5)),
+        ([true, true], parameters(-0.375, 1.5)),
+    ] {
+        let mapped = shown(parameters(-0.75, 2.0), maps);
+        assert!(mapped == shown(made, [false, false]), "{maps:?}");
+        assert!(mapped != plain, "negative control: {maps:?}");
+    }
 }
 
 #[test]

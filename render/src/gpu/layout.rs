@@ -83,6 +83,8 @@ pub struct Material {
     pub roughness_map: TextureSlot,
     pub metalness_map: TextureSlot,
     pub specular_map: TextureSlot,
+    pub anisotropy_map: TextureSlot,
+    pub ior_map: TextureSlot,
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
 }

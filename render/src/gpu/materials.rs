@@ -61,6 +61,8 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
         roughness_map: slot(&m.maps.roughness),
         metalness_map: slot(&m.maps.metalness),
         specular_map: slot(&m.maps.specular),
+        anisotropy_map: slot(&m.maps.anisotropy),
+        ior_map: slot(&m.maps.ior),
         normal_map: slot(&m.maps.normal),
         bump_map: slot(&m.maps.bump),
     }

@@ -56,6 +56,8 @@ pub struct SessionMaps {
     pub roughness: Option<SessionSlot>,
     pub metalness: Option<SessionSlot>,
     pub specular: Option<SessionSlot>,
+    pub anisotropy: Option<SessionSlot>,
+    pub ior: Option<SessionSlot>,
     pub normal: Option<SessionSlot>,
     pub bump: Option<SessionSlot>,
 }
@@ -152,6 +154,8 @@ impl SessionMaterial {
                 roughness: slot(&maps.roughness),
                 metalness: slot(&maps.metalness),
                 specular: slot(&maps.specular),
+                anisotropy: slot(&maps.anisotropy),
+                ior: slot(&maps.ior),
                 normal: slot(&maps.normal),
                 bump: slot(&maps.bump),
             },
@@ -175,6 +179,8 @@ impl SessionMaterial {
                 roughness: slot(&maps.roughness),
                 metalness: slot(&maps.metalness),
                 specular: slot(&maps.specular),
+                anisotropy: slot(&maps.anisotropy),
+                ior: slot(&maps.ior),
                 normal: slot(&maps.normal),
                 bump: slot(&maps.bump),
             },
@@ -185,12 +191,14 @@ impl SessionMaterial {
 
 impl SessionMaps {
     /// All slots, by the key of the file.
-    pub(super) fn named_mut(&mut self) -> [(&'static str, &mut Option<SessionSlot>); 6] {
+    pub(super) fn named_mut(&mut self) -> [(&'static str, &mut Option<SessionSlot>); 8] {
         [
             ("base_color", &mut self.base_color),
             ("roughness", &mut self.roughness),
             ("metalness", &mut self.metalness),
             ("specular", &mut self.specular),
+            ("anisotropy", &mut self.anisotropy),
+            ("ior", &mut self.ior),
             ("normal", &mut self.normal),
             ("bump", &mut self.bump),
         ]

@@ -2,7 +2,7 @@
 
 mod damage;
 
-use super::*;
+use super::{file::SessionMaps, *};
 use crate::document::{
     BackgroundKind, Document, EnvironmentSettings, TextureEntry, ViewSettings,
     test_data::{camera, dataset, write_picture},
@@ -57,6 +57,8 @@ impl Project {
             maps: MaterialMaps {
                 base_color: Some(TextureSlot { color_space: ColorSpace::Srgb, ..slot(3) }),
                 bump: Some(TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
+                anisotropy: Some(TextureSlot { channel: Channel::B, ..slot(3) }),
+                ior: Some(TextureSlot { channel: Channel::A, offset: Vec2::X, ..slot(1) }),
                 ..Default::default()
             },
             double_sided: false,
@@ -179,6 +181,31 @@ fn what_later_versions_add_is_written_back() {
     assert_eq!(json["bake"]["bounces"], 3);
     assert_eq!(json["bookmarks"][0]["f_stop"], 8);
     assert_eq!(json["materials"][0].get("sheen"), None);
+}
+
+#[test]
+fn a_session_from_before_some_maps_existed_is_read_without_them() {
+    let project = Project::new();
+    let loaded = project.changed(|json| {
+        let maps = json["materials"][1]["maps"].as_object_mut().unwrap();
+        assert!(["anisotropy", "ior"].iter().all(|key| maps.remove(*key).is_some_and(|slot| slot.is_object())));
+    });
+    assert_eq!((&loaded.warnings, &loaded.unknown), (&Vec::new(), &Unknown::default()));
+    let read = loaded.into_document(Some(&project.dataset.scene)).0;
+    let mut expected = project.document();
+    assert_ne!(read.materials, expected.materials);
+    (expected.materials[1].maps.anisotropy, expected.materials[1].maps.ior) = (None, None);
+    assert_same(&read, &expected);
+}
+
+#[test]
+fn a_session_has_all_maps_of_a_material() {
+    let keys = |value: Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    let maps = keys(serde_json::to_value(MaterialMaps::default()).unwrap());
+    assert_eq!(keys(serde_json::to_value(SessionMaps::default()).unwrap()), maps);
+    let mut named = SessionMaps::default().named_mut().map(|(key, _)| key.to_owned());
+    named.sort();
+    assert_eq!(named.as_slice(), maps);
 }
 
 #[test]

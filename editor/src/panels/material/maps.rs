@@ -100,7 +100,11 @@ fn caption(name: &str, entry: Option<&TextureEntry>) -> (RichText, String) {
     (RichText::new(file), format!("{w} x {h} texels\n{path}"))
 }
 
+/// For the middle of a sentence; an abbreviation stays as it is.
 fn lower_first(name: &str) -> String {
+    if name.chars().take(2).all(char::is_uppercase) {
+        return name.to_owned();
+    }
     name.chars().take(1).flat_map(char::to_lowercase).chain(name.chars().skip(1)).collect()
 }
 

@@ -51,7 +51,9 @@ pub fn show(
     number(ui, changes, "Specular", |p| &mut p.specular);
     map(ui, changes, MapKind::Specular);
     number(ui, changes, "IOR", |p| &mut p.ior);
+    map(ui, changes, MapKind::Ior);
     number(ui, changes, "Anisotropy", |p| &mut p.anisotropy);
+    map(ui, changes, MapKind::Anisotropy);
 }
 
 fn base_color(ui: &mut Ui, changes: &mut Changes) {
@@ -89,10 +91,11 @@ fn help(label: &str, p: &BrdfParameters) -> String {
         }
         "IOR" => format!(
             "Index of refraction of a dielectric, 1 to 10: water 1.33, most plastics and glass 1.5, diamond 2.42. \
-             At normal incidence it reflects {:.1} %.",
+             At normal incidence it reflects {:.1} %. A map goes from 1 (black) to this value (white).",
             100.0 * ((p.ior - 1.0) / (p.ior + 1.0)).powi(2)
         ),
-        _ => "How far the highlight is stretched: along the tangent (positive, to 1) or across it (negative, to -1)."
+        _ => "How far the highlight is stretched: along the tangent (positive, to 1) or across it (negative, to -1). \
+              A map goes from 0 (black) to this value (white)."
             .into(),
     }
 }

@@ -217,8 +217,8 @@ fn loading_saving_and_choosing_are_asked_for() {
     assert_eq!(actions.len(), 4);
 }
 
-#[test]
-fn a_picture_dropped_on_a_row_is_loaded_there() {
+/// Drops a picture on the row with this button.
+fn drop_picture_on(harness: &mut Harness<App>, label: &str) {
     #[derive(Debug)]
     struct Dropped;
     impl egui::DroppedFile for Dropped {
@@ -229,12 +229,56 @@ fn a_picture_dropped_on_a_row_is_loaded_there() {
             Err("not read here".into())
         }
     }
-    let mut harness = harness(|_| {});
-    let row = harness.get_by_label("Load Metalness map").rect();
+    let row = harness.get_by_label(label).rect();
     harness.hover_at(row.center());
     harness.run();
     harness.input_mut().dropped_files = vec![Arc::new(Dropped)];
     harness.run();
+}
+
+#[test]
+fn every_parameter_takes_a_map_and_lambert_only_that_of_its_color() {
+    let mut harness = harness(|_| {});
+    let others = ["Roughness", "Metalness", "Specular", "IOR", "Anisotropy"];
+    let loads = |h: &Harness<App>, name: &str| h.query_by_label(&format!("Load {name} map")).is_some();
+    assert!(loads(&harness, "Base color") && others.iter().all(|name| loads(&harness, name)));
+    click(&mut harness, "Model: Lambert");
+    assert!(loads(&harness, "Base color") && !others.iter().any(|name| loads(&harness, name)));
+}
+
+#[test]
+fn maps_of_ior_and_anisotropy_are_loaded_placed_and_removed() {
+    let mut harness = harness(|_| {});
+    assert!(harness.query_by_label("No IOR map").is_some() && harness.query_by_label("No anisotropy map").is_some());
+    click(&mut harness, "Load IOR map");
+    drop_picture_on(&mut harness, "Load Anisotropy map");
+    let kind_of = |action: &Action| match action {
+        Action::LoadTexture { material: 0, map, .. } => *map,
+        other => panic!("{other:?}"),
+    };
+    let wanted: Vec<MapKind> = harness.state().actions.iter().map(kind_of).collect();
+    assert_eq!(wanted, [MapKind::Ior, MapKind::Anisotropy]);
+    // As the window does once a picture is read.
+    for kind in wanted {
+        *kind.slot_mut(&mut harness.state_mut().document.materials[0].maps) = Some(new_slot(kind, 0));
+    }
+    harness.state_mut().actions.clear();
+    harness.run();
+    let maps = harness.state().material().maps.clone();
+    assert_eq!(maps.slots().count(), 2);
+    assert_eq!((&maps.ior, &maps.anisotropy), (&Some(TextureSlot::default()), &Some(TextureSlot::default())));
+    click(&mut harness, "IOR map placement");
+    click(&mut harness, "IOR map channel: B");
+    click(&mut harness, "Remove Anisotropy map");
+    let ior = Some(TextureSlot { channel: Channel::B, ..Default::default() });
+    assert_eq!(harness.state().material().maps, MaterialMaps { ior, ..Default::default() });
+    assert_eq!(harness.state().log(), (vec!["Map channel", "Remove map"], 2));
+}
+
+#[test]
+fn a_picture_dropped_on_a_row_is_loaded_there() {
+    let mut harness = harness(|_| {});
+    drop_picture_on(&mut harness, "Load Metalness map");
     let actions = &harness.state().actions;
     assert_eq!(actions.len(), 1);
     let Action::LoadTexture { material: 0, map: MapKind::Metalness, path: Some(path) } = &actions[0] else {

@@ -41,6 +41,8 @@ impl Copied {
             roughness: keep(&m.roughness),
             metalness: keep(&m.metalness),
             specular: keep(&m.specular),
+            anisotropy: keep(&m.anisotropy),
+            ior: keep(&m.ior),
             normal: keep(&m.normal),
             bump: keep(&m.bump),
         };

@@ -125,6 +125,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 roughness_map,
                 metalness_map,
                 specular_map,
+                anisotropy_map,
+                ior_map,
                 normal_map,
                 bump_map
             ),

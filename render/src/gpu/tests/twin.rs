@@ -70,6 +70,8 @@ fn maps() -> MaterialMaps {
         roughness: slot(1, ColorSpace::Linear, Channel::G, 1.0),
         metalness: slot(0, ColorSpace::Linear, Channel::B, 1.0),
         specular: slot(0, ColorSpace::Linear, Channel::A, 1.0),
+        anisotropy: slot(1, ColorSpace::Linear, Channel::B, 1.0),
+        ior: slot(0, ColorSpace::Linear, Channel::G, 1.0),
         normal: slot(2, ColorSpace::Linear, Channel::R, 0.8),
         bump: slot(1, ColorSpace::Linear, Channel::R, 0.02),
     }
@@ -230,13 +232,38 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     rig.look(look(flipped));
     let [flipped, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&flipped, &cpu), "{:?}", difference(&flipped, &cpu));
-    for i in 0..6 {
+    for i in 0..8 {
         let mut fewer = maps();
-        let MaterialMaps { base_color, roughness, metalness, specular, normal, bump } = &mut fewer;
-        *[base_color, roughness, metalness, specular, normal, bump][i] = None;
+        let MaterialMaps { base_color, roughness, metalness, specular, anisotropy, ior, normal, bump } = &mut fewer;
+        *[base_color, roughness, metalness, specular, anisotropy, ior, normal, bump][i] = None;
         rig.renderer.set_appearance(look(fewer));
         let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
         assert!(!agrees(&gpu, &without), "map {i} makes no difference");
+    }
+}
+
+#[test]
+fn maps_of_anisotropy_and_ior_agree_alone_and_each_of_them_matters() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let view = view(ViewMode::Shaded);
+    let MaterialMaps { anisotropy, ior, .. } = maps();
+    let only = [
+        MaterialMaps { anisotropy: anisotropy.clone(), ..Default::default() },
+        MaterialMaps { ior: ior.clone(), ..Default::default() },
+        MaterialMaps { anisotropy, ior, ..Default::default() },
+    ];
+    for model in [BrdfModel::Ggx, BrdfModel::Ward] {
+        // Across the tangent, so that the sign travels too.
+        let look = |maps| appearance(&dataset, model, parameters(0.5, -0.7), maps);
+        for maps in &only {
+            rig.look(look(maps.clone()));
+            let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+            assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
+            rig.renderer.set_appearance(look(MaterialMaps::default()));
+            let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+            assert!(difference(&gpu, &without).0 > 1e-3, "{model:?}: {:?}", difference(&gpu, &without));
+        }
     }
 }
 
