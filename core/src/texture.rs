@@ -161,11 +161,6 @@ impl Texture {
         self.sample(slot.transform(uv), slot.color_space)
     }
 
-    /// One component of a slot's lookup.
-    pub fn sample_channel(&self, uv: Vec2, slot: &TextureSlot) -> f32 {
-        self.sample_slot(uv, slot)[slot.channel as usize]
-    }
-
     /// Change of a bump map's height in metres per unit of u and v, by central differences over one texel.
     pub fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
         let height = |uv: Vec2| self.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];

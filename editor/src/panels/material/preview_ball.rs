@@ -3,7 +3,7 @@
 //! The ball is convex and alone, so every node above the horizon is visible: the sum over the illumination cut is direct,
 //! with nodes halved where the BRDF needs it, as in the renderer. The camera looks from +Z, a little from above.
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::SurfaceBrdf,
     cut::packed,
@@ -75,21 +75,9 @@ impl Ball {
         self.textures.get(slot.texture as usize).map(|t| &**t)
     }
 
-    /// The material's values times its maps.
+    /// The material's values after its maps.
     fn parameters(&self, uv: Vec2) -> BrdfParameters {
-        let maps = &self.material.maps;
-        let scalar = |slot: &Option<TextureSlot>| {
-            slot.as_ref().and_then(|s| Some(self.texture(s)?.sample_channel(uv, s))).unwrap_or(1.0)
-        };
-        let color = |s: &TextureSlot| Some(self.texture(s)?.sample_slot(uv, s).truncate());
-        let p = self.material.parameters;
-        BrdfParameters {
-            base_color: p.base_color * maps.base_color.as_ref().and_then(color).unwrap_or(Vec3::ONE),
-            roughness: p.roughness * scalar(&maps.roughness),
-            metalness: p.metalness * scalar(&maps.metalness),
-            specular: p.specular * scalar(&maps.specular),
-            ..p
-        }
+        self.material.modulated(|slot| self.texture(slot).map_or(Vec4::ONE, |texture| texture.sample_slot(uv, slot)))
     }
 
     /// The normal after normal map and bump map.
