@@ -1,0 +1,64 @@
+//! The second source mode of a dataset: surface samples as lights (paper, 4.1), and cuts of what each vertex sees of them.
+//!
+//! A source is a small disc of surface; its light is its radiosity, so that one merge at a pixel gathers a bounce. The
+//! value of a vertex's cut at a node is the mean over the node's sources of the solid angle that the vertex sees of each,
+//! zero where it is hidden (`<V G>` of the paper, 3).
+
+use crate::{cut::packed::PackedCuts, surfel::Surfel};
+
+/// A surface sample that sends light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// Where it is.
+    pub surfel: Surfel,
+    /// Area in m² that it stands for.
+    pub area: f32,
+}
+
+/// Sources, what vertices see of them, and what they see of the environment.
+#[derive(Clone, Debug)]
+pub struct IndirectBake {
+    /// `2^H` sources in the order of the leaves of their complete binary tree.
+    pub sources: Vec<Source>,
+    /// One cut a vertex over the sources; values are coded by [`solid_angle_code`].
+    pub cuts: PackedCuts,
+    /// One cut a source over the dataset's light tree: its visibility of the environment.
+    pub environment_cuts: PackedCuts,
+}
+
+/// Largest solid angle that a source can fill, in steradians: a hemisphere.
+pub const LARGEST_SOLID_ANGLE: f32 = 2.0 * std::f32::consts::PI;
+/// Binary orders of magnitude that the code spans; what is smaller counts as hidden.
+const ORDERS: f32 = 30.0;
+const CODES: f32 = 4094.0;
+
+/// A solid angle in 12 bits: 0 for none, else logarithmic, in steps of half a percent.
+pub fn solid_angle_code(steradians: f32) -> u16 {
+    if !(steradians > LARGEST_SOLID_ANGLE * (-ORDERS).exp2()) {
+        return 0;
+    }
+    let orders = (steradians / LARGEST_SOLID_ANGLE).min(1.0).log2() + ORDERS;
+    1 + (orders * (CODES / ORDERS) + 0.5) as u16
+}
+
+/// The solid angle in steradians of a code.
+#[inline(always)]
+pub fn solid_angle(code: u16) -> f32 {
+    if code == 0 { 0.0 } else { LARGEST_SOLID_ANGLE * (f32::from(code - 1) * (ORDERS / CODES) - ORDERS).exp2() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solid_angles_keep_half_a_percent() {
+        assert_eq!((solid_angle_code(0.0), solid_angle_code(f32::NAN), solid_angle(0)), (0, 0, 0.0));
+        assert_eq!(solid_angle_code(100.0), 4095, "no code leaves the 12 bits");
+        let mut x = 1.1e-8;
+        while x < LARGEST_SOLID_ANGLE {
+            assert!((solid_angle(solid_angle_code(x)) / x - 1.0).abs() < 2.7e-3, "{x}");
+            x *= 1.07;
+        }
+    }
+}

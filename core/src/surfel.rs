@@ -1,0 +1,45 @@
+//! Points of surfaces that light is gathered at and sent from, whatever the surface is made of.
+
+use crate::scene::Bounds;
+use glam::{Vec2, Vec3};
+
+/// Where on a mesh a surface point lies, to look its material up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshPlace {
+    /// Index of the triangle, or of whatever else the surface is made of.
+    pub triangle: u32,
+    /// Weights of its second and third corner.
+    pub barycentric: Vec2,
+}
+
+/// A point of a surface, seen from one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surfel {
+    /// In metres.
+    pub position: Vec3,
+    /// Unit geometric normal on the side that it is seen from.
+    pub normal: Vec3,
+    /// For its material.
+    pub place: MeshPlace,
+}
+
+/// All that light transport needs of a scene: ray casts and reflectance (meshless basis paper, 5.1).
+pub trait Surface: Sync {
+    /// The first surface along a ray, with its normal on the side of the ray's origin. The origin lies off any surface,
+    /// see [`Self::offset`]. `None` also for the back of a surface that is seen from one side only.
+    fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Surfel>;
+
+    /// Whether nothing lies between two points that are off all surfaces.
+    fn sees(&self, from: Vec3, to: Vec3) -> bool;
+
+    /// Diffuse reflectance, 0 to 1 a channel.
+    fn reflectance(&self, at: &Surfel) -> Vec3;
+
+    /// What holds all of it.
+    fn bounds(&self) -> Bounds;
+
+    /// Distance in metres that rays start off a surface.
+    fn offset(&self) -> f32 {
+        1e-5 * self.bounds().diagonal()
+    }
+}
