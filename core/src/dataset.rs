@@ -27,6 +27,7 @@ pub use error::DatasetError;
 
 use crate::{
     cut::{CutCriterion, packed::PackedCuts},
+    indirect::IndirectBake,
     light_tree::{LightTree, TreeKind},
     scene::Scene,
 };
@@ -50,6 +51,8 @@ pub struct Dataset {
     pub tree: LightTree,
     /// One visibility cut a vertex.
     pub cuts: PackedCuts,
+    /// Surface sources and their cuts, if they were baked.
+    pub indirect: Option<IndirectBake>,
     /// What it was baked with.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, hexadecimal.

@@ -163,6 +163,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         textures: source.textures.into_iter().map(Into::into).collect(),
         objects: source.objects,
         cameras: source.cameras,
+        lights: Vec::new(),
     };
     aim_cameras(&mut scene);
     Ok(Imported { scene, report })

@@ -1,6 +1,6 @@
 //! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
 
-use crate::{camera::Camera, material::Material, texture::Texture};
+use crate::{camera::Camera, lights::Light, material::Material, texture::Texture};
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
@@ -44,6 +44,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Cameras of the source file; may be empty.
     pub cameras: Vec<Camera>,
+    /// Local lights of the source file; may be empty.
+    pub lights: Vec<Light>,
 }
 
 /// Axis-aligned bounds in metres.

@@ -108,7 +108,8 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
     let two_sided = geometry.sides.two_sided;
     let (scene, cuts) = (geometry.scene, packed.cuts);
-    let mut dataset = Dataset { scene, two_sided, vertex_valid, tree, cuts, settings, scene_hash: hash, report };
+    let mut dataset =
+        Dataset { scene, two_sided, vertex_valid, tree, cuts, indirect: None, settings, scene_hash: hash, report };
     clock.seconds.insert(Phase::Pack.name().into(), packing.elapsed().as_secs_f64());
     finish_report(&mut dataset, clock);
     dataset.write(&job.output)?;

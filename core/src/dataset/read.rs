@@ -63,6 +63,7 @@ impl Reader<'_> {
             scene,
             tree,
             cuts,
+            indirect: None,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,
@@ -101,6 +102,7 @@ impl Reader<'_> {
             textures: textures.collect::<Result<_, _>>()?,
             objects: header.objects.iter().map(|name| Object { name: name.clone() }).collect(),
             cameras: header.cameras.clone(),
+            lights: header.lights.clone(),
         };
         check_texture_indices(&scene)?;
         Ok(scene)

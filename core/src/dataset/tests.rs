@@ -36,6 +36,7 @@ fn dataset() -> Dataset {
         vertex_valid: vec![true, false, true],
         tree: LightTree::geometric(64).unwrap(),
         cuts,
+        indirect: None,
         settings: BakeSettings {
             lights: 64,
             tree: TreeKind::Mixed,

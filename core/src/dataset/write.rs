@@ -1,7 +1,7 @@
 //! Writing a dataset, atomically.
 
 use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION};
-use crate::{atomic::write_atomically, camera::Camera, material::Material};
+use crate::{atomic::write_atomically, camera::Camera, lights::Light, material::Material};
 use safetensors::{Dtype, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -24,6 +24,8 @@ pub(super) struct Header {
     pub materials: Vec<Material>,
     pub objects: Vec<String>,
     pub cameras: Vec<Camera>,
+    #[serde(default)]
+    pub lights: Vec<Light>,
     pub textures: Vec<String>,
     /// BLAKE3 of each tensor's bytes, hexadecimal.
     pub checksums: BTreeMap<String, String>,
@@ -80,6 +82,7 @@ impl Dataset {
             materials: self.scene.materials.clone(),
             objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
             cameras: self.scene.cameras.clone(),
+            lights: self.scene.lights.clone(),
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             checksums: tensors.iter().map(checksum).collect(),
         }

@@ -38,6 +38,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
         cuts.push_vertex(offset);
     }
     Dataset {
+        indirect: None,
         two_sided: vec![false],
         vertex_valid: vec![true; 3],
         tree: LightTree::geometric(64).unwrap(),

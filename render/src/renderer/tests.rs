@@ -76,6 +76,7 @@ pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
         max_bytes: None,
     };
     Dataset {
+        indirect: None,
         two_sided: vec![false; mesh.triangles.len()],
         vertex_valid: vec![true; mesh.positions.len()],
         scene: Scene {

@@ -17,6 +17,7 @@ use lapidary_precompute::Preset;
 /// A dataset of one triangle, baked with the normal preset.
 pub fn test_dataset() -> Dataset {
     Dataset {
+        indirect: None,
         settings: Preset::Normal.settings(),
         scene_hash: "abc".into(),
         report: BakeReport {
