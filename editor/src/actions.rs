@@ -70,6 +70,8 @@ pub enum Action {
     FrameSelection,
     /// Frame the whole scene.
     FrameAll,
+    /// Go back to where the document was first seen from.
+    ResetCamera,
     /// Select an object, or nothing.
     SelectObject(Option<u32>),
     /// Select a material, or nothing.
@@ -78,7 +80,7 @@ pub enum Action {
     CopyCamera,
     /// Take the camera from the clipboard.
     PasteCamera,
-    /// Change how the window looks.
+    /// Change how the window looks, or where its file dialogs begin.
     Preferences(crate::preferences::Preferences),
     /// Show or hide the keyboard map.
     ToggleKeys,

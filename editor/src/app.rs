@@ -5,6 +5,7 @@ mod dialogs;
 mod drops;
 mod environments;
 mod files;
+mod first_view;
 mod keys;
 mod layout;
 mod menus;

@@ -14,6 +14,7 @@ pub(crate) mod test_data;
 pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
+pub use relative::{absolute, folder_of};
 
 use glam::Vec3;
 use lapidary_core::{

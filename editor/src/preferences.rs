@@ -1,12 +1,15 @@
-//! How the window looks, kept between runs and apart from sessions.
+//! How the window looks and where file dialogs begin, kept between runs and apart from sessions.
 
 use crate::document::{session::read_leniently, write_setting};
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::{io::ErrorKind, path::Path};
+use std::{
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
-/// How the window looks.
+/// How the window looks, and where its file dialogs begin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
@@ -20,6 +23,66 @@ pub struct Preferences {
     pub side_width: f32,
     /// Width of the inspector in points.
     pub inspector_width: f32,
+    /// Where file dialogs begin.
+    pub folders: LastFolders,
+}
+
+/// What files are chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileUse {
+    /// Scenes and bakes to open.
+    Scene,
+    /// Sessions to write.
+    Session,
+    /// Light.
+    Environment,
+    /// Maps of materials.
+    Texture,
+    /// Materials.
+    Material,
+    /// Pictures to write.
+    Picture,
+    /// Folders to look for missing files in.
+    Missing,
+}
+
+/// The folders in which files were chosen last, by what they were chosen for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LastFolders {
+    scene: Option<PathBuf>,
+    session: Option<PathBuf>,
+    environment: Option<PathBuf>,
+    texture: Option<PathBuf>,
+    material: Option<PathBuf>,
+    picture: Option<PathBuf>,
+    missing: Option<PathBuf>,
+}
+
+impl LastFolders {
+    /// The last folder, if it is still there.
+    pub fn of(&self, files: FileUse) -> Option<PathBuf> {
+        self.clone().slot(files).take().filter(|folder| folder.is_dir())
+    }
+
+    /// Remembers a folder. One whose name is no Unicode cannot be written to the preferences, and is not.
+    pub fn remember(&mut self, files: FileUse, folder: &Path) {
+        if folder.to_str().is_some() {
+            *self.slot(files) = Some(folder.to_owned());
+        }
+    }
+
+    fn slot(&mut self, files: FileUse) -> &mut Option<PathBuf> {
+        match files {
+            FileUse::Scene => &mut self.scene,
+            FileUse::Session => &mut self.session,
+            FileUse::Environment => &mut self.environment,
+            FileUse::Texture => &mut self.texture,
+            FileUse::Material => &mut self.material,
+            FileUse::Picture => &mut self.picture,
+            FileUse::Missing => &mut self.missing,
+        }
+    }
 }
 
 /// Dark or light.
@@ -41,6 +104,7 @@ impl Default for Preferences {
             window_size: [1440.0, 900.0],
             side_width: 230.0,
             inspector_width: 340.0,
+            folders: LastFolders::default(),
         }
     }
 }
@@ -97,6 +161,7 @@ impl Preferences {
             ],
             side_width: clamp(self.side_width, 160.0, 480.0, usual.side_width),
             inspector_width: clamp(self.inspector_width, 280.0, 640.0, usual.inspector_width),
+            folders: self.folders,
         }
     }
 }
@@ -110,7 +175,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("not/there/yet");
         assert_eq!(Preferences::load(&config), (Preferences::default(), None));
-        let preferences = Preferences { theme: Theme::Light, ui_scale: 1.25, side_width: 300.0, ..Default::default() };
+        let mut folders = LastFolders::default();
+        folders.remember(FileUse::Texture, folder.path());
+        let preferences =
+            Preferences { theme: Theme::Light, ui_scale: 1.25, side_width: 300.0, folders, ..Default::default() };
         preferences.save(&config).unwrap();
         assert_eq!(Preferences::load(&config), (preferences, None));
     }
@@ -132,6 +200,10 @@ mod tests {
             let (preferences, message) = Preferences::load(folder.path());
             assert_eq!((preferences, message.is_some()), (expected, complains), "{text}");
         }
+        std::fs::write(folder.path().join(FILE), r#"{"folders": {"scene": 7, "texture": "/"}}"#).unwrap();
+        let (preferences, message) = Preferences::load(folder.path());
+        let folders = [FileUse::Scene, FileUse::Texture].map(|files| preferences.folders.of(files));
+        assert_eq!((folders, message.is_some()), ([None, Some(PathBuf::from("/"))], true));
         assert_eq!(Preferences { ui_scale: f32::NAN, ..Default::default() }.clamped().ui_scale, 1.0);
         assert_eq!(Preferences { ui_scale: 0.0, ..Default::default() }.clamped().ui_scale, 0.5);
     }

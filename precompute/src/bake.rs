@@ -95,7 +95,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let mut clock = Clock::new(observer, job.import_secs);
     let geometry = clock.time(Phase::Tessellate, scene.mesh.positions.len() as u64, "vertices", || {
         Geometry::new(scene, settings.max_vertices, observer)
-    });
+    })?;
     cancelled(observer)?;
     let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
     let chunks = clock.time(Phase::Visibility, geometry.points.points.len() as u64, "points", || {
@@ -130,7 +130,8 @@ fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError>
     }
 }
 
-fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
+/// An error if the job should stop.
+pub(crate) fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
     if observer.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) }
 }
 
@@ -145,20 +146,20 @@ struct Geometry {
 }
 
 impl Geometry {
-    fn new(mut scene: Scene, budget: Option<usize>, observer: &dyn Observer) -> Self {
+    fn new(mut scene: Scene, budget: Option<usize>, observer: &dyn Observer) -> Result<Self, BakeError> {
         let source_vertices = scene.mesh.positions.len();
         let mut sides = classify(&scene);
         let source = Intersector::new(&scene.mesh);
         let intersector = match budget {
             Some(budget) => {
-                tessellate(&mut scene.mesh, &mut sides, &source, budget, observer);
+                tessellate(&mut scene.mesh, &mut sides, &source, budget, observer)?;
                 Intersector::new(&scene.mesh)
             }
             None => source,
         };
         let points = BakePoints::new(&scene.mesh, &sides);
-        let buried = points.buried(&intersector, &sides);
-        Self { scene, source_vertices, sides, intersector, points, buried }
+        let buried = points.buried(&intersector, &sides, observer)?;
+        Ok(Self { scene, source_vertices, sides, intersector, points, buried })
     }
 }
 

@@ -1,6 +1,11 @@
 //! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
 
-use crate::sidedness::{Sidedness, exact_key};
+use crate::{
+    BakeError,
+    bake::cancelled,
+    observer::Observer,
+    sidedness::{Sidedness, exact_key},
+};
 use glam::Vec3;
 use lapidary_core::{
     ray::Intersector,
@@ -94,7 +99,15 @@ impl BakePoints {
     }
 
     /// For each point: whether it lies inside a closed piece, since most of what it sees are back faces of such.
-    pub fn buried(&self, scene: &Intersector, sides: &Sidedness) -> Vec<bool> {
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn buried(
+        &self,
+        scene: &Intersector,
+        sides: &Sidedness,
+        observer: &dyn Observer,
+    ) -> Result<Vec<bool>, BakeError> {
         let sphere = fibonacci_directions(2 * BURIAL_RAYS);
         let sees_insides = |point: &BakePoint, upper: bool| {
             let frame = frame_around(point.normal * if upper { 1.0 } else { -1.0 });
@@ -106,7 +119,10 @@ impl BakePoints {
             }
             2 * back > rays
         };
-        let buried = |p: &BakePoint| sees_insides(p, true) && (!p.two_sided || sees_insides(p, false));
+        let buried = |p: &BakePoint| {
+            cancelled(observer)?;
+            Ok(sees_insides(p, true) && (!p.two_sided || sees_insides(p, false)))
+        };
         self.points.par_iter().map(buried).collect()
     }
 }
@@ -149,16 +165,19 @@ impl Surroundings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sidedness::{
-        classify,
-        tests::{cuboid, floor, scene_of},
+    use crate::{
+        observer::Silent,
+        sidedness::{
+            classify,
+            tests::{cuboid, floor, scene_of},
+        },
     };
     use lapidary_core::scene::Scene;
 
     fn points(scene: &Scene) -> (BakePoints, Vec<bool>) {
         let sides = classify(scene);
         let points = BakePoints::new(&scene.mesh, &sides);
-        let buried = points.buried(&Intersector::new(&scene.mesh), &sides);
+        let buried = points.buried(&Intersector::new(&scene.mesh), &sides, &Silent).unwrap();
         (points, buried)
     }
 

@@ -58,6 +58,28 @@ struct Manifest {
     tree_order: Vec<u32>,
 }
 
+/// What an interrupted bake has left beside its output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Leftover {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Chunks of another scene or of other settings, which cannot be gone on with.
+    OfAnother,
+    /// Chunks to go on from.
+    Fitting,
+}
+
+/// What an interrupted bake has left that a bake of this scene with these settings, as [`crate::resolve`] gives them,
+/// would write to `output`.
+pub fn leftover(output: &Path, scene_hash: &str, settings: &BakeSettings) -> Leftover {
+    match Checkpoint::open(output, scene_hash, settings) {
+        Ok(Some(_)) => Leftover::Fitting,
+        Ok(None) => Leftover::Nothing,
+        Err(_) => Leftover::OfAnother,
+    }
+}
+
 /// The folder of a bake in progress.
 pub struct Checkpoint {
     folder: PathBuf,
@@ -233,9 +255,12 @@ mod tests {
         let output = folder.path().join("a.cuts");
         let settings = Preset::Draft.settings();
         assert!(Checkpoint::open(&output, "hash", &settings).unwrap().is_none());
+        assert_eq!(leftover(&output, "hash", &settings), Leftover::Nothing);
         Checkpoint::create(&output, "hash", &settings, 10, 3, &[]).unwrap();
         assert!(matches!(Checkpoint::open(&output, "other", &settings), Err(CheckpointError::Mismatch { .. })));
         let other = BakeSettings { beta: 0.4, ..settings };
         assert!(matches!(Checkpoint::open(&output, "hash", &other), Err(CheckpointError::Mismatch { .. })));
+        assert_eq!(leftover(&output, "hash", &other), Leftover::OfAnother);
+        assert_eq!(leftover(&output, "hash", &settings), Leftover::Fitting);
     }
 }

@@ -19,7 +19,7 @@ mod verify;
 mod visibility;
 
 pub use bake::{BakeError, BakeJob, bake};
-pub use checkpoint::CheckpointError;
+pub use checkpoint::{CheckpointError, Leftover, leftover};
 pub use memory::available as available_memory;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};

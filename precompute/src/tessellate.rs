@@ -6,6 +6,8 @@
 //! keeps angles bounded. Edges are told apart by position, so that seams of normals and texture coordinates do not crack.
 
 use crate::{
+    BakeError,
+    bake::cancelled,
     bake_points::{BakePoint, BakePoints},
     observer::{Event, Observer},
     sidedness::{Sidedness, weld_positions},
@@ -31,28 +33,40 @@ const SHORTEST: f32 = 0.25;
 const ROUNDS: usize = 12;
 
 /// Splits edges of `mesh` until it has at most `budget` vertices or visibility is linear enough. `sides` keeps one entry
-/// a triangle. Stops early, with what it has, if cancelled.
-pub fn tessellate(mesh: &mut Mesh, sides: &mut Sidedness, scene: &Intersector, budget: usize, observer: &dyn Observer) {
+/// a triangle.
+///
+/// # Errors
+/// [`BakeError::Cancelled`], within the tracing of a point after the observer asked for it.
+pub fn tessellate(
+    mesh: &mut Mesh,
+    sides: &mut Sidedness,
+    scene: &Intersector,
+    budget: usize,
+    observer: &dyn Observer,
+) -> Result<(), BakeError> {
     let area: f32 = (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum();
     let unit = (1.15 * area / budget.max(1) as f32).sqrt();
-    let mut pilot =
-        Pilot { scene, directions: DirectionSet::new(&fibonacci_directions(DIRECTIONS)), errors: HashMap::new() };
+    let directions = DirectionSet::new(&fibonacci_directions(DIRECTIONS));
+    let mut pilot = Pilot { scene, directions, errors: HashMap::new(), observer };
     for _ in 0..ROUNDS {
-        if observer.cancelled() || mesh.positions.len() >= budget {
+        cancelled(observer)?;
+        if mesh.positions.len() >= budget {
             break;
         }
         let edges = Edges::new(mesh);
-        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, unit);
+        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, unit)?;
         if wanted.is_empty() {
             break;
         }
         let chosen = edges.within_budget(&wanted, budget - mesh.positions.len());
+        cancelled(observer)?;
         if chosen.is_empty() {
             break;
         }
         split_edges(mesh, sides, &edges, &chosen);
         observer.event(Event::Advanced { done: mesh.positions.len() as u64 });
     }
+    Ok(())
 }
 
 /// Undirected edges by welded position.
@@ -148,6 +162,8 @@ struct Pilot<'a> {
     directions: DirectionSet,
     /// Errors at the midpoints of edges, kept from round to round: most edges stay whole.
     errors: HashMap<EdgeKey, f32>,
+    /// Asked before each point whether to go on: a round traces millions of rays.
+    observer: &'a dyn Observer,
 }
 
 /// The bits of both ends' positions, which, unlike numbers, stay the same when others are split.
@@ -156,40 +172,54 @@ type EdgeKey = [[u32; 3]; 2];
 type Seen = [u8; DIRECTIONS];
 
 impl Pilot<'_> {
-    fn seen(&self, point: &BakePoint) -> Seen {
+    fn seen(&self, point: &BakePoint) -> Result<Seen, BakeError> {
+        cancelled(self.observer)?;
         let mut visible = [0; DIRECTIONS];
         self.scene.trace_batch(point.origin(true), &self.directions, |d| point.is_upper(d), &mut visible);
         if point.two_sided {
             self.scene.trace_batch(point.origin(false), &self.directions, |d| !point.is_upper(d), &mut visible);
         }
-        visible
+        Ok(visible)
     }
 
     /// Traces the ends and midpoints of those edges whose error is not known yet.
-    fn learn_errors(&mut self, mesh: &Mesh, sides: &Sidedness, edges: &Edges, candidates: &[u32]) {
+    fn learn_errors(
+        &mut self,
+        mesh: &Mesh,
+        sides: &Sidedness,
+        edges: &Edges,
+        candidates: &[u32],
+    ) -> Result<(), BakeError> {
         let unknown: Vec<u32> =
             candidates.iter().copied().filter(|&e| !self.errors.contains_key(&edges.key(mesh, e))).collect();
         let points = BakePoints::new(mesh, sides);
         let ends = |e: u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
         let needed: HashSet<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
-        let seen: HashMap<u32, Seen> =
-            needed.into_par_iter().map(|p| (p, self.seen(&points.points[p as usize]))).collect();
-        let error = |e: u32| {
+        let seen_from = |p: u32| Ok((p, self.seen(&points.points[p as usize])?));
+        let seen = needed.into_par_iter().map(seen_from).collect::<Result<HashMap<u32, Seen>, BakeError>>()?;
+        let error = |&e: &u32| {
             let [a, b] = ends(e);
-            let middle = self.seen(&midpoint(&points.points[a as usize], &points.points[b as usize]));
-            midpoint_error(&middle, &seen[&a], &seen[&b])
+            let middle = self.seen(&midpoint(&points.points[a as usize], &points.points[b as usize]))?;
+            Ok((edges.key(mesh, e), midpoint_error(&middle, &seen[&a], &seen[&b])))
         };
-        let found: Vec<(EdgeKey, f32)> = unknown.par_iter().map(|&e| (edges.key(mesh, e), error(e))).collect();
+        let found = unknown.par_iter().map(error).collect::<Result<Vec<(EdgeKey, f32)>, BakeError>>()?;
         self.errors.extend(found);
+        Ok(())
     }
 }
 
 /// Edges to split, the most urgent first.
-fn wanted_edges(mesh: &Mesh, sides: &Sidedness, edges: &Edges, pilot: &mut Pilot, unit: f32) -> Vec<u32> {
+fn wanted_edges(
+    mesh: &Mesh,
+    sides: &Sidedness,
+    edges: &Edges,
+    pilot: &mut Pilot,
+    unit: f32,
+) -> Result<Vec<u32>, BakeError> {
     let length = |e: u32| edges.length_sq[e as usize].sqrt() / unit;
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
-    pilot.learn_errors(mesh, sides, edges, &candidates);
+    pilot.learn_errors(mesh, sides, edges, &candidates)?;
     // Long edges come first, by length; then what is visibly wrong, by how much surface it is wrong on.
     let urgency = |e: u32| {
         let error = pilot.errors[&edges.key(mesh, e)];
@@ -199,7 +229,7 @@ fn wanted_edges(mesh: &Mesh, sides: &Sidedness, edges: &Edges, pilot: &mut Pilot
     let mut ranked: Vec<(f32, u32)> =
         long.chain(candidates.iter().map(|&e| (urgency(e), e))).filter(|r| r.0 > 0.0).collect();
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    ranked.into_iter().map(|r| r.1).collect()
+    Ok(ranked.into_iter().map(|r| r.1).collect())
 }
 
 /// The mesh vertices at the ends of an edge, in its first triangle.
@@ -295,6 +325,7 @@ mod tests {
         },
     };
     use lapidary_core::scene::Scene;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn box_over_floor() -> Scene {
         let mut triangles = floor(2.0, 0.0).to_vec();
@@ -306,7 +337,7 @@ mod tests {
         let mut scene = box_over_floor();
         let mut sides = classify(&scene);
         let intersector = Intersector::new(&scene.mesh);
-        tessellate(&mut scene.mesh, &mut sides, &intersector, budget, &Silent);
+        tessellate(&mut scene.mesh, &mut sides, &intersector, budget, &Silent).unwrap();
         assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
         scene
     }
@@ -356,5 +387,37 @@ mod tests {
     #[test]
     fn no_budget_leaves_the_mesh_alone() {
         assert_eq!(tessellated(3).mesh, box_over_floor().mesh);
+    }
+    /// Asks to stop when it has been asked `limit` times.
+    struct Impatient {
+        asked: AtomicUsize,
+        limit: usize,
+    }
+
+    impl Observer for Impatient {
+        fn event(&self, _event: Event) {}
+
+        fn cancelled(&self) -> bool {
+            self.asked.fetch_add(1, Ordering::Relaxed) >= self.limit
+        }
+    }
+
+    /// Whether tessellation was cancelled, how often it asked, and the vertices that there were then.
+    fn asked_until(limit: usize) -> (bool, usize, usize) {
+        let mut scene = box_over_floor();
+        let mut sides = classify(&scene);
+        let intersector = Intersector::new(&scene.mesh);
+        let observer = Impatient { asked: AtomicUsize::new(0), limit };
+        let result = tessellate(&mut scene.mesh, &mut sides, &intersector, 3000, &observer);
+        (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
+    }
+
+    #[test]
+    fn cancelling_stops_within_a_round() {
+        let (cancelled, all, vertices) = asked_until(usize::MAX);
+        assert!(!cancelled && all > 10 * ROUNDS, "points are asked about, not rounds: {all}");
+        let (cancelled, asked, fewer) = asked_until(all / 2);
+        assert!(cancelled && fewer < vertices, "{fewer} of {vertices} vertices");
+        assert!(asked < all * 3 / 4, "asked {asked} times, half of all is {}", all / 2);
     }
 }

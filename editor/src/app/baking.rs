@@ -10,14 +10,20 @@ use crate::{
     },
     panels::bake::{BakeStatus, stale_reasons},
 };
-use lapidary_core::{dataset::Dataset, texture::Texture};
-use lapidary_precompute::{BakeJob, Phase, resolve};
+use lapidary_core::{
+    dataset::{BakeSettings, Dataset},
+    texture::Texture,
+};
+use lapidary_precompute::{BakeJob, Leftover, Phase, leftover, resolve};
 use lapidary_render::Baked;
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex},
-    time::Instant,
+    time::{Instant, SystemTime},
 };
+
+/// Why a bake does not start while there is one.
+const UNDER_WAY: &str = "A bake is under way; cancel it first";
 
 /// The bake at work, or how the last one ended.
 #[derive(Default)]
@@ -26,6 +32,18 @@ pub struct Baking {
     ended: Option<Ended>,
     /// Held by the bake at work, also by one that was left and has not noticed yet.
     turn: Arc<Mutex<()>>,
+    /// What an interrupted bake has left, and when that was looked at.
+    leftover: Option<(Looked, Leftover)>,
+}
+
+/// Everything that decides what an interrupted bake has left, small enough to compare every frame.
+#[derive(PartialEq)]
+struct Looked {
+    output: PathBuf,
+    scene_hash: String,
+    settings: BakeSettings,
+    /// When the folder was last written to.
+    written: SystemTime,
 }
 
 struct Run {
@@ -77,7 +95,7 @@ impl EditorState {
 
     fn bake(&mut self, resume: bool, progressive: bool, or_afresh: bool) {
         if self.baking.run.is_some() {
-            self.messages.note("A bake is under way; cancel it first");
+            self.messages.note(UNDER_WAY);
             return;
         }
         let Some((source, output)) = self.scene.source.clone().zip(self.scene.bake_output.clone()) else {
@@ -98,7 +116,7 @@ impl EditorState {
         let Imported { scene, import_secs, report, .. } = source;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
         let task = BakeTask {
-            scene: (*scene).clone(),
+            scene,
             job,
             progressive,
             or_afresh,
@@ -134,6 +152,7 @@ impl EditorState {
                 }
                 BakeMessage::Done(baked) => {
                     let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
+                    self.messages.withdraw(UNDER_WAY);
                     self.messages.note(format!("Baked {} vertices in {seconds:.0} s", baked.dataset.report.vertices));
                     self.document.dataset.clone_from(&self.scene.bake_output);
                     self.show_baked(baked);
@@ -159,13 +178,26 @@ impl EditorState {
         });
     }
 
-    /// Whether an interrupted bake can go on.
-    pub(super) fn has_checkpoint(&self) -> bool {
-        self.scene.bake_output.as_deref().is_some_and(has_checkpoint)
+    /// What an interrupted bake has left for a bake with the present settings. It is read again only when something
+    /// that decides it has changed.
+    pub(super) fn leftover(&mut self) -> Leftover {
+        let Some((source, output)) = self.scene.source.as_ref().zip(self.scene.bake_output.as_ref()) else {
+            return Leftover::Nothing;
+        };
+        let Some(written) = checkpoint_time(output) else { return Leftover::Nothing };
+        let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
+        let looked = Looked { output: output.clone(), scene_hash: source.hash.clone(), settings, written };
+        let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
+        let look = || {
+            let found = leftover(&looked.output, &looked.scene_hash, &looked.settings);
+            (looked, found)
+        };
+        self.baking.leftover.insert(known.unwrap_or_else(look)).1
     }
 
     fn end_bake(&mut self, ended: Ended) {
         self.baking.run = None;
+        self.messages.withdraw(UNDER_WAY);
         self.baking.ended = Some(ended);
     }
 
@@ -203,19 +235,19 @@ impl EditorState {
     }
 
     /// How things stand, for the bake panel.
-    pub(super) fn bake_status(&self) -> BakeStatus {
+    pub(super) fn bake_status(&mut self) -> BakeStatus {
         if let Some(run) = &self.baking.run {
             return running(run);
         }
-        let resumable = self.has_checkpoint();
+        let leftover = self.leftover();
         match (&self.baking.ended, &self.scene.baked) {
-            (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { resumable },
-            (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), resumable },
+            (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { leftover },
+            (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), leftover },
             (None, Some(_)) => {
                 let reasons = self.stale_reasons();
                 if reasons.is_empty() { BakeStatus::UpToDate } else { BakeStatus::Stale { reasons } }
             }
-            (None, None) if resumable => BakeStatus::Cancelled { resumable },
+            (None, None) if leftover != Leftover::Nothing => BakeStatus::Cancelled { leftover },
             (None, None) => BakeStatus::None,
         }
     }
@@ -233,11 +265,11 @@ fn running(run: &Run) -> BakeStatus {
     }
 }
 
-/// An interrupted bake leaves a folder beside its output.
-fn has_checkpoint(output: &Path) -> bool {
+/// When the folder that an interrupted bake leaves beside its output was last written to, if there is one.
+fn checkpoint_time(output: &Path) -> Option<SystemTime> {
     let mut folder = output.as_os_str().to_owned();
     folder.push(".partial");
-    Path::new(&folder).is_dir()
+    std::fs::metadata(folder).ok().filter(|m| m.is_dir())?.modified().ok()
 }
 
 /// A scene that was changed in another program may have other materials: those that the document lacks are added, as
@@ -296,8 +328,8 @@ mod tests {
     fn a_checkpoint_is_found_beside_its_output() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
-        assert!(!has_checkpoint(&output));
+        assert!(checkpoint_time(&output).is_none());
         std::fs::create_dir(folder.path().join("a.cuts.partial")).unwrap();
-        assert!(has_checkpoint(&output));
+        assert!(checkpoint_time(&output).is_some());
     }
 }

@@ -6,7 +6,12 @@ mod purpose;
 
 pub use purpose::{Mode, Purpose};
 
-use crate::{actions::Action, jobs::Wake};
+use crate::{
+    actions::Action,
+    document::{absolute, folder_of},
+    jobs::Wake,
+    preferences::{FileUse, LastFolders},
+};
 use egui::Context;
 use path_entry::PathEntry;
 use std::{
@@ -18,18 +23,21 @@ use std::{
 /// An answer faster than anyone can press Cancel means that the system has no dialog.
 const FASTER_THAN_A_PERSON: Duration = Duration::from_millis(300);
 
-/// The dialog that is open, if any, and where the last one was left.
+/// The dialog that is open, if any.
 pub struct FileDialogs {
     open: Option<Open>,
     /// Whether the system has file dialogs.
     system: bool,
-    folder: Option<PathBuf>,
+    /// Where the last one was left, until it was remembered.
+    left: Option<(FileUse, PathBuf)>,
     wake: Wake,
 }
 
 struct Open {
     purpose: Purpose,
     action: Action,
+    folder: PathBuf,
+    name: String,
     by: By,
 }
 
@@ -41,29 +49,34 @@ enum By {
 impl FileDialogs {
     /// With the system's dialogs if they may be used and there seem to be any.
     pub fn new(wake: Wake, system: bool) -> Self {
-        Self { open: None, system: system && system_has_dialogs(), folder: None, wake }
+        Self { open: None, system: system && system_has_dialogs(), left: None, wake }
     }
 
-    /// Asks for the path of `action`, which comes back with it from [`Self::show`]. `folder` and `name` are where to
-    /// begin; a dialog that is open already stays.
-    pub fn ask(&mut self, action: Action, folder: Option<&Path>, name: Option<String>) {
+    /// Asks for the path of `action`, which comes back with it from [`Self::show`]. It begins where files for the same
+    /// were chosen last, else in `folder`, and suggests `name`; a dialog that is open already stays.
+    pub fn ask(&mut self, action: Action, last: &LastFolders, folder: Option<PathBuf>, name: Option<String>) {
         let Some(purpose) = Purpose::of(&action) else { return };
         if self.open.is_some() {
             return;
         }
-        let folder = self.folder.clone().or_else(|| folder.map(Path::to_owned)).unwrap_or_else(home);
+        let folder = last.of(purpose.files_for).or(folder).map_or_else(home, |folder| absolute(&folder));
         let name = name.unwrap_or_default();
         let by = if self.system {
             By::System { answer: ask_system(&purpose, &folder, &name, self.wake.clone()), since: Instant::now() }
         } else {
-            By::Window(Box::new(PathEntry::new(&purpose, folder, name)))
+            By::Window(Box::new(PathEntry::new(&purpose, folder.clone(), name.clone())))
         };
-        self.open = Some(Open { purpose, action, by });
+        self.open = Some(Open { purpose, action, folder, name, by });
     }
 
     /// Whether a dialog is open.
     pub fn is_open(&self) -> bool {
         self.open.is_some()
+    }
+
+    /// Where the dialog that had an answer was left, and what for; once.
+    pub fn left(&mut self) -> Option<(FileUse, PathBuf)> {
+        self.left.take()
     }
 
     /// Shows the dialog; returns the action with its path once there is an answer, one for each file that was chosen.
@@ -75,8 +88,8 @@ impl FileDialogs {
                 Err(TryRecvError::Empty) => None,
                 Ok(None) | Err(_) if since.elapsed() < FASTER_THAN_A_PERSON => {
                     self.system = false;
-                    let folder = self.folder.clone().unwrap_or_else(home);
-                    open.by = By::Window(Box::new(PathEntry::new(&open.purpose, folder, String::new())));
+                    let entry = PathEntry::new(&open.purpose, open.folder.clone(), open.name.clone());
+                    open.by = By::Window(Box::new(entry));
                     ctx.request_repaint();
                     None
                 }
@@ -88,7 +101,8 @@ impl FileDialogs {
         let Some(open) = self.open.take() else { return Vec::new() };
         let paths = paths.unwrap_or_default();
         if let Some(first) = paths.first() {
-            self.folder = if first.is_dir() { Some(first.clone()) } else { first.parent().map(Path::to_owned) };
+            let folder = if first.is_dir() { absolute(first) } else { folder_of(first) };
+            self.left = Some((open.purpose.files_for, folder));
         }
         paths.into_iter().map(|path| purpose::with_path(&open.action, open.purpose.with_extension(path))).collect()
     }
@@ -133,4 +147,29 @@ fn ask_system(purpose: &Purpose, folder: &Path, name: &str, wake: Wake) -> Recei
     // Without a thread the receiver is disconnected at once, and the window's own dialog opens.
     let _ = std::thread::Builder::new().name("file dialog".into()).spawn(work);
     receiver
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actions::MapKind;
+    use std::sync::Arc;
+
+    #[test]
+    fn each_use_begins_where_it_was_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scenes, textures) = (folder.path().join("scenes"), folder.path().join("textures"));
+        [&scenes, &textures].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
+        let mut last = LastFolders::default();
+        last.remember(FileUse::Texture, &textures);
+        last.remember(FileUse::Picture, &folder.path().join("gone"));
+        let begins = |action: Action| {
+            let mut dialogs = FileDialogs::new(Arc::new(|| ()), false);
+            dialogs.ask(action, &last, Some(scenes.join("../scenes")), None);
+            dialogs.open.unwrap().folder
+        };
+        assert_eq!(begins(Action::LoadTexture { material: 0, map: MapKind::Bump, path: None }), textures);
+        assert_eq!(begins(Action::Open(None)), scenes, "negative control: nothing was opened yet");
+        assert_eq!(begins(Action::ExportPicture(None)), scenes, "a folder that is gone");
+    }
 }

@@ -24,6 +24,8 @@ pub enum Command {
     FrameSelection,
     /// Show all.
     FrameAll,
+    /// Go back to the first view.
+    ResetCamera,
     /// Put the camera on the clipboard.
     CopyCamera,
     /// Take it from there.
@@ -89,7 +91,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands. A key with more modifiers stands before the same key with fewer.
-pub const BINDINGS: [Binding; 26] = [
+pub const BINDINGS: [Binding; 27] = [
     window("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     window("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     window("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -98,7 +100,8 @@ pub const BINDINGS: [Binding; 26] = [
     window("Edit", Command::Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)]),
     window("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
     viewport(Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
-    viewport(Command::FrameAll, "Frame all", &[(NONE, Key::Home), (NONE, Key::A)]),
+    viewport(Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
+    viewport(Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
     viewport(Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
     viewport(Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
     window("View", Command::Wireframe, "Wireframe", &[(NONE, Key::W)]),

@@ -71,8 +71,6 @@ pub struct Interface {
     pub panels_hidden: bool,
     /// The keyboard map is shown.
     pub keys_open: bool,
-    /// What was done last, for the status line.
-    pub done: Option<String>,
     /// Width and height of the viewport in pixels.
     pub viewport_size: [u32; 2],
     /// Where the viewport was in the last frame.
@@ -94,7 +92,6 @@ impl Default for Interface {
             side: Side::default(),
             panels_hidden: false,
             keys_open: false,
-            done: None,
             viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
             pasting_camera: 0,
@@ -248,7 +245,9 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
     let with_picture = |entry: document::library::LibraryEntry| {
         let spec = entry.path.to_string_lossy().into_owned();
         let thumbnail = if entry.missing { None } else { state.environments.picture(&spec).cloned() };
-        LibraryEntry { name: entry.name, spec, missing: entry.missing, thumbnail }
+        // With its extension, which tells a map from the formula of the same name.
+        let name = entry.path.file_name().map_or(entry.name, |name| name.to_string_lossy().into_owned());
+        LibraryEntry { name, spec, missing: entry.missing, thumbnail }
     };
     state.library.entries().into_iter().map(with_picture).collect()
 }

@@ -124,6 +124,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let is_shown = state.scene.shown().is_some();
     entry(ui, state, actions, Command::FrameSelection, is_shown && state.selection.object.is_some());
     entry(ui, state, actions, Command::FrameAll, is_shown);
+    entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();
     let panels = if state.interface.panels_hidden { "Show panels" } else { "Hide panels" };
     entry_as(ui, state, actions, Command::TogglePanels, panels, true);

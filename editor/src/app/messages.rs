@@ -47,13 +47,15 @@ enum Shown {
 pub struct Messages {
     entries: Vec<Entry>,
     start: Instant,
+    /// What the status line says in passing, and until when.
+    remark: Option<(String, Instant)>,
     /// Whether the log window is open.
     pub log_open: bool,
 }
 
 impl Default for Messages {
     fn default() -> Self {
-        Self { entries: Vec::new(), start: Instant::now(), log_open: false }
+        Self { entries: Vec::new(), start: Instant::now(), remark: None, log_open: false }
     }
 }
 
@@ -71,6 +73,20 @@ impl Messages {
     /// Something could not be done.
     pub fn error(&mut self, text: impl Into<String>) {
         self.add(Severity::Error, text.into());
+    }
+
+    /// Said in the status line alone, and only for as long as it takes to read.
+    pub fn remark(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        let end = Instant::now() + reading_time(&text);
+        self.remark = Some((text, end));
+    }
+
+    /// A message that is not true any more goes at once; the log keeps it.
+    pub fn withdraw(&mut self, text: &str) {
+        for entry in self.entries.iter_mut().filter(|e| e.text == text) {
+            entry.shown_until = None;
+        }
     }
 
     /// Many warnings of one job: one message says how many there are, the log has each.
@@ -93,13 +109,19 @@ impl Messages {
         self.entries.iter().any(|e| e.text.contains(text))
     }
 
-    /// The newest, for the status line.
+    /// What was said last in passing, for the status line.
+    pub fn last_remark(&self) -> Option<&str> {
+        self.remark.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    /// The newest that was not read yet, or of errors not dismissed, for the status line.
     pub fn last(&self) -> Option<&Entry> {
-        self.entries.last()
+        self.entries.iter().rev().find(|e| e.shown_until.is_some())
     }
 
     fn add(&mut self, severity: Severity, text: String) {
         let now = Instant::now();
+        self.remark = None;
         let shown_until = Some(match severity {
             Severity::Error => Shown::UntilDismissed,
             _ => Shown::Until(now + reading_time(&text)),
@@ -141,17 +163,23 @@ impl Messages {
         all.into_iter().skip(skipped)
     }
 
-    /// Takes out what has been read, and wakes the window when the next one will have been.
+    /// Takes out what has been read, and wakes the window when the next one will have been. The status line of this
+    /// frame is painted already.
     fn expire(&mut self, ctx: &Context) {
         let now = Instant::now();
+        let is_over = |end: Instant| {
+            let left = end.saturating_duration_since(now);
+            ctx.request_repaint_after(left);
+            left.is_zero()
+        };
         for entry in &mut self.entries {
-            if let Some(Shown::Until(end)) = entry.shown_until {
-                match end.checked_duration_since(now) {
-                    Some(left) if !left.is_zero() => ctx.request_repaint_after(left),
-                    _ => entry.shown_until = None,
-                }
+            if let Some(Shown::Until(end)) = entry.shown_until
+                && is_over(end)
+            {
+                entry.shown_until = None;
             }
         }
+        self.remark.take_if(|(_, end)| is_over(*end));
     }
 
     fn show_shown(&mut self, ui: &mut Ui, shown: &[usize]) {
@@ -285,6 +313,25 @@ mod tests {
         let shown: Vec<_> = messages.shown().map(|i| messages.entries[i].text.clone()).collect();
         assert_eq!(shown, ["fresh"]);
         assert_eq!(messages.entries.len(), 2);
+    }
+
+    #[test]
+    fn the_status_line_says_what_is_new_and_what_is_still_wrong() {
+        let mut messages = Messages::default();
+        let last = |messages: &Messages| messages.last().map(|e| e.text.clone());
+        messages.error("no such file");
+        messages.remark("undone");
+        assert_eq!(messages.last_remark(), Some("undone"));
+        messages.note("a bake is under way");
+        assert_eq!((messages.last_remark(), last(&messages).as_deref()), (None, Some("a bake is under way")));
+        messages.withdraw("a bake is under way");
+        assert_eq!(last(&messages).as_deref(), Some("no such file"), "errors stay until they are dismissed");
+        messages.entries[0].shown_until = None;
+        assert!(last(&messages).is_none() && messages.entries.len() == 2);
+        messages.remark("undone");
+        messages.remark = messages.remark.map(|(text, _)| (text, Instant::now()));
+        messages.expire(&Context::default());
+        assert!(messages.last_remark().is_none());
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub enum Target {
     },
     /// What a process that ended too early left.
     Recovered(Recovery),
-    /// A session whose missing files were looked for.
+    /// A session with missing files.
     Session {
         /// As it was read.
         loaded: Box<LoadedSession>,
@@ -43,6 +43,8 @@ pub enum Target {
         path: Option<PathBuf>,
         /// The autosave it was read from, which nothing else keeps.
         recovery: Option<Recovery>,
+        /// The folder to look for them in; `None` to open it without them.
+        look_in: Option<PathBuf>,
     },
 }
 
@@ -58,6 +60,8 @@ pub enum Opened {
         path: Option<PathBuf>,
         /// The autosave it was read from, which nothing else keeps.
         recovery: Option<Recovery>,
+        /// How many were found, if they were looked for.
+        found: Option<usize>,
     },
 }
 
@@ -135,14 +139,26 @@ pub fn open(target: Target) -> Result<Opened> {
             Kind::Scene => open_scene(&path).map(ready),
             Kind::Dataset => open_dataset(&path).map(ready),
             Kind::Session => open_session(&path, Some(path.clone()), None),
-            _ => Err(anyhow::Error::msg(foreign(&path))),
+            kind => Err(anyhow::Error::msg(no_document(&path, kind))),
         },
         Target::Bundled { scene, bakes } => open_bundled(&scene, &bakes).map(ready),
         Target::Recovered(recovery) => {
             open_session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery))
         }
-        Target::Session { loaded, path, recovery } => Ok(ready(resolve(*loaded, path, recovery))),
+        Target::Session { loaded, path, recovery, look_in: None } => Ok(ready(resolve(*loaded, path, recovery))),
+        Target::Session { loaded, path, recovery, look_in: Some(folder) } => Ok(look(loaded, path, recovery, &folder)),
     }
+}
+
+/// Why a file that is not edited by itself cannot be opened, and where it goes instead.
+fn no_document(path: &Path, kind: Kind) -> String {
+    let what = match kind {
+        Kind::Environment => "this is an environment and no scene; use Library > Load..., or drop it on the window",
+        Kind::Texture => "this is a picture and no scene; load it as a map of a material, or drop it on an object",
+        Kind::Material => "this is a material and no scene; use Load... in the Material tab, or drop it on an object",
+        Kind::Scene | Kind::Dataset | Kind::Session | Kind::Unknown => return foreign(path),
+    };
+    format!("{what} ({})", path.display())
 }
 
 fn ready(ready: Ready) -> Opened {
@@ -219,7 +235,16 @@ fn open_session(file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>) 
     if loaded.missing.is_empty() {
         return Ok(ready(resolve(loaded, path, recovery)));
     }
-    Ok(Opened::Missing { loaded: loaded.into(), path, recovery })
+    Ok(Opened::Missing { loaded: loaded.into(), path, recovery, found: None })
+}
+
+/// Looks for the missing files of a session.
+fn look(mut loaded: Box<LoadedSession>, path: Option<PathBuf>, recovery: Option<Recovery>, folder: &Path) -> Opened {
+    let found = Some(loaded.relink(folder));
+    if loaded.missing.is_empty() {
+        return ready(resolve(*loaded, path, recovery));
+    }
+    Opened::Missing { loaded, path, recovery, found }
 }
 
 /// All that the session names, as far as it can be read: what cannot is left out with a warning.

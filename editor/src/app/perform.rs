@@ -1,6 +1,7 @@
 //! Actions, done: the one place where what the interface asks for meets the document, its history and the jobs.
 
 use super::{
+    first_view::FirstView,
     layout::Inspector,
     opening::{Opened, Ready, Target},
     prompts::{Prompt, Then},
@@ -9,15 +10,15 @@ use super::{
 };
 use crate::{
     actions::Action,
-    app::keys::Command,
-    document::{Document, Edit, History, ViewSettings, library::maps_in, session},
+    app::{dialogs::Purpose, keys::Command},
+    document::{Document, Edit, History, ViewSettings, folder_of, library::maps_in, session},
     jobs::load::{Source, Topic},
-    preferences::Preferences,
+    preferences::{FileUse, Preferences},
     viewport::{camera_text, navigation, pick},
 };
 use egui::{Context, ViewportCommand};
-use lapidary_core::camera::Camera;
-use lapidary_precompute::Preset;
+use lapidary_core::{camera::Camera, scene::Bounds};
+use lapidary_precompute::{Leftover, Preset};
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -31,6 +32,7 @@ impl EditorState {
             Action::Camera(camera) => self.document.camera = camera,
             Action::FrameSelection => self.frame_selection(),
             Action::FrameAll => self.frame_all(),
+            Action::ResetCamera => self.reset_camera(),
             Action::SelectObject(object) => self.select_object(object),
             Action::SelectMaterial(material) => {
                 self.selection.material = material;
@@ -48,7 +50,9 @@ impl EditorState {
             Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
             Action::CancelBake => self.cancel_bake(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
-            Action::OpenBundled | Action::Open(Some(_)) | Action::Quit => self.leave_document(ctx, action),
+            Action::Open(Some(path)) => self.open(Target::File(path)),
+            Action::OpenBundled => self.open_bundled(),
+            Action::Quit => self.quit(ctx),
             Action::Save => self.save(ctx),
             Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
             Action::ExportPicture(Some(path)) => self.export_picture(path),
@@ -61,7 +65,7 @@ impl EditorState {
             }
             Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
             Action::AddToLibrary(Some(path)) => self.add_to_library(path),
-            Action::Relink(Some(folder)) => self.relink(&folder),
+            Action::Relink(Some(folder)) => self.relink(folder),
             Action::Open(None)
             | Action::SaveAs(None)
             | Action::ExportPicture(None)
@@ -92,6 +96,7 @@ impl EditorState {
             Command::Redo => Action::Redo,
             Command::FrameSelection => Action::FrameSelection,
             Command::FrameAll => Action::FrameAll,
+            Command::ResetCamera => Action::ResetCamera,
             Command::CopyCamera => Action::CopyCamera,
             Command::PasteCamera => Action::PasteCamera,
             Command::Bake => Action::Bake { resume: false },
@@ -121,13 +126,13 @@ impl EditorState {
 
     fn undo(&mut self) {
         if let Some(label) = self.history.undo(&mut self.document) {
-            self.interface.done = Some(format!("Undone: {label}"));
+            self.messages.remark(format!("Undone: {label}"));
         }
     }
 
     fn redo(&mut self) {
         if let Some(label) = self.history.redo(&mut self.document) {
-            self.interface.done = Some(format!("Redone: {label}"));
+            self.messages.remark(format!("Redone: {label}"));
         }
     }
 
@@ -149,11 +154,22 @@ impl EditorState {
     }
 
     fn frame_all(&mut self) {
-        let baked = self.scene.baked.as_ref().map(|baked| &baked.dataset.scene);
-        if let Some(scene) = baked.or(self.scene.source.as_ref().map(|source| &*source.scene)) {
-            let bounds = scene.mesh.bounds();
+        if let Some(bounds) = self.scene_bounds() {
             self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
         }
+    }
+
+    /// Goes back to where the document was first seen from.
+    fn reset_camera(&mut self) {
+        if let Some(view) = &self.scene.first_view {
+            self.document.camera = view.fitted(self.scene_bounds(), self.aspect());
+        }
+    }
+
+    fn scene_bounds(&self) -> Option<Bounds> {
+        let baked = self.scene.baked.as_ref().map(|baked| &baked.dataset.scene);
+        let scene = baked.or(self.scene.source.as_ref().map(|source| &*source.scene));
+        scene.map(|scene| scene.mesh.bounds())
     }
 
     fn aspect(&self) -> f32 {
@@ -212,17 +228,25 @@ impl EditorState {
             }
             _ => None,
         };
-        let folder = path.and_then(Path::parent).map(Path::to_owned);
-        self.dialogs.ask(action, folder.as_deref(), name);
+        let of_document = path.map(folder_of);
+        let folder = match Purpose::of(&action).map(|purpose| purpose.files_for) {
+            Some(FileUse::Environment) => self.folder_of_environments().or(of_document),
+            _ => of_document,
+        };
+        self.dialogs.ask(action, &self.preferences.folders, folder, name);
     }
 
-    /// Another document takes this one's place, or the window closes: changes are asked about first.
-    fn leave_document(&mut self, ctx: &Context, action: Action) {
-        let then = Then::Do(Box::new(action));
+    /// Where the map in use lies, or else those that came with the program.
+    fn folder_of_environments(&self) -> Option<PathBuf> {
+        self.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
+    }
+
+    /// The window closes, after changes were asked about.
+    fn quit(&mut self, ctx: &Context) {
         if self.history.is_modified() {
-            self.ask(Prompt::Unsaved { then });
+            self.ask(Prompt::Unsaved { then: Then::Quit });
         } else {
-            self.leave_now(ctx, then);
+            self.leave_now(ctx, Then::Quit);
         }
     }
 
@@ -236,18 +260,12 @@ impl EditorState {
 
     /// Goes on without asking.
     pub(super) fn leave_now(&mut self, ctx: &Context, then: Then) {
-        let action = match then {
-            Then::Do(action) => *action,
-            Then::Show(ready) => return self.take_document(*ready),
-        };
-        match action {
-            Action::Open(Some(path)) => self.open(Target::File(path)),
-            Action::OpenBundled => self.open_bundled(),
-            Action::Quit => {
+        match then {
+            Then::Show(ready) => self.take_document(*ready),
+            Then::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
-            _ => {}
         }
     }
 
@@ -302,15 +320,17 @@ impl EditorState {
         let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
         self.opening = None;
         match result {
-            Ok(Opened::Ready(ready)) => {
-                let edited_since = self.history.revision() != self.opening_since;
-                if edited_since && self.history.is_modified() {
-                    self.ask(Prompt::Unsaved { then: Then::Show(ready) });
-                } else {
-                    self.take_document(*ready);
-                }
+            Ok(Opened::Ready(ready)) if self.history.is_modified() => {
+                self.ask(Prompt::Unsaved { then: Then::Show(ready) });
             }
-            Ok(Opened::Missing { loaded, path, recovery }) => self.ask(Prompt::Missing { loaded, path, recovery }),
+            Ok(Opened::Ready(ready)) => self.take_document(*ready),
+            Ok(Opened::Missing { loaded, path, recovery, found }) => {
+                if let Some(found) = found {
+                    let missing = loaded.missing.len();
+                    self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                }
+                self.ask(Prompt::Missing { loaded, path, recovery });
+            }
             Err(error) => self.messages.error(error),
         }
     }
@@ -325,20 +345,20 @@ impl EditorState {
         self.document = document;
         self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.recovered = recovery;
-        self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown };
-        self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
         // The cameras of sessions and of recovered work are as they were left.
-        if self.scene.session.is_none() && self.recovered.is_none() {
-            self.fit_camera();
-        }
+        let is_kept = session.is_some() || self.recovered.is_some();
+        let first_view = Some(FirstView::of(&self.document, is_kept));
+        self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown, first_view };
+        self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
+        self.reset_camera();
         self.pictures.clear();
         self.requests.forget();
         let name = self.title();
         self.messages.warnings(&name, &warnings);
         recent.into_iter().for_each(|path| self.remember(&path));
         if bake_now {
-            let (has_draft, has_checkpoint) = (self.scene.baked.is_some(), self.has_checkpoint());
-            self.bake_bundled(has_draft && has_checkpoint, !has_draft);
+            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() != Leftover::Nothing);
+            self.bake_bundled(has_draft && has_chunks, !has_draft);
         }
     }
 
@@ -348,15 +368,15 @@ impl EditorState {
     }
 
     /// Looks for the missing files of the session that waits for it.
-    fn relink(&mut self, folder: &Path) {
-        let Some(Prompt::Missing { loaded, .. }) = self.prompts.front_mut() else { return self.relink_library(folder) };
-        let found = loaded.relink(folder);
-        let missing = loaded.missing.len();
-        self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
-        if missing == 0
-            && let Some(Prompt::Missing { loaded, path, recovery }) = self.prompts.pop_front()
-        {
-            self.open(Target::Session { loaded, path, recovery });
+    fn relink(&mut self, folder: PathBuf) {
+        match self.prompts.pop_front() {
+            Some(Prompt::Missing { loaded, path, recovery }) => {
+                self.open(Target::Session { loaded, path, recovery, look_in: Some(folder) });
+            }
+            other => {
+                other.into_iter().for_each(|prompt| self.prompts.push_front(prompt));
+                self.relink_library(&folder);
+            }
         }
     }
 
@@ -373,20 +393,6 @@ impl EditorState {
             }
         }
         self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
-    }
-
-    /// A camera of a scene file was set up for a picture of this shape; a narrower viewport sees as much in width.
-    /// Without cameras all of the scene is framed.
-    fn fit_camera(&mut self) {
-        const SHAPE: f32 = 1.5;
-        if self.document.bookmarks.is_empty() {
-            return self.frame_all();
-        }
-        let aspect = self.aspect();
-        if (0.2..SHAPE).contains(&aspect) {
-            let tan = (0.5 * self.document.camera.fov_y).tan() * SHAPE / aspect;
-            self.document.camera = navigation::with_field_of_view(&self.document.camera, 2.0 * tan.atan(), false);
-        }
     }
 
     /// What the window is called.

@@ -15,9 +15,8 @@ use glam::Vec3;
 use lapidary_core::{
     atomic::write_atomically,
     color::linear_from_srgb,
-    image::{encode_png, encode_png_with_alpha},
+    image::{Image, encode_png, encode_png_with_alpha},
 };
-use lapidary_render::{Post, ViewMode, display_pixel};
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -26,14 +25,20 @@ use std::{
     },
 };
 
-/// How scene-linear pixels are shown.
-#[derive(Clone, Copy)]
-struct Look {
-    mode: ViewMode,
-    post: Post,
-    count_top: f32,
+/// A picture to write, once it is complete.
+struct Export {
+    /// What the render thread was asked for it by.
+    id: u64,
+    path: PathBuf,
     /// Nothing lies behind the surfaces.
     transparent: bool,
+}
+
+impl Export {
+    /// A png holds what the window shows; exr and hdr are scene-linear.
+    fn is_png(&self) -> bool {
+        self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    }
 }
 
 /// The file that a picture was written to, or why it was not.
@@ -42,9 +47,9 @@ type Written = Result<PathBuf, String>;
 /// Pictures, on the screen and on their way to files.
 pub struct Pictures {
     texture: Option<TextureHandle>,
-    /// What is known of the picture on the screen; its pixels are in the texture.
+    /// The picture on the screen.
     shown: Option<RenderedFrame>,
-    exports: Vec<(u64, PathBuf, Look)>,
+    exports: Vec<Export>,
     exports_asked: u64,
     written: (Sender<Written>, Receiver<Written>),
 }
@@ -78,19 +83,21 @@ impl Pictures {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
             None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
         }
-        self.shown = Some(RenderedFrame { pixels: Vec::new(), ..frame });
+        self.shown = Some(frame);
     }
 }
 
 impl EditorState {
     pub(super) fn collect_pictures(&mut self, ctx: &Context) {
+        // Before the frames, so that a picture that was waited for is on the screen when its event is looked at.
+        let events = self.render.events();
         // A picture of the scene before may still have been on its way.
         if let Some(frame) = self.render.frames()
             && self.scene.shown().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
         {
             self.pictures.show(ctx, frame);
         }
-        for event in self.render.events() {
+        for event in events {
             match event {
                 RenderEvent::Remark(text) => self.messages.warning(text),
                 RenderEvent::Failed(text) => {
@@ -114,26 +121,31 @@ impl EditorState {
             self.messages.error("There is no picture to export; open and bake a scene first");
             return;
         }
-        let view = &self.document.view;
-        let look = Look {
-            mode: view.mode,
-            post: view.post,
-            count_top: view.mode.count_top(view.illum_cut),
-            transparent: view.background == BackgroundKind::Transparent,
-        };
+        let transparent = self.document.view.background == BackgroundKind::Transparent;
         self.pictures.exports_asked += 1;
         let id = self.pictures.exports_asked;
-        self.pictures.exports.push((id, path, look));
+        self.pictures.exports.push(Export { id, path, transparent });
         self.render.read_picture(id);
         self.messages.note("The picture is written when all its samples are there");
     }
 
     fn write_picture(&mut self, id: u64, result: Result<LinearPicture, String>) {
-        let Some(place) = self.pictures.exports.iter().position(|(other, ..)| *other == id) else { return };
-        let (_, path, look) = self.pictures.exports.swap_remove(place);
+        let Some(place) = self.pictures.exports.iter().position(|export| export.id == id) else { return };
+        let shown = self.pictures.shown.as_ref().filter(|s| s.full_size && s.samples == s.of_samples);
+        let is_png = self.pictures.exports[place].is_png();
+        if is_png && result.is_ok() && shown.is_none() {
+            // The next one is on its way already; it is waited for.
+            return self.render.read_picture(id);
+        }
+        let shown = shown.filter(|_| is_png).map(|shown| (shown.pixels.clone(), shown.size));
+        let Export { path, transparent, .. } = self.pictures.exports.swap_remove(place);
         let (sender, wake) = (self.pictures.written.0.clone(), self.wake.clone());
         spawn("export", move || {
-            let written = result.and_then(|picture| guarded("the export", || write(picture, &path, look)));
+            let write = |picture: LinearPicture| match shown {
+                Some((pixels, size)) => write_png(&pixels, size, transparent, &path),
+                None => write_linear(&picture, transparent, &path),
+            };
+            let written = result.and_then(|picture| guarded("the export", || write(picture)));
             // Nobody is left to tell if the window is gone.
             let _ = sender.send(written.map(|()| path));
             wake();
@@ -141,20 +153,39 @@ impl EditorState {
     }
 }
 
-/// A png holds what the window shows but for the wireframe; exr and hdr are scene-linear.
-fn write(picture: LinearPicture, path: &Path, look: Look) -> Result<()> {
-    let LinearPicture { mut image, coverage } = picture;
-    let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if !is_png {
-        return Ok(image.write_with(look.transparent.then_some(coverage.as_slice()), path)?);
-    }
-    for (pixel, &covered) in image.pixels.iter_mut().zip(&coverage) {
-        // Alpha says how much of a pixel is covered, so that its colour is that of the surfaces alone.
-        let weight = if look.transparent && covered > 0.0 { covered } else { 1.0 };
-        let encoded = display_pixel(look.mode, &look.post, look.count_top, *pixel / weight);
-        *pixel = Vec3::from_array(encoded.to_array().map(linear_from_srgb));
-    }
-    let bytes = if look.transparent { encode_png_with_alpha(&image, &coverage) } else { encode_png(&image) };
+fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Result<()> {
+    Ok(picture.image.write_with(transparent.then_some(picture.coverage.as_slice()), path)?)
+}
+
+/// Writes pixels as a display shows them. Alpha says how much of a pixel is covered, and its colour is that of the
+/// surfaces alone.
+fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path) -> Result<()> {
+    let linear = |value: u8| linear_from_srgb(f32::from(value) / 255.0);
+    let color = |&[r, g, b, _]: &[u8; 4]| Vec3::from_array([r, g, b].map(linear));
+    let image = Image { size, pixels: pixels.iter().map(color).collect() };
+    let alpha = || pixels.iter().map(|pixel| f32::from(pixel[3]) / 255.0).collect::<Vec<_>>();
+    let bytes = if transparent { encode_png_with_alpha(&image, &alpha()) } else { encode_png(&image) };
     write_atomically(path, &bytes)
         .with_context(|| format!("cannot write the picture; check the free space and permissions ({})", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::{image::decode, texture::Texels};
+
+    #[test]
+    fn a_png_holds_every_value_that_is_shown() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let pixels: Vec<[u8; 4]> = (0..=255).map(|v| [v, 255 - v, v / 2, v]).collect();
+        for transparent in [true, false] {
+            write_png(&pixels, [16, 16], transparent, &path).unwrap();
+            let read = decode(&std::fs::read(&path).unwrap(), &path).unwrap();
+            let Texels::U8(texels) = read.texels else { panic!("8 bits a channel") };
+            let alpha = |pixel: &[u8; 4]| if transparent { pixel[3] } else { 255 };
+            let expected: Vec<[u8; 4]> = pixels.iter().map(|p| [p[0], p[1], p[2], alpha(p)]).collect();
+            assert_eq!(texels, expected);
+        }
+    }
 }

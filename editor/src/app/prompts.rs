@@ -35,9 +35,9 @@ pub enum Prompt {
 
 /// What is done once the document may be left.
 pub enum Then {
-    /// What was asked for.
-    Do(Box<Action>),
-    /// A document takes its place, which was opened while this one was edited.
+    /// The window closes.
+    Quit,
+    /// A document that was opened takes its place.
     Show(Box<Ready>),
 }
 
@@ -170,7 +170,7 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
             state.open(Target::Recovered(found.swap_remove(i)));
         }
         (Some(Prompt::Missing { loaded, path, recovery }), Answer::OpenWithout) => {
-            state.open(Target::Session { loaded, path, recovery });
+            state.open(Target::Session { loaded, path, recovery, look_in: None });
         }
         _ => {}
     }

@@ -6,7 +6,11 @@ use super::{
     state::{Bundled, EditorState, Setup},
 };
 use crate::{
-    backend_option::BackendOption, demo::DataFolder, document::library::maps_in, jobs::Wake, paths::Folders,
+    backend_option::BackendOption,
+    demo::DataFolder,
+    document::{absolute, library::maps_in},
+    jobs::Wake,
+    paths::Folders,
     preferences::Preferences,
 };
 use anyhow::{Result, bail};
@@ -66,7 +70,10 @@ fn is_display_missing() -> bool {
 /// The data are needed when they were asked for by name; otherwise the window opens without them.
 fn bundled(launch: &Launch) -> Result<Bundled> {
     match DataFolder::find(launch.data.as_deref()) {
-        Ok(data) => Ok(Bundled { scene: Some(data.still_life()), environments: maps_in(&data.environment_folder()) }),
+        Ok(data) => Ok(Bundled {
+            scene: Some(absolute(&data.still_life())),
+            environments: maps_in(&absolute(&data.environment_folder())),
+        }),
         Err(error) if launch.data.is_some() => Err(error),
         Err(_) => Ok(Bundled::default()),
     }

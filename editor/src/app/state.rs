@@ -4,6 +4,7 @@ use super::{
     baking::Baking,
     dialogs::FileDialogs,
     environments::Environments,
+    first_view::FirstView,
     layout::{self, Interface},
     messages::Messages,
     opening::{Opening, Target},
@@ -90,6 +91,8 @@ pub struct OpenScene {
     pub session: Option<PathBuf>,
     /// What the session file has that this version does not know.
     pub unknown: Unknown,
+    /// The camera that it was first seen by.
+    pub first_view: Option<FirstView>,
 }
 
 impl OpenScene {
@@ -154,8 +157,6 @@ pub struct EditorState {
     pub(super) watcher: Watcher,
     pub(super) watched: Vec<PathBuf>,
     pub(super) opening: Option<Opening>,
-    /// Revision of the document when the opening began.
-    pub(super) opening_since: u64,
     pub(super) baking: Baking,
     pub(super) environments: Environments,
     pub(super) pictures: Pictures,
@@ -202,7 +203,6 @@ impl EditorState {
             watcher: Watcher::start(wake.clone()),
             watched: Vec::new(),
             opening: None,
-            opening_since: 0,
             baking: Baking::default(),
             environments: Environments::new(wake.clone()),
             pictures: Pictures::default(),
@@ -218,10 +218,9 @@ impl EditorState {
         }
     }
 
-    /// Begins to open something, without asking about changes.
+    /// Begins to open something. Whether changes would be lost is asked once it is there to take their place.
     pub fn open(&mut self, target: Target) {
         self.opening = Some(Opening::start(target, self.wake.clone()));
-        self.opening_since = self.history.revision();
     }
 
     /// Whether there are changes that are not saved.
@@ -276,6 +275,11 @@ impl EditorState {
         let chosen = self.dialogs.show(ctx);
         if was_open && !self.dialogs.is_open() && chosen.is_empty() {
             self.after_save = None;
+        }
+        if let Some((files, folder)) = self.dialogs.left() {
+            let mut preferences = self.preferences.clone();
+            preferences.folders.remember(files, &folder);
+            actions.push(Action::Preferences(preferences));
         }
         actions.extend(chosen);
     }

@@ -19,7 +19,8 @@ pub fn show(ui: &mut Ui, state: &EditorState) {
 
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
-    let text = match opening.or_else(|| state.baking.line()).or_else(|| state.interface.done.clone()) {
+    let remark = || state.messages.last_remark().map(str::to_owned);
+    let text = match opening.or_else(|| state.baking.line()).or_else(remark) {
         Some(line) => RichText::new(line),
         None => match state.messages.last() {
             Some(entry) if entry.severity != Severity::Note => {

@@ -191,6 +191,7 @@ fn changes_are_asked_about_before_they_are_lost() {
     window.0.state_mut().may_close = false;
     window.type_roughness("0.1");
     window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.wait("the question", |s| !s.prompts.is_empty());
     assert!(window.shows("Save the changes?"));
     window.click("Cancel");
     assert!(!window.shows("Save the changes?") && window.0.state().opening.is_none());
@@ -199,6 +200,86 @@ fn changes_are_asked_about_before_they_are_lost() {
     assert!(!window.0.state().may_close);
     window.click("Discard");
     assert!(window.0.state().may_close);
+}
+
+#[test]
+fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() {
+    let place = Place::new();
+    place.bake();
+    lapidary_core::image::Image::filled([3, 3], glam::Vec3::X).write(&place.path("red.png")).unwrap();
+    std::fs::write(place.path("broken.gltf"), b"{").unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.type_roughness("0.1");
+    for (file, said) in
+        [("red.png", "a picture and no scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
+    {
+        window.perform(Action::Open(Some(place.path(file))));
+        window.wait("the answer", |s| s.opening.is_none());
+        assert!(window.has_said(said) && window.0.state().prompts.is_empty(), "{file}");
+    }
+    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.wait("the question", |s| !s.prompts.is_empty());
+    window.click("Discard");
+    assert!(!window.0.state().is_modified() && window.0.state().title() == "scene.cuts");
+}
+
+#[test]
+fn the_camera_goes_back_to_where_the_scene_was_first_seen_from() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    let first = window.0.state().document.camera.clone();
+    window.perform(Action::Camera(lapidary_core::camera::Camera { eye: glam::Vec3::ONE, ..first.clone() }));
+    window.perform(Action::FrameAll);
+    assert_ne!(window.0.state().document.camera, first, "negative control");
+    window.0.key_press(Key::Home);
+    window.0.run_steps(2);
+    assert_eq!(window.0.state().document.camera, first);
+}
+
+#[test]
+fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.0.key_press(Key::W);
+    window.0.run_steps(2);
+    let with = exported(&mut window, &place.path("with.png"));
+    window.0.key_press(Key::W);
+    window.0.run_steps(2);
+    let without = exported(&mut window, &place.path("without.png"));
+    // The lines' colour is more blue than red by far.
+    let lines = |texels: &[[u8; 4]]| texels.iter().filter(|[r, _, b, _]| b.saturating_sub(*r) > 100).count();
+    assert!(lines(&with) > 100 && lines(&without) == 0, "{} and {}", lines(&with), lines(&without));
+}
+
+/// Exports the picture, which is that on the screen, and reads it.
+fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
+    window.perform(Action::ExportPicture(Some(path.to_owned())));
+    window.wait("the file", |_| path.is_file());
+    let read = lapidary_core::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
+    let shown = window.0.state().pictures.shown().unwrap();
+    assert_eq!((shown.samples, read.size), (shown.of_samples, shown.size));
+    let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits a channel") };
+    assert_eq!(texels, shown.pixels);
+    texels
+}
+
+#[test]
+fn undoing_is_said_only_in_passing() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.type_roughness("0.1");
+    window.perform(Action::Undo);
+    assert!(window.shows("Undone: Roughness"));
+    window.open(&place.path("gone.obj"));
+    assert!(!window.shows("Undone: Roughness"), "an error takes its place");
 }
 
 #[test]

@@ -191,11 +191,21 @@ impl Process {
     }
 }
 
-/// When a process began, in clock ticks after the boot: the 22nd field of its status, the second of which is a name in
-/// parentheses. `None` if there is no such process, or the system is not Linux.
+/// When a running process began, in clock ticks after the boot. `None` if there is no such process, it has ended, or the
+/// system is not Linux.
 fn start_of(id: u32) -> Option<u64> {
-    let status = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
-    status.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()
+    start_in(&std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?)
+}
+
+/// The 22nd field of a process's status, the second of which is a name in parentheses. `None` of a process that has
+/// ended but is still listed: while its memory is freed, which takes a second if there is much, it has a flag, and until
+/// its parent has taken note of its end it is a zombie.
+fn start_in(status: &str) -> Option<u64> {
+    const EXITING: u64 = 4;
+    let fields: Vec<&str> = status.rsplit_once(')')?.1.split_whitespace().collect();
+    let (state, flags, start) = (fields.first()?, fields.get(6)?, fields.get(19)?);
+    let has_ended = ["Z", "X", "x"].contains(state) || flags.parse::<u64>().ok()? & EXITING != 0;
+    start.parse().ok().filter(|_| !has_ended)
 }
 
 fn was_touched(file: &Path) -> bool {

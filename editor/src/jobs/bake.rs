@@ -20,8 +20,8 @@ use std::{
 /// What to bake.
 #[derive(Clone, Debug)]
 pub struct BakeTask {
-    /// As imported.
-    pub scene: Scene,
+    /// As imported. Copied by the thread that bakes, not by the window's.
+    pub scene: Arc<Scene>,
     /// Settings and where the dataset goes.
     pub job: BakeJob,
     /// Bakes a draft first, unless the job is one or goes on from a checkpoint.
@@ -178,7 +178,7 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
         let job = BakeJob { settings: draft_settings, output: scratch.0.join("draft.cuts"), ..task.job.clone() };
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
         // There is nothing to render yet: it may have all cores.
-        match on_threads(cores, || bake(task.scene.clone(), &job, &teller_of_draft)) {
+        match on_threads(cores, || bake((*task.scene).clone(), &job, &teller_of_draft)) {
             Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::begun(dataset))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
             Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {error}"))),
@@ -193,12 +193,11 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
 }
 
 fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {
-    let spare = (task.or_afresh && task.job.resume).then(|| task.scene.clone());
-    match (bake(task.scene, &task.job, teller), spare) {
-        (Err(BakeError::Checkpoint(CheckpointError::Mismatch { .. })), Some(scene)) => {
-            bake(scene, &BakeJob { resume: false, ..task.job }, teller)
+    match bake((*task.scene).clone(), &task.job, teller) {
+        Err(BakeError::Checkpoint(CheckpointError::Mismatch { .. })) if task.or_afresh => {
+            bake(Arc::unwrap_or_clone(task.scene), &BakeJob { resume: false, ..task.job }, teller)
         }
-        (result, _) => result,
+        result => result,
     }
 }
 

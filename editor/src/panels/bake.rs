@@ -18,7 +18,7 @@ use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
 use lapidary_core::dataset::Dataset;
-use lapidary_precompute::{Phase, resolve};
+use lapidary_precompute::{Leftover, Phase, resolve};
 
 /// What the panel shows.
 pub struct BakeContext<'a> {
@@ -65,15 +65,15 @@ pub enum BakeStatus {
     },
     /// It was stopped.
     Cancelled {
-        /// There is a checkpoint to go on from.
-        resumable: bool,
+        /// What it has left.
+        leftover: Leftover,
     },
     /// It went wrong.
     Failed {
         /// What happened, and what to do.
         message: String,
-        /// There is a checkpoint to go on from.
-        resumable: bool,
+        /// What it has left.
+        leftover: Leftover,
     },
 }
 
@@ -105,8 +105,14 @@ fn notice(ui: &mut Ui, status: &BakeStatus) {
             ui.label(RichText::new("The bake is out of date").color(warn).strong());
             ui.label(listed(reasons))
         }
-        BakeStatus::Cancelled { resumable: true } => ui.label("The bake was stopped. Resume goes on where it was."),
-        BakeStatus::Cancelled { resumable: false } => ui.label("The bake was stopped before there was work to keep."),
+        BakeStatus::Cancelled { leftover } => ui.label(match leftover {
+            Leftover::Fitting => "The bake was stopped. Resume goes on where it was.",
+            Leftover::OfAnother => {
+                "A bake with other settings, or of another version of the scene, was stopped. Choose its settings again \
+                 to resume it; another bake discards it."
+            }
+            Leftover::Nothing => "The bake was stopped before there was work to keep.",
+        }),
         BakeStatus::Failed { message, .. } => ui.label(RichText::new(message).color(ui.visuals().error_fg_color)),
         BakeStatus::Running { .. } => return,
     };
@@ -128,7 +134,7 @@ fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
     let obstacle = obstacle(context.document);
     let can_resume = matches!(
         context.status,
-        BakeStatus::Cancelled { resumable: true } | BakeStatus::Failed { resumable: true, .. }
+        BakeStatus::Cancelled { leftover: Leftover::Fitting } | BakeStatus::Failed { leftover: Leftover::Fitting, .. }
     );
     ui.horizontal(|ui| {
         let mut button = |text: &str, help: &str, resume: bool| {

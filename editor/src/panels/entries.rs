@@ -1,6 +1,6 @@
 //! Rows for what the common ones do not hold: values over decades, counts, optional limits, long lists of choices, points.
 
-use super::widgets::{Edited, RowName, row};
+use super::widgets::{Edited, RowName, check_box, row};
 use egui::{ComboBox, DragValue, Response, RichText, Slider, TextStyle, Ui, emath::Numeric, vec2};
 use glam::Vec3;
 use std::ops::RangeInclusive;
@@ -87,7 +87,7 @@ pub fn decades_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut T) ->
 pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<T>) -> Edited {
     row(ui, decades.label, decades.help, false, |ui, name, _| {
         let mut on = value.is_some();
-        let ticked = name.of(ui.checkbox(&mut on, "")).on_hover_text(decades.help).changed();
+        let ticked = name.of(check_box(ui, &mut on, "")).on_hover_text(decades.help).changed();
         if ticked {
             *value = on.then(|| T::from_f64(decades.default));
         }

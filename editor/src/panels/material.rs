@@ -30,6 +30,8 @@ use transfer::Copied;
 
 /// Points of the preview's side.
 const PREVIEW_SIDE: f32 = 128.0;
+/// Grey of the disc that stands for a ball that is being made, between ground and text.
+const PLACEHOLDER: Color32 = Color32::from_gray(72);
 
 /// What the panel shows.
 #[derive(Clone, Copy)]
@@ -109,7 +111,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
     };
     let mut changes = Changes { material: original.clone(), label: "Material", ended: false };
     transfer::show(ui, state, context.document, index, &mut changes, actions);
-    ball(ui, state, context, original);
+    ball(ui, state, context, index);
     section(ui, "Reflection", true, |ui| {
         parameters::show(ui, state, context.document, index, &mut changes, actions);
     });
@@ -148,23 +150,29 @@ fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
 }
 
 /// The material on a ball under the scene's light, or why there is none.
-fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, material: &Material) {
+fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, index: usize) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), PREVIEW_SIDE + 8.0), Sense::hover());
     ui.painter().rect_filled(rect, 4.0, Color32::from_gray(52));
     let Some(lighting) = context.lighting else {
+        state.preview.clear();
         let font = egui::TextStyle::Small.resolve(ui.style());
         let text = "The preview is lit by the scene: bake it first.";
         ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, Color32::from_gray(160));
         return;
     };
     let textures = context.document.textures.iter().map(|t| t.texture.clone()).collect();
-    let ball = Ball { material: material.clone(), textures, lighting: lighting.clone() };
+    let ball = Ball { material: context.document.materials[index].clone(), textures, lighting: lighting.clone() };
     let size = (PREVIEW_SIDE * ui.pixels_per_point()).round().clamp(64.0, 256.0) as u32;
     let post = context.document.view.post;
-    if let Some(picture) = state.preview.picture(ui.ctx(), ball, context.light_revision, post, size) {
-        let at = Rect::from_center_size(rect.center(), vec2(PREVIEW_SIDE, PREVIEW_SIDE));
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        ui.painter().image(picture.id(), at, whole, Color32::WHITE);
+    match state.preview.picture(ui.ctx(), index, ball, context.light_revision, post, size) {
+        Some(picture) => {
+            let at = Rect::from_center_size(rect.center(), vec2(PREVIEW_SIDE, PREVIEW_SIDE));
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(picture.id(), at, whole, Color32::WHITE);
+        }
+        None => {
+            ui.painter().circle_filled(rect.center(), 0.5 * PREVIEW_SIDE / preview_ball::MARGIN, PLACEHOLDER);
+        }
     }
 }
 

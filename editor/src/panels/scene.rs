@@ -4,9 +4,9 @@ mod bookmarks;
 #[cfg(test)]
 mod tests;
 
-use super::widgets::section;
+use super::widgets::{outline, section};
 use crate::{actions::Action, document::Document};
-use egui::{Button, Color32, Layout, Response, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
+use egui::{Button, Color32, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2};
 use lapidary_core::{color::srgb_from_linear, dataset::Dataset, material::Material};
 use std::collections::BTreeSet;
 
@@ -156,7 +156,8 @@ fn name_button(ui: &mut Ui, selected: bool, name: &str) -> Response {
 fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(SWATCH, SWATCH), sense);
     let color = material.parameters.base_color.map(srgb_from_linear).to_array().map(|c| (c * 255.0 + 0.5) as u8);
-    ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(color[0], color[1], color[2]));
+    let color = Color32::from_rgb(color[0], color[1], color[2]);
+    ui.painter().rect(rect, 2.0, color, outline(ui), StrokeKind::Inside);
     response
 }
 

@@ -8,8 +8,8 @@ mod color;
 pub use color::color_row;
 
 use egui::{
-    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, TextStyle, Ui, UiBuilder,
-    UiStackInfo, vec2,
+    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, Stroke, TextStyle, Ui,
+    UiBuilder, UiStackInfo, vec2,
 };
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
@@ -204,12 +204,31 @@ pub fn choice_row<T: PartialEq + Copy>(
     })
 }
 
+/// A check box with an outline: its fill alone hardly differs from the panel.
+pub fn check_box(ui: &mut Ui, value: &mut bool, label: &str) -> Response {
+    ui.scope(|ui| {
+        let outline = outline(ui);
+        let visuals = ui.visuals_mut();
+        let well = visuals.text_edit_bg_color();
+        for state in [&mut visuals.widgets.inactive, &mut visuals.widgets.hovered, &mut visuals.widgets.active] {
+            (state.bg_fill, state.bg_stroke) = (well, outline);
+        }
+        ui.checkbox(value, label)
+    })
+    .inner
+}
+
+/// What sets small things off from the panel whatever their colour: as clear as its fainter text.
+pub fn outline(ui: &Ui) -> Stroke {
+    Stroke::new(1.0, ui.visuals().weak_text_color())
+}
+
 /// One row with a check box, its name beside it.
 pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edited {
     ui.horizontal(|ui| {
         ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
         let full = full_name(ui, label).unwrap_or_else(|| label.to_owned());
-        Edited::at_once(ui.checkbox(value, label).on_hover_text(help).accessible_name(full).changed())
+        Edited::at_once(check_box(ui, value, label).on_hover_text(help).accessible_name(full).changed())
     })
     .inner
 }

@@ -1,6 +1,7 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
+use crate::document::absolute;
 use egui::{
     Align, Context, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
     text::{CCursor, CCursorRange},
@@ -136,7 +137,7 @@ impl PathEntry {
     /// The path if it will do; otherwise says why not, or goes into the folder that was typed.
     fn accept(&mut self) -> Option<PathBuf> {
         let typed = self.text.trim();
-        let path = if typed.is_empty() { self.folder.clone() } else { self.folder.join(expand_home(typed)) };
+        let path = if typed.is_empty() { self.folder.clone() } else { absolute(&self.folder.join(expand_home(typed))) };
         match self.purpose.mode {
             Mode::Folder if path.is_dir() => return Some(path),
             _ if path.is_dir() && !typed.is_empty() => {
@@ -171,6 +172,7 @@ impl PathEntry {
     }
 
     fn enter(&mut self, folder: PathBuf) {
+        let folder = absolute(&folder);
         self.replacing = None;
         match std::fs::read_dir(&folder) {
             Ok(entries) => {
@@ -228,6 +230,18 @@ mod tests {
         let entry = entry(&Action::Open(None), folder.path(), "");
         let names: Vec<_> = entry.entries.iter().map(|e| e.name.as_str()).collect();
         assert_eq!(names, ["z", "a.cuts", "b.obj"]);
+    }
+
+    #[test]
+    fn detours_are_taken_out_of_paths() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("a")).unwrap();
+        std::fs::write(folder.path().join("b.obj"), b"").unwrap();
+        let mut entry = entry(&Action::Open(None), &folder.path().join("a/../a"), "../b.obj");
+        assert_eq!(entry.folder, folder.path().join("a"));
+        assert_eq!(entry.accept(), Some(folder.path().join("b.obj")));
+        entry.enter_parent();
+        assert_eq!(entry.folder, folder.path());
     }
 
     #[test]

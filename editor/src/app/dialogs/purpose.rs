@@ -1,6 +1,6 @@
 //! What a file dialog is for: its title, the files it lists, and how its answer completes the action that asked.
 
-use crate::actions::Action;
+use crate::{actions::Action, preferences::FileUse};
 use std::path::PathBuf;
 
 /// Which dialog.
@@ -29,6 +29,8 @@ pub struct Purpose {
     pub files: &'static str,
     /// Extensions of the files that are listed; empty for all.
     pub extensions: &'static [&'static str],
+    /// What they are for, which decides where it begins.
+    pub files_for: FileUse,
 }
 
 const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
@@ -37,27 +39,49 @@ const MATERIALS: &[&str] = &["json"];
 impl Purpose {
     /// What a dialog for an action's path is for; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
-        let purpose = |title, button, mode, files, extensions| Self { title, button, mode, files, extensions };
+        let purpose = |files_for, title, button, mode, files, extensions| Self {
+            title,
+            button,
+            mode,
+            files,
+            extensions,
+            files_for,
+        };
         Some(match action {
             Action::Open(_) => purpose(
+                FileUse::Scene,
                 "Open a scene, a baked scene or a session",
                 "Open",
                 Mode::Open,
                 "Scenes, baked scenes, sessions",
                 &["gltf", "glb", "obj", "ply", "cuts", "lapidary"],
             ),
-            Action::SaveAs(_) => purpose("Save the session", "Save", Mode::Save, "Sessions", &["lapidary"]),
+            Action::SaveAs(_) => {
+                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", &["lapidary"])
+            }
             Action::ExportPicture(_) => {
-                purpose("Export the picture", "Export", Mode::Save, "Pictures", &["png", "exr", "hdr"])
+                let extensions = &["png", "exr", "hdr"];
+                purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", extensions)
             }
-            Action::LoadTexture { .. } => purpose("Load a texture", "Load", Mode::Open, "Pictures", PICTURES),
-            Action::LoadMaterial { .. } => purpose("Load a material", "Load", Mode::Open, "Materials", MATERIALS),
-            Action::SaveMaterial { .. } => purpose("Save the material", "Save", Mode::Save, "Materials", MATERIALS),
-            Action::LoadEnvironment(_) => purpose("Load an environment", "Load", Mode::Open, "Environments", PICTURES),
+            Action::LoadTexture { .. } => {
+                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", PICTURES)
+            }
+            Action::LoadMaterial { .. } => {
+                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", MATERIALS)
+            }
+            Action::SaveMaterial { .. } => {
+                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", MATERIALS)
+            }
+            Action::LoadEnvironment(_) => {
+                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", PICTURES)
+            }
             Action::AddToLibrary(_) => {
-                purpose("Add environments to the library", "Add", Mode::OpenMany, "Environments", PICTURES)
+                let title = "Add environments to the library";
+                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", PICTURES)
             }
-            Action::Relink(_) => purpose("Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[]),
+            Action::Relink(_) => {
+                purpose(FileUse::Missing, "Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[])
+            }
             _ => return None,
         })
     }

@@ -5,11 +5,13 @@ use crate::{
     actions::Action,
     app::opening::{Opened, Ready, Target, open},
     document::{Document, TextureEntry, autosave, autosave::Autosave, session},
+    panels::bake::BakeStatus,
 };
 use lapidary_core::{image::Image, texture::Texture, texture::TextureSlot};
-use lapidary_precompute::{BakeJob, Silent, bake};
+use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake};
 use std::{
     path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
     time::{Duration, Instant},
 };
 
@@ -88,6 +90,45 @@ fn a_damaged_scene_does_not_keep_a_session_from_opening() {
     let ready = opened(Target::File(place.path("look.lapidary")));
     assert!(ready.baked.is_some() && ready.source.is_none());
     assert!(ready.warnings.iter().any(|w| w.contains("scene.obj")), "{:?}", ready.warnings);
+}
+
+/// Stops a bake when the first chunk of cuts is there.
+#[derive(Default)]
+struct StopsInVisibility {
+    tracing: AtomicBool,
+    advanced: AtomicBool,
+}
+
+impl Observer for StopsInVisibility {
+    fn event(&self, event: Event) {
+        match event {
+            Event::Started { phase, .. } => self.tracing.store(phase == Phase::Visibility, Ordering::Relaxed),
+            Event::Advanced { .. } => self.advanced.store(self.tracing.load(Ordering::Relaxed), Ordering::Relaxed),
+            Event::Warning { .. } => {}
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.advanced.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn only_a_bake_of_the_same_settings_is_resumed() {
+    let place = Place::new();
+    let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
+    let output = place.path("scene.cuts");
+    let job =
+        BakeJob { settings: few_lights(), output, chunks: Some(4), resume: false, import_secs: 0.0, warnings: vec![] };
+    assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
+    window.0.state_mut().document.bake = few_lights();
+    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
+    window.perform(Action::Bake { resume: true });
+    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::UpToDate);
 }
 
 /// An autosave of a process that is gone.
@@ -173,6 +214,10 @@ fn a_session_whose_texture_moved_is_relinked() {
     let mut window = place.window();
     window.open(&place.path("look.lapidary"));
     assert!(window.shows("Files are missing") && window.shows("red.png"));
+    std::fs::create_dir(place.path("elsewhere")).unwrap();
+    window.perform(Action::Relink(Some(place.path("elsewhere"))));
+    window.wait("the question again", |s| s.opening.is_none());
+    assert!(window.shows("Files are missing") && window.has_said("Found 0 of the missing files; 1 are still missing"));
     window.perform(Action::Relink(Some(place.path("moved"))));
     window.wait("the session", |s| s.opening.is_none() && !s.document.materials.is_empty());
     assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().document));

@@ -118,3 +118,29 @@ fn a_failed_write_says_so_once_an_interval() {
     assert!(tick(30).is_err_and(|e| e.to_string().contains("permissions")));
     assert!(tick(31).is_ok_and(|written| !written) && tick(60).is_err());
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_killed_process_does_not_run_even_before_its_parent_takes_note() {
+    let mut child = std::process::Command::new("sleep").arg("60").spawn().unwrap();
+    let start = start_of(child.id());
+    assert!(start.is_some());
+    child.kill().unwrap();
+    let killed = Instant::now();
+    while start_of(child.id()).is_some() {
+        assert!(killed.elapsed() < Duration::from_secs(10), "it stays");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(Path::new(&format!("/proc/{}/stat", child.id())).exists(), "a zombie is listed");
+    child.wait().unwrap();
+}
+
+#[test]
+fn a_process_on_its_way_out_has_ended() {
+    let status =
+        |state: &str, flags: u32| format!("7 (a) b) {state} 1 7 7 0 -1 {flags} 9 9 9 9 9 9 9 9 20 0 1 0 4711 9 9");
+    assert_eq!(start_in(&status("S", 0x40_0100)), Some(4711));
+    assert_eq!(start_in(&status("Z", 0x40_0100)), None);
+    assert_eq!(start_in(&status("R", 0x40_0104)), None);
+    assert_eq!(start_in("7 (a) R 1"), None);
+}

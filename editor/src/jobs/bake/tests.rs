@@ -14,7 +14,7 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     let output = folder.join("a.cuts");
     let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
     BakeTask {
-        scene: import(&obj).unwrap().scene,
+        scene: import(&obj).unwrap().scene.into(),
         job,
         progressive,
         or_afresh: false,

@@ -76,12 +76,16 @@ fn bake_resume_and_cancel_ask_for_what_they_say() {
     let mut fresh = panel(BakeStatus::None, document(), None);
     assert!(matches!(clicked(&mut fresh, "Bake")[..], [Action::Bake { resume: false }]));
     assert!(fresh.query_by_label("Resume").is_none() && fresh.query_by_label("Cancel").is_none());
-    let mut stopped = panel(BakeStatus::Cancelled { resumable: true }, document(), None);
+    let mut stopped = panel(BakeStatus::Cancelled { leftover: Leftover::Fitting }, document(), None);
     assert!(matches!(clicked(&mut stopped, "Resume")[..], [Action::Bake { resume: true }]));
     assert!(matches!(clicked(&mut stopped, "Start over")[..], [Action::Bake { resume: false }]));
-    let failed = BakeStatus::Failed { message: "the disk is full; free some space".into(), resumable: false };
+    let failed =
+        BakeStatus::Failed { message: "the disk is full; free some space".into(), leftover: Leftover::Nothing };
     let failed = panel(failed, document(), None);
     assert!(failed.query_by_label_contains("disk is full").is_some() && failed.query_by_label("Resume").is_none());
+    let other = panel(BakeStatus::Cancelled { leftover: Leftover::OfAnother }, document(), None);
+    assert!(other.query_by_label("Resume").is_none() && other.query_by_label("Bake").is_some());
+    assert!(other.query_by_label_contains("other settings").is_some());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The library of environments as a grid: formulas first, then maps.
+//! The library of environments as two grids: formulas, then maps.
 
 use super::{EnvironmentContext, thumbnail};
 use crate::{
@@ -6,8 +6,8 @@ use crate::{
     document::{Edit, EnvironmentSettings},
 };
 use egui::{
-    Align2, Color32, ColorImage, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle, TextureHandle, TextureId,
-    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, ColorImage, Rect, Response, RichText, Role, Sense, Stroke, StrokeKind, TextStyle, TextureHandle,
+    TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use lapidary_core::environment::Environment;
 use std::sync::mpsc::{Receiver, channel};
@@ -68,7 +68,7 @@ impl FormulaThumbnails {
     }
 }
 
-/// Shows the grid, and what adds to it.
+/// Shows the grids, and what adds to them.
 pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     formulas.receive(ui);
     let light = &context.document.environment;
@@ -86,8 +86,11 @@ pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &Environment
         missing: entry.missing,
         thumbnail: entry.thumbnail.as_ref().map(TextureHandle::id),
     });
-    let cells: Vec<Cell> = formula_cells.chain(library_cells).collect();
-    grid(ui, &cells, light, actions);
+    ui.label(RichText::new("Formulas").weak()).on_hover_text("Made by Lapidary; they need no file");
+    grid(ui, &formula_cells.collect::<Vec<_>>(), light, actions);
+    ui.add_space(4.0);
+    ui.label(RichText::new("Maps").weak()).on_hover_text("Files: those that come with Lapidary, then your own");
+    grid(ui, &library_cells.collect::<Vec<_>>(), light, actions);
     ui.horizontal(|ui| {
         if ui.button("Load...").on_hover_text("Lights the scene by an .hdr or .exr file").clicked() {
             actions.push(Action::LoadEnvironment(None));

@@ -4,6 +4,7 @@ use super::{EnvironmentContext, overlay, thumbnail, wrapped};
 use crate::{
     actions::Action,
     document::{Edit, EnvironmentSettings},
+    panels::widgets::check_box,
 };
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, DragValue, FontId, Painter, Rect, Response, Role, Sense, TextureHandle,
@@ -160,14 +161,15 @@ fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
     ui.add_enabled_ui(context.tree.is_some(), |ui| {
         ui.horizontal(|ui| {
             let missing = "There is no light tree before a bake.";
-            let samples = ui.checkbox(&mut overlay.samples, "Light samples").on_disabled_hover_text(missing);
+            let samples = check_box(ui, &mut overlay.samples, "Light samples").on_disabled_hover_text(missing);
             samples.on_hover_text("The leaves of the light tree, colored by subtree.");
-            if overlay.samples {
-                let deepest = context.tree.map_or(0, |t| t.height().min(DEEPEST_SUBTREE));
-                let depth = ui.add(DragValue::new(&mut overlay.subtree_depth).range(0..=deepest).speed(0.05));
-                depth.accessible_name("Subtree depth").on_hover_text("Depth of the subtrees that share a color.");
-            }
-            let cut = ui.checkbox(&mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
+            let deepest = context.tree.map_or(DEEPEST_SUBTREE, |t| t.height().min(DEEPEST_SUBTREE));
+            // Always there, so that nothing moves when the samples are shown.
+            let depth = DragValue::new(&mut overlay.subtree_depth).range(0..=deepest).speed(0.05);
+            let depth = ui.add_enabled(overlay.samples, depth).accessible_name("Subtree depth");
+            let help = "Depth of the subtrees whose samples share a color.";
+            depth.on_hover_text(help).on_disabled_hover_text(help);
+            let cut = check_box(ui, &mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
             cut.on_hover_text(
                 "The nodes that the light is resolved to: as large as their solid angle, as bright as they are.",
             );

@@ -1,7 +1,10 @@
 use super::*;
 use crate::panels::tests::{WIDTH, assert_fits};
 use egui::{Key, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
 use lapidary_core::image::Image;
 
 struct Probe {
@@ -133,6 +136,14 @@ fn orientation_and_library_are_chosen() {
 }
 
 #[test]
+fn formulas_and_maps_stand_under_headings() {
+    let panel = panel(probe("studio"));
+    let top = |label: &str| panel.get_by_label(label).rect().top();
+    let tops = ["Formulas", "Studio", "Constant", "Maps", "Harbor"].map(top);
+    assert!(tops.is_sorted(), "{tops:?}");
+}
+
+#[test]
 fn a_missing_map_is_looked_for_and_not_loaded() {
     let mut panel = panel(probe("studio"));
     panel.get_by_label("Attic").click();
@@ -166,11 +177,15 @@ fn samples_and_cut_are_shown_where_there_is_a_tree() {
     let tree = LightTree::geometric(256).unwrap();
     let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 256], 4));
     let mut panel = panel(Probe { light: Some((tree, lighting)), ..probe("studio") });
-    assert!(panel.query_by_label("Subtree depth").is_none());
+    let is_enabled = |panel: &Harness<Probe>| !panel.get_by_label("Subtree depth").accesskit_node().is_disabled();
+    let place = panel.get_by_label("Light cut").rect();
+    assert!(!is_enabled(&panel));
     panel.get_by_label("Light samples").click();
+    panel.run();
+    assert!(is_enabled(&panel));
+    assert_eq!(panel.get_by_label("Light cut").rect(), place, "nothing moves");
     panel.get_by_label("Light cut").click();
     panel.run();
-    assert!(panel.query_by_label("Subtree depth").is_some());
     assert!(panel.state().actions.is_empty(), "what is shown is no edit");
 }
 

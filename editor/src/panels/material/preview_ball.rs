@@ -22,7 +22,7 @@ const RADIUS: f32 = 0.1;
 /// Unit squares of texture coordinates around the equator and from pole to pole, about 16 cm each.
 const TILES: Vec2 = Vec2::new(4.0, 2.0);
 /// The picture's half width in radii.
-const MARGIN: f32 = 1.06;
+pub const MARGIN: f32 = 1.06;
 
 /// A material and the light on it.
 #[derive(Clone, Debug)]

@@ -1,4 +1,5 @@
-//! Renders preview balls on a thread of its own. The latest request wins; the last picture stays until a new one is there.
+//! Renders preview balls on a thread of its own. The latest request wins; the last picture of a material stays until a
+//! new one of it is there.
 
 use super::preview_ball::{Ball, BallPixel};
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
@@ -14,6 +15,8 @@ use std::{
 
 /// A picture to make.
 struct Request {
+    /// Which of the document's materials.
+    index: usize,
     ball: Ball,
     post: Post,
     size: u32,
@@ -23,14 +26,16 @@ struct Request {
 /// The worker and its last picture.
 pub struct Preview {
     requests: Sender<Request>,
-    pictures: Receiver<ColorImage>,
+    pictures: Receiver<(usize, ColorImage)>,
     asked: Option<Asked>,
-    shown: Option<TextureHandle>,
+    /// The last picture, and of which material it is.
+    shown: Option<(usize, TextureHandle)>,
 }
 
 /// What the last request was for.
 #[derive(Clone, PartialEq)]
 struct Asked {
+    index: usize,
     material: Material,
     textures: Vec<usize>,
     light_revision: u64,
@@ -40,11 +45,12 @@ struct Asked {
 }
 
 impl Asked {
-    fn new(ball: &Ball, light_revision: u64, post: Post, size: u32) -> Self {
+    fn new(index: usize, ball: &Ball, light_revision: u64, post: Post, size: u32) -> Self {
         // A name does not show.
         let material = Material { name: String::new(), ..ball.material.clone() };
         let textures = ball.textures.iter().map(|t| Arc::as_ptr(t) as usize).collect();
-        Self { material, textures, light_revision, lighting: Arc::as_ptr(&ball.lighting) as usize, post, size }
+        let lighting = Arc::as_ptr(&ball.lighting) as usize;
+        Self { index, material, textures, light_revision, lighting, post, size }
     }
 }
 
@@ -59,25 +65,32 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// The latest picture of `ball`, or of what came before it, `size` pixels across. Asks for a new one if anything changed.
+    /// The latest picture of the material of this index, `size` pixels across: that of `ball`, or of what it was before an
+    /// edit; `None` while there is none but of another material. Asks for a new one if anything changed.
     pub fn picture(
         &mut self,
         context: &Context,
+        index: usize,
         ball: Ball,
         light_revision: u64,
         post: Post,
         size: u32,
     ) -> Option<&TextureHandle> {
-        let wanted = Asked::new(&ball, light_revision, post, size);
+        let wanted = Asked::new(index, &ball, light_revision, post, size);
         if self.asked.as_ref() != Some(&wanted) {
             self.asked = Some(wanted);
             // A worker that is gone leaves the last picture.
-            let _ = self.requests.send(Request { ball, post, size, context: context.clone() });
+            let _ = self.requests.send(Request { index, ball, post, size, context: context.clone() });
         }
-        if let Some(image) = self.pictures.try_iter().last() {
-            self.shown = Some(context.load_texture("material preview", image, TextureOptions::LINEAR));
+        if let Some((index, image)) = self.pictures.try_iter().last() {
+            self.shown = Some((index, context.load_texture("material preview", image, TextureOptions::LINEAR)));
         }
-        self.shown.as_ref()
+        self.shown.as_ref().filter(|(shown, _)| *shown == index).map(|(_, picture)| picture)
+    }
+
+    /// Forgets the last picture: there is no light, or it was of another document.
+    pub fn clear(&mut self) {
+        (self.asked, self.shown) = (None, None);
     }
 
     /// Whether there is a picture.
@@ -87,11 +100,11 @@ impl Preview {
     }
 }
 
-fn work(requests: &Receiver<Request>, pictures: &Sender<ColorImage>) {
+fn work(requests: &Receiver<Request>, pictures: &Sender<(usize, ColorImage)>) {
     while let Ok(first) = requests.recv() {
         let request = requests.try_iter().last().unwrap_or(first);
         let image = displayed(&request.ball.render(request.size), &request.post, request.size);
-        if pictures.send(image).is_err() {
+        if pictures.send((request.index, image)).is_err() {
             return;
         }
         request.context.request_repaint();
@@ -124,25 +137,32 @@ mod tests {
     #[test]
     fn what_shows_is_asked_for_and_a_new_name_is_not() {
         let ball = ball();
-        let asked = Asked::new(&ball, 1, Post::default(), 64);
+        let asked_for = |ball: &Ball, revision, post| Asked::new(0, ball, revision, post, 64);
+        let asked = asked_for(&ball, 1, Post::default());
         let renamed = Ball { material: Material { name: "x".into(), ..Default::default() }, ..ball.clone() };
-        assert!(asked == Asked::new(&renamed, 1, Post::default(), 64));
+        assert!(asked == asked_for(&renamed, 1, Post::default()));
         let two_sided = Ball { material: Material { double_sided: true, ..Default::default() }, ..ball.clone() };
-        assert!(asked != Asked::new(&two_sided, 1, Post::default(), 64));
-        assert!(asked != Asked::new(&ball, 2, Post::default(), 64));
-        assert!(asked != Asked::new(&ball, 1, Post { exposure: 1.0, ..Post::default() }, 64));
+        assert!(asked != asked_for(&two_sided, 1, Post::default()));
+        assert!(asked != asked_for(&ball, 2, Post::default()));
+        assert!(asked != asked_for(&ball, 1, Post { exposure: 1.0, ..Post::default() }));
     }
 
     #[test]
-    fn a_picture_arrives_and_stays_while_another_is_made() {
+    fn a_picture_stays_while_another_of_its_material_is_made_and_is_not_shown_for_another() {
         let (mut preview, context, ball) = (Preview::default(), Context::default(), ball());
         let start = Instant::now();
-        while preview.picture(&context, ball.clone(), 1, Post::default(), 8).is_none() {
+        let mut picture =
+            |index, revision| preview.picture(&context, index, ball.clone(), revision, Post::default(), 8).is_some();
+        while !picture(0, 1) {
             assert!(start.elapsed() < Duration::from_secs(20), "no picture came");
             thread::sleep(Duration::from_millis(2));
         }
-        let kept = preview.picture(&context, ball, 2, Post::default(), 8);
-        assert!(kept.is_some(), "the last picture stays");
+        assert!(picture(0, 2), "the last picture stays");
+        assert!(!picture(1, 2), "it is of another material");
+        while !picture(1, 2) {
+            assert!(start.elapsed() < Duration::from_secs(20), "no picture of the other came");
+            thread::sleep(Duration::from_millis(2));
+        }
     }
 
     #[test]

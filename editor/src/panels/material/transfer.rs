@@ -1,9 +1,16 @@
 //! Materials from elsewhere and to elsewhere: presets, copy and paste, files.
 
 use super::{Changes, MaterialPanel};
-use crate::{actions::Action, document::Document, panels::presets::PRESETS};
+use crate::{
+    actions::Action,
+    document::Document,
+    panels::{
+        presets::PRESETS,
+        widgets::{check_box, outline},
+    },
+};
 use egui::{
-    Atom, Button, Color32, Event, IdSalt, PopupCloseBehavior, Rect, Ui, ViewportCommand,
+    Atom, Button, Color32, Event, IdSalt, PopupCloseBehavior, Rect, StrokeKind, Ui, ViewportCommand,
     containers::menu::{MenuButton, MenuConfig},
     vec2,
 };
@@ -91,7 +98,7 @@ pub fn show(
 }
 
 fn presets(ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
-    ui.checkbox(clear_maps, "Clear the maps").on_hover_text("Otherwise they stay and modulate the preset's values");
+    check_box(ui, clear_maps, "Clear the maps").on_hover_text("Otherwise they stay and modulate the preset's values");
     ui.separator();
     for preset in &PRESETS {
         let swatch = Atom::custom(IdSalt::new("swatch"), vec2(SWATCH, SWATCH));
@@ -99,7 +106,7 @@ fn presets(ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
         let left = button.rect.left_center() + vec2(ui.spacing().button_padding.x + 0.5 * SWATCH, 0.0);
         let [r, g, b] = preset.parameters.base_color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
         let square = Rect::from_center_size(left, vec2(SWATCH, SWATCH));
-        ui.painter().rect_filled(square, 3.0, Color32::from_rgb(r, g, b));
+        ui.painter().rect(square, 3.0, Color32::from_rgb(r, g, b), outline(ui), StrokeKind::Inside);
         if button.clicked() {
             changes.replace("Preset", preset.applied_to(&changes.material, *clear_maps));
             ui.close();

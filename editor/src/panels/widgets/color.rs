@@ -1,7 +1,7 @@
 //! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
 
-use super::{Edited, row};
-use egui::{FontSelection, TextEdit, TextStyle, Ui};
+use super::{Edited, outline, row};
+use egui::{FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
 use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
 
@@ -14,7 +14,7 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
             return Edited::at_once(true);
         }
         let mut rgb = color.to_array();
-        let swatch = name.of(ui.color_edit_button_rgb(&mut rgb)).on_hover_text(help);
+        let swatch = name.of(swatch(ui, &mut rgb)).on_hover_text(help);
         if swatch.changed() {
             *color = Vec3::from_array(rgb);
         }
@@ -22,6 +22,15 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
         let picked = Edited::until(ui, swatch.id, swatch.changed(), !ui.input(|i| i.pointer.any_down()));
         picked | hex_entry(ui, &name.full, color)
     })
+}
+
+/// The button that opens the picker. The toolkit outlines it in the fill of buttons, which a white one drowns in.
+fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
+    ui.scope(|ui| {
+        ui.visuals_mut().widgets.inactive.bg_fill = outline(ui).color;
+        ui.color_edit_button_rgb(rgb)
+    })
+    .inner
 }
 
 /// The colour as sRGB hex; what is typed counts when the field is left, if it is a colour.

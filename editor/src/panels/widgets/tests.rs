@@ -2,6 +2,7 @@ use super::{
     color::{hex_from_linear, linear_from_hex},
     *,
 };
+use egui::{Color32, Shape};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
 
@@ -122,4 +123,30 @@ fn a_typed_hex_colour_arrives_when_the_field_is_left() {
         assert_eq!(harness.state().color.x, expected, "{typed}");
     }
     assert_eq!((harness.state().changes, harness.state().ends), (1, 1));
+}
+
+/// How many shapes have an outline as [`outline`] gives it.
+fn outlined(show: fn(&mut Ui)) -> usize {
+    fn count(shape: &Shape, color: Color32) -> usize {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().map(|shape| count(shape, color)).sum(),
+            Shape::Rect(rect) => usize::from(rect.stroke == Stroke::new(1.0, color)),
+            _ => 0,
+        }
+    }
+    let mut harness = Harness::builder().build_ui(move |ui| {
+        ui.ctx().set_theme(egui::Theme::Light);
+        show(ui);
+    });
+    harness.run();
+    let color = harness.ctx.style_of(egui::Theme::Light).visuals.weak_text_color();
+    harness.output().shapes.iter().map(|clipped| count(&clipped.shape, color)).sum()
+}
+
+#[test]
+fn unticked_boxes_and_white_swatches_are_set_off_from_the_panel() {
+    let ticked = |ui: &mut Ui| _ = check_box(ui, &mut false, "On");
+    let color = |ui: &mut Ui| _ = color_row(ui, "Color", "", &mut Vec3::ONE.clone(), Vec3::ONE);
+    assert_eq!([outlined(ticked), outlined(color)], [1, 1]);
+    assert_eq!(outlined(|ui| _ = ui.checkbox(&mut false, "On")), 0, "negative control");
 }

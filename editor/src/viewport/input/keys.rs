@@ -39,7 +39,8 @@ pub(super) fn handle(pass: &mut Pass) {
     }
     for (modifiers, keys, action) in [
         (Modifiers::NONE, &[Key::F][..], Action::FrameSelection),
-        (Modifiers::NONE, &[Key::Home, Key::A], Action::FrameAll),
+        (Modifiers::NONE, &[Key::A], Action::FrameAll),
+        (Modifiers::NONE, &[Key::Home], Action::ResetCamera),
         (Modifiers::COMMAND | Modifiers::SHIFT, &[Key::C], Action::CopyCamera),
         (Modifiers::COMMAND | Modifiers::SHIFT, &[Key::V], Action::PasteCamera),
     ] {
