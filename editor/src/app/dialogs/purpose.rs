@@ -1,7 +1,7 @@
 //! What a file dialog is for: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{actions::Action, preferences::FileUse};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,13 +86,16 @@ impl Purpose {
         })
     }
 
-    /// A path to write gets the first extension if it has none of them.
+    /// A path to write gets the first extension if it has none of them, and keeps one where a whole name was typed before
+    /// the suggested extension.
     pub fn with_extension(&self, path: PathBuf) -> PathBuf {
-        let known = |path: &PathBuf| {
+        let known = |path: &Path| {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
             self.extensions.contains(&extension.as_str())
         };
+        let inner = path.with_extension("");
         match self.extensions.first() {
+            Some(_) if self.mode == Mode::Save && known(&path) && known(&inner) => inner,
             Some(first) if self.mode == Mode::Save && !known(&path) => {
                 let mut name = path.into_os_string();
                 name.push(".");
@@ -141,6 +144,7 @@ mod tests {
         assert_eq!(save.with_extension("a".into()), PathBuf::from("a.png"));
         assert_eq!(save.with_extension("a.b".into()), PathBuf::from("a.b.png"));
         assert_eq!(save.with_extension("a.EXR".into()), PathBuf::from("a.EXR"));
+        assert_eq!(save.with_extension("a.exr.png".into()), PathBuf::from("a.exr"), "typed before the suggestion");
         let open = Purpose::of(&Action::Open(None)).unwrap();
         assert_eq!(open.with_extension("a".into()), PathBuf::from("a"));
     }
