@@ -8,7 +8,7 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 use serde_json::{Map, Value, json};
 
 use crate::mesh::Mesh;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{Light, Material, Scene};
 
 /// glTF component types and buffer targets.
 const UNSIGNED_SHORT: u32 = 5123;
@@ -16,6 +16,8 @@ const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// Extension that local lights are written by.
+const LIGHTS: &str = "KHR_lights_punctual";
 
 /// Writes `NAME.gltf` and `NAME.bin` into `folder`.
 pub fn write(scene: &Scene, folder: &Path) -> Result<()> {
@@ -23,7 +25,7 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<()> {
     let materials: Vec<Value> = scene.materials.iter().map(|m| file.material(m)).collect();
     let meshes = scene.pieces.iter().map(|piece| file.mesh(scene, piece)).collect::<Result<Vec<Value>>>()?;
     let (nodes, cameras) = nodes_and_cameras(scene);
-    let root = json!({
+    let mut root = json!({
         "asset": { "version": "2.0", "generator": "lapidary-data-generator", "copyright": "CC0 1.0" },
         "scene": 0,
         "scenes": [{ "name": scene.name, "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
@@ -39,6 +41,10 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<()> {
         "bufferViews": file.views,
         "buffers": [{ "uri": format!("{}.bin", scene.name), "byteLength": file.bytes.len() }],
     });
+    if !scene.lights.is_empty() {
+        root["extensionsUsed"] = json!([LIGHTS]);
+        root["extensions"] = json!({ LIGHTS: { "lights": scene.lights.iter().map(light).collect::<Vec<_>>() } });
+    }
     save(&folder.join(format!("{}.bin", scene.name)), &file.bytes)?;
     let mut text = serde_json::to_string_pretty(&root)?;
     text.push('\n');
@@ -141,10 +147,11 @@ impl Writer {
 }
 
 fn nodes_and_cameras(scene: &Scene) -> (Vec<Value>, Vec<Value>) {
-    let placed = scene.nodes.iter().map(|node| placed(&node.name, "mesh", node.piece, node.world_from_object));
+    let placed_pieces = scene.nodes.iter().map(|node| placed(&node.name, "mesh", node.piece, node.world_from_object));
     let watching = scene.cameras.iter().enumerate();
-    let watching = watching.map(|(i, camera)| placed_camera(i, camera));
-    let nodes = placed.chain(watching).collect();
+    let watching = watching.map(|(i, camera)| placed(camera.name, "camera", i, looking(camera.eye, camera.target)));
+    let shining = scene.lights.iter().enumerate().map(|(i, light)| placed_light(i, light));
+    let nodes = placed_pieces.chain(watching).chain(shining).collect();
     let cameras = scene.cameras.iter().map(|camera| {
         json!({
             "name": camera.name,
@@ -165,10 +172,35 @@ fn placed(name: &str, kind: &str, index: usize, world_from_object: Affine3A) -> 
     })
 }
 
-/// A glTF camera looks along its own -Z.
-fn placed_camera(index: usize, camera: &Camera) -> Value {
-    let back = (camera.eye - camera.target).normalize();
-    let right = Vec3::Y.cross(back).normalize();
+fn placed_light(index: usize, light: &Light) -> Value {
+    let mut node = placed(light.name, "mesh", index, looking(light.position, light.target));
+    // A node refers to its light through the extension.
+    if let Some(fields) = node.as_object_mut() {
+        fields.remove("mesh");
+    }
+    node["extensions"] = json!({ LIGHTS: { "light": index } });
+    node
+}
+
+/// Colour is the intensity with its largest channel brought to 1.
+fn light(light: &Light) -> Value {
+    let largest = light.intensity.into_iter().fold(0.0, f32::max);
+    let mut value = json!({
+        "name": light.name,
+        "type": if light.cone.is_some() { "spot" } else { "point" },
+        "color": light.intensity.map(|channel| channel / largest),
+        "intensity": largest,
+    });
+    if let Some([inner, outer]) = light.cone {
+        value["spot"] = json!({ "innerConeAngle": inner.to_radians(), "outerConeAngle": outer.to_radians() });
+    }
+    value
+}
+
+/// glTF's cameras and lights look along their own -Z.
+fn looking(eye: Vec3, target: Vec3) -> Affine3A {
+    let back = (eye - target).normalize();
+    let right = Vec3::Y.cross(back).try_normalize().unwrap_or(Vec3::X);
     let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
-    placed(camera.name, "camera", index, Affine3A::from_rotation_translation(rotation, camera.eye))
+    Affine3A::from_rotation_translation(rotation, eye)
 }

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
 use crate::furniture::{self, joined};
 use crate::rounded_box::rounded_box;
-use crate::scene::{Camera, Material, Scene, at};
+use crate::scene::{Camera, Light, Material, Scene, at};
 use crate::{gem, knot, room, vase};
 
 /// Thickness of the rug: what stands on it stands this high.
@@ -12,6 +12,8 @@ const RUG: f32 = 0.012;
 /// Where the low table stands, and the height of its top.
 const TABLE_AT: Vec3 = vec3(-0.25, RUG, -0.10);
 const TABLE_TOP: f32 = RUG + 0.418;
+/// Where the lamp stands.
+const LAMP_AT: Vec3 = vec3(1.18, 0.0, -1.58);
 /// The shelf stands against the wall at +X.
 const SHELF_AT: Vec3 = vec3(2.14, 0.0, -1.05);
 
@@ -27,7 +29,28 @@ pub fn interior() -> Scene {
         Camera { name: "main", eye: vec3(1.95, 1.42, 1.72), target: vec3(-0.55, 0.78, -0.85), vertical_fov: 50.0 },
         Camera { name: "shelf", eye: vec3(-1.55, 1.38, 1.25), target: vec3(1.75, 0.86, -1.10), vertical_fov: 45.0 },
     ];
+    scene.lights = lights();
     scene
+}
+
+/// A lamp, which shines out of its shade above and below, and a spot on the table.
+fn lights() -> Vec<Light> {
+    vec![
+        Light {
+            name: "Lamp",
+            position: vec3(LAMP_AT.x, 1.60, LAMP_AT.z),
+            target: LAMP_AT,
+            intensity: [2.4, 1.9, 1.2],
+            cone: None,
+        },
+        Light {
+            name: "Ceiling spot",
+            position: vec3(-0.2, 2.55, 0.5),
+            target: TABLE_AT,
+            intensity: [9.0, 8.2, 7.0],
+            cone: Some([16.0, 26.0]),
+        },
+    ]
 }
 
 fn add_shell(scene: &mut Scene) {
@@ -81,7 +104,7 @@ fn add_walls_and_lamp(scene: &mut Scene) {
     let picture = at(vec3(-0.25, 1.62, -room::HALF_DEPTH), 0.0);
     scene.add("Picture frame", joined(furniture::frame(1.10, 0.72)), "Dark wood", picture);
     scene.add("Painting", furniture::canvas(1.10, 0.72), "Painting", picture);
-    let lamp = at(vec3(1.18, 0.0, -1.58), 0.0);
+    let lamp = at(LAMP_AT, 0.0);
     scene.add("Lamp stand", joined(furniture::lamp_stand()), "Brass", lamp);
     scene.add("Lamp shade", furniture::lamp_shade(), "Lamp shade", lamp);
     scene.add("Lamp globe", furniture::lamp_bulb(), "White lacquer", lamp);

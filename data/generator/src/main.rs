@@ -5,6 +5,7 @@
 
 mod backdrop;
 mod cloth;
+mod color_box;
 mod curve;
 mod environment;
 mod filigree;
@@ -61,7 +62,8 @@ fn write_bundle(out: &Path, cloth_resolution: usize) -> Result<()> {
     write_environments(&folder(out, "environments")?)?;
     write_textures(&folder(out, "textures")?)?;
     write_still_life(&folder(out, "still-life")?, cloth_resolution)?;
-    write_interior(&folder(out, "interior")?)
+    write_interior(&folder(out, "interior")?)?;
+    write_scene(&color_box::color_box(), &folder(out, "color-box")?)
 }
 
 /// The `data` folder that this crate lies in.

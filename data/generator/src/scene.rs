@@ -87,6 +87,21 @@ pub struct Camera {
     pub vertical_fov: f32,
 }
 
+/// A local light (KHR_lights_punctual).
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// Name shown to the artist.
+    pub name: &'static str,
+    /// Position in metres.
+    pub position: Vec3,
+    /// Point that a spot shines at.
+    pub target: Vec3,
+    /// Radiant intensity a colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
+    pub intensity: [f32; 3],
+    /// Angles of a spot from its axis in degrees: where it begins to fall off, and where it ends. `None` for a point.
+    pub cone: Option<[f32; 2]>,
+}
+
 /// Everything that goes into one glTF file.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -100,6 +115,8 @@ pub struct Scene {
     pub nodes: Vec<Node>,
     /// Cameras; the first is the one to open with.
     pub cameras: Vec<Camera>,
+    /// Local lights.
+    pub lights: Vec<Light>,
 }
 
 impl Scene {
