@@ -13,7 +13,7 @@ pub mod session;
 #[cfg(test)]
 pub(crate) mod test_data;
 
-pub use components::{Bounces, Component, ComponentSettings, Components, Solution};
+pub use components::{Bounces, Component, ComponentSettings};
 pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
@@ -29,7 +29,7 @@ use lapidary_core::{
     texture::Texture,
 };
 use lapidary_precompute::Preset;
-use lapidary_render::{Appearance, Background, BrdfSampling, Post, ViewMode};
+use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},

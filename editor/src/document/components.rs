@@ -1,6 +1,7 @@
-//! Which light is in the picture, and how bounced light is computed.
+//! Which parts of the light are in the picture, and which solutions of bounced light a dataset has.
 
 use lapidary_core::dataset::Dataset;
+use lapidary_render::{Components, Solution};
 use serde::{Deserialize, Serialize};
 
 /// A part of the light.
@@ -18,17 +19,6 @@ pub enum Component {
 impl Component {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Environment, Self::Direct, Self::Indirect];
-}
-
-/// The parts that are in a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Components {
-    /// See [`Component::Environment`].
-    pub environment: bool,
-    /// See [`Component::Direct`].
-    pub direct: bool,
-    /// See [`Component::Indirect`].
-    pub indirect: bool,
 }
 
 /// The switches of the parts, and the one that is looked at alone.
@@ -73,21 +63,6 @@ impl ComponentSettings {
     }
 }
 
-/// How bounced light is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Solution {
-    /// One bounce, gathered at every pixel by visibility cuts over surface samples.
-    #[default]
-    #[serde(rename = "cuts")]
-    Cuts,
-    /// Several bounces by the meshless basis, diffuse.
-    #[serde(rename = "meshless")]
-    Meshless,
-    /// Several bounces by the meshless basis, the last one gathered by cuts.
-    #[serde(rename = "cuts+meshless")]
-    CutsAndMeshless,
-}
-
 /// The means of bounced light that a dataset has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bounces {
@@ -113,7 +88,7 @@ impl Bounces {
         let all = [
             (Solution::Cuts, self.cuts),
             (Solution::Meshless, self.meshless),
-            (Solution::CutsAndMeshless, self.cuts && self.meshless),
+            (Solution::CutsMeshless, self.cuts && self.meshless),
         ];
         all.into_iter().filter(|(_, has)| *has).map(|(solution, _)| solution).collect()
     }
@@ -145,8 +120,8 @@ mod tests {
         let bounces = |cuts, meshless| Bounces { cuts, meshless };
         assert!(bounces(false, false).solutions().is_empty());
         assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
-        assert_eq!(bounces(true, false).closest_to(Solution::CutsAndMeshless), Some(Solution::Cuts));
+        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
         assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
-        assert_eq!(bounces(true, true).closest_to(Solution::CutsAndMeshless), Some(Solution::CutsAndMeshless));
+        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
     }
 }

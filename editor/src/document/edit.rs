@@ -1,7 +1,8 @@
 //! Edits: a value that takes another's place. Swapping it in leaves the old one in the edit, which is then its inverse.
 
-use super::{ComponentSettings, Document, EnvironmentSettings, Solution, ViewSettings};
+use super::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material};
+use lapidary_render::Solution;
 use std::mem::{discriminant, swap};
 
 /// One change to a document.

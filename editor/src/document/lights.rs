@@ -8,16 +8,12 @@ use lapidary_core::{
 };
 use std::f32::consts::PI;
 
-/// Most lights of a document.
-pub const MOST_LIGHTS: usize = 4096;
 /// Largest and smallest angle of a cone in degrees, from its axis to its edge.
 pub const CONE_DEGREES: [f32; 2] = [0.1, 90.0];
 /// Smallest and largest side of a rectangle in metres.
 pub const SIDES: [f32; 2] = [1e-3, 1e3];
 /// Largest intensity, in any unit.
 pub const MOST_INTENSITY: f32 = 1e9;
-/// An aimed light nearer to its target than this many metres has no direction.
-const LEAST_AIM: f32 = 1e-5;
 
 /// How a light emits, without its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,11 +69,6 @@ impl LightKind {
             Self::Directional => "W/m²",
             Self::Rectangle => "W/(m² sr)",
         }
-    }
-
-    /// Whether it has a direction.
-    pub fn is_aimed(self) -> bool {
-        self != Self::Point
     }
 
     /// As it is first, `distance` metres from what it lights.
@@ -148,28 +139,22 @@ pub fn color_and_intensity(intensity: Vec3) -> (Vec3, f32) {
     if brightest > 0.0 { (intensity / brightest, brightest) } else { (Vec3::ONE, 0.0) }
 }
 
-/// Whether an aimed light has a direction.
-pub fn has_direction(light: &Light) -> bool {
-    !LightKind::of(light).is_aimed() || light.position.distance(light.target) > LEAST_AIM
-}
-
-/// Whether all its numbers are those of a light that can be rendered.
-pub fn is_sound(light: &Light) -> bool {
-    let in_range = |value: f32, [low, high]: [f32; 2]| value >= low && value <= high;
-    let emission = match light.emission {
-        Emission::Spot { cone_degrees, penumbra_degrees } => {
-            in_range(cone_degrees, [0.0, 90.0]) && in_range(penumbra_degrees, [0.0, cone_degrees])
-        }
-        Emission::Rectangle { width, height } => width > 0.0 && height > 0.0 && (width * height).is_finite(),
-        Emission::Point | Emission::Directional => true,
-    };
-    let intensity = light.intensity.to_array().iter().all(|&i| in_range(i, [0.0, MOST_INTENSITY]));
-    emission && intensity && light.position.is_finite() && light.target.is_finite() && has_direction(light)
+/// A light of another kind in the same place, about as bright where it is aimed at.
+pub fn with_kind(light: &Light, kind: LightKind) -> Light {
+    let distance = light.position.distance(light.target).max(1e-3);
+    let brighter = kind.intensity_for(distance) / LightKind::of(light).intensity_for(distance);
+    let has_direction = light.forward().is_some();
+    Light {
+        emission: kind.emission(distance),
+        target: if has_direction { light.target } else { light.position - Vec3::Y },
+        intensity: (light.intensity * brighter).min(Vec3::splat(MOST_INTENSITY)),
+        ..light.clone()
+    }
 }
 
 /// Whether it adds anything to a picture.
 pub fn shines(light: &Light) -> bool {
-    light.enabled && light.intensity.max_element() > 0.0 && is_sound(light)
+    light.shines() && light.validate().is_ok()
 }
 
 #[cfg(test)]
@@ -185,7 +170,10 @@ mod tests {
     fn new_lights_are_sound_and_light_the_target_alike() {
         for kind in LightKind::ALL {
             let light = new(kind);
-            assert!(is_sound(&light) && shines(&light), "{kind:?}");
+            assert!(shines(&light), "{kind:?}");
+            assert!(!shines(&Light { enabled: false, ..light.clone() }));
+            let nowhere = Light { target: light.position, ..light.clone() };
+            assert_eq!(shines(&nowhere), !light.emission.is_aimed(), "{kind:?}");
             assert_eq!((LightKind::of(&light), light.name.as_str()), (kind, format!("{} 1", kind.label()).as_str()));
             let area = match light.emission {
                 Emission::Rectangle { width, height } => width * height,
@@ -205,26 +193,22 @@ mod tests {
     }
 
     #[test]
+    fn another_kind_is_as_bright_and_comes_back() {
+        let point = Light { target: Vec3::ZERO, intensity: Vec3::new(2.0, 1.0, 0.5), ..new(LightKind::Point) };
+        let panel = with_kind(&point, LightKind::Rectangle);
+        assert!(panel.validate().is_ok() && panel.intensity.x > 10.0 * point.intensity.x, "{panel:?}");
+        let back = with_kind(&panel, LightKind::Point);
+        assert!(back.intensity.distance(point.intensity) < 1e-5 && back.emission == point.emission);
+        let nowhere = Light { target: point.position, ..point };
+        assert!(with_kind(&nowhere, LightKind::Spot).validate().is_ok());
+    }
+
+    #[test]
     fn names_are_free() {
         let lights = [new(LightKind::Spot), Light { name: "Key".into(), ..new(LightKind::Point) }];
         assert_eq!(free_name(&lights, "Spot"), "Spot 2");
         assert_eq!(copied_name(&lights, "Spot 1"), "Spot 2");
         assert_eq!(copied_name(&lights, "Key"), "Key 1");
         assert_eq!(copied_name(&lights, "7"), "Light 1");
-    }
-
-    #[test]
-    fn what_cannot_be_rendered_is_not_sound() {
-        let spot = new(LightKind::Spot);
-        assert!(!is_sound(&Light { target: spot.position, ..spot.clone() }));
-        assert!(!is_sound(&Light { position: Vec3::NAN, ..spot.clone() }));
-        assert!(!is_sound(&Light { intensity: Vec3::new(1.0, -1.0, 1.0), ..spot.clone() }));
-        let wide = Emission::Spot { cone_degrees: 20.0, penumbra_degrees: 30.0 };
-        assert!(!is_sound(&Light { emission: wide, ..spot.clone() }));
-        let flat = Emission::Rectangle { width: 1.0, height: 0.0 };
-        assert!(!is_sound(&Light { emission: flat, ..spot.clone() }));
-        let point = Light { emission: Emission::Point, target: spot.position, ..spot.clone() };
-        assert!(is_sound(&point), "negative control: a point needs no direction");
-        assert!(!shines(&Light { enabled: false, ..spot }));
     }
 }

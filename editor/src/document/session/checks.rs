@@ -3,7 +3,7 @@
 use super::{Session, SessionCamera, SessionMaterial};
 use crate::document::{EnvironmentSettings, ViewSettings, lights};
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light};
+use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use lapidary_precompute::{Preset, resolve};
 use std::fmt::Display;
 
@@ -79,18 +79,17 @@ impl Checks<'_> {
 
     fn lights(&mut self, given: Option<&mut Vec<Light>>) {
         let Some(given) = given else { return };
-        if given.len() > lights::MOST_LIGHTS {
-            let most = lights::MOST_LIGHTS;
-            self.warnings.push(format!("there are {} lights; the first {most} are used", given.len()));
-            given.truncate(most);
+        if given.len() > MAX_LIGHTS {
+            self.warnings.push(format!("there are {} lights; the first {MAX_LIGHTS} are used", given.len()));
+            given.truncate(MAX_LIGHTS);
         }
         given.iter_mut().for_each(|light| self.light_numbers(light));
         given.retain(|light| {
-            let sound = lights::is_sound(light);
-            if !sound {
-                self.warnings.push(format!("the light \"{}\" has no place or direction; it was left out", light.name));
+            let problem = light.validate().err();
+            if let Some(problem) = &problem {
+                self.warnings.push(format!("the light \"{}\" was left out, since {problem}", light.name));
             }
-            sound
+            problem.is_none()
         });
     }
 

@@ -1,6 +1,6 @@
 //! What a session file holds, as plain data: degrees instead of radians, textures by where they came from.
 
-use crate::document::{ComponentSettings, Document, EnvironmentSettings, Solution, ViewSettings};
+use crate::document::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
@@ -9,6 +9,7 @@ use lapidary_core::{
     material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
     texture::{Channel, ColorSpace, TextureSlot},
 };
+use lapidary_render::Solution;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ mod damage;
 
 use super::{file::SessionMaps, *};
 use crate::document::{
-    BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, Solution, TextureEntry, ViewSettings,
+    BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
     lights::LightKind,
     test_data::{camera, dataset, light, write_picture},
 };
@@ -15,7 +15,7 @@ use lapidary_core::{
     material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
-use lapidary_render::{Post, ToneMap};
+use lapidary_render::{Post, Solution, ToneMap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -75,7 +75,7 @@ impl Project {
         document.lights[1].enabled = false;
         document.components =
             ComponentSettings { direct: false, solo: Some(Component::Indirect), ..ComponentSettings::default() };
-        document.solution = Solution::CutsAndMeshless;
+        document.solution = Solution::CutsMeshless;
         document.camera = camera("");
         document.bookmarks = vec![camera("front"), camera("back")];
         document.view = ViewSettings {
@@ -243,7 +243,7 @@ fn lights_are_written_as_in_a_lights_file_and_damaged_ones_are_said() {
     assert_eq!((lights[0].intensity, lights.len()), (Vec3::new(1.0, 0.0, 1.0), 3), "{lights:?}");
     assert!(matches!(lights[1].emission, lapidary_core::lights::Emission::Spot { cone_degrees: 90.0, .. }));
     let said = loaded.warnings.join("\n");
-    for part in ["the intensity of the light", "the cone of the light", "no place or direction", "lights[3].kind"] {
+    for part in ["the intensity of the light", "the cone of the light", "was left out", "lights[3].kind"] {
         assert!(said.contains(part), "{said}");
     }
     assert_eq!(loaded.warnings.len(), 4, "{said}");
