@@ -114,6 +114,17 @@ impl Reflectance {
         }
     }
 
+    /// Share of light from the normal that a GGX lobe of width `alpha` reflects: Karis's fit of its split sum (2014,
+    /// *Physically Based Shading on Mobile*), at normal incidence.
+    pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
+        let roughness = alpha.sqrt();
+        let x = 1.0 - roughness;
+        let steep = (x * x).min(1.6e-3) * x + 0.0425 - 0.0275 * roughness;
+        let scale = 1.04 - 0.572 * roughness - 1.04 * steep;
+        let bias = (1.04 * steep - 0.04 + 0.022 * roughness).max(0.0);
+        self.f0 * scale + Vec3::splat(self.f90 * bias)
+    }
+
     /// Schlick's Fresnel factor for eight angles.
     #[inline(always)]
     pub fn fresnel(&self, wi_dot_h: f32x8) -> Vec3x8 {

@@ -77,6 +77,10 @@ impl Brdf for Ward {
         Some(self.width)
     }
 
+    fn albedo(&self) -> Vec3 {
+        self.diffuse + self.specular
+    }
+
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
         if u.z < self.specular_probability() {
             let h = self.sample_half_vector(u.x, u.y);
