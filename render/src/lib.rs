@@ -38,7 +38,7 @@ pub use components::{Components, Solution};
 pub use cpu::{CPU, CpuBackend};
 pub use display::display_pixel;
 pub use indirect::{SourceLighting, SourceRig};
-pub use lighting::{LightRig, SceneLighting};
+pub use lighting::{LightRig, LocalLighting, SceneLighting};
 pub use post::{Post, ToneMap};
 pub use refine::Refinement;
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};

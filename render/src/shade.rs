@@ -106,7 +106,8 @@ impl<'a, F: NodeField> Shader<'a, F> {
         let leaves = 1_u32 << height;
         let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
         let [a, b, c] = point.vertices;
-        let mut cursors = [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, self.field.illumination_cut())];
+        let mut cursors =
+            [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, self.field.illumination_cut())];
         let weights = point.weights;
         let (merged, mut count) = (&mut self.merged, 0);
         merged.clear();

@@ -14,6 +14,9 @@ use rayon::prelude::*;
 /// Samples along each side of an area light, in the middles of equal parts: neighbouring sources average what is left.
 const AREA_SAMPLES: u32 = 3;
 
+/// Fraction of the distance to a light where nothing hides it any more.
+const NEAR_THE_LIGHT: f32 = 1e-3;
+
 /// What `lights` give each source; shadow rays start `offset` metres off its surface.
 pub fn light_irradiance(tree: &SourceTree, lights: &[Light], intersector: &Intersector, offset: f32) -> Vec<Vec3> {
     let patterns: Vec<(&Light, Vec<Vec2>)> = lights.iter().map(|light| (light, pattern(light))).collect();
@@ -41,11 +44,8 @@ fn light_sample(source: &Source, light: &Light, u: Vec2, intersector: &Intersect
         return Vec3::ZERO;
     }
     let origin = position + normal * offset;
-    let blocked = if sample.distance.is_finite() {
-        intersector.occluded_between(origin, position + sample.direction * sample.distance)
-    } else {
-        intersector.occluded(origin, sample.direction)
-    };
+    // A light may lie on a surface, which does not hide it.
+    let blocked = intersector.occluded_before(origin, sample.direction, (1.0 - NEAR_THE_LIGHT) * sample.distance);
     if blocked { Vec3::ZERO } else { received }
 }
 
