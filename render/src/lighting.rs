@@ -68,6 +68,11 @@ pub struct LocalLighting {
 }
 
 impl LocalLighting {
+    /// Local lights if their direct light is shown.
+    pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
+        Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
+    }
+
     /// Bounced light if it is shown.
     pub(crate) fn shown_indirect(&self) -> Option<&Arc<SourceLighting>> {
         self.indirect.as_ref().filter(|_| self.components.indirect)

@@ -1,6 +1,7 @@
 //! What a surface point gives a pixel in each view mode: radiance, or one of the quantities behind it.
 
 use crate::{
+    direct::direct_light,
     indirect::SourceLighting,
     lighting::SceneLighting,
     node_field::SourceField,
@@ -8,8 +9,8 @@ use crate::{
     surface::SurfacePoint,
     view_mode::ViewMode,
 };
-use glam::Vec3;
-use lapidary_core::dataset::Dataset;
+use glam::{Vec2, Vec3};
+use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector};
 
 /// The light of a picture.
 #[derive(Clone, Copy, Default)]
@@ -18,6 +19,8 @@ pub(crate) struct PictureLight<'a> {
     pub environment: Option<&'a SceneLighting>,
     /// Bounced light, for a dataset that has sources.
     pub sources: Option<&'a SourceLighting>,
+    /// Local lights whose direct light is shown, and what casts their shadow rays.
+    pub local: Option<(&'a [Light], &'a Intersector)>,
 }
 
 /// Values of surface points; keeps its buffers between them.
@@ -27,6 +30,7 @@ pub(crate) struct Painter<'a> {
     /// `None` without a light: what depends on it is black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     sources: Option<Shader<'a, SourceField<'a>>>,
+    local: Option<(&'a [Light], &'a Intersector)>,
     points: u64,
     /// Work that was shown and has not been taken.
     shown: Work,
@@ -37,14 +41,15 @@ impl<'a> Painter<'a> {
         let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
         let sources = light.sources.zip(dataset.indirect.as_ref());
         let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
-        Self { mode, dataset, environment, sources, points: 0, shown: Work::default() }
+        Self { mode, dataset, environment, sources, local: light.local, points: 0, shown: Work::default() }
     }
 
-    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count.
-    pub fn value(&mut self, point: &SurfacePoint) -> Vec3 {
+    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights
+    /// with an extent, see [`crate::direct::pixel_shift`].
+    pub fn value(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
         self.points += 1;
         match self.mode {
-            ViewMode::Shaded => self.radiance(point),
+            ViewMode::Shaded => self.gathered(point) + self.direct(point, shift),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.parameters.base_color,
             ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
@@ -65,14 +70,19 @@ impl<'a> Painter<'a> {
         environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
-    fn radiance(&mut self, point: &SurfacePoint) -> Vec3 {
+    fn direct(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
+    }
+
+    /// What the merges give.
+    fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
         let environment = self.environment.as_mut().map(|shader| shader.shade(point));
         let sources = self.sources.as_mut().map(|shader| shader.shade(point));
         environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
     fn work_at(&mut self, point: &SurfacePoint) -> Work {
-        self.radiance(point);
+        self.gathered(point);
         let work = self.take_shading();
         self.shown = self.shown + work;
         work

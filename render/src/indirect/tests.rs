@@ -316,13 +316,14 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     rig.set_environment(Some(&lighting));
     let indirect = Some(Arc::new(rig.lighting(64)));
     let mut backend = CpuBackend::new();
+    let lamps: Arc<[Light]> = [point_light(Vec3::new(0.5, 1.5, 0.0), 3.0)].into();
     let mut bare = (*dataset).clone();
     bare.indirect = None;
     assert!(SourceRig::new(&bare.clone().into()).is_none());
     let mut show = |dataset: &Arc<Dataset>, components, mode| {
         backend.set_scene(&dataset.clone().into()).unwrap();
         backend.set_light(&light, &lighting).unwrap();
-        let local = LocalLighting { indirect: indirect.clone(), components, ..Default::default() };
+        let local = LocalLighting { lights: lamps.clone(), indirect: indirect.clone(), components };
         backend.set_local_lighting(&local).unwrap();
         let view = View { mode, ..from_above(12) };
         backend.begin(&view, BrdfSampling::Refine).unwrap();
@@ -330,16 +331,20 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
         backend.read(1).unwrap().0
     };
     let environment = Components { environment: true, ..Components::NONE };
-    let [all, sky, bounce] = [Components::ALL, environment, INDIRECT].map(|c| show(&dataset, c, ViewMode::Shaded));
+    let unlit = Components { direct: false, ..Components::ALL };
+    let [all, sky, bounce] = [unlit, environment, INDIRECT].map(|c| show(&dataset, c, ViewMode::Shaded));
     let sum = |a: &Image, b: &Image| Image {
         size: a.size,
         pixels: a.pixels.iter().zip(&b.pixels).map(|(a, b)| *a + *b).collect(),
     };
     assert!(rel_rmse(&sum(&sky, &bounce), &all) < 1e-6);
     assert!(rel_rmse(&sky, &all) > 1e-3 && rel_rmse(&bounce, &all) > 0.1, "negative control");
+    let direct = show(&dataset, Components { direct: true, ..Components::NONE }, ViewMode::Shaded);
+    let lamp = Renderer::new(dataset.clone()).direct_light(&from_above(12), &lamps);
+    assert!(rel_rmse(&direct, &lamp) < 1e-6 && lamp.pixels[70].x > 0.0);
     let none = show(&dataset, Components::NONE, ViewMode::Shaded);
     assert!(none.pixels.iter().all(|&p| p == Vec3::ZERO));
-    assert!(rel_rmse(&show(&bare.into(), Components::ALL, ViewMode::Shaded), &sky) < 1e-6);
+    assert!(rel_rmse(&show(&bare.into(), unlit, ViewMode::Shaded), &sky) < 1e-6);
     let mut nodes = |c| show(&dataset, c, ViewMode::MergedCut).pixels[70].x;
     assert_eq!(nodes(Components::ALL), nodes(environment) + nodes(INDIRECT));
 }

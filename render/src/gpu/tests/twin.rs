@@ -135,7 +135,7 @@ fn on_the_cpu(
         let hit = Hit { triangle: id - 1, distance: 0.0, barycentric, back_face };
         let pixel = Vec2::new(x as f32, y as f32) + 0.5;
         let wo = -view.camera.direction_through(pixel, view.size);
-        painter.value(&surfaces.point(&hit, wo))
+        painter.value(&surfaces.point(&hit, wo), Vec2::ZERO)
     })
 }
 
