@@ -31,6 +31,7 @@ pub mod material;
 pub mod ray;
 pub mod scene;
 pub mod simd;
+pub mod source_tree;
 pub mod sphere;
 pub mod surfel;
 pub mod texture;

@@ -1,34 +1,66 @@
-//! Reference (b): the continuous environment, by multiple importance sampling (Veach 1997) of light and BRDF.
+//! Reference (b): light paths of any number of bounces, from the continuous environment and from local lights.
 //!
-//! Unlike all else here it knows no light samples: it shows the whole error. Seeded by pixel and sample.
+//! Every vertex of a path gathers direct light by multiple importance sampling (Veach 1997): of the environment by its
+//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF. Unlike all else here it
+//! knows neither light samples nor cuts: it shows the whole error. Seeded by pixel and pass.
 
 mod environment_sampling;
+mod light_choice;
+mod tracer;
 
 use crate::{
-    background::{Backdrop, BlurCache, Sky},
+    background::{Backdrop, BlurCache},
+    components::Components,
     frame::Frame,
     renderer::{Illumination, Renderer},
-    surface::SurfacePoint,
     view::{Progress, View},
 };
-use environment_sampling::EnvironmentDistribution;
 use glam::Vec3;
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
+use tracer::Tracer;
+
+/// What [`Renderer::path_reference`] follows, and how often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathSettings {
+    /// Paths a pixel; noise falls with the square root.
+    pub spp: u32,
+    /// Most reflections of light between surfaces before the one toward the eye: 0 is direct light, 1 adds one indirect
+    /// bounce.
+    pub bounces: u32,
+    /// What of the light is in the picture.
+    pub components: Components,
+}
+
+impl PathSettings {
+    /// All direct light.
+    pub fn direct(spp: u32) -> Self {
+        Self { spp, bounces: 0, components: Components::ALL }
+    }
+}
 
 impl Renderer {
-    /// Direct light of the continuous environment, `spp` samples a pixel in passes of one each. If cancelled, the
+    /// The scene under the continuous environment and local lights, in passes of one path a pixel. If cancelled, the
     /// picture of the passes that are complete.
-    pub fn path_reference(&self, view: &View, light: &Illumination, spp: u32, progress: &dyn Progress) -> Image {
-        let distribution = EnvironmentDistribution::new(&light.environment.map);
-        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+    pub fn path_reference(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lights: &[Light],
+        settings: PathSettings,
+        progress: &dyn Progress,
+    ) -> Image {
+        let backdrop = if settings.components.environment {
+            Backdrop::new(view, light, &mut BlurCache::default())
+        } else {
+            Backdrop::black()
+        };
         let frame = Frame::new(self, view, &backdrop);
-        let sky = Sky::new(light);
-        let tracer = DirectLight { renderer: self, sky: &sky, distribution: &distribution };
+        let tracer = Tracer::new(self, light, lights, settings);
         let mut sum = Image::filled(view.size, Vec3::ZERO);
         let mut passes = 0_u32;
         // At least one sample for each position of the pixel pattern.
-        for pass in 0..spp.max(view.aa).max(1) {
+        for pass in 0..settings.spp.max(view.aa).max(1) {
             if progress.cancelled() && passes > 0 {
                 break;
             }
@@ -36,11 +68,11 @@ impl Renderer {
             sum.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.iter_mut().enumerate() {
                     let mut rng = fastrand::Rng::with_seed(seed(y * width + x, pass));
-                    *pixel += frame.sample(x as u32, y as u32, pass as usize, |p| tracer.sample(p, &mut rng));
+                    *pixel += frame.sample(x as u32, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
                 }
             });
             passes += 1;
-            progress.advanced(u64::from(pass) + 1, u64::from(spp));
+            progress.advanced(u64::from(pass) + 1, u64::from(settings.spp));
             if passes.is_power_of_two() {
                 progress.preview(&scaled(&sum, passes));
             }
@@ -62,52 +94,5 @@ fn seed(pixel: usize, pass: u32) -> u64 {
     z ^ (z >> 31)
 }
 
-/// One-sample estimates of direct light.
-struct DirectLight<'a> {
-    renderer: &'a Renderer,
-    sky: &'a Sky<'a>,
-    distribution: &'a EnvironmentDistribution,
-}
-
-impl DirectLight<'_> {
-    fn sample(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
-        self.by_light(point, rng) + self.by_brdf(point, rng)
-    }
-
-    fn by_light(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
-        let Some((direction, pdf)) = self.distribution.sample(rng.f32(), rng.f32()) else { return Vec3::ZERO };
-        let world = self.sky.to_world(direction);
-        let wi = point.world_from_local.transpose() * world;
-        let other = point.brdf.as_brdf().pdf(wi, point.wo);
-        self.received(point, world, wi) * (power_heuristic(pdf, other) / pdf)
-    }
-
-    fn by_brdf(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
-        let brdf = point.brdf.as_brdf();
-        let wi = brdf.sample(point.wo, Vec3::new(rng.f32(), rng.f32(), rng.f32()));
-        let pdf = brdf.pdf(wi, point.wo);
-        if !(wi.z > 0.0 && pdf > 0.0) {
-            return Vec3::ZERO;
-        }
-        let world = point.world_from_local * wi;
-        let other = self.distribution.pdf(self.sky.to_environment(world));
-        self.received(point, world, wi) * (power_heuristic(pdf, other) / pdf)
-    }
-
-    /// Radiance times BRDF and cosine, zero if blocked.
-    fn received(&self, point: &SurfacePoint, world: Vec3, wi: Vec3) -> Vec3 {
-        if !(wi.z > 0.0 && world.dot(point.smooth_normal) > 0.0) {
-            return Vec3::ZERO;
-        }
-        let value = point.brdf.as_brdf().brdf_cos(wi, point.wo) * self.sky.radiance(world);
-        if value == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, world) {
-            return Vec3::ZERO;
-        }
-        value
-    }
-}
-
-fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    let (a, b) = (pdf * pdf, other * other);
-    if a.is_infinite() { 1.0 } else { a / (a + b) }
-}
+#[cfg(test)]
+mod tests;

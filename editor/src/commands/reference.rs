@@ -82,7 +82,13 @@ fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, consol
         Kind::Path => {
             let progress = progress("passes");
             let spp = args.spp.unwrap_or(DEFAULT_SPP);
-            let image = renderer.path_reference(&shot.view, &shot.light, spp, &progress);
+            let image = renderer.path_reference(
+                &shot.view,
+                &shot.light,
+                &[],
+                lapidary_render::PathSettings::direct(spp),
+                &progress,
+            );
             progress.finish();
             image
         }

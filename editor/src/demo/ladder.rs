@@ -7,9 +7,12 @@ use super::{
 };
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::compare::{
-    Metrics, compare,
-    map::{ErrorMap, error_map},
+use lapidary_render::{
+    PathSettings,
+    compare::{
+        Metrics, compare,
+        map::{ErrorMap, error_map},
+    },
 };
 use serde::Serialize;
 use std::{path::Path, sync::Arc, time::Instant};
@@ -117,7 +120,7 @@ fn close_up(stage: &Stage, steps: &Steps) -> Result<Detail> {
     let progress = steps.progress("reference", "passes");
     let start = Instant::now();
     let (view, light) = (stage.view(&settings), stage.light(&settings));
-    let truth = stage.renderer.path_reference(&view, &light, PATH_SAMPLES, &progress);
+    let truth = stage.renderer.path_reference(&view, &light, &[], PathSettings::direct(PATH_SAMPLES), &progress);
     progress.finish();
     steps.check()?;
     let seconds = start.elapsed().as_secs_f64();

@@ -1,7 +1,7 @@
 //! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
 
 use super::*;
-use crate::{Background, Quiet, compare::compare};
+use crate::{Background, PathSettings, Quiet, compare::compare};
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     camera::Camera,
@@ -134,7 +134,7 @@ fn a_white_floor_in_a_white_furnace_is_white_for_all_three() {
     let pictures = [
         renderer.render(&view, &light, 256, BrdfSampling::Refine).0,
         renderer.samples_reference(&view, &light, &Quiet),
-        renderer.path_reference(&view, &light, 64, &Quiet),
+        renderer.path_reference(&view, &light, &[], PathSettings::direct(64), &Quiet),
     ];
     for (i, picture) in pictures.iter().enumerate() {
         let mean = picture.pixels.iter().sum::<Vec3>() / picture.pixels.len() as f32;
@@ -162,7 +162,7 @@ fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
     let pictures = [
         ("cuts", renderer.render(&view, &light, 256, BrdfSampling::Refine).0),
         ("samples", renderer.samples_reference(&view, &light, &Quiet)),
-        ("path", renderer.path_reference(&view, &light, 128, &Quiet)),
+        ("path", renderer.path_reference(&view, &light, &[], PathSettings::direct(128), &Quiet)),
     ];
     for (name, picture) in pictures {
         let lit = picture.pixels.iter().map(|p| p.x).filter(|&x| x > 0.0);
@@ -197,7 +197,7 @@ fn rotation_turns_the_light_and_not_the_camera() {
         View { background: Background::Flat(Vec3::ZERO), ..View::new(Camera::look_at(eye, Vec3::ZERO, 30.0), [32, 32]) }
     };
     let quarter = std::f32::consts::FRAC_PI_2;
-    let straight = renderer.path_reference(&view(0.0), &light, 128, &Quiet);
+    let straight = renderer.path_reference(&view(0.0), &light, &[], PathSettings::direct(128), &Quiet);
     let not_turned = renderer.render(&view(quarter), &light, 512, BrdfSampling::Refine).0;
     light.rotation = quarter;
     let turned = renderer.render(&view(quarter), &light, 512, BrdfSampling::Refine).0;

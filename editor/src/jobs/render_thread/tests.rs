@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment};
-use lapidary_render::{CpuBackend, Renderer};
+use lapidary_render::{CpuBackend, LocalLighting, Renderer};
 use std::ops::Range;
 
 /// What the renderer was asked for, and how it is to behave.
@@ -58,6 +58,10 @@ impl Backend for Fake {
 
     fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.log.lock().unwrap().lights += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
         Ok(Vec::new())
     }
 

@@ -1,0 +1,126 @@
+//! Direct light of local lights at a pixel, by shadow rays and without random numbers.
+//!
+//! One ray to a light without extent is exact. A rectangle is sampled at 16 points of the R2 sequence (Roberts 2018),
+//! shifted from pixel to pixel by interleaved gradient noise (Jimenez 2014), which the eye averages easily. The BRDF is
+//! filtered by the solid angle that a sample stands for, as on nodes of a cut, so that highlights of rectangles are free
+//! of spots.
+
+use crate::{background::Backdrop, frame::Frame, renderer::Renderer, surface::SurfacePoint, view::View};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    image::Image,
+    lights::{Light, LightSample},
+    ray::Intersector,
+    simd::Vec3x8,
+    sphere::SPHERE,
+};
+use rayon::prelude::*;
+use wide::f32x8;
+
+/// Steps of the R2 sequence: 1/p and 1/p² for the plastic number p.
+const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
+
+/// Most samples of a light at a pixel.
+const MOST_SAMPLES: u32 = 16;
+
+/// Share of the way to a light that a shadow ray goes: lights often lie in the surface of their lamp.
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
+
+/// Where in the unit square the samples of a pixel begin.
+pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
+    let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
+    let (x, y) = (x as f32, y as f32);
+    // Far apart, the two numbers are independent of each other.
+    let start = Vec2::new(noise(x, y), noise(y + 37.0, x + 91.0));
+    (start + STEP * ((sample % 4096) * MOST_SAMPLES) as f32).fract()
+}
+
+/// Whether a point receives light from a direction: none from below its surface.
+pub(crate) fn faces(point: &SurfacePoint, direction: Vec3) -> bool {
+    direction.dot(point.smooth_normal) > 0.0 && direction.dot(point.world_from_local.z_axis) > 0.0
+}
+
+/// Whether nothing is between a point and a light at `distance` metres.
+pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> bool {
+    !intersector.occluded_before(point.ray_origin, direction, SHADOW_REACH * distance)
+}
+
+/// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
+pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
+    let mut arriving = Arriving::at(point);
+    for light in lights.iter().filter(|light| light.shines()) {
+        let samples = light.samples_wanted().clamp(1, MOST_SAMPLES);
+        for i in 0..samples {
+            let Some(sample) = light.sample(point.ray_origin, (shift + STEP * i as f32).fract()) else { continue };
+            if faces(point, sample.direction) && arrives(intersector, point, sample.direction, sample.distance) {
+                arriving.add(&sample, samples);
+            }
+        }
+    }
+    arriving.reflected()
+}
+
+/// Light from up to eight directions that waits to be reflected.
+struct Arriving<'a> {
+    point: &'a SurfacePoint,
+    wi: [Vec3; 8],
+    irradiance: [Vec3; 8],
+    inv_kappa: [f32; 8],
+    count: usize,
+    sum: Vec3,
+}
+
+impl<'a> Arriving<'a> {
+    fn at(point: &'a SurfacePoint) -> Self {
+        Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
+    }
+
+    /// Adds one of a light's samples.
+    fn add(&mut self, sample: &LightSample, samples: u32) {
+        let i = self.count;
+        self.wi[i] = self.point.world_from_local.transpose() * sample.direction;
+        self.irradiance[i] = sample.irradiance / samples as f32;
+        // A cap of solid angle w has a mean resultant of 1 - w / 4π, and 1 / kappa tends to what is missing to one.
+        self.inv_kappa[i] = 1.0 / (SPHERE * sample.pdf * samples as f32);
+        self.count += 1;
+        if self.count == 8 {
+            self.reflect();
+        }
+    }
+
+    fn reflect(&mut self) {
+        let (wi, inv_kappa) = (Vec3x8::from_array(self.wi), f32x8::new(self.inv_kappa));
+        let brdf_cos = self.point.brdf.as_brdf().brdf_cos_x8(wi, self.point.wo, inv_kappa);
+        self.sum += brdf_cos.scale(Vec3x8::from_array(self.irradiance)).reduce_add();
+        (self.irradiance, self.count) = ([Vec3::ZERO; 8], 0);
+    }
+
+    fn reflected(mut self) -> Vec3 {
+        if self.count > 0 {
+            self.reflect();
+        }
+        self.sum
+    }
+}
+
+impl Renderer {
+    /// The direct light of local lights alone, over black.
+    pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
+        let backdrop = Backdrop::black();
+        let frame = Frame::new(self, view, &backdrop);
+        let samples = view.aa.max(1);
+        let pixel = |x: u32, y: u32| {
+            let one = |i: u32| {
+                let shade = |p: &SurfacePoint| direct_light(p, lights, &self.intersector, pixel_shift(x, y, i));
+                frame.sample(x, y, i as usize, shade)
+            };
+            (0..samples).map(one).sum::<Vec3>() / samples as f32
+        };
+        let [width, height] = view.size;
+        let rows = (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (x, y)));
+        Image { size: view.size, pixels: rows.map(|(x, y)| pixel(x, y)).collect() }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;
