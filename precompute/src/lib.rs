@@ -14,6 +14,7 @@ mod observer;
 mod pilot;
 mod settings;
 mod sidedness;
+mod sources;
 mod surface_points;
 mod tessellate;
 mod threads;
