@@ -31,6 +31,9 @@ pub trait Brdf {
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;
 
+    /// Share of light from the normal that is reflected, whereto ever: what a bounce leaves of it.
+    fn albedo(&self) -> Vec3;
+
     /// A light direction for importance sampling, from three numbers in [0, 1). It may lie below the horizon.
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3;
 

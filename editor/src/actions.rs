@@ -1,6 +1,10 @@
 //! What the interface asks for. Panels only read the document; everything they want done is an [`Action`].
 
-use crate::document::Edit;
+use crate::{
+    document::{Edit, lights::LightKind},
+    panels::bake::BakeMode,
+};
+use glam::Vec3;
 use lapidary_core::{camera::Camera, material::MaterialMaps, texture::TextureSlot};
 use std::path::PathBuf;
 
@@ -76,6 +80,22 @@ pub enum Action {
     SelectObject(Option<u32>),
     /// Select a material, or nothing.
     SelectMaterial(Option<usize>),
+    /// Select a local light, or nothing.
+    SelectLight(Option<usize>),
+    /// Add a local light that lights what the camera looks at.
+    AddLight(LightKind),
+    /// Add a copy of a local light beside it.
+    DuplicateLight(usize),
+    /// Remove a local light.
+    DeleteLight(usize),
+    /// Aim the selected light at a point, which ends aiming by a click; without one the light stays as it is.
+    AimLight(Option<Vec3>),
+    /// Add the lights of a lights file.
+    LoadLights(Option<PathBuf>),
+    /// Write the lights to a lights file.
+    SaveLights(Option<PathBuf>),
+    /// Choose what the next bake is of, and show its settings.
+    ChooseBake(BakeMode),
     /// Put the camera on the clipboard as text.
     CopyCamera,
     /// Take the camera from the clipboard.

@@ -8,6 +8,7 @@ mod files;
 mod first_view;
 mod keys;
 mod layout;
+mod lights;
 mod menus;
 mod messages;
 mod notice;

@@ -1,9 +1,11 @@
 //! What an artist edits and a session file keeps: plain data, changed only by [`Edit`]s.
 
 pub mod autosave;
+mod components;
 mod edit;
 mod history;
 pub mod library;
+pub mod lights;
 mod path_list;
 pub mod recent;
 mod relative;
@@ -11,6 +13,7 @@ pub mod session;
 #[cfg(test)]
 pub(crate) mod test_data;
 
+pub use components::{Bounces, Component, ComponentSettings};
 pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
@@ -20,12 +23,13 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     dataset::{BakeSettings, Dataset},
+    lights::Light,
     material::Material,
     scene::Scene,
     texture::Texture,
 };
 use lapidary_precompute::Preset;
-use lapidary_render::{Appearance, Background, BrdfSampling, Post, ViewMode};
+use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -44,8 +48,14 @@ pub struct Document {
     /// What the materials' maps refer to by index. Only ever grows while a document is open, so that undoing an edit
     /// finds its texture again; sessions keep those in use.
     pub textures: Vec<TextureEntry>,
-    /// The light.
+    /// The light from all around.
     pub environment: EnvironmentSettings,
+    /// Local lights.
+    pub lights: Vec<Light>,
+    /// Which parts of the light are in the picture.
+    pub components: ComponentSettings,
+    /// How bounced light is computed, if the dataset has that.
+    pub solution: Solution,
     /// Where from. Moving it is not an edit that undo takes back, as in other tools.
     pub camera: Camera,
     /// Cameras to go back to, by name.
@@ -198,6 +208,9 @@ impl Document {
             materials: Vec::new(),
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),
+            lights: Vec::new(),
+            components: ComponentSettings::default(),
+            solution: Solution::default(),
             camera: Camera::look_at(Vec3::new(0.0, 0.5, 2.0), Vec3::ZERO, 40.0),
             bookmarks: Vec::new(),
             view: ViewSettings::default(),
@@ -205,7 +218,7 @@ impl Document {
         }
     }
 
-    /// A scene as it came: seen from its first camera or as a whole, all its cameras bookmarked.
+    /// A scene as it came: under its own lights, seen from its first camera or as a whole, all its cameras bookmarked.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let bounds = scene.mesh.bounds();
         let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
@@ -214,6 +227,7 @@ impl Document {
             scene: path,
             materials: scene.materials.clone(),
             textures: scene.textures.iter().map(entry).collect(),
+            lights: scene.lights.clone(),
             camera: scene.cameras.first().cloned().unwrap_or_else(whole),
             bookmarks: scene.cameras.clone(),
             ..Self::empty()

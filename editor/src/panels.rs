@@ -3,6 +3,7 @@
 pub mod bake;
 mod entries;
 pub mod environment;
+pub mod lights;
 pub mod material;
 pub mod presets;
 pub mod scene;

@@ -40,6 +40,8 @@ pub enum FileUse {
     Texture,
     /// Materials.
     Material,
+    /// Lights files.
+    Lights,
     /// Pictures to write.
     Picture,
     /// Folders to look for missing files in.
@@ -55,6 +57,7 @@ pub struct LastFolders {
     environment: Option<PathBuf>,
     texture: Option<PathBuf>,
     material: Option<PathBuf>,
+    lights: Option<PathBuf>,
     picture: Option<PathBuf>,
     missing: Option<PathBuf>,
 }
@@ -79,6 +82,7 @@ impl LastFolders {
             FileUse::Environment => &mut self.environment,
             FileUse::Texture => &mut self.texture,
             FileUse::Material => &mut self.material,
+            FileUse::Lights => &mut self.lights,
             FileUse::Picture => &mut self.picture,
             FileUse::Missing => &mut self.missing,
         }

@@ -8,11 +8,13 @@
 //! | right drag, with W A S D Q E (Shift: faster, wheel: speed) | fly |
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
+//! | drag of a handle of the selected light | move it (Escape: put it back) |
 //! | F, Home or A | frame the selection, everything |
 //! | Ctrl+1, Ctrl+3, Ctrl+7 | view from the front, right, top |
 //! | Ctrl+Shift+C, Ctrl+Shift+V | copy, paste the camera |
 
 pub mod camera_text;
+pub mod gizmo;
 mod input;
 mod legend;
 pub mod navigation;
@@ -38,6 +40,7 @@ pub struct ViewportState {
     orbit_scrolled_at: Option<f64>,
     /// Scales the speed of flight.
     fly_pace: input::Pace,
+    gizmo: gizmo::Gizmo,
     flash: outline::Flash,
     checker: Option<TextureHandle>,
 }
@@ -69,6 +72,12 @@ pub struct ViewportContext<'a> {
     pub selected_object: Option<u32>,
     /// Bounds of it, outlined for a moment when the selection changes.
     pub selection_bounds: Option<Bounds>,
+    /// The local light that is selected.
+    pub selected_light: Option<usize>,
+    /// Whether local lights are drawn over the picture, and can be selected there.
+    pub shows_lights: bool,
+    /// Whether the next click says what the selected light is aimed at.
+    pub aiming: bool,
     /// Colour of the outline.
     pub accent: Color32,
     /// Work that goes on, as "Rendering 40 %".
@@ -126,7 +135,7 @@ fn is_moving(ui: &Ui, state: &ViewportState) -> bool {
         // The picture at rest follows then.
         ui.request_repaint_after(Duration::from_secs_f64(WHEEL_REST_SECS - secs));
     }
-    state.gesture.is_some() || on_wheel.is_some()
+    state.gesture.is_some() || state.gizmo.is_dragging() || on_wheel.is_some()
 }
 
 fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, context: &ViewportContext) {
@@ -136,6 +145,7 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
         paint::placeholder(ui, rect, text);
     } else {
         outline(ui, rect, state, context);
+        gizmo::paint(ui, rect, &state.gizmo, context);
         let view = &context.document.view;
         legend::paint(&ui.painter_at(rect), rect, view.mode, view.illum_cut, &context.document.camera);
         paint::badges(ui, rect, context);

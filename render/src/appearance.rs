@@ -1,8 +1,11 @@
 //! What of a scene may change without a bake: its materials and their textures.
 
+use glam::{Vec2, Vec3};
 use lapidary_core::{
-    material::{Material, MaterialMaps},
-    scene::Scene,
+    brdf::SurfaceBrdf,
+    material::{BrdfParameters, Material, MaterialMaps},
+    scene::{Mesh, Scene},
+    surfel::MeshPlace,
     texture::Texture,
 };
 use std::sync::Arc;
@@ -20,6 +23,20 @@ impl Appearance {
     /// As the scene has them.
     pub fn of(scene: &Scene) -> Self {
         Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
+    }
+
+    /// A material's values after its maps, in their ranges.
+    pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
+        material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()
+    }
+
+    /// Share of light that a place of `mesh` reflects, whereto ever; what a bounce leaves of it.
+    pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
+        let triangle = place.triangle as usize;
+        let material = &self.materials[mesh.triangle_material[triangle] as usize];
+        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
+        let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
+        SurfaceBrdf::new(material.model, self.parameters(material, uv)).as_brdf().albedo()
     }
 
     /// With a material for each of the scene's `own` and no map that is not there, and what was done for it, in sentences.

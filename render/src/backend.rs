@@ -4,7 +4,7 @@
 //! rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as wanted. Scene, appearance and
 //! light stay until they are replaced, so that an edit redoes only what it changed.
 
-use crate::{Appearance, Baked, BrdfSampling, Illumination, Post, SceneLighting, View};
+use crate::{Appearance, Baked, BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View};
 use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc};
 use thiserror::Error;
@@ -89,6 +89,13 @@ pub trait Backend: Send {
     /// # Errors
     /// A lost device.
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError>;
+
+    /// Gives the scene local lights and bounced light, and says which parts of all light are shown. A new scene has
+    /// neither of them, and all parts shown. Returns what had to be done to make them fit, in sentences.
+    ///
+    /// # Errors
+    /// Sources beyond the adapter's limits, or a lost device.
+    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError>;
 
     /// Begins a picture; what was rendered before is forgotten.
     ///

@@ -53,6 +53,14 @@ pub enum Backdrop {
 }
 
 impl Backdrop {
+    /// For one picture without an environment.
+    pub fn unlit(view: &View) -> Self {
+        match view.background {
+            Background::Flat(radiance) if view.mode == ViewMode::Shaded => Self::Flat(radiance),
+            _ => Self::black(),
+        }
+    }
+
     /// For one picture. Modes that show other quantities than radiance have nothing behind the scene.
     pub fn new(view: &View, light: &Illumination, blur: &mut BlurCache) -> Self {
         let map = |map| {

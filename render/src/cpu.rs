@@ -1,11 +1,11 @@
 //! The renderer of the interactive view on the cores of this machine: [`Renderer`] in steps that can be stopped between.
 
 use crate::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Illumination, PictureStats, Post, Renderer, SceneLighting,
-    View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Illumination, LocalLighting, PictureStats, Post, Renderer,
+    SceneLighting, View,
     background::{Backdrop, BlurCache},
     frame::Frame,
-    painter::Painter,
+    painter::{Painter, PictureLight},
     picture::Picture,
 };
 use lapidary_core::image::Image;
@@ -19,6 +19,7 @@ pub const CPU: &str = "cpu";
 pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
+    local: LocalLighting,
     blur: BlurCache,
     begun: Option<Begun>,
 }
@@ -36,6 +37,11 @@ impl CpuBackend {
     pub fn new() -> Self {
         Self::default()
     }
+
+    /// The environment if it is shown.
+    fn shown_environment(&self) -> Option<&(Illumination, Arc<SceneLighting>)> {
+        self.light.as_ref().filter(|_| self.local.components.environment)
+    }
 }
 
 impl Backend for CpuBackend {
@@ -45,7 +51,7 @@ impl Backend for CpuBackend {
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         self.renderer = Some(Renderer::new(baked.clone()));
-        (self.light, self.begun) = (None, None);
+        (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
         Ok(())
     }
 
@@ -61,21 +67,31 @@ impl Backend for CpuBackend {
         Ok(Vec::new())
     }
 
+    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
+        self.local = lighting.clone();
+        Ok(Vec::new())
+    }
+
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
-        let backdrop = match &self.light {
-            Some((light, _)) => Backdrop::new(view, light, &mut self.blur),
-            None => Backdrop::black(),
-        };
+        let light = self.shown_environment().map(|(light, _)| light.clone());
+        let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
         self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view.size) });
         Ok(())
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
-        let (Some(renderer), Some(begun)) = (&self.renderer, &mut self.begun) else { return Ok(()) };
-        let Begun { view, sampling, backdrop, picture } = begun;
-        let lighting = self.light.as_ref().map(|(_, lighting)| &**lighting);
-        let painter = || Painter::new(view.mode, &renderer.dataset, lighting, *sampling);
-        picture.add_rows(&Frame::new(renderer, view, backdrop), painter, sample, rows);
+        let Some(mut begun) = self.begun.take() else { return Ok(()) };
+        if let Some(renderer) = &self.renderer {
+            let light = PictureLight {
+                environment: self.shown_environment().map(|(_, lighting)| &**lighting),
+                sources: self.local.shown_indirect().map(|lighting| &**lighting),
+                local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
+            };
+            let Begun { view, sampling, backdrop, picture } = &mut begun;
+            let painter = || Painter::new(view.mode, &renderer.dataset, light, *sampling);
+            picture.add_rows(&Frame::new(renderer, view, backdrop), painter, sample, rows);
+        }
+        self.begun = Some(begun);
         Ok(())
     }
 

@@ -1,11 +1,12 @@
 //! The light of a picture: radiance of the tree's nodes and the illumination cut. What an environment edit redoes.
 
-use crate::renderer::Illumination;
+use crate::{components::Components, indirect::SourceLighting, renderer::Illumination};
 use glam::Vec3;
 use lapidary_core::{
     cut::illumination::{IlluminationCriterion, illumination_cut},
     environment::Environment,
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
+    lights::Light,
 };
 use std::sync::Arc;
 
@@ -52,6 +53,29 @@ impl SceneLighting {
         let nodes = Lighting::new(tree, leaf_radiance);
         let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
         Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
+    }
+}
+
+/// What lights a picture beside the environment, and which parts of its light are shown.
+#[derive(Clone, Debug, Default)]
+pub struct LocalLighting {
+    /// Lights whose direct light is shown.
+    pub lights: Arc<[Light]>,
+    /// Bounced light, of these lights and of the environment.
+    pub indirect: Option<Arc<SourceLighting>>,
+    /// The parts that are shown.
+    pub components: Components,
+}
+
+impl LocalLighting {
+    /// Local lights if their direct light is shown.
+    pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
+        Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
+    }
+
+    /// Bounced light if it is shown.
+    pub(crate) fn shown_indirect(&self) -> Option<&Arc<SourceLighting>> {
+        self.indirect.as_ref().filter(|_| self.components.indirect)
     }
 }
 

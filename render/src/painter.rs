@@ -1,40 +1,55 @@
 //! What a surface point gives a pixel in each view mode: radiance, or one of the quantities behind it.
 
 use crate::{
+    direct::direct_light,
+    indirect::SourceLighting,
     lighting::SceneLighting,
+    node_field::SourceField,
     shade::{BrdfSampling, Shader, Work},
     surface::SurfacePoint,
     view_mode::ViewMode,
 };
-use glam::Vec3;
-use lapidary_core::dataset::Dataset;
+use glam::{Vec2, Vec3};
+use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector};
+
+/// The light of a picture.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct PictureLight<'a> {
+    /// Direct light of the environment.
+    pub environment: Option<&'a SceneLighting>,
+    /// Bounced light, for a dataset that has sources.
+    pub sources: Option<&'a SourceLighting>,
+    /// Local lights whose direct light is shown, and what casts their shadow rays.
+    pub local: Option<(&'a [Light], &'a Intersector)>,
+}
 
 /// Values of surface points; keeps its buffers between them.
 pub(crate) struct Painter<'a> {
     mode: ViewMode,
     dataset: &'a Dataset,
     /// `None` without a light: what depends on it is black.
-    shader: Option<Shader<'a>>,
+    environment: Option<Shader<'a, &'a SceneLighting>>,
+    sources: Option<Shader<'a, SourceField<'a>>>,
+    local: Option<(&'a [Light], &'a Intersector)>,
     points: u64,
+    /// Work that was shown and has not been taken.
+    shown: Work,
 }
 
 impl<'a> Painter<'a> {
-    pub fn new(
-        mode: ViewMode,
-        dataset: &'a Dataset,
-        lighting: Option<&'a SceneLighting>,
-        sampling: BrdfSampling,
-    ) -> Self {
-        let height = dataset.tree.height();
-        let shader = lighting.map(|lighting| Shader::new(lighting, &dataset.cuts, height, sampling));
-        Self { mode, dataset, shader, points: 0 }
+    pub fn new(mode: ViewMode, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
+        let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
+        let sources = light.sources.zip(dataset.indirect.as_ref());
+        let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
+        Self { mode, dataset, environment, sources, local: light.local, points: 0, shown: Work::default() }
     }
 
-    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count.
-    pub fn value(&mut self, point: &SurfacePoint) -> Vec3 {
+    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights
+    /// with an extent, see [`crate::direct::pixel_shift`].
+    pub fn value(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
         self.points += 1;
         match self.mode {
-            ViewMode::Shaded => self.shader.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point)),
+            ViewMode::Shaded => self.gathered(point) + self.direct(point, shift),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.parameters.base_color,
             ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
@@ -46,19 +61,31 @@ impl<'a> Painter<'a> {
 
     /// Work since the last call.
     pub fn take_work(&mut self) -> Work {
-        let shaded = self.shader.as_mut().map(|shader| std::mem::take(&mut shader.work));
-        Work { points: std::mem::take(&mut self.points), ..shaded.unwrap_or_default() }
+        Work { points: std::mem::take(&mut self.points), ..self.take_shading() + std::mem::take(&mut self.shown) }
+    }
+
+    fn take_shading(&mut self) -> Work {
+        let environment = self.environment.as_mut().map(|shader| std::mem::take(&mut shader.work));
+        let sources = self.sources.as_mut().map(|shader| std::mem::take(&mut shader.work));
+        environment.unwrap_or_default() + sources.unwrap_or_default()
+    }
+
+    fn direct(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
+    }
+
+    /// What the merges give.
+    fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
+        let environment = self.environment.as_mut().map(|shader| shader.shade(point));
+        let sources = self.sources.as_mut().map(|shader| shader.shade(point));
+        environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
     fn work_at(&mut self, point: &SurfacePoint) -> Work {
-        let Some(shader) = &mut self.shader else { return Work::default() };
-        let before = shader.work;
-        shader.shade(point);
-        Work {
-            merged_nodes: shader.work.merged_nodes - before.merged_nodes,
-            brdf_evaluations: shader.work.brdf_evaluations - before.brdf_evaluations,
-            points: 1,
-        }
+        self.gathered(point);
+        let work = self.take_shading();
+        self.shown = self.shown + work;
+        work
     }
 
     /// Sizes of the vertices' cuts, interpolated as their visibility is.

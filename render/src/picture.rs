@@ -2,6 +2,7 @@
 
 use crate::{
     backend::PictureStats,
+    direct::pixel_shift,
     display::display_pixel,
     frame::Frame,
     painter::Painter,
@@ -96,7 +97,7 @@ impl Pixel {
             Seen::Background => {}
             Seen::Back => self.covered += 1.0,
             Seen::Surface(point) => {
-                self.value += painter.value(&point);
+                self.value += painter.value(&point, pixel_shift(x, y, sample));
                 self.covered += 1.0;
                 if frame.view.wireframe {
                     self.wire += frame.wire(sight.position, &point);

@@ -36,7 +36,12 @@ impl Refinement {
     /// Whether the node of heap index `node`, whose local direction is `wi`, should be halved.
     #[inline(always)]
     pub fn wants_halves(&self, lighting: &SceneLighting, node: usize, wi: Vec3) -> bool {
-        let radius = lighting.cones.radius[node];
+        self.is_too_wide(wi, lighting.cones.radius[node], || lighting.cones.tan_half_radius[node])
+    }
+
+    /// Whether light from a cone of `radius` around the local direction `wi` is too wide to be one direction.
+    #[inline(always)]
+    pub(crate) fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: impl FnOnce() -> f32) -> bool {
         if radius > WIDEST {
             return wi.z > -radius;
         }
@@ -47,7 +52,7 @@ impl Refinement {
         let half = wi + self.wo;
         // Tangent of the angle between normal and half vector, less half of the node's radius: the best of the node.
         let tan_h = (half.x * half.x + half.y * half.y).sqrt() / half.z.max(1e-6);
-        let tan_r = lighting.cones.tan_half_radius[node];
+        let tan_r = tan_half_radius();
         let tan = ((tan_h - tan_r) / (1.0 + tan_h * tan_r)).max(0.0);
         let fall_off = 1.0 + tan * tan / (lobe * lobe);
         (radius / lobe).min(4.0) > NEGLIGIBLE * fall_off * fall_off

@@ -7,7 +7,7 @@ use crate::{
     baked::Baked,
     frame::Frame,
     lighting::{LightRig, SceneLighting},
-    painter::Painter,
+    painter::{Painter, PictureLight},
     picture::Picture,
     surface::Surfaces,
     view::View,
@@ -123,7 +123,8 @@ impl Renderer {
         let start = Instant::now();
         let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
         let frame = Frame::new(self, view, &backdrop);
-        let painter = || Painter::new(view.mode, &self.dataset, Some(lighting), sampling);
+        let light = PictureLight { environment: Some(lighting), ..Default::default() };
+        let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
         let mut picture = Picture::new(view.size);
         for sample in 0..view.aa.max(1) {
             picture.add_rows(&frame, painter, sample, 0..view.size[1]);

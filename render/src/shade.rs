@@ -1,10 +1,10 @@
 //! The merge at one pixel (paper, 4.2): three visibility cuts interpolated and multiplied with light and BRDF.
 //!
 //! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes with no visibility are dropped before the
-//! BRDF is evaluated; the rest is evaluated eight at a time. Twin of `shaders/merge_pass.wgsl`: the same terms in the
-//! same order.
+//! BRDF is evaluated; the rest is evaluated eight at a time. One traversal serves the environment and the sources on
+//! surfaces, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
 
-use crate::{lighting::SceneLighting, refine::Refinement, surface::SurfacePoint};
+use crate::{node_field::NodeField, refine::Refinement, surface::SurfacePoint};
 use glam::Vec3;
 use lapidary_core::{
     cut::{
@@ -71,8 +71,8 @@ fn next_node(node: u32, root: u32) -> u32 {
 }
 
 /// Merges and evaluates; keeps its buffers between pixels.
-pub struct Shader<'a> {
-    lighting: &'a SceneLighting,
+pub struct Shader<'a, F> {
+    field: F,
     cuts: &'a PackedCuts,
     height: u32,
     sampling: BrdfSampling,
@@ -82,10 +82,11 @@ pub struct Shader<'a> {
     pub work: Work,
 }
 
-impl<'a> Shader<'a> {
-    /// For visibility `cuts` over a tree of `height`.
-    pub fn new(lighting: &'a SceneLighting, cuts: &'a PackedCuts, height: u32, sampling: BrdfSampling) -> Self {
-        Self { lighting, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), work: Work::default() }
+impl<'a, F: NodeField> Shader<'a, F> {
+    /// For visibility `cuts` over the tree of `field`.
+    pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
+        let (height, work) = (field.height(), Work::default());
+        Self { field, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), work }
     }
 
     /// Reflected radiance toward the eye.
@@ -105,14 +106,15 @@ impl<'a> Shader<'a> {
         let leaves = 1_u32 << height;
         let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
         let [a, b, c] = point.vertices;
-        let mut cursors = [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, &self.lighting.cut)];
+        let mut cursors =
+            [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, self.field.illumination_cut())];
         let weights = point.weights;
         let (merged, mut count) = (&mut self.merged, 0);
         merged.clear();
         merge(leaves, &mut cursors, |interval, cursors| {
             count += 1;
-            let visibility =
-                weights[0] * cursors[0].value() + weights[1] * cursors[1].value() + weights[2] * cursors[2].value();
+            let value = |i: usize| weights[i] * self.field.cut_value(cursors[i].stored_value());
+            let visibility = value(0) + value(1) + value(2);
             if visibility > 0.0 {
                 merged.push(Term { node: interval.heap_index(leaves), visibility });
             }
@@ -126,8 +128,8 @@ impl<'a> Shader<'a> {
         let refinement = Refinement::new(point.brdf.as_brdf().lobe(), point.wo);
         let local_from_world = point.world_from_local.transpose();
         let wants_halves = |node: u32| {
-            let wi = local_from_world * self.lighting.nodes.direction[node as usize];
-            refinement.wants_halves(self.lighting, node as usize, wi)
+            let cone = self.field.cone(node as usize, point.position);
+            refinement.is_too_wide(local_from_world * cone.direction, cone.radius, || cone.tan_half_radius)
         };
         self.terms.clear();
         for &root in &self.merged {
@@ -148,24 +150,23 @@ impl<'a> Shader<'a> {
         self.terms.resize(self.terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
         let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
         let smooth_normal = Vec3x8::splat(point.smooth_normal);
-        let nodes = &self.lighting.nodes;
         let brdf = point.brdf.as_brdf();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for terms in self.terms.chunks_exact(8) {
             let index: [usize; 8] = std::array::from_fn(|i| terms[i].node as usize);
-            let direction = Vec3x8::from_array(index.map(|n| nodes.direction[n]));
+            let direction = self.field.directions(index, point.position);
             let wi = Vec3x8 { x: direction.dot(axes[0]), y: direction.dot(axes[1]), z: direction.dot(axes[2]) };
             let inv_kappa = match self.sampling {
                 BrdfSampling::Once => f32x8::ZERO,
-                BrdfSampling::Refine => f32x8::new(index.map(|n| nodes.inv_kappa[n])),
+                BrdfSampling::Refine => self.field.inv_kappas(index, point.position),
             };
             let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
             let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
             let received = direction.dot(smooth_normal).simd_gt(f32x8::ZERO) & weight;
-            let radiance = Vec3x8::from_array(index.map(|n| nodes.radiance[n]));
+            let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
             sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * received;
         }
-        sum.reduce_add() * self.lighting.leaf_solid_angle
+        sum.reduce_add() * self.field.solid_angle()
     }
 }
 

@@ -18,6 +18,8 @@ pub struct SurfacePoint {
     pub corners: [Vec3; 3],
     /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
     pub weights: [f32; 3],
+    /// Where it is, in metres.
+    pub position: Vec3,
     /// Where shadow rays start: just off the face, on the side that is seen.
     pub ray_origin: Vec3,
     /// Interpolated normal before bump and normal map, on the side that is seen. No light from below it is received.
@@ -94,12 +96,14 @@ impl<'a> Surfaces<'a> {
         let world_from_local = frame(facing(normal, wo), tangent, handedness);
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = (0.02 * edge).clamp(0.02 * self.largest_offset, self.largest_offset);
-        let parameters = self.parameters(material, uv).sanitized();
+        let parameters = self.appearance.parameters(material, uv);
+        let position = p0 * b.x + p1 * b.y + p2 * b.z;
         SurfacePoint {
             vertices,
             corners: [p0, p1, p2],
             weights: self.valid_weights(vertices, b),
-            ray_origin: p0 * b.x + p1 * b.y + p2 * b.z + face_normal * offset,
+            position,
+            ray_origin: position + face_normal * offset,
             smooth_normal,
             world_from_local,
             wo: world_from_local.transpose() * wo,
@@ -114,11 +118,6 @@ impl<'a> Surfaces<'a> {
         let kept: [f32; 3] = std::array::from_fn(|i| if valid[i] { weights[i].max(0.0) } else { 0.0 });
         let sum: f32 = kept.iter().sum();
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights.to_array() }
-    }
-
-    /// The material's values after its maps.
-    fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
-        material.modulated(|slot| self.appearance.textures[slot.texture as usize].sample_slot(uv, slot))
     }
 
     /// The normal after normal map and bump map.

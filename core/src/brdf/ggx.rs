@@ -35,6 +35,11 @@ impl Ggx {
         Self { reflectance: Reflectance::new(p), width, slope_x: slope(width.alpha_x), slope_y: slope(width.alpha_y) }
     }
 
+    /// The isotropic width that is closest.
+    fn alpha(&self) -> f32 {
+        (self.width.alpha_x * self.width.alpha_y).sqrt()
+    }
+
     /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
     #[inline(always)]
     fn filtered_alpha_sq(&self, half: &HalfVectors, wi: Vec3x8, inv_kappa: f32x8) -> Sym2x8 {
@@ -110,6 +115,10 @@ impl Brdf for Ggx {
 
     fn lobe(&self) -> Option<LobeWidth> {
         Some(self.width)
+    }
+
+    fn albedo(&self) -> Vec3 {
+        self.reflectance.diffuse * (Vec3::ONE - self.reflectance.f0) + self.reflectance.lobe_albedo(self.alpha())
     }
 
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {

@@ -30,6 +30,10 @@ impl Brdf for Lambert {
         None
     }
 
+    fn albedo(&self) -> Vec3 {
+        self.albedo
+    }
+
     fn sample(&self, _wo: Vec3, u: Vec3) -> Vec3 {
         cosine_direction(u.x, u.y)
     }

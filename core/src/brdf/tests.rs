@@ -75,6 +75,22 @@ fn albedo_is_at_most_one_and_that_of_lambert_exact() {
     }
 }
 
+/// The share of light from the normal that is reflected, by reciprocity that of the whole sky that is seen from there.
+#[test]
+fn albedo_is_the_integral_at_normal_incidence() {
+    for (name, brdf) in models() {
+        let n = 256;
+        let value = |(u, v)| {
+            let wi = cosine_direction(u, v);
+            brdf.as_brdf().brdf_cos(wi, Vec3::Z) / (wi.z / std::f32::consts::PI)
+        };
+        let integral = grid(n).map(value).sum::<Vec3>() / (n * n) as f32;
+        let albedo = brdf.as_brdf().albedo();
+        assert!((albedo - integral).abs().max_element() < 0.06, "{name}: {albedo}, but {integral}");
+        assert!((1.2 * albedo - integral).abs().max_element() > 0.06, "{name}: negative control");
+    }
+}
+
 /// The density integrates to the fraction of samples, cell by cell of the sphere (a chi-square test in spirit).
 #[test]
 fn sampling_follows_its_density() {

@@ -77,6 +77,13 @@ impl Brdf for Ward {
         Some(self.width)
     }
 
+    fn albedo(&self) -> Vec3 {
+        // At normal incidence a half vector of slope t reflects 1 - t², and t² is distributed exponentially. Exact where
+        // both widths are the same.
+        let alpha_sq = 0.5 * (self.width.alpha_x.powi(2) + self.width.alpha_y.powi(2));
+        self.diffuse + self.specular * (1.0 - alpha_sq + alpha_sq * (-1.0 / alpha_sq).exp())
+    }
+
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
         if u.z < self.specular_probability() {
             let h = self.sample_half_vector(u.x, u.y);

@@ -28,16 +28,19 @@ impl IlluminationCriterion {
 
 /// Packed nodes of the illumination cut, left to right; their values are zero.
 pub fn illumination_cut(lighting: &Lighting, criterion: IlluminationCriterion) -> Vec<u16> {
-    let leaves = lighting.radiance.len() / 2;
+    let means: Vec<f32> = lighting.radiance.iter().map(|&l| luminance(l)).collect();
+    intensity_cut(&means, &lighting.luminance_sq, criterion)
+}
+
+/// The illumination cut of a tree whose nodes have `means` and mean squares `means_sq` of their leaves' intensities.
+pub fn intensity_cut(means: &[f32], means_sq: &[f32], criterion: IlluminationCriterion) -> Vec<u16> {
+    let leaves = means.len() / 2;
     let budget = (criterion.max_nodes as usize).clamp(1, leaves);
     let mut split = vec![false; leaves];
-    let bound = criterion.relative_error * lighting.luminance_sq[1] * leaves as f32;
+    let bound = criterion.relative_error * means_sq[1] * leaves as f32;
     let size = |node: usize| (leaves >> node.ilog2()) as f32;
-    let error = |node: usize| {
-        let mean = luminance(lighting.radiance[node]);
-        size(node) * (lighting.luminance_sq[node] - mean * mean).max(0.0)
-    };
-    let intensity = |node: usize| size(node) * luminance(lighting.radiance[node]);
+    let error = |node: usize| size(node) * (means_sq[node] - means[node] * means[node]).max(0.0);
+    let intensity = |node: usize| size(node) * means[node];
     let by_error = 1 + ((budget - 1) as f32 * criterion.error_share) as usize;
     let count = refine(&mut split, 1, by_error, |node| if error(node) > bound { error(node) } else { 0.0 });
     refine(&mut split, count, budget, intensity);

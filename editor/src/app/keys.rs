@@ -42,6 +42,10 @@ pub enum Command {
     SmallerInterface,
     /// As they come.
     DefaultInterface,
+    /// Add a copy of the selected light.
+    DuplicateLight,
+    /// Remove the selected light.
+    DeleteLight,
     /// Bake with the current settings.
     Bake,
     /// Show or hide the keyboard map.
@@ -91,7 +95,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands. A key with more modifiers stands before the same key with fewer.
-pub const BINDINGS: [Binding; 27] = [
+pub const BINDINGS: [Binding; 29] = [
     window("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     window("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     window("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -99,6 +103,8 @@ pub const BINDINGS: [Binding; 27] = [
     window("File", Command::Quit, "Quit", &[(CTRL, Key::Q)]),
     window("Edit", Command::Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)]),
     window("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
+    window("Edit", Command::DuplicateLight, "Duplicate light", &[(CTRL, Key::D)]),
+    window("Edit", Command::DeleteLight, "Delete light", &[(NONE, Key::Delete), (NONE, Key::Backspace)]),
     viewport(Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     viewport(Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
     viewport(Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
@@ -125,7 +131,7 @@ pub const BINDINGS: [Binding; 27] = [
 const WIDTH: f32 = 960.0;
 
 /// What is done with the pointer, for the keyboard map.
-const POINTER: [(&str, &str); 12] = [
+const POINTER: [(&str, &str); 13] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -134,6 +140,7 @@ const POINTER: [(&str, &str); 12] = [
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
+    ("Drag a handle", "Move the selected light (Esc: put it back)"),
     ("Ctrl + 1, 3, 7", "View from the front, the right, the top"),
     ("Shift + slider", "Fine steps"),
     ("Double click label", "Default value"),

@@ -11,10 +11,11 @@ use super::{
 };
 use crate::{
     actions::Action,
-    document::{self, BackgroundKind, Document},
+    document::{self, BackgroundKind, Bounces, Document},
     panels::{
-        bake::{self, BakeContext, SceneStats},
+        bake::{self, BakeContext, BakeMode, SceneStats},
         environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
+        lights::{self, LightsContext, LightsPanel},
         material::{self, MaterialContext, MaterialPanel},
         scene::{self, SceneContext, ScenePanel},
         view::{self, ViewContext},
@@ -30,8 +31,10 @@ pub enum Inspector {
     /// The selected material.
     #[default]
     Material,
-    /// The light.
+    /// The light from all around.
     Environment,
+    /// Local lights, and which light is in the picture.
+    Lights,
     /// How the picture is made and shown.
     View,
     /// Visibility.
@@ -39,12 +42,13 @@ pub enum Inspector {
 }
 
 impl Inspector {
-    const ALL: [Self; 4] = [Self::Material, Self::Environment, Self::View, Self::Bake];
+    const ALL: [Self; 5] = [Self::Material, Self::Environment, Self::Lights, Self::View, Self::Bake];
 
     fn label(self) -> &'static str {
         match self {
             Self::Material => "Material",
             Self::Environment => "Environment",
+            Self::Lights => "Lights",
             Self::View => "View",
             Self::Bake => "Bake",
         }
@@ -79,6 +83,10 @@ pub struct Interface {
     pub pasting_camera: u8,
     /// Widths of the left side and of the inspector, once they were shown.
     pub panel_widths: Option<[f32; 2]>,
+    /// What the next bake is of.
+    pub bake_mode: BakeMode,
+    /// The panel of local lights.
+    pub lights: LightsPanel,
     viewport: ViewportState,
     material: MaterialPanel,
     environment: EnvironmentPanel,
@@ -96,6 +104,8 @@ impl Default for Interface {
             viewport_rect: Rect::NOTHING,
             pasting_camera: 0,
             panel_widths: None,
+            bake_mode: BakeMode::default(),
+            lights: LightsPanel::default(),
             viewport: ViewportState::default(),
             material: MaterialPanel::default(),
             environment: EnvironmentPanel::default(),
@@ -188,6 +198,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
             let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
             scrolled(ui, |ui| environment::show(ui, &mut state.interface.environment, &context, actions));
         }
+        Inspector::Lights => show_lights(ui, state, actions),
         Inspector::View => {
             let context = ViewContext { document: &state.document };
             scrolled(ui, |ui| view::show(ui, &context, actions));
@@ -207,6 +218,17 @@ fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     scrolled(ui, |ui| material::show(ui, &mut state.interface.material, &context, actions));
 }
 
+fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let dataset = state.scene.shown().map(|baked| &*baked.dataset);
+    let context = LightsContext {
+        document: &state.document,
+        selected: state.selected_light(),
+        bounces: dataset.map(Bounces::of),
+        can_bake: state.scene.source.is_some(),
+    };
+    scrolled(ui, |ui| lights::show(ui, &mut state.interface.lights, &context, actions));
+}
+
 fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let status = state.bake_status();
     let report = state.scene.source.as_ref().map(|source| &source.report);
@@ -216,6 +238,7 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         status: &status,
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
+        mode: state.interface.bake_mode,
         cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
     };
     scrolled(ui, |ui| bake::show(ui, &context, actions));
@@ -268,6 +291,9 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         scene_bounds: state.bounds.scene,
         selected_object,
         selection_bounds: state.bounds.selection,
+        selected_light: state.selected_light(),
+        shows_lights: state.interface.lights.in_viewport,
+        aiming: state.interface.lights.aiming && state.selected_light().is_some(),
         accent: ui.visuals().selection.bg_fill,
         busy: busy.as_deref(),
         // What to say where there is no picture comes from the notice, which has buttons.

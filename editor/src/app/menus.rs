@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     actions::Action,
+    panels::lights,
     preferences::{Preferences, Theme},
 };
 use egui::{Button, MenuBar, Ui};
@@ -105,6 +106,11 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry_as(ui, state, actions, Command::Undo, &label("Undo", undo), undo.is_some());
     entry_as(ui, state, actions, Command::Redo, &label("Redo", redo), redo.is_some());
     ui.separator();
+    let has_light = state.selected_light().is_some();
+    entry(ui, state, actions, Command::DuplicateLight, has_light);
+    entry(ui, state, actions, Command::DeleteLight, has_light);
+    ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
+    ui.separator();
     entry(ui, state, actions, Command::CopyCamera, true);
     entry(ui, state, actions, Command::PasteCamera, true);
 }
@@ -122,7 +128,13 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let wireframe = if state.document.view.wireframe { "Hide wireframe" } else { "Wireframe" };
     entry_as(ui, state, actions, Command::Wireframe, wireframe, true);
     let is_shown = state.scene.shown().is_some();
-    entry(ui, state, actions, Command::FrameSelection, is_shown && state.selection.object.is_some());
+    entry(
+        ui,
+        state,
+        actions,
+        Command::FrameSelection,
+        is_shown && (state.selection.object.is_some() || state.selected_light().is_some()),
+    );
     entry(ui, state, actions, Command::FrameAll, is_shown);
     entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();

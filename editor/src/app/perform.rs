@@ -40,6 +40,17 @@ impl EditorState {
                     self.interface.inspector = Inspector::Material;
                 }
             }
+            Action::SelectLight(light) => self.select_light(light),
+            Action::AddLight(kind) => self.add_light(kind),
+            Action::DuplicateLight(index) => self.duplicate_light(index),
+            Action::DeleteLight(index) => self.delete_light(index),
+            Action::AimLight(place) => self.aim_light(place),
+            Action::LoadLights(Some(path)) => self.load_lights(&path),
+            Action::SaveLights(Some(path)) => self.save_lights(&path),
+            Action::ChooseBake(mode) => {
+                self.interface.bake_mode = mode;
+                self.interface.inspector = Inspector::Bake;
+            }
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => {
                 self.interface.pasting_camera = 2;
@@ -72,6 +83,8 @@ impl EditorState {
             | Action::LoadTexture { path: None, .. }
             | Action::LoadMaterial { path: None, .. }
             | Action::SaveMaterial { path: None, .. }
+            | Action::LoadLights(None)
+            | Action::SaveLights(None)
             | Action::LoadEnvironment(None)
             | Action::AddToLibrary(None)
             | Action::Relink(None) => self.ask_for_path(action),
@@ -99,6 +112,11 @@ impl EditorState {
             Command::ResetCamera => Action::ResetCamera,
             Command::CopyCamera => Action::CopyCamera,
             Command::PasteCamera => Action::PasteCamera,
+            Command::DuplicateLight | Command::DeleteLight => {
+                let Some(index) = self.selected_light() else { return };
+                let is_copy = command == Command::DuplicateLight;
+                if is_copy { Action::DuplicateLight(index) } else { Action::DeleteLight(index) }
+            }
             Command::Bake => Action::Bake { resume: false },
             Command::Keys => Action::ToggleKeys,
             Command::Mode(mode) => Action::Edit { edit: view(&|v| v.mode = mode), label: "View mode" },
@@ -146,6 +164,10 @@ impl EditorState {
     }
 
     fn frame_selection(&mut self) {
+        if let Some(bounds) = self.light_bounds() {
+            self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
+            return;
+        }
         let bounds = self.scene.shown().zip(self.selection.object);
         match bounds.and_then(|(baked, object)| pick::object_bounds(&baked.dataset.scene.mesh, object)) {
             Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
@@ -166,7 +188,7 @@ impl EditorState {
         }
     }
 
-    fn scene_bounds(&self) -> Option<Bounds> {
+    pub(super) fn scene_bounds(&self) -> Option<Bounds> {
         let baked = self.scene.baked.as_ref().map(|baked| &baked.dataset.scene);
         let scene = baked.or(self.scene.source.as_ref().map(|source| &*source.scene));
         scene.map(|scene| scene.mesh.bounds())
@@ -180,6 +202,7 @@ impl EditorState {
     /// Selects an object, and with it the material of its first triangle.
     fn select_object(&mut self, object: Option<u32>) {
         self.selection.object = object;
+        self.selection.light = None;
         let Some((object, baked)) = object.zip(self.scene.baked.as_ref()) else { return };
         let mesh = &baked.dataset.scene.mesh;
         if let Some(triangle) = mesh.triangle_object.iter().position(|&o| o == object) {
@@ -223,6 +246,7 @@ impl EditorState {
         let name = match &action {
             Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
             Action::ExportPicture(_) => Some(format!("{stem}.png")),
+            Action::SaveLights(_) => Some(format!("{stem}-lights.json")),
             Action::SaveMaterial { material, .. } => {
                 self.document.materials.get(*material).map(|m| format!("{}.json", m.name))
             }
@@ -349,7 +373,9 @@ impl EditorState {
         let is_kept = session.is_some() || self.recovered.is_some();
         let first_view = Some(FirstView::of(&self.document, is_kept));
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown, first_view };
-        self.selection = Selection { object: None, material: (!self.document.materials.is_empty()).then_some(0) };
+        self.interface.lights.forget_document();
+        self.selection =
+            Selection { object: None, light: None, material: (!self.document.materials.is_empty()).then_some(0) };
         self.reset_camera();
         self.pictures.clear();
         self.requests.forget();

@@ -2,10 +2,14 @@
 //! nothing is rendered, and nothing compared over there, while nothing changes.
 
 use super::state::EditorState;
-use crate::{document::Document, jobs::render_thread::RenderRequest, viewport::ViewportResponse};
+use crate::{
+    document::{Bounces, Document, lights::shines},
+    jobs::render_thread::RenderRequest,
+    viewport::ViewportResponse,
+};
 use egui::Context;
-use lapidary_core::{environment::Environment, material::Material};
-use lapidary_render::{Appearance, BrdfSampling, Illumination, Post, View};
+use lapidary_core::{environment::Environment, lights::Light, material::Material};
+use lapidary_render::{Appearance, BrdfSampling, Components, Illumination, Post, Solution, View};
 use std::sync::Arc;
 
 /// What was asked for last.
@@ -13,6 +17,7 @@ use std::sync::Arc;
 pub struct Requests {
     appearance: Appearance,
     appearance_revision: u64,
+    lights: Arc<[Light]>,
     last: Option<Key>,
     /// Revision of the document when no button was held.
     at_rest: u64,
@@ -26,6 +31,9 @@ struct Key {
     environment: usize,
     rotation: f32,
     intensity: f32,
+    lights: usize,
+    components: Components,
+    solution: Solution,
     illum_cut: u32,
     sampling: BrdfSampling,
     view: View,
@@ -42,6 +50,15 @@ impl Requests {
             self.appearance_revision += 1;
         }
         self.appearance_revision
+    }
+
+    /// The lights that shine, in one place in memory as long as they are the same.
+    fn lights_of(&mut self, document: &Document) -> Arc<[Light]> {
+        let shining = || document.lights.iter().filter(|light| shines(light));
+        if !shining().eq(self.lights.iter()) {
+            self.lights = shining().cloned().collect();
+        }
+        self.lights.clone()
     }
 
     /// Sends the next request even if it is that of before: the scene was replaced in place.
@@ -65,8 +82,10 @@ impl EditorState {
         let Some(environment) = self.environments.loaded().cloned() else { return };
         let moving = viewport.moving || self.is_editing_by_pointer(ctx);
         let appearance_revision = self.requests.revision_of(&self.document);
+        let lights = self.requests.lights_of(&self.document);
         let document = &self.document;
         let baked = self.scene.shown().cloned();
+        let bounces = baked.as_ref().map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         let view = view_of(document, viewport.size_px);
         let key = Key {
             dataset: baked.as_ref().map(|b| Arc::as_ptr(&b.dataset) as usize),
@@ -74,6 +93,9 @@ impl EditorState {
             environment: Arc::as_ptr(&environment) as usize,
             rotation: document.environment.rotation(),
             intensity: document.environment.intensity,
+            lights: lights.as_ptr() as usize,
+            components: document.components.shown(),
+            solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
             sampling: document.view.sampling,
             view: view.clone(),
@@ -89,6 +111,9 @@ impl EditorState {
             appearance: self.requests.appearance.clone(),
             appearance_revision,
             illumination: illumination(document, environment),
+            lights,
+            components: key.components,
+            solution: key.solution,
             illum_cut: key.illum_cut,
             sampling: key.sampling,
             view,
@@ -129,8 +154,21 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::TextureEntry;
+    use crate::document::{TextureEntry, test_data};
     use lapidary_core::texture::Texture;
+
+    #[test]
+    fn lights_stay_where_they_are_until_what_shines_changes() {
+        let mut requests = Requests::default();
+        let off = Light { enabled: false, ..test_data::light() };
+        let mut document = Document { lights: vec![test_data::light(), off], ..Document::empty() };
+        let first = requests.lights_of(&document);
+        assert_eq!(*first, [test_data::light()]);
+        document.lights[1].intensity *= 2.0;
+        assert!(Arc::ptr_eq(&first, &requests.lights_of(&document)), "it is switched off");
+        document.lights[0].intensity *= 2.0;
+        assert!(!Arc::ptr_eq(&first, &requests.lights_of(&document)));
+    }
 
     #[test]
     fn the_appearance_has_another_number_only_when_it_is_another() {

@@ -74,6 +74,8 @@ pub struct Selection {
     pub object: Option<u32>,
     /// A material.
     pub material: Option<usize>,
+    /// A local light; undo may have taken it away, see [`EditorState::selected_light`].
+    pub light: Option<usize>,
 }
 
 /// The scene that is open, as far as it is not in the document.

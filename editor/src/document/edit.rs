@@ -1,7 +1,8 @@
 //! Edits: a value that takes another's place. Swapping it in leaves the old one in the edit, which is then its inverse.
 
-use super::{Document, EnvironmentSettings, ViewSettings};
-use lapidary_core::{camera::Camera, dataset::BakeSettings, material::Material};
+use super::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
+use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material};
+use lapidary_render::Solution;
 use std::mem::{discriminant, swap};
 
 /// One change to a document.
@@ -14,8 +15,21 @@ pub enum Edit {
         /// Its new value.
         material: Box<Material>,
     },
-    /// Another light.
+    /// Another environment.
     Environment(EnvironmentSettings),
+    /// Another value for a local light.
+    Light {
+        /// Which.
+        index: usize,
+        /// Its new value.
+        light: Box<Light>,
+    },
+    /// Other local lights: more, fewer, or in another order.
+    Lights(Vec<Light>),
+    /// Other parts of the light in the picture.
+    Components(ComponentSettings),
+    /// Another way to compute bounced light.
+    Solution(Solution),
     /// Other view settings.
     View(ViewSettings),
     /// Other bookmarks.
@@ -28,11 +42,15 @@ impl Edit {
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
     /// # Panics
-    /// If it names a material that the document does not have.
+    /// If it names a material or a light that the document does not have.
     pub fn swap(&mut self, document: &mut Document) {
         match self {
             Self::Material { index, material } => swap(&mut **material, &mut document.materials[*index]),
             Self::Environment(environment) => swap(environment, &mut document.environment),
+            Self::Light { index, light } => swap(&mut **light, &mut document.lights[*index]),
+            Self::Lights(lights) => swap(lights, &mut document.lights),
+            Self::Components(components) => swap(components, &mut document.components),
+            Self::Solution(solution) => swap(solution, &mut document.solution),
             Self::View(view) => swap(view, &mut document.view),
             Self::Bookmarks(bookmarks) => swap(bookmarks, &mut document.bookmarks),
             Self::Bake(bake) => swap(&mut **bake, &mut document.bake),
@@ -41,7 +59,11 @@ impl Edit {
 
     /// Whether the document has the part that this edit replaces.
     pub fn fits(&self, document: &Document) -> bool {
-        !matches!(self, Self::Material { index, .. } if *index >= document.materials.len())
+        match self {
+            Self::Material { index, .. } => *index < document.materials.len(),
+            Self::Light { index, .. } => *index < document.lights.len(),
+            _ => true,
+        }
     }
 
     /// Whether the document has another value there than the edit.
@@ -49,6 +71,10 @@ impl Edit {
         match self {
             Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
             Self::Environment(environment) => *environment != document.environment,
+            Self::Light { index, light } => document.lights.get(*index).is_some_and(|l| *l != **light),
+            Self::Lights(lights) => *lights != document.lights,
+            Self::Components(components) => *components != document.components,
+            Self::Solution(solution) => *solution != document.solution,
             Self::View(view) => *view != document.view,
             Self::Bookmarks(bookmarks) => *bookmarks != document.bookmarks,
             Self::Bake(bake) => **bake != document.bake,
@@ -58,7 +84,8 @@ impl Edit {
     /// Whether both change the same part of a document.
     pub fn same_target(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Material { index: a, .. }, Self::Material { index: b, .. }) => a == b,
+            (Self::Material { index: a, .. }, Self::Material { index: b, .. })
+            | (Self::Light { index: a, .. }, Self::Light { index: b, .. }) => a == b,
             _ => discriminant(self) == discriminant(other),
         }
     }
@@ -66,7 +93,7 @@ impl Edit {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::test_data, *};
 
     #[test]
     fn swapping_twice_restores_both() {
@@ -79,6 +106,21 @@ mod tests {
         edit.swap(&mut document);
         assert_eq!(document.materials, vec![Material::default(); 2]);
         assert!(matches!(edit, Edit::Material { index: 1, material } if material.name == "new"));
+    }
+
+    #[test]
+    fn lights_are_edited_one_by_one_and_as_a_list() {
+        let light = |name: &str| Light { name: name.into(), ..test_data::light() };
+        let mut document = Document { lights: vec![light("a"), light("b")], ..Document::empty() };
+        let edit = |index, name: &str| Edit::Light { index, light: Box::new(light(name)) };
+        assert!(edit(1, "c").changes(&document) && !edit(1, "b").changes(&document));
+        assert!(edit(1, "c").fits(&document) && !edit(2, "c").fits(&document) && !edit(2, "c").changes(&document));
+        assert!(edit(1, "c").same_target(&edit(1, "d")) && !edit(1, "c").same_target(&edit(0, "c")));
+        let mut fewer = Edit::Lights(vec![light("a")]);
+        fewer.swap(&mut document);
+        assert!(document.lights.len() == 1 && !edit(1, "c").fits(&document));
+        fewer.swap(&mut document);
+        assert_eq!(document.lights[1].name, "b");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
-//! `{"lapidary_session": 1, "scene", "dataset", "materials", "environment", "camera", "bookmarks", "view", "bake"}`.
+//! `{"lapidary_session": 1, "scene", "dataset", "materials", "environment", "lights", "components", "solution", "camera",
+//! "bookmarks", "view", "bake"}`; the lights are those of a lights file.
 //! Paths are relative to the file, angles in degrees. A reader takes what it can: values that cannot be are replaced
 //! with a warning, keys that it does not know are kept and written back ([`Unknown`]), files that are not there are
 //! listed and can be looked for ([`LoadedSession::relink`]). Only a newer version or damaged JSON is refused.

@@ -7,6 +7,7 @@ use lapidary_core::{
     dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
     image::Image,
     light_tree::LightTree,
+    lights::{Emission, Light},
     material::Material,
     scene::{Mesh, Object, Scene},
     texture::Texture,
@@ -53,6 +54,18 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
 /// A camera of this name.
 pub fn camera(name: &str) -> Camera {
     Camera { name: name.into(), ..Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 35.0) }
+}
+
+/// A spot above the origin that shines down.
+pub fn light() -> Light {
+    Light {
+        name: "spot".into(),
+        enabled: true,
+        emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
+        position: Vec3::new(0.0, 2.0, 0.0),
+        target: Vec3::ZERO,
+        intensity: Vec3::new(3.0, 2.0, 1.0),
+    }
 }
 
 /// Writes a small picture.

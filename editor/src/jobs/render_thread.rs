@@ -7,9 +7,10 @@ mod station;
 mod worker;
 
 use super::{Wake, spawn};
-use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use lapidary_render::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Illumination, PictureStats, Post, SceneLighting, View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, Illumination, PictureStats, Post,
+    SceneLighting, Solution, View,
 };
 use std::{
     sync::{
@@ -32,8 +33,14 @@ pub struct RenderRequest {
     pub appearance: Appearance,
     /// Changes whenever the appearance does.
     pub appearance_revision: u64,
-    /// The light; its map is compared by pointer.
+    /// The environment; its map is compared by pointer.
     pub illumination: Illumination,
+    /// The local lights that shine; compared by pointer.
+    pub lights: Arc<[Light]>,
+    /// Which parts of the light are in the picture.
+    pub components: Components,
+    /// How bounced light is computed; one that the dataset has.
+    pub solution: Solution,
     /// Most nodes of the illumination cut.
     pub illum_cut: u32,
     /// How the BRDF is sampled.

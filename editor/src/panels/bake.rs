@@ -1,6 +1,7 @@
 //! The bake: presets with what they cost, all settings, progress, and the report of the last one.
 
 mod estimate;
+mod mode;
 mod progress;
 mod report;
 mod settings;
@@ -9,6 +10,7 @@ mod stale;
 mod tests;
 
 pub use estimate::SceneStats;
+pub use mode::BakeMode;
 pub use stale::stale_reasons;
 #[cfg(test)]
 pub use tests::test_dataset;
@@ -32,6 +34,8 @@ pub struct BakeContext<'a> {
     pub reasons: &'a [String],
     /// Size of the scene before tessellation, if it is known.
     pub scene_stats: Option<SceneStats>,
+    /// What the next bake is of.
+    pub mode: BakeMode,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
 }
@@ -86,9 +90,13 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         if let BakeStatus::Cancelled { .. } | BakeStatus::Failed { .. } = context.status {
             differences(ui, context.reasons);
         }
+        mode::show(ui, context.mode, actions);
         buttons(ui, context, actions);
         settings::presets(ui, context, &Speed::known(context), actions);
-        section(ui, "Advanced", false, |ui| settings::advanced(ui, &context.document.bake, actions));
+        section(ui, "Advanced", false, |ui| {
+            settings::advanced(ui, &context.document.bake, actions);
+            mode::advanced(ui, context.mode, actions);
+        });
     }
     if let Some(dataset) = context.dataset {
         section(ui, "Report", true, |ui| report::show(ui, &dataset.report));

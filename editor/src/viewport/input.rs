@@ -3,7 +3,7 @@
 mod keys;
 
 use super::{
-    ViewportContext, ViewportState, navigation,
+    ViewportContext, ViewportState, gizmo, navigation,
     pick::{self, Picked},
 };
 use crate::{
@@ -99,10 +99,13 @@ pub(super) fn handle(
     actions: &mut Vec<Action>,
 ) {
     let camera = context.document.camera.clone();
+    let on_lights = state.gesture.is_none() && gizmo::handle(ui, response, &mut state.gizmo, context, actions);
     let mut pass = Pass { ui, response, size_px, state, context, actions, camera };
-    pass.drags();
+    if !on_lights {
+        pass.drags();
+        pass.clicks();
+    }
     pass.scrolls();
-    pass.clicks();
     keys::handle(&mut pass);
     if pass.camera != context.document.camera {
         pass.actions.push(Action::Camera(pass.camera));

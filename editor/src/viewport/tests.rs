@@ -20,16 +20,18 @@ pub(super) fn two_squares() -> Mesh {
     }
 }
 
-struct App {
-    document: Document,
+pub(super) struct App {
+    pub(super) document: Document,
     state: ViewportState,
     mesh: Mesh,
     intersector: Intersector,
     selected: Option<u32>,
+    pub(super) selected_light: Option<usize>,
+    pub(super) aiming: bool,
     placeholder: Option<&'static str>,
     text: String,
-    log: Vec<Action>,
-    last: Option<ViewportResponse>,
+    pub(super) log: Vec<Action>,
+    pub(super) last: Option<ViewportResponse>,
 }
 
 impl App {
@@ -42,6 +44,8 @@ impl App {
             intersector: Intersector::new(&mesh),
             mesh,
             selected: None,
+            selected_light: None,
+            aiming: false,
             placeholder: None,
             text: String::new(),
             log: Vec::new(),
@@ -62,6 +66,9 @@ impl App {
             scene_bounds: Some(bounds),
             selected_object: self.selected,
             selection_bounds: self.selected.and_then(|object| pick::object_bounds(&self.mesh, object)),
+            selected_light: self.selected_light,
+            shows_lights: true,
+            aiming: self.aiming,
             accent: Color32::ORANGE,
             busy: Some("Rendering 40 %"),
             placeholder: self.placeholder,
@@ -81,6 +88,7 @@ impl App {
             Action::Camera(camera) => self.document.camera = camera.clone(),
             Action::Edit { edit, .. } => edit.clone().swap(&mut self.document),
             Action::SelectObject(object) => self.selected = *object,
+            Action::SelectLight(light) => self.selected_light = *light,
             Action::FrameSelection => {
                 let bounds = pick::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
                 let aspect = response.rect.aspect_ratio();
@@ -91,7 +99,7 @@ impl App {
     }
 }
 
-fn harness() -> Harness<'static, App> {
+pub(super) fn harness() -> Harness<'static, App> {
     let builder = Harness::builder().with_size([800.0, 620.0]).with_step_dt(1.0 / 60.0);
     let mut harness = builder.build_ui_state(|ui, app: &mut App| app.ui(ui), App::new());
     harness.run();
@@ -103,13 +111,13 @@ fn viewport_center(harness: &Harness<App>) -> Pos2 {
 }
 
 /// Where a point of the plane z = 0 is seen by the camera at the start.
-fn seen_at(harness: &Harness<App>, x: f32, y: f32) -> Pos2 {
+pub(super) fn seen_at(harness: &Harness<App>, x: f32, y: f32) -> Pos2 {
     let rect = harness.get_by_label("Viewport").rect();
     let focal = 0.5 * rect.height() / 20.0_f32.to_radians().tan();
     rect.center() + focal / 5.0 * vec2(x, -y)
 }
 
-fn button(harness: &Harness<App>, pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) {
+pub(super) fn button(harness: &Harness<App>, pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) {
     harness.event(Event::PointerButton { pos, button, pressed, modifiers });
 }
 
@@ -125,7 +133,7 @@ fn drag(harness: &mut Harness<App>, which: PointerButton, modifiers: Modifiers, 
     harness.step();
 }
 
-fn click(harness: &mut Harness<App>, pos: Pos2) {
+pub(super) fn click(harness: &mut Harness<App>, pos: Pos2) {
     harness.hover_at(pos);
     button(harness, pos, PointerButton::Primary, true, Modifiers::NONE);
     button(harness, pos, PointerButton::Primary, false, Modifiers::NONE);

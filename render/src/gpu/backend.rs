@@ -14,7 +14,7 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    BrdfSampling, Illumination, Post, SceneLighting, View,
+    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
@@ -40,6 +40,7 @@ pub struct GpuBackend {
     magma: wgpu::Buffer,
     scene: Option<Loaded>,
     light: Option<(GpuLight, Arc<Environment>)>,
+    local: LocalLighting,
     map: Option<GpuMap>,
     targets: Option<Targets>,
     picture: Option<Picture>,
@@ -134,6 +135,7 @@ impl GpuBackend {
             source: source.clone(),
             scene: None,
             light: None,
+            local: LocalLighting::default(),
             map: None,
             targets: None,
             picture: None,
@@ -276,6 +278,12 @@ impl Backend for GpuBackend {
         self.gpu.check()?;
         let message = scaled_map(&light.environment, self.gpu.limits.max_texture_dimension_2d);
         Ok(message.filter(|_| !known).into_iter().collect())
+    }
+
+    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
+        self.local = lighting.clone();
+        self.picture = None;
+        Ok(Vec::new())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -35,6 +35,7 @@ pub struct Purpose {
 
 const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
 const MATERIALS: &[&str] = &["json"];
+const LIGHTS: &[&str] = &["json"];
 
 impl Purpose {
     /// What a dialog for an action's path is for; `None` for actions without one.
@@ -72,6 +73,10 @@ impl Purpose {
             Action::SaveMaterial { .. } => {
                 purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", MATERIALS)
             }
+            Action::LoadLights(_) => {
+                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", LIGHTS)
+            }
+            Action::SaveLights(_) => purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", LIGHTS),
             Action::LoadEnvironment(_) => {
                 purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", PICTURES)
             }
@@ -117,6 +122,8 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
         | Action::LoadTexture { path, .. }
         | Action::LoadMaterial { path, .. }
         | Action::SaveMaterial { path, .. }
+        | Action::LoadLights(path)
+        | Action::SaveLights(path)
         | Action::LoadEnvironment(path)
         | Action::AddToLibrary(path)
         | Action::Relink(path) => *path = Some(chosen),

@@ -1,8 +1,9 @@
 //! Values that a file can hold and a renderer cannot bear are brought into range, each with a warning.
 
 use super::{Session, SessionCamera, SessionMaterial};
-use crate::document::{EnvironmentSettings, ViewSettings};
+use crate::document::{EnvironmentSettings, ViewSettings, lights};
 use glam::Vec3;
+use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use lapidary_precompute::{Preset, resolve};
 use std::fmt::Display;
 
@@ -11,6 +12,7 @@ pub fn sanitize(session: &mut Session, warnings: &mut Vec<String>) {
     let mut checks = Checks { warnings };
     session.materials.iter_mut().for_each(|m| checks.material(m));
     checks.environment(&mut session.environment);
+    checks.lights(session.lights.as_mut());
     checks.view(&mut session.view);
     session.camera.take_if(|camera| !checks.camera_is_usable(camera, "the default view is used"));
     session.bookmarks.retain_mut(|camera| checks.camera_is_usable(camera, "it was left out"));
@@ -72,6 +74,43 @@ impl Checks<'_> {
         if environment.spec.is_empty() {
             environment.spec = EnvironmentSettings::default().spec;
             self.warnings.push(format!("the environment names no map; \"{}\" is used", environment.spec));
+        }
+    }
+
+    fn lights(&mut self, given: Option<&mut Vec<Light>>) {
+        let Some(given) = given else { return };
+        if given.len() > MAX_LIGHTS {
+            self.warnings.push(format!("there are {} lights; the first {MAX_LIGHTS} are used", given.len()));
+            given.truncate(MAX_LIGHTS);
+        }
+        given.iter_mut().for_each(|light| self.light_numbers(light));
+        given.retain(|light| {
+            let problem = light.validate().err();
+            if let Some(problem) = &problem {
+                self.warnings.push(format!("the light \"{}\" was left out, since {problem}", light.name));
+            }
+            problem.is_none()
+        });
+    }
+
+    fn light_numbers(&mut self, light: &mut Light) {
+        let name = light.name.clone();
+        let what = |value: &str| format!("{value} of the light \"{name}\"");
+        for i in 0..3 {
+            self.range(&what("the intensity"), &mut light.intensity[i], [0.0, lights::MOST_INTENSITY, 1.0]);
+        }
+        match &mut light.emission {
+            Emission::Spot { cone_degrees, penumbra_degrees } => {
+                let [narrowest, widest] = lights::CONE_DEGREES;
+                self.range(&what("the cone"), cone_degrees, [narrowest, widest, 35.0]);
+                self.range(&what("the penumbra"), penumbra_degrees, [0.0, *cone_degrees, 0.0]);
+            }
+            Emission::Rectangle { width, height } => {
+                let [smallest, largest] = lights::SIDES;
+                self.range(&what("the width"), width, [smallest, largest, 1.0]);
+                self.range(&what("the height"), height, [smallest, largest, 1.0]);
+            }
+            Emission::Point | Emission::Directional => {}
         }
     }
 

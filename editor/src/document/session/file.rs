@@ -1,13 +1,15 @@
 //! What a session file holds, as plain data: degrees instead of radians, textures by where they came from.
 
-use crate::document::{Document, EnvironmentSettings, ViewSettings};
+use crate::document::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
     dataset::BakeSettings,
+    lights::Light,
     material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
     texture::{Channel, ColorSpace, TextureSlot},
 };
+use lapidary_render::Solution;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -20,8 +22,14 @@ pub struct Session {
     pub dataset: Option<PathBuf>,
     /// In the order of the dataset.
     pub materials: Vec<SessionMaterial>,
-    /// The light.
+    /// The light from all around.
     pub environment: EnvironmentSettings,
+    /// Local lights; `None` for those of the scene, in files from before there were any.
+    pub lights: Option<Vec<Light>>,
+    /// Which parts of the light are in the picture.
+    pub components: ComponentSettings,
+    /// How bounced light is computed.
+    pub solution: Solution,
     /// Where from; `None` for that of the dataset.
     pub camera: Option<SessionCamera>,
     /// Cameras to go back to.
@@ -118,6 +126,9 @@ impl Session {
             dataset: document.dataset.clone(),
             materials: document.materials.iter().map(|m| SessionMaterial::of(m, document)).collect(),
             environment: document.environment.clone(),
+            lights: Some(document.lights.clone()),
+            components: document.components,
+            solution: document.solution,
             camera: Some((&document.camera).into()),
             bookmarks: document.bookmarks.iter().map(Into::into).collect(),
             view: document.view.clone(),

@@ -6,8 +6,11 @@ use super::{
 };
 use crate::document::{
     autosave,
+    lights::LightKind,
     relative::{folder_of, resolve},
 };
+use glam::Vec3;
+use lapidary_core::lights::{Emission, Light};
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
@@ -104,6 +107,9 @@ impl Reader {
             dataset: self.path(root, "dataset"),
             materials: self.list(root, "materials", material_template),
             environment: self.part(root, "environment", Default::default()),
+            lights: root.get("lights").map(|_| self.list(root, "lights", light_template)),
+            components: self.part(root, "components", Default::default()),
+            solution: self.choice(root, "solution"),
             camera: root.get("camera").map(|_| self.part(root, "camera", SessionCamera::default())),
             bookmarks: self.list(root, "bookmarks", |_| SessionCamera::default()),
             view: self.part(root, "view", Default::default()),
@@ -124,6 +130,14 @@ impl Reader {
                 None
             }
         }
+    }
+
+    fn choice<T: DeserializeOwned + Default>(&mut self, root: &Map<String, Value>, key: &str) -> T {
+        let Some(given) = root.get(key) else { return T::default() };
+        T::deserialize(given).unwrap_or_else(|_| {
+            self.warnings.push(refusal(key, given));
+            T::default()
+        })
     }
 
     fn part<T: Serialize + DeserializeOwned>(&mut self, root: &Map<String, Value>, key: &str, template: T) -> T {
@@ -169,4 +183,18 @@ fn material_template(given: &Value) -> SessionMaterial {
         *slot = has.then(SessionSlot::default);
     }
     template
+}
+
+/// A light with the numbers that its kind has.
+fn light_template(given: &Value) -> Light {
+    let kind = given.get("kind").and_then(Value::as_str);
+    let kind = LightKind::ALL.into_iter().find(|k| kind == Some(&k.label().to_lowercase()));
+    Light {
+        name: String::new(),
+        enabled: true,
+        emission: kind.map_or(Emission::Point, |kind| kind.emission(1.0)),
+        position: Vec3::ZERO,
+        target: Vec3::NEG_Y,
+        intensity: Vec3::ONE,
+    }
 }

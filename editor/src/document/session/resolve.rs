@@ -31,6 +31,10 @@ impl LoadedSession {
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;
+        if let Some(lights) = session.lights {
+            document.lights = lights;
+        }
+        (document.components, document.solution) = (session.components, session.solution);
         if let Some(camera) = &session.camera {
             document.camera = camera.into();
         }

@@ -4,16 +4,18 @@ mod damage;
 
 use super::{file::SessionMaps, *};
 use crate::document::{
-    BackgroundKind, Document, EnvironmentSettings, TextureEntry, ViewSettings,
-    test_data::{camera, dataset, write_picture},
+    BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
+    lights::LightKind,
+    test_data::{camera, dataset, light, write_picture},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     dataset::{BakeSettings, Dataset},
+    lights::Light,
     material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
-use lapidary_render::{Post, ToneMap};
+use lapidary_render::{Post, Solution, ToneMap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -69,6 +71,11 @@ impl Project {
             intensity: 0.7,
             orientation: crate::document::Orientation::Blender,
         };
+        document.lights = LightKind::ALL.map(|kind| Light { emission: kind.emission(0.3), ..light() }).into();
+        document.lights[1].enabled = false;
+        document.components =
+            ComponentSettings { direct: false, solo: Some(Component::Indirect), ..ComponentSettings::default() };
+        document.solution = Solution::CutsMeshless;
         document.camera = camera("");
         document.bookmarks = vec![camera("front"), camera("back")];
         document.view = ViewSettings {
@@ -109,6 +116,7 @@ fn assert_same(a: &Document, b: &Document) {
     assert_eq!((&a.scene, &a.dataset), (&b.scene, &b.dataset));
     assert_eq!(a.materials, b.materials);
     assert_eq!((&a.environment, &a.view, &a.bake), (&b.environment, &b.view, &b.bake));
+    assert_eq!((&a.lights, a.components, a.solution), (&b.lights, b.components, b.solution));
     assert_eq!((&a.camera, &a.bookmarks), (&b.camera, &b.bookmarks));
     let files = |d: &Document| d.textures.iter().map(|t| (t.texture.name.clone(), t.file.clone())).collect::<Vec<_>>();
     assert_eq!(files(a), files(b));
@@ -159,7 +167,8 @@ fn a_project_can_move_as_a_whole() {
 fn what_later_versions_add_is_written_back() {
     let project = Project::new();
     let loaded = project.changed(|json| {
-        json["lights"] = json!([{"kind": "spot"}]);
+        json["fog"] = json!([{"density": 1}]);
+        json["lights"][1]["gobo"] = json!("leaves.png");
         json["environment"]["sun"] = json!({"size": 1});
         json["view"]["post"]["grain"] = json!(0.1);
         json["materials"][1]["parameters"]["sheen"] = json!(0.5);
@@ -173,7 +182,8 @@ fn what_later_versions_add_is_written_back() {
     document.bookmarks.remove(0);
     save(&document, &unknown, &project.file()).unwrap();
     let json = project.json();
-    assert_eq!(json["lights"], json!([{"kind": "spot"}]));
+    assert_eq!(json["fog"], json!([{"density": 1}]));
+    assert_eq!(json["lights"][1]["gobo"], "leaves.png");
     assert_eq!(json["environment"]["sun"], json!({"size": 1}));
     assert_eq!(json["view"]["post"]["grain"], 0.1);
     assert_eq!(json["materials"][1]["parameters"]["sheen"], 0.5);
@@ -196,6 +206,47 @@ fn a_session_from_before_some_maps_existed_is_read_without_them() {
     assert_ne!(read.materials, expected.materials);
     (expected.materials[1].maps.anisotropy, expected.materials[1].maps.ior) = (None, None);
     assert_same(&read, &expected);
+}
+
+#[test]
+fn a_session_from_before_there_were_lights_has_those_of_the_scene() {
+    let mut project = Project::new();
+    project.dataset.scene.lights = vec![light()];
+    let without = |json: &mut Value| {
+        let json = json.as_object_mut().unwrap();
+        assert!(["lights", "components", "solution"].iter().all(|key| json.remove(*key).is_some()));
+    };
+    let loaded = project.changed(without);
+    assert_eq!((&loaded.warnings, &loaded.unknown), (&Vec::new(), &Unknown::default()));
+    let read = loaded.into_document(Some(&project.dataset.scene)).0;
+    assert_eq!((read.lights, read.solution), (vec![light()], Solution::Cuts));
+    assert_eq!(read.components, ComponentSettings::default());
+    let deleted = project.changed(|json| json["lights"] = json!([]));
+    let read = deleted.into_document(Some(&project.dataset.scene)).0;
+    assert!(read.lights.is_empty(), "negative control: lights that were deleted stay deleted");
+}
+
+#[test]
+fn lights_are_written_as_in_a_lights_file_and_damaged_ones_are_said() {
+    let project = Project::new();
+    project.reloaded(&project.document());
+    let spot = &project.json()["lights"][1];
+    assert_eq!((&spot["kind"], &spot["cone_degrees"]), (&json!("spot"), &json!(35.0)));
+    assert_eq!(spot["intensity"], json!([3.0, 2.0, 1.0]));
+    let loaded = project.changed(|json| {
+        json["lights"][0]["intensity"] = json!([1, -2, 1]);
+        json["lights"][1]["cone_degrees"] = json!(200);
+        json["lights"][2]["target"] = json["lights"][2]["position"].clone();
+        json["lights"][3]["kind"] = json!("laser");
+    });
+    let lights = loaded.session.lights.as_ref().unwrap();
+    assert_eq!((lights[0].intensity, lights.len()), (Vec3::new(1.0, 0.0, 1.0), 3), "{lights:?}");
+    assert!(matches!(lights[1].emission, lapidary_core::lights::Emission::Spot { cone_degrees: 90.0, .. }));
+    let said = loaded.warnings.join("\n");
+    for part in ["the intensity of the light", "the cone of the light", "was left out", "lights[3].kind"] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert_eq!(loaded.warnings.len(), 4, "{said}");
 }
 
 #[test]

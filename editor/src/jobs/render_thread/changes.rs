@@ -11,7 +11,14 @@ pub enum Changes {
     Nothing,
     /// The picture is displayed again.
     Post,
-    /// The picture is rendered again, after whatever of scene, appearance and light is out of date.
+    /// The picture is rendered again, after whatever is out of date of
+    /// - the scene,
+    /// - the appearance: the light that the sources send on,
+    /// - the environment: its cut, and its light on the sources,
+    /// - the local lights: theirs on the sources,
+    /// - the solution of bounced light: what the sources receive beyond the first bounce.
+    ///
+    /// The components in the picture redo nothing before it.
     Picture,
 }
 
@@ -21,6 +28,7 @@ pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
     let same_picture = same_dataset(old.baked.as_ref(), new.baked.as_ref())
         && old.appearance_revision == new.appearance_revision
         && same_light(&old.illumination, &new.illumination)
+        && same_local_light(old, new)
         && old.illum_cut == new.illum_cut
         && old.sampling == new.sampling
         && old.view == new.view;
@@ -29,6 +37,11 @@ pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
         (true, false) => Changes::Post,
         (true, true) => Changes::Nothing,
     }
+}
+
+/// Whether both have the same lights, of which they show the same, bounced in the same way.
+pub fn same_local_light(a: &RenderRequest, b: &RenderRequest) -> bool {
+    Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components && a.solution == b.solution
 }
 
 /// Whether both are one dataset, or none.

@@ -76,9 +76,10 @@ impl Station {
             remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
             self.appearance_revision = Some(request.appearance_revision);
         }
-        let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
+        let direct = direct_environment(request);
+        let same = |l: &Light| same_light(&l.illumination, &direct) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(request, outbox)?;
+            self.set_light(direct, request.illum_cut, outbox)?;
         }
         Ok(new_scene)
     }
@@ -99,18 +100,19 @@ impl Station {
         Ok(())
     }
 
-    fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+    fn set_light(&mut self, illumination: Illumination, illum_cut: u32, outbox: &Outbox) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
-        let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
-        let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
+        let lighting = Arc::new(rig.lighting(&illumination, illum_cut));
+        let remarks = self.backend()?.set_light(&illumination, &lighting)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
         self.light_revision += 1;
-        self.light = Some(Light {
-            illumination: request.illumination.clone(),
-            illum_cut: request.illum_cut,
-            lighting,
-            revision: self.light_revision,
-        });
+        self.light = Some(Light { illumination, illum_cut, lighting, revision: self.light_revision });
         Ok(())
     }
+}
+
+/// The environment as it is seen and lights directly: dark if that component is not in the picture.
+fn direct_environment(request: &RenderRequest) -> Illumination {
+    let intensity = if request.components.environment { request.illumination.intensity } else { 0.0 };
+    Illumination { intensity, ..request.illumination.clone() }
 }

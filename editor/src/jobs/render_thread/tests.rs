@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment};
-use lapidary_render::{CpuBackend, Renderer};
+use lapidary_render::{CpuBackend, LocalLighting, Renderer};
 use std::ops::Range;
 
 /// What the renderer was asked for, and how it is to behave.
@@ -58,6 +58,10 @@ impl Backend for Fake {
 
     fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.log.lock().unwrap().lights += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
         Ok(Vec::new())
     }
 
@@ -116,6 +120,9 @@ fn request(aa: u32) -> RenderRequest {
         appearance: Appearance::default(),
         appearance_revision: 1,
         illumination: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+        lights: Arc::new([]),
+        components: Components::ALL,
+        solution: Solution::Cuts,
         illum_cut: 16,
         sampling: BrdfSampling::Refine,
         view: View { aa, ..View::new(camera, [64, 48]) },
@@ -194,6 +201,42 @@ fn nothing_is_rendered_when_nothing_changed() {
     other.view.camera.eye.x = 9.0;
     thread.request(other);
     assert_eq!(complete(&mut thread).pixels[0][0], 9, "negative control: a change is rendered");
+}
+
+#[test]
+fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not() {
+    let lights: Arc<[_]> = Arc::new([test_data::light()]);
+    let old = RenderRequest { lights: lights.clone(), ..request(1) };
+    let change = |change: &dyn Fn(&mut RenderRequest)| {
+        let mut new = old.clone();
+        change(&mut new);
+        changes::changes(Some(&old), &new)
+    };
+    assert_eq!(change(&|r| r.lights = lights.clone()), changes::Changes::Nothing);
+    assert_eq!(change(&|r| r.lights = Arc::new([test_data::light()])), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.components = Components::UNBOUNCED), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.solution = Solution::Meshless), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.post.exposure = 1.0), changes::Changes::Post, "negative control");
+}
+
+#[test]
+fn the_environment_goes_dark_with_its_component() {
+    let (log, mut thread) = start(Log::default());
+    let mut switched = request(1);
+    thread.request(switched.clone());
+    complete(&mut thread);
+    let before = log.lock().unwrap().lights;
+    switched.components.direct = false;
+    switched.view.camera.eye.x = 4.0;
+    thread.request(switched.clone());
+    complete(&mut thread);
+    assert_eq!(log.lock().unwrap().lights, before, "the environment shines as before");
+    switched.components.environment = false;
+    switched.view.camera.eye.x = 5.0;
+    thread.request(switched);
+    let dark = complete(&mut thread);
+    assert_eq!(log.lock().unwrap().lights, before + 1);
+    assert!(dark.lighting.nodes.radiance.iter().all(|&radiance| radiance == Vec3::ZERO));
 }
 
 #[test]

@@ -45,11 +45,11 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
                 let edit = Edit::Bake(Box::new(settings.clone()));
                 actions.extend([Action::Edit { edit, label: "Bake preset" }, Action::EndGesture]);
             }
-            cost(ui, speed.estimate(&settings));
+            cost(ui, speed.estimate(&settings, context.mode));
         }
         if PRESETS.iter().all(|(preset, ..)| *bake != preset.settings()) {
             ui.label("Custom").on_hover_text("The settings below.");
-            cost(ui, speed.estimate(bake));
+            cost(ui, speed.estimate(bake, context.mode));
         }
     });
     let source = if context.dataset.is_some() { "the last bake" } else { "other scenes" };

@@ -5,7 +5,7 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
-    painter::Painter,
+    painter::{Painter, PictureLight},
     renderer::tests::{dataset, mesh},
 };
 use glam::{Vec2, Vec3};
@@ -118,7 +118,8 @@ fn on_the_cpu(
 ) -> Image {
     let dataset = renderer.dataset();
     let surfaces = renderer.surfaces();
-    let mut painter = Painter::new(view.mode, dataset, Some(lighting), sampling);
+    let light = PictureLight { environment: Some(lighting), ..Default::default() };
+    let mut painter = Painter::new(view.mode, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();
     Image::from_fn(view.size, |x, y| {
@@ -134,7 +135,7 @@ fn on_the_cpu(
         let hit = Hit { triangle: id - 1, distance: 0.0, barycentric, back_face };
         let pixel = Vec2::new(x as f32, y as f32) + 0.5;
         let wo = -view.camera.direction_through(pixel, view.size);
-        painter.value(&surfaces.point(&hit, wo))
+        painter.value(&surfaces.point(&hit, wo), Vec2::ZERO)
     })
 }
 

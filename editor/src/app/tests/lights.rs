@@ -1,0 +1,149 @@
+//! Local lights through the whole window: made, moved, undone, saved and found again, written and read.
+
+use super::{Place, Window};
+use crate::{
+    actions::Action,
+    document::{Component, ComponentSettings, Edit, lights::LightKind},
+    panels::bake::BakeMode,
+};
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use glam::Vec3;
+use lapidary_core::lights::Light;
+
+fn opened(place: &Place) -> Window {
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window
+}
+
+fn lights(window: &Window) -> &[Light] {
+    &window.0.state().document.lights
+}
+
+fn selected(window: &Window) -> Option<usize> {
+    window.0.state().selected_light()
+}
+
+fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.0.key_press_modifiers(modifiers, key);
+    window.0.run_steps(3);
+}
+
+#[test]
+fn lights_are_added_in_view_duplicated_and_deleted_each_as_a_step_of_undo() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    for kind in LightKind::ALL {
+        window.perform(Action::AddLight(kind));
+    }
+    assert_eq!(selected(&window), Some(3));
+    assert!(window.shows("Selected light") && window.shows("Rectangle 1"));
+    let camera = &window.0.state().document.camera;
+    let forward = (camera.target - camera.eye).normalize();
+    assert!(lights(&window).iter().all(|l| l.validate().is_ok() && (l.position - camera.eye).dot(forward) > 0.0));
+    press(&mut window, Modifiers::COMMAND, Key::D);
+    assert_eq!((lights(&window).len(), selected(&window)), (5, Some(4)));
+    assert_eq!(lights(&window)[4].name, "Rectangle 2");
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert_eq!((lights(&window).len(), selected(&window)), (4, None));
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert_eq!(lights(&window).len(), 4, "negative control: nothing is selected");
+    for left in [5, 4, 3, 2, 1, 0] {
+        window.perform(Action::Undo);
+        assert_eq!(lights(&window).len(), left);
+    }
+    assert!(!window.0.state().is_modified());
+}
+
+#[test]
+fn a_drag_in_the_viewport_is_one_step_of_undo() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::AddLight(LightKind::Spot));
+    let before = lights(&window)[0].clone();
+    // In the middle of the view, so that its disc is where the pointer goes down.
+    let mut centred = window.0.state().document.camera.clone();
+    centred.target = before.position;
+    window.perform(Action::Camera(centred));
+    let from = window.0.state().interface.viewport_rect.center();
+    window.0.drag_at(from);
+    window.0.run_steps(2);
+    for step in 1..=5 {
+        window.0.hover_at(from + egui::vec2(12.0 * step as f32, 5.0));
+        window.0.run_steps(1);
+    }
+    window.0.drop_at(from + egui::vec2(60.0, 5.0));
+    window.0.run_steps(3);
+    assert!(lights(&window)[0].position.distance(before.position) > 0.02, "it was moved");
+    assert_eq!(lights(&window)[0].target, before.target);
+    window.perform(Action::Undo);
+    assert!(window.shows("Undone: Move light"));
+    assert_eq!(lights(&window)[0], before);
+}
+
+#[test]
+fn lights_switches_and_solo_are_in_the_session() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::AddLight(LightKind::Rectangle));
+    window.click("Solo Lights");
+    window.click("Switch off Rectangle 1");
+    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    let mut again = place.window();
+    again.open(&place.path("look.lapidary"));
+    assert_eq!(lights(&again), lights(&window));
+    assert!(!lights(&again)[0].enabled);
+    let solo = ComponentSettings { solo: Some(Component::Direct), ..Default::default() };
+    assert_eq!(again.0.state().document.components, solo);
+    assert!(!again.0.state().is_modified() && selected(&again).is_none());
+}
+
+#[test]
+fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::AddLight(LightKind::Spot));
+    let first = lights(&window)[0].clone();
+    window.perform(Action::SaveLights(Some(place.path("lights.json"))));
+    window.perform(Action::LoadLights(Some(place.path("lights.json"))));
+    assert_eq!(lights(&window), [first.clone(), first.clone()]);
+    assert!(window.has_said("Lights added: 1"));
+    std::fs::write(place.path("bad.json"), r#"{"lights": [{"kind": "laser", "position": [0, 0, 0]}]}"#).unwrap();
+    window.perform(Action::LoadLights(Some(place.path("bad.json"))));
+    assert!(window.has_said("bad.json") && lights(&window).len() == 2);
+    let many = vec![first; lapidary_core::lights::MAX_LIGHTS];
+    lapidary_core::lights::LightsFile { lights: many }.write(&place.path("many.json")).unwrap();
+    window.perform(Action::LoadLights(Some(place.path("many.json"))));
+    assert!(window.has_said("4098 lights are more than the 4096") && lights(&window).len() == 2);
+}
+
+#[test]
+fn selecting_an_object_lets_go_of_the_light_and_aiming_needs_a_direction() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::AddLight(LightKind::Spot));
+    let light = lights(&window)[0].clone();
+    window.perform(Action::AimLight(Some(light.position)));
+    assert!(window.has_said("stays as it is") && lights(&window)[0] == light);
+    window.perform(Action::AimLight(Some(Vec3::new(0.1, 0.0, 0.2))));
+    assert_eq!(lights(&window)[0].target, Vec3::new(0.1, 0.0, 0.2));
+    window.perform(Action::SelectObject(Some(0)));
+    assert_eq!(selected(&window), None);
+    window.perform(Action::SelectLight(Some(0)));
+    assert!(selected(&window) == Some(0) && window.0.state().selection.object.is_none());
+    window.perform(Action::Edit { edit: Edit::Lights(Vec::new()), label: "Delete light" });
+    assert_eq!(selected(&window), None, "it is not there any more");
+}
+
+#[test]
+fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.0.get_by_label("Lights").click();
+    window.0.run_steps(3);
+    window.click("Bake with bounce light");
+    assert_eq!(window.0.state().interface.bake_mode, BakeMode::All);
+    assert!(window.shows("Preset") && window.shows("Both"));
+}

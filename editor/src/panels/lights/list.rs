@@ -1,0 +1,153 @@
+//! The list of lights: on and off, select, rename, delete, add, load and save.
+
+use super::{LightsContext, LightsPanel};
+use crate::{
+    actions::Action,
+    document::{Edit, lights::LightKind},
+    panels::widgets::{check_box, outline},
+    viewport::gizmo::display_color,
+};
+use egui::{Button, Key, Layout, RichText, ScrollArea, Sense, StrokeKind, TextEdit, Ui, vec2};
+use lapidary_core::lights::Light;
+
+/// Rows before the list scrolls.
+const VISIBLE_ROWS: f32 = 8.0;
+/// Side of a swatch in points.
+const SWATCH: f32 = 11.0;
+
+/// A light's name while it is typed.
+pub struct Renaming {
+    index: usize,
+    name: String,
+    focused: bool,
+}
+
+impl Renaming {
+    /// Begins with the name as it is.
+    pub fn of(index: usize, light: &Light) -> Self {
+        Self { index, name: light.name.clone(), focused: false }
+    }
+}
+
+/// Shows the list and what is done with it.
+pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
+    let lights = &context.document.lights;
+    if lights.is_empty() {
+        ui.weak("No lights yet");
+    }
+    let height = ui.spacing().interact_size.y;
+    let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
+    let area = ScrollArea::vertical().id_salt("lights").max_height(limit).auto_shrink([false, true]);
+    area.show_rows(ui, height, lights.len(), |ui, rows| {
+        for index in rows {
+            ui.push_id(index, |ui| {
+                let layout = Layout::right_to_left(egui::Align::Center);
+                ui.allocate_ui_with_layout(vec2(ui.available_width(), height), layout, |ui| {
+                    light_row(ui, state, context, index, actions);
+                });
+            });
+        }
+    });
+    buttons(ui, context, actions);
+    check_box(ui, &mut state.in_viewport, "Show in the viewport")
+        .on_hover_text("Draws the lights over the picture, to select and move them there");
+}
+
+fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, index: usize, actions: &mut Vec<Action>) {
+    let light = &context.document.lights[index];
+    let delete = ui.add(Button::new("×").frame(false)).on_hover_text("Delete this light (Delete)");
+    if delete.accessible_name(format!("Delete {}", light.name)).clicked() {
+        state.renaming = None;
+        actions.push(Action::DeleteLight(index));
+    }
+    ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
+        eye(ui, index, light, actions);
+        swatch(ui, light);
+        if state.renaming.as_ref().is_some_and(|r| r.index == index) {
+            return rename(ui, &mut state.renaming, light, actions);
+        }
+        let text = RichText::new(&light.name);
+        let text = if light.enabled { text } else { text.weak() };
+        let button = Button::selectable(context.selected == Some(index), "").left_text(text).truncate();
+        let name = ui.add(button.min_size(ui.available_size())).accessible_name(&light.name);
+        if name.double_clicked() {
+            state.renaming = Some(Renaming::of(index, light));
+        } else if name.clicked() {
+            actions.push(Action::SelectLight(Some(index)));
+        }
+        let kind = LightKind::of(light).label();
+        name.on_hover_text(format!("{kind} light. Double-click to rename it"));
+    });
+}
+
+fn eye(ui: &mut Ui, index: usize, light: &Light, actions: &mut Vec<Action>) {
+    let icon = RichText::new("👁");
+    let icon =
+        if light.enabled { icon.strong() } else { icon.color(ui.visuals().weak_text_color().gamma_multiply(0.5)) };
+    let (verb, name) = (if light.enabled { "Switch off" } else { "Switch on" }, &light.name);
+    let eye = ui.add(Button::new(icon).frame(false)).on_hover_text(verb).accessible_name(format!("{verb} {name}"));
+    if eye.clicked() {
+        let light = Box::new(Light { enabled: !light.enabled, ..light.clone() });
+        ask(actions, Edit::Light { index, light }, "Switch light");
+    }
+}
+
+fn swatch(ui: &mut Ui, light: &Light) {
+    let (rect, _) = ui.allocate_exact_size(vec2(SWATCH, SWATCH), Sense::hover());
+    ui.painter().rect(rect, 2.0, display_color(light.intensity), outline(ui), StrokeKind::Inside);
+}
+
+/// The name as a text field: Enter or a click elsewhere takes it, Escape does not.
+fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, light: &Light, actions: &mut Vec<Action>) {
+    let Some(Renaming { index, name, focused }) = renaming else { return };
+    let field = ui.add(TextEdit::singleline(name).desired_width(ui.available_width())).accessible_name("Light name");
+    if !*focused {
+        field.request_focus();
+        *focused = true;
+        return;
+    }
+    if !field.lost_focus() {
+        return;
+    }
+    let typed = name.trim().to_owned();
+    if !ui.input(|i| i.key_pressed(Key::Escape)) && !typed.is_empty() && typed != light.name {
+        let light = Box::new(Light { name: typed, ..light.clone() });
+        ask(actions, Edit::Light { index: *index, light }, "Rename light");
+    }
+    *renaming = None;
+}
+
+fn buttons(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.menu_button("Add ▾", |ui| add_menu(ui, actions))
+            .response
+            .on_hover_text("Adds a light")
+            .accessible_name("Add");
+        let is_selected = context.selected.is_some();
+        let mut button = |ui: &mut Ui, text: &str, help: &str, enabled: bool, action: Action| {
+            if ui.add_enabled(enabled, Button::new(text)).on_hover_text(help).clicked() {
+                actions.push(action);
+            }
+        };
+        let copy = Action::DuplicateLight(context.selected.unwrap_or_default());
+        button(ui, "Duplicate", "Adds a copy of the selected light (Ctrl+D)", is_selected, copy);
+        button(ui, "Load...", "Adds the lights of a lights file", true, Action::LoadLights(None));
+        let any = !context.document.lights.is_empty();
+        let help = "Writes all lights to a file, which lapidary render --lights reads too";
+        button(ui, "Save...", help, any, Action::SaveLights(None));
+    });
+}
+
+/// The kinds of light to add.
+pub fn add_menu(ui: &mut Ui, actions: &mut Vec<Action>) {
+    for kind in LightKind::ALL {
+        if ui.button(kind.label()).on_hover_text(kind.meaning()).clicked() {
+            actions.push(Action::AddLight(kind));
+            ui.close();
+        }
+    }
+}
+
+fn ask(actions: &mut Vec<Action>, edit: Edit, label: &'static str) {
+    actions.extend([Action::Edit { edit, label }, Action::EndGesture]);
+}

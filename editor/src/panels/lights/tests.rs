@@ -1,0 +1,177 @@
+use super::*;
+use crate::{
+    document::{Component, ComponentSettings, Edit, lights::LightKind, test_data},
+    panels::{
+        bake::BakeMode,
+        tests::{WIDTH, assert_fits},
+    },
+};
+use egui::{Key, vec2};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
+use glam::Vec3;
+use lapidary_core::lights::{Emission, Light};
+use lapidary_render::Solution;
+
+struct Probe {
+    document: Document,
+    selected: Option<usize>,
+    bounces: Option<Bounces>,
+    panel: LightsPanel,
+    actions: Vec<Action>,
+}
+
+fn light(kind: LightKind) -> Light {
+    Light { name: kind.label().into(), emission: kind.emission(1.0), ..test_data::light() }
+}
+
+fn panel(selected: Option<usize>, bounces: Option<Bounces>) -> Harness<'static, Probe> {
+    let document = Document { lights: LightKind::ALL.map(light).into(), ..Document::empty() };
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let Probe { document, selected, bounces, panel, actions } = probe;
+        let context = LightsContext { document, selected: *selected, bounces: *bounces, can_bake: true };
+        show(ui, panel, &context, actions);
+    };
+    let probe = Probe { document, selected, bounces, panel: LightsPanel::default(), actions: Vec::new() };
+    let mut panel = Harness::builder().with_size(vec2(WIDTH, 900.0)).build_ui_state(show, probe);
+    panel.run();
+    assert!(panel.state().actions.is_empty(), "showing asks for nothing");
+    assert_fits(&panel, WIDTH);
+    panel
+}
+
+fn click(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
+    panel.state_mut().actions.clear();
+    panel.get_by_label(label).click();
+    panel.run();
+    std::mem::take(&mut panel.state_mut().actions)
+}
+
+fn typed(panel: &mut Harness<Probe>, label: &str, text: &str) -> Vec<Light> {
+    click(panel, label);
+    panel.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    panel.get_by_label(label).type_text(text);
+    panel.run();
+    panel.key_press(Key::Enter);
+    panel.run();
+    edited(&panel.state().actions)
+}
+
+/// The lights that were asked for.
+fn edited(actions: &[Action]) -> Vec<Light> {
+    let lights = actions.iter().filter_map(|action| match action {
+        Action::Edit { edit: Edit::Light { light, .. }, .. } => Some((**light).clone()),
+        _ => None,
+    });
+    lights.collect()
+}
+
+fn components(actions: &[Action]) -> Option<ComponentSettings> {
+    actions.iter().find_map(|action| match action {
+        Action::Edit { edit: Edit::Components(settings), .. } => Some(*settings),
+        _ => None,
+    })
+}
+
+#[test]
+fn every_kind_fits_and_has_its_own_numbers() {
+    let shows = |panel: &Harness<Probe>, label: &str| panel.query_by_label(label).is_some();
+    for (index, kind) in LightKind::ALL.into_iter().enumerate() {
+        let panel = panel(Some(index), None);
+        assert_eq!(shows(&panel, "Cone"), kind == LightKind::Spot, "{kind:?}");
+        assert_eq!(shows(&panel, "Width"), kind == LightKind::Rectangle, "{kind:?}");
+        assert_eq!(shows(&panel, "Target X"), kind != LightKind::Point, "{kind:?}");
+        assert!(shows(&panel, kind.unit()) && shows(&panel, "Position Y"), "{kind:?}");
+    }
+    assert!(!shows(&panel(None, None), "Intensity"), "negative control: nothing is selected");
+}
+
+#[test]
+fn intensity_keeps_the_colour_and_the_colour_keeps_the_intensity() {
+    let mut panel = panel(Some(0), None);
+    let lights = typed(&mut panel, "Intensity value", "6");
+    assert!(lights.last().unwrap().intensity.distance(Vec3::new(6.0, 4.0, 2.0)) < 1e-4, "{lights:?}");
+    let lights = typed(&mut panel, "Color hex", "#ff0000");
+    assert!(lights.last().unwrap().intensity.distance(Vec3::new(3.0, 0.0, 0.0)) < 1e-4, "{lights:?}");
+    assert!(
+        typed(&mut panel, "Color hex", "#000000").iter().all(|l| l.intensity.max_element() > 2.9),
+        "no black light"
+    );
+}
+
+#[test]
+fn a_penumbra_stays_within_its_cone_and_a_light_keeps_a_direction() {
+    let mut panel = panel(Some(1), None);
+    let lights = typed(&mut panel, "Cone value", "4");
+    assert_eq!(
+        lights.last().unwrap().emission,
+        Emission::Spot { cone_degrees: 4.0, penumbra_degrees: 4.0 },
+        "the penumbra was 8"
+    );
+    assert!(typed(&mut panel, "Target Y", "2").is_empty(), "that is its position");
+    assert_eq!(typed(&mut panel, "Target Y", "1").last().unwrap().target, Vec3::Y, "negative control");
+}
+
+#[test]
+fn lights_are_switched_selected_renamed_and_deleted_in_the_list() {
+    let mut panel = panel(Some(1), None);
+    let off = click(&mut panel, "Switch off Spot");
+    assert!(!edited(&off)[0].enabled && matches!(off.last(), Some(Action::EndGesture)));
+    assert!(matches!(click(&mut panel, "Delete Point")[..], [Action::DeleteLight(0)]));
+    assert!(matches!(click(&mut panel, "Duplicate")[..], [Action::DuplicateLight(1)]));
+    panel.state_mut().panel.renaming = Some(list::Renaming::of(1, &light(LightKind::Spot)));
+    panel.run();
+    assert_eq!(typed(&mut panel, "Light name", "Key").last().unwrap().name, "Key");
+    click(&mut panel, "Add");
+    let add = click_last(&mut panel, "Directional");
+    assert!(matches!(add[..], [Action::AddLight(LightKind::Directional)]), "{add:?}");
+}
+
+/// Clicks the last of several with this label: a menu lies over the list.
+fn click_last(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
+    panel.state_mut().actions.clear();
+    panel.get_all_by_label(label).filter(|n| n.accesskit_node().role() == egui::Role::Button).last().unwrap().click();
+    panel.run();
+    std::mem::take(&mut panel.state_mut().actions)
+}
+
+#[test]
+fn the_light_is_placed_at_the_camera_and_aiming_waits_for_a_click() {
+    let mut panel = panel(Some(1), None);
+    let camera = panel.state().document.camera.clone();
+    let placed = edited(&click(&mut panel, "Place at camera"));
+    assert_eq!((placed[0].position, placed[0].target), (camera.eye, camera.target));
+    assert!(click(&mut panel, "Aim by click").is_empty() && panel.state().panel.aiming);
+}
+
+#[test]
+fn solo_is_set_and_taken_back_and_switches_stay() {
+    let mut panel = panel(None, None);
+    let soloed = components(&click(&mut panel, "Solo Bounce")).unwrap();
+    assert_eq!(soloed, ComponentSettings { solo: Some(Component::Indirect), ..Default::default() });
+    panel.state_mut().document.components = soloed;
+    panel.run();
+    assert_eq!(components(&click(&mut panel, "Solo Lights")).unwrap().solo, Some(Component::Direct));
+    assert_eq!(components(&click(&mut panel, "Solo Bounce")).unwrap(), ComponentSettings::default());
+    assert!(!components(&click(&mut panel, "Environment")).unwrap().environment);
+}
+
+#[test]
+fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
+    let none = panel(None, Some(Bounces::default()));
+    assert!(none.query_by_label("Bounce by").is_none());
+    let mut none = none;
+    let asked = click(&mut none, "Bake with bounce light");
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::All)]));
+    let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    assert!(both.query_by_label("Bake with bounce light").is_none());
+    click(&mut both, "Bounce by");
+    let chosen = click(&mut both, "Cuts over meshless");
+    let is_it = |a: &Action| matches!(a, Action::Edit { edit: Edit::Solution(Solution::CutsMeshless), .. });
+    assert!(chosen.iter().any(is_it), "{chosen:?}");
+    let mut cuts = panel(None, Some(Bounces { cuts: true, meshless: false }));
+    click(&mut cuts, "Bounce by");
+    assert!(cuts.query_by_label("Meshless").is_none());
+}

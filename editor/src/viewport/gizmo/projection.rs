@@ -1,0 +1,123 @@
+//! From world space to points of the viewport and back.
+
+use egui::{Pos2, Rect, vec2};
+use glam::{Mat3, Vec2, Vec3};
+use lapidary_core::camera::Camera;
+
+/// What is nearer to the eye than this share of the distance to the target is not drawn.
+const NEAR: f32 = 1e-3;
+
+/// How a camera shows the world in a rectangle.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    rect: Rect,
+    camera: Camera,
+    view_from_world: Mat3,
+    /// Points that a metre takes at a distance of one metre.
+    focal: f32,
+    near: f32,
+}
+
+impl Projection {
+    /// That of `camera` in `rect`.
+    pub fn new(camera: &Camera, rect: Rect) -> Self {
+        Self {
+            rect,
+            camera: camera.clone(),
+            view_from_world: camera.world_from_view().transpose(),
+            focal: 0.5 * rect.height().max(1.0) / (0.5 * camera.fov_y).tan(),
+            near: NEAR * camera.eye.distance(camera.target),
+        }
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> Vec3 {
+        self.camera.eye
+    }
+
+    /// The unit direction of the optical axis.
+    pub fn forward(&self) -> Vec3 {
+        -self.view_from_world.transpose().z_axis
+    }
+
+    /// Where a point is seen; `None` behind the eye.
+    pub fn point(&self, world: Vec3) -> Option<Pos2> {
+        let view = self.view(world);
+        (-view.z > self.near).then(|| self.project(view)).filter(|p| p.is_finite())
+    }
+
+    /// What is seen of a line.
+    pub fn segment(&self, a: Vec3, b: Vec3) -> Option<[Pos2; 2]> {
+        let (a, b) = (self.view(a), self.view(b));
+        let ahead = |v: Vec3| -v.z - self.near;
+        let crossing = || a.lerp(b, ahead(a) / (ahead(a) - ahead(b)));
+        let clipped = match (ahead(a) > 0.0, ahead(b) > 0.0) {
+            (true, true) => [a, b],
+            (true, false) => [a, crossing()],
+            (false, true) => [crossing(), b],
+            (false, false) => return None,
+        };
+        // A crossing that rounding has put at the eye would lie at infinity.
+        let seen = clipped.map(|view| self.project(Vec3 { z: view.z.min(-0.5 * self.near), ..view }));
+        seen.iter().all(|p| p.is_finite()).then_some(seen)
+    }
+
+    /// Metres that a point of the screen covers at the depth of `world`; `None` behind the eye.
+    pub fn metres_per_point(&self, world: Vec3) -> Option<f32> {
+        let depth = -self.view(world).z;
+        (depth > self.near).then(|| depth / self.focal)
+    }
+
+    /// Unit direction of the ray through a position of the screen.
+    pub fn direction(&self, pointer: Pos2) -> Vec3 {
+        let at = pointer - self.rect.min;
+        let size = self.rect.size().max(vec2(1.0, 1.0));
+        // The camera counts pixels; only their shape matters for a direction, so finer ones are made up.
+        const FINER: f32 = 64.0;
+        let pixels = [size.x, size.y].map(|side| (FINER * side) as u32);
+        self.camera.direction_through(FINER * Vec2::new(at.x, at.y), pixels)
+    }
+
+    fn view(&self, world: Vec3) -> Vec3 {
+        self.view_from_world * (world - self.camera.eye)
+    }
+
+    fn project(&self, view: Vec3) -> Pos2 {
+        self.rect.center() + self.focal / -view.z * vec2(view.x, -view.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    fn projection() -> Projection {
+        let camera = Camera::look_at(Vec3::new(1.0, 2.0, 5.0), Vec3::new(0.3, 0.1, 0.0), 50.0);
+        Projection::new(&camera, Rect::from_min_size(pos2(10.0, 20.0), vec2(640.0, 480.0)))
+    }
+
+    #[test]
+    fn rays_through_what_is_seen_meet_it() {
+        let projection = projection();
+        for world in [Vec3::ZERO, Vec3::new(1.0, -0.5, 2.0), Vec3::new(-3.0, 1.0, -4.0)] {
+            let seen = projection.point(world).unwrap();
+            let direction = projection.direction(seen);
+            assert!(direction.distance((world - projection.eye()).normalize()) < 1e-4, "{world}");
+            let side = projection.metres_per_point(world).unwrap();
+            let beside = projection.point(world + 10.0 * side * Vec3::Y.cross(projection.forward()).normalize());
+            assert!((beside.unwrap().distance(seen) - 10.0).abs() < 1e-2);
+        }
+    }
+
+    #[test]
+    fn what_is_behind_the_eye_is_not_seen_and_lines_end_before_it() {
+        let projection = projection();
+        let behind = projection.eye() - projection.forward();
+        assert_eq!((projection.point(behind), projection.metres_per_point(behind)), (None, None));
+        let seen = projection.segment(Vec3::ZERO, behind).unwrap();
+        assert!(seen.iter().all(|p| p.is_finite()) && Some(seen[0]) == projection.point(Vec3::ZERO));
+        assert_eq!(projection.segment(behind, behind - projection.forward()), None);
+        assert!(projection.segment(Vec3::ZERO, Vec3::X).is_some(), "negative control");
+    }
+}
