@@ -130,6 +130,50 @@ fn impossible_options_are_refused_before_any_work() {
 }
 
 #[test]
+fn lights_that_cannot_shine_are_refused_by_name() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let one = |inner: &str| format!(r#"{{"lights": [{{{inner}, "position": [0, 1, 0], "intensity": [1, 1, 1]}}]}}"#);
+    let many = vec![r#"{"kind": "point", "position": [0, 1, 0], "intensity": [1, 1, 1]}"#; 5000].join(",");
+    for (text, word) in [
+        ("{".to_owned(), "line 1"),
+        ("{\"lamps\": []}".into(), "list of lights"),
+        (one(r#""kind": "sun""#), "rectangle"),
+        (one(r#""kind": "spot", "target": [0, 0, 0], "cone_degrees": 120"#), "120"),
+        (one(r#""kind": "directional", "target": [0, 1, 0]"#), "position"),
+        (one(r#""kind": "rectangle", "target": [0, 0, 0], "width": 0, "height": 1"#), "area"),
+        (format!(r#"{{"lights": [{many}]}}"#), "5000"),
+    ] {
+        stage.write("lamps.json", text);
+        for command in ["render", "reference"] {
+            let message = stage.fail(&format!("{command} a.cuts --lights lamps.json --size 8x6 --out a.png"));
+            assert!(message.contains(word) && message.contains("lamps.json"), "{message}");
+        }
+    }
+    assert!(stage.fail("render a.cuts --lights missing.json --size 8x6 --out a.png").contains("missing.json"));
+    for options in ["--components indirect", "--solution cuts", "--solution meshless"] {
+        let message = stage.fail(&format!("render a.cuts {options} --size 8x6 --out a.png"));
+        assert!(message.contains("--mode indirect"), "{options}: {message}");
+    }
+    for options in ["--bounces 1", "--components indirect", "--spp 4"] {
+        let message = stage.fail(&format!("reference a.cuts {options} --size 8x6 --out a.png"));
+        assert!(message.contains("--kind path"), "{options}: {message}");
+    }
+    for options in ["--components sun", "--components", "--solution magic", "--kind path --bounces -1"] {
+        let output = stage.run(&format!("reference a.cuts {options} --size 8x6 --out a.png"));
+        assert_eq!(output.status.code(), Some(2), "{options}");
+    }
+    assert!(!stage.path("a.png").exists());
+    // Inside a wall, or shining on nothing: dark, and no failure.
+    stage.write("lamps.json", one(r#""kind": "point", "name": "buried""#).replace("[0, 1, 0]", "[0, 0.75, 0]"));
+    for command in ["render", "reference"] {
+        let output = stage.run(&format!("{command} a.cuts --lights lamps.json --size 8x6 --out a.exr"));
+        let warning = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && warning.contains("\"buried\""), "{warning}");
+    }
+}
+
+#[test]
 fn an_output_that_cannot_be_written_keeps_what_was_there() {
     let stage = Stage::new();
     stage.bake("a.cuts", "");

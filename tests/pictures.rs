@@ -105,6 +105,42 @@ fn the_bundled_still_life_bakes_and_renders() {
     assert!((0.02..5.0).contains(&mean), "{mean}");
 }
 
+/// A point light 3 m over the floor and a sun at the same place.
+const LAMPS: &str = r#"{"lights": [
+    {"kind": "point", "position": [0.5, 3, 0.5], "intensity": [9, 8, 6]},
+    {"kind": "directional", "position": [1, 2, 1], "target": [0, 0, 0], "intensity": [0.5, 0.5, 0.6]},
+    {"kind": "rectangle", "position": [-1, 2, 0], "target": [0, 0, 0], "intensity": [3, 3, 3], "width": 0.5, "height": 0.5}
+]}"#;
+
+#[test]
+fn lamps_of_a_file_give_the_light_of_the_reference_and_its_components_sum() {
+    let stage = baked();
+    stage.write("lamps.json", LAMPS.into());
+    let view = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36 --lights lamps.json";
+    let read = |name: &str| Image::read(&stage.path(&format!("{name}.exr"))).expect("a picture");
+    let mean = |name: &str| read(name).pixels.iter().map(|p| p.y).sum::<f32>() / (48.0 * 36.0);
+    stage.succeed(&format!("render a.cuts {view} --backend cpu --out a.exr"));
+    stage.succeed(&format!("reference a.cuts {view} --out samples.exr"));
+    stage.succeed(&format!("reference a.cuts {view} --kind path --spp 16 --out path.exr"));
+    stage.succeed(&format!("render a.cuts {view} --components environment --env none --out none.exr"));
+    assert_eq!(read("a"), read("samples"), "both trace the same rays");
+    assert!(mean("a") > 0.1 && (mean("path") / mean("a") - 1.0).abs() < 0.02, "{} {}", mean("path"), mean("a"));
+    assert_eq!(mean("none"), 0.0, "negative control: no light without the lamps");
+    for (name, options) in [
+        ("whole", "--bounces 2"),
+        ("direct", "--components direct"),
+        ("sky", "--components environment"),
+        ("bounced", "--components indirect --bounces 2"),
+    ] {
+        stage.succeed(&format!(
+            "reference a.cuts {view} --env constant:0.3,0.3,0.3 --kind path --spp 64 {options} --out {name}.exr"
+        ));
+    }
+    let sum = mean("direct") + mean("sky") + mean("bounced");
+    assert!((sum / mean("whole") - 1.0).abs() < 0.02, "{sum} and {}", mean("whole"));
+    assert!(mean("bounced") > 0.01 && mean("sky") > 0.1, "{} {}", mean("bounced"), mean("sky"));
+}
+
 #[test]
 fn a_bound_below_is_for_metrics_where_larger_is_better() {
     let stage = baked();

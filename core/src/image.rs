@@ -88,6 +88,12 @@ impl Image {
         self.pixels[y * self.width() + x]
     }
 
+    /// Adds another picture of the same size.
+    pub fn add(&mut self, other: &Self) {
+        assert_eq!(self.size, other.size, "pictures of one size");
+        self.pixels.iter_mut().zip(&other.pixels).for_each(|(sum, value)| *sum += *value);
+    }
+
     /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
     ///
     /// # Errors

@@ -6,10 +6,12 @@
 use crate::{
     camera::Camera,
     image::ImageError,
+    lights::Light,
     material::Material,
     scene::{MeshError, Object, Scene},
     texture::Texture,
 };
+use glam::Vec3;
 use repair::RawMesh;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -128,6 +130,7 @@ struct Source {
     textures: Vec<Texture>,
     objects: Vec<Object>,
     cameras: Vec<Camera>,
+    lights: Vec<Light>,
     warnings: Vec<String>,
 }
 
@@ -163,20 +166,26 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         textures: source.textures.into_iter().map(Into::into).collect(),
         objects: source.objects,
         cameras: source.cameras,
-        lights: Vec::new(),
+        lights: source.lights,
     };
-    aim_cameras(&mut scene);
+    aim_at_the_center(&mut scene);
     Ok(Imported { scene, report })
 }
 
-/// Moves each camera's target along its axis to the depth of the scene's centre, so that orbiting turns about it.
-fn aim_cameras(scene: &mut Scene) {
+/// Moves the targets of cameras and lights along their axes to the depth of the scene's centre, so that orbiting turns
+/// about it and handles lie in the scene.
+fn aim_at_the_center(scene: &mut Scene) {
     let bounds = scene.mesh.bounds();
+    let aimed = |from: Vec3, target: Vec3| {
+        let forward = (target - from).normalize_or(Vec3::NEG_Z);
+        let depth = (bounds.center() - from).dot(forward);
+        from + forward * if depth > 0.0 { depth } else { bounds.diagonal() }
+    };
     for camera in &mut scene.cameras {
-        let forward = (camera.target - camera.eye).normalize_or(-glam::Vec3::Z);
-        let depth = (bounds.center() - camera.eye).dot(forward);
-        let distance = if depth > 0.0 { depth } else { bounds.diagonal() };
-        camera.target = camera.eye + distance * forward;
+        camera.target = aimed(camera.eye, camera.target);
+    }
+    for light in scene.lights.iter_mut().filter(|light| light.emission.is_aimed()) {
+        light.target = aimed(light.position, light.target);
     }
 }
 

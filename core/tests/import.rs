@@ -4,6 +4,7 @@
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     import::{ImportError, Imported, import, load_material},
+    lights::Emission,
     material::BrdfModel,
     scene::{MeshError, Scene},
     texture::{Channel, ColorSpace},
@@ -451,6 +452,50 @@ fn gltf_materials_and_cameras_are_read() {
         assert!(warnings.contains(part), "{part} is not in {warnings}");
     }
     assert_eq!(imported.report.warnings.len(), 4, "{warnings}");
+}
+
+#[test]
+fn gltf_lights_are_read_as_they_stand_and_bad_ones_left_out_aloud() {
+    let scene = Gltf {
+        nodes: r#"[{"mesh": 0, "children": [1, 2, 4, 5, 6, 7, 8, 9]}, {"name": "sun", "rotation": [-0.70710678, 0, 0, 0.70710678],
+                "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"translation": [0, 0, 3], "scale": [2, 2, 2], "children": [3]},
+            {"translation": [0.25, 0.5, 0.5], "extensions": {"KHR_lights_punctual": {"light": 1}}},
+            {"name": "lamp", "translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 2}}},
+            {"name": "gone", "extensions": {"KHR_lights_punctual": {"light": 9}}},
+            {"name": "odd", "extensions": {"KHR_lights_punctual": {"light": 3}}},
+            {"name": "wide", "extensions": {"KHR_lights_punctual": {"light": 4}}},
+            {"name": "text", "extensions": {"KHR_lights_punctual": {"light": 5}}},
+            {"name": "minus", "extensions": {"KHR_lights_punctual": {"light": 6}}}]"#,
+        rest: r#", "extensionsUsed": ["KHR_lights_punctual"], "extensionsRequired": ["KHR_lights_punctual"],
+            "extensions": {"KHR_lights_punctual": {"lights": [
+                {"type": "directional", "intensity": 2, "color": [1, 0.5, 0.25]},
+                {"type": "spot", "name": "key", "intensity": 10, "range": 4,
+                    "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.5}},
+                {"type": "point"}, {"type": "laser"}, {"type": "spot", "spot": {"outerConeAngle": 2}},
+                {"type": "point", "intensity": "much"}, {"type": "point", "intensity": -1}]}}"#,
+        ..QUAD
+    };
+    let imported = import_alone("a.gltf", scene.embedded()).unwrap();
+    let lights = &imported.scene.lights;
+    assert_eq!(lights.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["sun", "key", "lamp"]);
+    assert_eq!(lights[0].intensity, Vec3::new(2.0, 1.0, 0.5));
+    assert!((lights[0].forward().unwrap() - Vec3::NEG_Y).length() < 1e-5, "{:?}", lights[0]);
+    assert_eq!((lights[1].position, lights[1].intensity), (Vec3::new(0.5, 1.0, 4.0), Vec3::splat(10.0)));
+    assert!((lights[1].target - Vec3::new(0.5, 1.0, 0.0)).length() < 1e-5, "at the depth of the scene");
+    let Emission::Spot { cone_degrees, penumbra_degrees } = lights[1].emission else { panic!("{:?}", lights[1]) };
+    assert!(
+        (cone_degrees - 0.5_f32.to_degrees()).abs() < 1e-4 && (penumbra_degrees - 0.2_f32.to_degrees()).abs() < 1e-4
+    );
+    assert_eq!((lights[2].emission, lights[2].position), (Emission::Point, Vec3::new(1.0, 2.0, 3.0)));
+    let warnings = imported.report.warnings.join("\n");
+    for part in
+        ["\"gone\"", "\"odd\" was left out", "\"laser\"", "\"wide\"", "\"text\"", "negative", "\"key\" have a range"]
+    {
+        assert!(warnings.contains(part), "{part} is not in {warnings}");
+    }
+    assert_eq!(imported.report.warnings.len(), 6, "{warnings}");
+    assert!(import_alone("a.gltf", QUAD.embedded()).unwrap().scene.lights.is_empty());
 }
 
 #[test]

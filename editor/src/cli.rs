@@ -41,6 +41,8 @@ Then with a scene of your own:
       relights it: any environment, turned by any angle, without a new bake
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
       gives the whole scene another material
+  lapidary render scene.cuts --lights lamps.json --out night.png
+      lights it by lamps: {\"lights\": [{\"kind\": \"point\", \"position\": [0, 2, 0], \"intensity\": [9, 8, 6]}]}
   lapidary reference scene.cuts --env sky.hdr --rotate 30 --out truth.exr
       traces rays for the same picture: slower, and right
   lapidary compare sky.exr truth.exr --map rel --out error.png
@@ -117,7 +119,9 @@ Examples:
   lapidary render scene.cuts --env sky.hdr --out picture.png
   lapidary render scene.cuts --env sun-sky:30 --rotate 120 --size 1280x960 --aa 4 --out a.exr --out a.png
   lapidary render scene.cuts --env studio --eye 0.3,0.5,3.5 --target 0,0.4,0 --fov 35 --out close.png
-  lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json")]
+  lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json
+  lapidary render scene.cuts --lights lamps.json --out lamps.png
+  lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr")]
     Render(RenderArgs),
     /// Measure how long a frame takes, by pass and size of the illumination cut
     #[command(after_help = "\
@@ -133,7 +137,9 @@ Ctrl-C writes the picture as far as it is (exit code 130).
 
 Examples:
   lapidary reference scene.cuts --env sky.hdr --out truth.exr
-  lapidary reference scene.cuts --env sky.hdr --kind path --spp 256 --out truth.exr")]
+  lapidary reference scene.cuts --env sky.hdr --kind path --spp 256 --out truth.exr
+  lapidary reference scene.cuts --lights lamps.json --kind path --bounces 4 --spp 256 --out truth.exr
+  lapidary reference scene.cuts --lights lamps.json --kind path --bounces 1 --components indirect --out bounce.exr")]
     Reference(ReferenceArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\

@@ -1,5 +1,9 @@
 //! The options that `render` and `reference` share, and what they resolve to.
 
+mod light;
+
+pub use light::{LocalLightArgs, LocalLights, warn_of_buried};
+
 use crate::{console::Console, options};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -7,13 +11,13 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
-    environment::Environment,
     import::load_material,
     material::{BrdfModel, BrdfParameters, Material},
     scene::Scene,
 };
 use lapidary_precompute::available_memory;
 use lapidary_render::{Background, Illumination, View};
+use light::EnvironmentArgs;
 use std::{path::PathBuf, sync::Arc};
 
 /// Dataset, light, material and view.
@@ -23,26 +27,11 @@ pub struct ViewArgs {
     #[arg(value_name = "FILE.cuts")]
     pub file: PathBuf,
     #[command(flatten)]
-    light: LightArgs,
+    light: EnvironmentArgs,
     #[command(flatten)]
     material: MaterialArgs,
     #[command(flatten)]
     camera: CameraArgs,
-}
-
-#[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Light")]
-struct LightArgs {
-    /// Environment: the path of a latitude-longitude .hdr or .exr, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to
-    /// 90), studio or orientation
-    #[arg(long, value_name = "MAP", default_value = "studio")]
-    env: String,
-    /// Turn the environment about the vertical, in degrees, counter-clockwise seen from above
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = options::finite, allow_hyphen_values = true)]
-    rotate: f32,
-    /// Scale the environment's radiance, 0 or more
-    #[arg(long, value_name = "X", default_value = "1", value_parser = options::non_negative)]
-    intensity: f32,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -123,19 +112,35 @@ pub struct Shot {
     pub dataset: Arc<Dataset>,
     /// Camera and picture size.
     pub view: View,
-    /// The environment as it is turned and scaled.
+    /// The environment as it is turned and scaled; black if there is none.
     pub light: Illumination,
+    /// Local lights, and what of all light is asked for.
+    pub local: LocalLights,
 }
 
 impl ViewArgs {
-    /// Reads the files and settles all defaults; warnings go to `console`.
+    /// Reads the files and settles all defaults, without local lights; warnings go to `console`.
     ///
     /// # Errors
     /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
     pub fn resolve(&self, console: Console) -> Result<Shot> {
+        self.resolve_with(None, console)
+    }
+
+    /// [`Self::resolve`] with the local lights that `local` asks for.
+    ///
+    /// # Errors
+    /// As [`Self::resolve`].
+    pub fn resolve_lit(&self, local: &LocalLightArgs, console: Console) -> Result<Shot> {
+        self.resolve_with(Some(local), console)
+    }
+
+    fn resolve_with(&self, local: Option<&LocalLightArgs>, console: Console) -> Result<Shot> {
         self.camera.check_memory()?;
-        let light = self.light.resolve(console)?;
+        let light = self.light.resolve(local, console)?;
+        let lights = local.map(LocalLightArgs::read).transpose()?.flatten();
         let mut dataset = Dataset::read(&self.file)?;
+        let local = local.map(|args| args.resolve(lights, &dataset, &self.file)).transpose()?.unwrap_or_default();
         self.material.apply(&mut dataset.scene)?;
         let camera = self.camera.resolve(&dataset.scene)?;
         let view = View {
@@ -143,19 +148,7 @@ impl ViewArgs {
             background: self.camera.background.into(),
             ..View::new(camera, self.camera.size)
         };
-        Ok(Shot { dataset: dataset.into(), view, light })
-    }
-}
-
-impl LightArgs {
-    fn resolve(&self, console: Console) -> Result<Illumination> {
-        let (environment, warnings) = Environment::from_spec(&self.env)?;
-        warnings.iter().for_each(|w| console.warning(w));
-        Ok(Illumination {
-            environment: environment.into(),
-            rotation: self.rotate.to_radians(),
-            intensity: self.intensity,
-        })
+        Ok(Shot { dataset: dataset.into(), view, light, local })
     }
 }
 

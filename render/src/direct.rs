@@ -1,9 +1,9 @@
 //! Direct light of local lights at a pixel, by shadow rays and without random numbers.
 //!
-//! One ray to a light without extent is exact. A rectangle is sampled at 16 points of the R2 sequence (Roberts 2018),
-//! shifted from pixel to pixel by interleaved gradient noise (Jimenez 2014), which the eye averages easily. The BRDF is
-//! filtered by the solid angle that a sample stands for, as on nodes of a cut, so that highlights of rectangles are free
-//! of spots.
+//! One ray to a light without extent is exact. A rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel
+//! to pixel by interleaved gradient noise (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower
+//! than a cell, more points of it are reflected behind the one ray; the lobe is filtered by the solid angle that a point
+//! stands for, as on nodes of a cut, so that highlights of rectangles are free of spots.
 
 use crate::{background::Backdrop, frame::Frame, renderer::Renderer, surface::SurfacePoint, view::View};
 use glam::{Vec2, Vec3};
@@ -17,11 +17,14 @@ use lapidary_core::{
 use rayon::prelude::*;
 use wide::f32x8;
 
-/// Steps of the R2 sequence: 1/p and 1/p² for the plastic number p.
+/// Steps of the R2 sequence (Roberts 2018): 1/p and 1/p² for the plastic number p.
 const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
 
-/// Most samples of a light at a pixel.
-const MOST_SAMPLES: u32 = 16;
+/// Cells along each edge of a rectangle.
+const CELLS: u32 = 4;
+
+/// Most points along each edge of a cell.
+const FINEST: f32 = 8.0;
 
 /// Share of the way to a light that a shadow ray goes: lights often lie in the surface of their lamp.
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
@@ -32,7 +35,7 @@ pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     let (x, y) = (x as f32, y as f32);
     // Far apart, the two numbers are independent of each other.
     let start = Vec2::new(noise(x, y), noise(y + 37.0, x + 91.0));
-    (start + STEP * ((sample % 4096) * MOST_SAMPLES) as f32).fract()
+    (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
 }
 
 /// Whether a point receives light from a direction: none from below its surface.
@@ -48,13 +51,18 @@ pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction
 /// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
 pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
     let mut arriving = Arriving::at(point);
+    let received = |s: &LightSample| faces(point, s.direction) && arrives(intersector, point, s.direction, s.distance);
     for light in lights.iter().filter(|light| light.shines()) {
-        let samples = light.samples_wanted().clamp(1, MOST_SAMPLES);
-        for i in 0..samples {
-            let Some(sample) = light.sample(point.ray_origin, (shift + STEP * i as f32).fract()) else { continue };
-            if faces(point, sample.direction) && arrives(intersector, point, sample.direction, sample.distance) {
-                arriving.add(&sample, samples);
-            }
+        if light.is_delta() {
+            let sample = light.sample(point.ray_origin, shift).filter(received);
+            sample.iter().for_each(|sample| arriving.add(sample, 1));
+            continue;
+        }
+        for cell in 0..CELLS * CELLS {
+            let corner = Vec2::new((cell % CELLS) as f32, (cell / CELLS) as f32);
+            let shift = (shift + STEP * cell as f32).fract();
+            let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32).filter(received);
+            ray.iter().for_each(|ray| arriving.add_cell(light, corner, shift, ray));
         }
     }
     arriving.reflected()
@@ -73,6 +81,21 @@ struct Arriving<'a> {
 impl<'a> Arriving<'a> {
     fn at(point: &'a SurfacePoint) -> Self {
         Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
+    }
+
+    /// Adds a cell of a rectangle, seen along `ray`, at as many points as the lobe needs.
+    fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
+        // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
+        let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
+        let lobe = self.point.brdf.as_brdf().lobe().map_or(f32::INFINITY, |lobe| 4.0 * lobe.narrow());
+        let edge = (cell_edge / lobe).ceil().clamp(1.0, FINEST) as u32;
+        let all = CELLS * edge;
+        for i in 0..edge * edge {
+            let u = corner + (Vec2::new((i % edge) as f32, (i / edge) as f32) + shift) / edge as f32;
+            let sample = light.sample(self.point.ray_origin, u / CELLS as f32);
+            let received = sample.filter(|s| faces(self.point, s.direction));
+            received.iter().for_each(|sample| self.add(sample, all * all));
+        }
     }
 
     /// Adds one of a light's samples.

@@ -9,6 +9,7 @@ mod appearance;
 mod backend;
 mod background;
 mod baked;
+mod buried;
 pub mod compare;
 mod components;
 mod cpu;

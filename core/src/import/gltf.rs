@@ -8,13 +8,16 @@ use crate::{
 use buffers::Buffers;
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 use gltf::mesh::{Mode, Semantic};
+use serde_json::Value;
 use std::path::Path;
 
 mod buffers;
+mod lights;
 mod materials;
 
 /// Extensions that are honoured; others are named in a warning.
-const EXTENSIONS: [&str; 3] = ["KHR_materials_ior", "KHR_materials_specular", "KHR_texture_transform"];
+const EXTENSIONS: [&str; 4] =
+    [lights::EXTENSION, "KHR_materials_ior", "KHR_materials_specular", "KHR_texture_transform"];
 
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
     let parse_error = |reason: String| ImportError::Parse { path: path.into(), format: "glTF", reason };
@@ -27,6 +30,9 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
     let mut library = TextureLibrary::beside(path);
     let mut source = Source::default();
     materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library);
+    if let Some(document) = document_with(bytes, lights::EXTENSION) {
+        lights::add_lights(&mut source, &document, &nodes);
+    }
     let mut notes = Notes::default();
     for (node, world_from_node) in &nodes {
         if let Some(camera) = node.camera() {
@@ -56,13 +62,23 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
 /// indices, so these are checked first.
 fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
-    let json = document.into_json();
+    let mut json = document.into_json();
+    // Read here; the crate would refuse a file that requires it.
+    json.extensions_required.retain(|e| e != lights::EXTENSION);
     let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
         return Err(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len()));
     }
     let document = gltf::Document::from_json(json).map_err(|e| e.to_string())?;
     Ok(gltf::Gltf { document, blob })
+}
+
+/// The JSON of a file that mentions an extension; for what the `gltf` crate does not offer.
+fn document_with(bytes: &[u8], extension: &str) -> Option<Value> {
+    let chunk = gltf::Glb::from_slice(bytes);
+    let json = chunk.as_ref().map_or(bytes, |glb| &glb.json);
+    let mentioned = json.windows(extension.len()).any(|w| w == extension.as_bytes());
+    mentioned.then(|| serde_json::from_slice(json).ok()).flatten()
 }
 
 /// The `gltf` crate subtracts from the length in a GLB header before it checks it.

@@ -37,10 +37,10 @@ impl Light {
             return None;
         }
         let sample = match self.emission {
-            Emission::Point => self.from_position(point, 1.0),
-            Emission::Spot { .. } => self.from_position(point, self.spot_factor(point - self.position)),
+            Emission::Point => self.at_position(point, 1.0),
+            Emission::Spot { .. } => self.at_position(point, self.spot_factor(point - self.position)),
             Emission::Directional => self.parallel(),
-            Emission::Rectangle { .. } => self.from_rectangle(point, u),
+            Emission::Rectangle { .. } => self.on_rectangle(point, u),
         };
         sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
     }
@@ -65,7 +65,7 @@ impl Light {
         if self.enabled { power } else { 0.0 }
     }
 
-    fn from_position(&self, point: Vec3, factor: f32) -> Option<LightSample> {
+    fn at_position(&self, point: Vec3, factor: f32) -> Option<LightSample> {
         let (direction, distance) =
             (self.position - point).try_normalize().map(|d| (d, self.position.distance(point)))?;
         let irradiance = self.intensity * (factor / (distance * distance));
@@ -77,7 +77,7 @@ impl Light {
         Some(LightSample { direction, distance: f32::INFINITY, irradiance: self.intensity, pdf: f32::INFINITY })
     }
 
-    fn from_rectangle(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
+    fn on_rectangle(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         let shape = RectangleShape::of(self)?;
         let toward = shape.point(u) - point;
         let (distance, direction) = (toward.length(), toward.try_normalize()?);

@@ -5,16 +5,17 @@ use crate::{
     outcome::Outcome,
     outputs::{check_pictures, write_pictures},
     progress::StepProgress,
-    view_args::{Shot, ViewArgs},
+    view_args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
+use glam::Vec3;
 use lapidary_core::image::Image;
 use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::Renderer;
+use lapidary_render::{Components, PathSettings, Progress, Renderer};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -26,9 +27,15 @@ pub struct ReferenceArgs {
     /// Samples a pixel of --kind path, 1 to 1000000 [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
+    /// Most bounces of light between surfaces with --kind path, 0 to 1000; 1 is direct light and one indirect bounce
+    /// [default: 0, or 1 if --components names indirect]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    bounces: Option<u32>,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
+    #[command(flatten)]
+    local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -38,7 +45,8 @@ enum Kind {
     /// All light samples of the dataset with a ray each at every pixel: shows what the cuts lose
     #[default]
     Samples,
-    /// The continuous environment by multiple importance sampling: shows the whole error, with some noise
+    /// Light paths from the continuous environment and from local lights by multiple importance sampling, with any
+    /// number of bounces: shows the whole error, with some noise
     Path,
 }
 
@@ -54,9 +62,15 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     if args.kind == Kind::Samples && args.spp.is_some() {
         bail!("--spp goes with --kind path; --kind samples traces every light sample once");
     }
+    if args.kind == Kind::Samples && args.bounces.is_some() {
+        bail!("--bounces goes with --kind path; --kind samples shows direct light only");
+    }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(console)?;
+    let shot = args.view.resolve_lit(&args.local, console)?;
+    if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
+        bail!("--components indirect goes with --kind path; --kind samples shows direct light only");
+    }
     let start = Instant::now();
     let image = trace(args, &shot, &interrupt, console);
     write_pictures(&image, None, &args.out)?;
@@ -71,26 +85,47 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
 
 fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Image {
     let renderer = Renderer::new(shot.dataset.clone());
+    warn_of_buried(&renderer, &shot.local.lights, console);
     let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
     match args.kind {
         Kind::Samples => {
             let progress = progress("pixels");
-            let image = renderer.samples_reference(&shot.view, &shot.light, &progress);
+            let image = samples(&renderer, shot, &progress);
             progress.finish();
             image
         }
         Kind::Path => {
             let progress = progress("passes");
-            let spp = args.spp.unwrap_or(DEFAULT_SPP);
             let image = renderer.path_reference(
                 &shot.view,
                 &shot.light,
-                &[],
-                lapidary_render::PathSettings::direct(spp),
+                &shot.local.lights,
+                path_settings(args, shot),
                 &progress,
             );
             progress.finish();
             image
         }
     }
+}
+
+/// All light samples of the environment, and the direct light of local lights.
+fn samples(renderer: &Renderer, shot: &Shot, progress: &dyn Progress) -> Image {
+    let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
+    let mut image = if components.environment {
+        renderer.samples_reference(&shot.view, &shot.light, progress)
+    } else {
+        Image::filled(shot.view.size, Vec3::ZERO)
+    };
+    if components.direct && !shot.local.lights.is_empty() {
+        image.add(&renderer.direct_light(&shot.view, &shot.local.lights));
+    }
+    image
+}
+
+/// Bounces where they are asked for, by their number or as a component.
+fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
+    let components = shot.local.components.unwrap_or(Components::ALL);
+    let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
+    PathSettings { spp: args.spp.unwrap_or(DEFAULT_SPP), bounces: args.bounces.unwrap_or(default), components }
 }

@@ -5,13 +5,15 @@ use crate::{
     console::Console,
     outcome::Outcome,
     outputs::{check_folder, check_pictures, write_pictures},
-    view_args::{Shot, ViewArgs},
+    view_args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
 };
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
-use lapidary_render::{Backend, Background, BrdfSampling, CPU, LightRig, RenderStats};
+use lapidary_render::{
+    Backend, Background, Baked, BrdfSampling, CPU, Components, Illumination, LightRig, RenderStats, Renderer,
+};
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `render`.
@@ -32,6 +34,8 @@ pub struct RenderArgs {
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
 }
@@ -61,9 +65,10 @@ impl From<BrdfOption> for BrdfSampling {
 pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
-    let shot = args.view.resolve(console)?;
+    let shot = args.view.resolve_lit(&args.local, console)?;
+    let components = shot.local.components_of(&shot.dataset)?;
     let mut backend = args.backend.open()?;
-    let (image, coverage, stats) = render_on(&mut *backend, &shot, args)?;
+    let (image, coverage, stats) = render_on(&mut *backend, &shot, components, args, console)?;
     let transparent = shot.view.background == Background::Transparent;
     write_pictures(&image, transparent.then_some(coverage.as_slice()), &args.out)?;
     if let Some(path) = &args.stats {
@@ -77,18 +82,33 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
 }
 
 /// The picture, its coverage, and how it was made.
-fn render_on(backend: &mut dyn Backend, shot: &Shot, args: &RenderArgs) -> Result<(Image, Vec<f32>, RenderStats)> {
-    backend.set_scene(&shot.dataset.clone().into())?;
+fn render_on(
+    backend: &mut dyn Backend,
+    shot: &Shot,
+    components: Components,
+    args: &RenderArgs,
+    console: Console,
+) -> Result<(Image, Vec<f32>, RenderStats)> {
+    let baked = Baked::from(shot.dataset.clone());
+    backend.set_scene(&baked)?;
+    let lights = &shot.local.lights;
+    let lamps = (components.direct && !lights.is_empty()).then(|| Renderer::new(baked));
+    let intensity = if components.environment { shot.light.intensity } else { 0.0 };
+    let light = Illumination { intensity, ..shot.light.clone() };
     let mut rig = LightRig::new(&shot.dataset.tree);
     let start = Instant::now();
-    let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));
-    backend.set_light(&shot.light, &lighting)?;
+    let lighting = Arc::new(rig.lighting(&light, args.illum_cut));
+    backend.set_light(&light, &lighting)?;
     backend.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {
         backend.render_rows(sample, 0..shot.view.size[1])?;
     }
+    let (mut image, coverage) = backend.read(shot.view.aa)?;
+    if let Some(renderer) = &lamps {
+        warn_of_buried(renderer, lights, console);
+        image.add(&renderer.direct_light(&shot.view, lights));
+    }
     let seconds = start.elapsed().as_secs_f64();
-    let (image, coverage) = backend.read(shot.view.aa)?;
     let done = backend.stats()?;
     let on_gpu = backend.name() != CPU;
     let stats = RenderStats {

@@ -89,7 +89,7 @@ mod tests {
         let lights = lights(40);
         let choice = LightChoice::new(&lights, 1.0);
         let n = 100_000;
-        let mut counts = vec![0_u32; 40];
+        let mut counts = [0_u32; 40];
         for i in 0..n {
             let asked: Vec<_> = choice.asked((i as f32 + 0.5) / n as f32).collect();
             assert_eq!(asked.len(), 1);

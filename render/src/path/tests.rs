@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec2;
 use lapidary_core::{
     camera::Camera,
-    lights::{Emission, RectangleShape},
+    lights::Emission,
     material::{BrdfModel, BrdfParameters},
 };
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -133,12 +133,10 @@ fn rectangles_in_highlights_are_integrated_exactly() {
         let expected = (integral.sum::<f64>() / f64::from(n * n)) as f32;
         let found = mean(&renderer.path_reference(&view, &dark(), &lamps, PathSettings::direct(20_000), &Quiet));
         assert!((found / expected - 1.0).abs() < 0.02, "{roughness}: {found} of {expected}");
-        let without_ray_hits = expected * 0.95;
-        assert!((found / without_ray_hits - 1.0).abs() > 0.025, "negative control");
+        assert!((0.95 * found / expected - 1.0).abs() > 0.025, "negative control: five percent are seen");
         let deterministic = mean(&renderer.direct_light(&View { aa: 16, ..view.clone() }, &lamps));
-        assert!((deterministic / expected - 1.0).abs() < 0.1, "{roughness}: {deterministic} of {expected}");
+        assert!((deterministic / expected - 1.0).abs() < 0.05, "{roughness}: {deterministic} of {expected}");
     }
-    assert!(RectangleShape::of(&lamps[0]).is_some());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::{
     super::{Source, listed, textures::TextureLibrary},
     buffers::{Buffers, percent_decoded, read_uri},
+    document_with,
 };
 use crate::{
     color::luminance,
@@ -95,13 +96,7 @@ impl From<gltf::texture::TextureTransform<'_>> for Transform {
 
 /// The transform of each material's normal texture, from the JSON itself; empty if the file has none.
 fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
-    let extension = b"KHR_texture_transform";
-    let chunk = gltf::Glb::from_slice(bytes);
-    let json = chunk.as_ref().map_or(bytes, |glb| &glb.json);
-    if !json.windows(extension.len()).any(|w| w == extension) {
-        return Vec::new();
-    }
-    let document: Value = serde_json::from_slice(json).unwrap_or_default();
+    let document = document_with(bytes, "KHR_texture_transform").unwrap_or_default();
     let transform = |material: &Value| {
         let value = material["normalTexture"]["extensions"]["KHR_texture_transform"].clone();
         serde_json::from_value(value).unwrap_or_default()
