@@ -1,6 +1,6 @@
 // Cuts as they are stored: 16 bits a node (depth << 12 | value), eight nodes a texel. Twin of core/src/cut/packed.rs.
 
-// Visibility cuts of all vertices; each starts at a texel.
+// Cuts of all vertices, of visibility or of solid angles; each starts at a texel.
 @group(2) @binding(2) var visibility_cuts: texture_2d<u32>;
 // The illumination cut.
 @group(2) @binding(3) var illumination_cut: texture_2d<u32>;
@@ -8,6 +8,10 @@
 // Texels in one row of both textures, as a power of two.
 const CUT_WIDTH_LOG2: u32 = 13u;
 const VALUE_SCALE: f32 = 1.0 / 4095.0;
+// The code of solid angles, see core/src/indirect.rs: the largest, and binary orders of magnitude a step.
+const LARGEST_SOLID_ANGLE: f32 = 6.2831855;
+const ORDERS: f32 = 30.0;
+const ORDERS_PER_CODE: f32 = 30.0 / 4094.0;
 
 // A position in a cut.
 struct Cursor {
@@ -29,11 +33,15 @@ fn illumination_texel(index: u32) -> vec4<u32> {
 
 // Leaves below the current node.
 fn cursor_size(texel: vec4<u32>) -> u32 {
-    return 1u << (frame.tree_height - ((texel.x >> 12u) & 15u));
+    return 1u << (tree_height() - ((texel.x >> 12u) & 15u));
 }
 
 fn cursor_value(cursor: Cursor) -> f32 {
-    return f32(cursor.texel.x & 4095u) * VALUE_SCALE;
+    let code = cursor.texel.x & 4095u;
+    if FIELD != FIELD_SOURCES {
+        return f32(code) * VALUE_SCALE;
+    }
+    return select(LARGEST_SOLID_ANGLE * exp2(f32(code - 1u) * ORDERS_PER_CODE - ORDERS), 0.0, code == 0u);
 }
 
 // The texel without its first node.

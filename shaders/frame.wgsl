@@ -18,7 +18,7 @@ struct Frame {
     tree_height: u32,
     view_mode: u32,
     wireframe: u32,
-    padding: u32,
+    source_tree_height: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

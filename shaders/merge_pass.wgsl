@@ -1,5 +1,6 @@
 // The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
-// the BRDF evaluated on each node. Twin of render/src/shade.rs.
+// the BRDF evaluated on each node. Twin of render/src/shade.rs. A picture takes one pass for each tree of lights, the
+// environment's and that of the sources on surfaces; each adds to what those before it have given.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
@@ -8,7 +9,7 @@
 @group(3) @binding(1) var rotation: texture_2d<f32>;
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
 @group(3) @binding(3) var others: texture_2d<f32>;
-// What the samples before have added up to.
+// What the samples and passes before have added up to.
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 @group(3) @binding(5) var previous_work: texture_2d<f32>;
 
@@ -28,9 +29,15 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
     return Sample(sum + sample.value, work + sample.work);
 }
 
+// What a pass before has given of this sample is not given again: where there is no merge, and coverage.
+override IS_FIRST: bool = true;
+
 fn shade_pixel(pixel: vec2<u32>) -> Sample {
     let g = textureLoad(geometry, pixel, 0);
     let direction = ray_direction(pixel);
+    if !IS_FIRST {
+        return further_light(g, pixel, direction);
+    }
     if g.x == 0u {
         let shown = select(vec3(0.0), background_radiance(direction), frame.view_mode == VIEW_SHADED);
         return Sample(vec4(shown, 0.0), vec4(0.0));
@@ -40,12 +47,22 @@ fn shade_pixel(pixel: vec2<u32>) -> Sample {
     }
     let point = surface_point(g, pixel, direction);
     var shaded = Shaded(vec3(0.0), 0u, 0u);
-    if needs_merge() {
+    if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
     let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
     let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), wire, 1.0);
     return Sample(vec4(view_value(point, pixel, shaded), 1.0), work);
+}
+
+fn further_light(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Sample {
+    if g.x == 0u || (g.w & FLAG_BLACK) != 0u || !needs_merge() {
+        return Sample(vec4(0.0), vec4(0.0));
+    }
+    let point = surface_point(g, pixel, direction);
+    let shaded = merge_cuts(point);
+    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), 0.0, 0.0);
+    return Sample(vec4(view_value(point, pixel, shaded), 0.0), work);
 }
 
 fn needs_merge() -> bool {
@@ -74,6 +91,7 @@ fn interpolated_cut_len(point: SurfacePoint) -> f32 {
 struct SurfacePoint {
     vertices: vec3<u32>,
     weights: vec3<f32>,
+    position: vec3<f32>,
     smooth_normal: vec3<f32>,
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,
@@ -90,6 +108,7 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     return SurfacePoint(
         corners,
         valid_weights(corners, hit.barycentric),
+        interpolated_position(corners, hit.barycentric),
         smooth_normal(corners, hit, -direction),
         local,
         -direction * local,
@@ -106,10 +125,10 @@ struct Shaded {
 // Lanes that run in step diverge least if each first looks for its next node that sees any light: the inner loop skips
 // the others, the outer one evaluates one node a turn.
 fn merge_cuts(point: SurfacePoint) -> Shaded {
-    let leaves = 1u << frame.tree_height;
-    var a = visibility_cursor(vertices[point.vertices.x].cut_offset);
-    var b = visibility_cursor(vertices[point.vertices.y].cut_offset);
-    var c = visibility_cursor(vertices[point.vertices.z].cut_offset);
+    let leaves = 1u << tree_height();
+    var a = visibility_cursor(cut_offset(point.vertices.x));
+    var b = visibility_cursor(cut_offset(point.vertices.y));
+    var c = visibility_cursor(cut_offset(point.vertices.z));
     var l = illumination_cursor();
     let w = point.weights;
     let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
@@ -139,23 +158,28 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        var n = nodes[node];
-        var wi = n.direction * point.world_from_local;
-        while REFINE && node < leaves && wants_halves(lobe, n.radius, tan_half_radius[node], wi, point.wo) {
+        var cone = cone_of(node, point.position);
+        var wi = cone.direction * point.world_from_local;
+        while REFINE && node < leaves && wants_halves(lobe, cone.radius, cone.tan_half_radius, wi, point.wo) {
             node = 2u * node;
-            n = nodes[node];
-            wi = n.direction * point.world_from_local;
+            cone = cone_of(node, point.position);
+            wi = cone.direction * point.world_from_local;
         }
         evaluations += 1u;
-        sum += evaluate(point, n, wi, visibility * node_size(node));
+        sum += evaluate(point, cone, wi, visibility * node_size(node)) * nodes[node].radiance;
         node = next_node(node, root);
     }
-    return Shaded(sum * frame.leaf_solid_angle, merged, evaluations);
+    return Shaded(sum * leaf_solid_angle(), merged, evaluations);
+}
+
+// First texel of a vertex's cut over the tree that is merged.
+fn cut_offset(vertex: u32) -> u32 {
+    return select(vertices[vertex].cut_offset, vertices[vertex].source_cut_offset, FIELD == FIELD_SOURCES);
 }
 
 // Leaves below a node.
 fn node_size(node: u32) -> f32 {
-    return f32(1u << (frame.tree_height - firstLeadingBit(node)));
+    return f32(1u << (tree_height() - firstLeadingBit(node)));
 }
 
 // The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
@@ -164,8 +188,9 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-fn evaluate(point: SurfacePoint, n: Node, wi: vec3<f32>, weight: f32) -> vec3<f32> {
-    let inv_kappa = select(0.0, n.inv_kappa, REFINE);
-    let received = select(0.0, weight, dot(n.direction, point.smooth_normal) > 0.0);
-    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * n.radiance * received;
+// What reaches the eye of a node of radiance 1.
+fn evaluate(point: SurfacePoint, cone: Cone, wi: vec3<f32>, weight: f32) -> vec3<f32> {
+    let inv_kappa = select(0.0, cone.inv_kappa, REFINE);
+    let received = select(0.0, weight, dot(cone.direction, point.smooth_normal) > 0.0);
+    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * received;
 }

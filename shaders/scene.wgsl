@@ -13,7 +13,8 @@ struct Vertex {
     uv: vec2<f32>,
     // 0 for vertices inside other geometry, which have no say in interpolation.
     is_valid: u32,
-    padding: u32,
+    // First texel of the vertex's cut over surface sources.
+    source_cut_offset: u32,
 }
 
 struct Triangle {

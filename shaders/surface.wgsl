@@ -25,6 +25,10 @@ fn interpolated_uv(corners: vec3<u32>, b: vec3<f32>) -> vec2<f32> {
     return vertices[corners.x].uv * b.x + vertices[corners.y].uv * b.y + vertices[corners.z].uv * b.z;
 }
 
+fn interpolated_position(corners: vec3<u32>, b: vec3<f32>) -> vec3<f32> {
+    return vertices[corners.x].position * b.x + vertices[corners.y].position * b.y + vertices[corners.z].position * b.z;
+}
+
 fn interpolated_tangent(corners: vec3<u32>, b: vec3<f32>) -> vec3<f32> {
     return vertices[corners.x].tangent * b.x + vertices[corners.y].tangent * b.y + vertices[corners.z].tangent * b.z;
 }

@@ -1,16 +1,63 @@
-// The light tree under the current light, by heap index. Twin of core/src/light_tree/lighting.rs.
+// The tree of lights that a pass merges, by heap index, and how its nodes are seen from a point. Twin of
+// render/src/node_field.rs, core/src/light_tree/lighting.rs and core/src/source_tree/radiance.rs.
+
+// Which tree that is: none, distant lights of the environment, or sources on surfaces.
+override FIELD: u32 = 1u;
+
+const FIELD_NONE: u32 = 0u;
+const FIELD_ENVIRONMENT: u32 = 1u;
+const FIELD_SOURCES: u32 = 2u;
 
 struct Node {
     // Mean radiance.
     radiance: vec3<f32>,
-    // Inverse concentration as a von Mises-Fisher lobe.
-    inv_kappa: f32,
-    // Unit direction, weighted by radiance.
-    direction: vec3<f32>,
-    // Half-angle in radians of the cone of its leaves.
+    // Distant: inverse concentration as a von Mises-Fisher lobe. Sources: radius in metres, weighted by radiance.
+    spread: f32,
+    // Distant: unit direction. Sources: centre in metres. Weighted by radiance.
+    place: vec3<f32>,
+    // Distant: half-angle in radians of the cone of its leaves. Sources: their radius in metres.
     radius: f32,
 }
 
 @group(2) @binding(0) var<storage, read> nodes: array<Node>;
-// Tangent of half of each node's radius.
+// Distant lights: tangent of half of each node's radius.
 @group(2) @binding(1) var<storage, read> tan_half_radius: array<f32>;
+
+// Distances below this many metres are taken for it.
+const LEAST_DISTANCE: f32 = 1e-6;
+
+fn tree_height() -> u32 {
+    return select(frame.tree_height, frame.source_tree_height, FIELD == FIELD_SOURCES);
+}
+
+// Solid angle of a leaf whose cut value is one.
+fn leaf_solid_angle() -> f32 {
+    return select(frame.leaf_solid_angle, 1.0, FIELD == FIELD_SOURCES);
+}
+
+// The directions in which a node lies.
+struct Cone {
+    // Unit direction that stands for them.
+    direction: vec3<f32>,
+    // Half-angle in radians, and the tangent of half of it.
+    radius: f32,
+    tan_half_radius: f32,
+    // How far light spreads: inverse concentration.
+    inv_kappa: f32,
+}
+
+fn cone_of(node: u32, origin: vec3<f32>) -> Cone {
+    let n = nodes[node];
+    if FIELD != FIELD_SOURCES {
+        return Cone(n.place, n.radius, tan_half_radius[node], n.spread);
+    }
+    let to_center = n.place - origin;
+    let distance = max(length(to_center), LEAST_DISTANCE);
+    let t = n.radius / distance;
+    let tan_half = t / (1.0 + sqrt(1.0 + t * t));
+    // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
+    let s = n.spread / distance;
+    let resultant = 0.5 + 0.5 / sqrt(1.0 + s * s);
+    let inv_kappa = (1.0 - resultant * resultant) / (resultant * (3.0 - resultant * resultant));
+    return Cone(to_center / distance, 2.0 * tan_half, tan_half, inv_kappa);
+}

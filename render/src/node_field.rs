@@ -97,7 +97,7 @@ impl<'a> SourceField<'a> {
 }
 
 /// Distances below this many metres are taken for it: a point on a source sees it in some direction.
-const LEAST_DISTANCE: f32 = 1e-6;
+pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
 
 impl NodeField for SourceField<'_> {
     #[inline(always)]

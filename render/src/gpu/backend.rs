@@ -5,13 +5,13 @@ mod encode;
 use super::{
     device::{GpuDevice, Room},
     layout,
-    light::{GpuLight, GpuMap, scaled_map},
+    light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
     passes::{Passes, bind},
     readback,
     scene::GpuScene,
     shaders::ShaderSource,
-    targets::{Target, Targets},
+    targets::{Sums, Target, Targets},
 };
 use crate::{
     BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View,
@@ -41,6 +41,8 @@ pub struct GpuBackend {
     scene: Option<Loaded>,
     light: Option<(GpuLight, Arc<Environment>)>,
     local: LocalLighting,
+    /// Bounced light as it was last shown.
+    sources: Option<GpuSources>,
     map: Option<GpuMap>,
     targets: Option<Targets>,
     picture: Option<Picture>,
@@ -72,8 +74,11 @@ struct Groups {
     light: wgpu::BindGroup,
     triangle: wgpu::BindGroup,
     geometry: wgpu::BindGroup,
+    /// Surface sources, if their light is shown.
+    sources: Option<wgpu::BindGroup>,
     /// By which of the sums is read.
-    merge: [wgpu::BindGroup; 2],
+    merge_complete: [wgpu::BindGroup; 2],
+    merge_partial: [wgpu::BindGroup; 2],
     display: [wgpu::BindGroup; 2],
 }
 
@@ -136,6 +141,7 @@ impl GpuBackend {
             scene: None,
             light: None,
             local: LocalLighting::default(),
+            sources: None,
             map: None,
             targets: None,
             picture: None,
@@ -192,20 +198,20 @@ impl GpuBackend {
         let layouts = &self.passes.layouts;
         let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
         let (scene, materials) = (&loaded.scene, &loaded.materials);
-        let merge = |from: usize| {
+        let merge = |from: &Sums| {
             let inputs = [
                 View(&targets.geometry.view),
                 View(&targets.rotation.view),
                 View(&targets.color_roughness.view),
                 View(&targets.others.view),
-                View(&targets.sum[from].view),
-                View(&targets.work[from].view),
+                View(&from.value.view),
+                View(&from.work.view),
                 View(map),
             ];
             group("merge", &layouts.merge, &inputs)
         };
-        let display = |from: usize| {
-            let (sum, work) = (View(&targets.sum[from].view), View(&targets.work[from].view));
+        let display = |from: &Sums| {
+            let (sum, work) = (View(&from.value.view), View(&from.work.view));
             let inputs = [self.display.as_entire_binding(), self.magma.as_entire_binding(), sum, work];
             group("display", &layouts.display, &inputs)
         };
@@ -225,8 +231,15 @@ impl GpuBackend {
             light: group("light", &layouts.light, &lit),
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
             geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
-            merge: [merge(0), merge(1)],
-            display: [display(0), display(1)],
+            sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
+                // Radii of sources are seen from each point: there is no table of them.
+                let tan_half_radius = light.tan_half_radius.as_entire_binding();
+                let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
+                group("sources", &layouts.light, &sent)
+            }),
+            merge_complete: [merge(&targets.complete[0]), merge(&targets.complete[1])],
+            merge_partial: [merge(&targets.partial[0]), merge(&targets.partial[1])],
+            display: [display(&targets.complete[0]), display(&targets.complete[1])],
         }
     }
 
@@ -255,8 +268,8 @@ impl Backend for GpuBackend {
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
-        self.light = None;
-        self.picture = None;
+        (self.light, self.picture, self.sources) = (None, None, None);
+        self.local = LocalLighting::default();
         Ok(())
     }
 
@@ -299,6 +312,8 @@ impl Backend for GpuBackend {
             self.targets = None;
             self.targets = Some(Targets::new(&self.gpu, view.size));
         }
+        let before = self.sources.take();
+        self.sources = self.local.shown_indirect().map(|lighting| GpuSources::new(&self.gpu, lighting, before));
         let (light, environment) = self.light_or_dark();
         let blur = match view.background {
             Background::Blurred(width) => Some(width),
@@ -340,7 +355,7 @@ impl Backend for GpuBackend {
     }
 
     fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
-        let texels = self.read_floats(&self.targets().sum[(samples & 1) as usize])?;
+        let texels = self.read_floats(&self.targets().complete[(samples & 1) as usize].value)?;
         let scale = 1.0 / samples.max(1) as f32;
         let pixels = texels.iter().map(|t| glam::Vec3::new(t[0], t[1], t[2]) * scale).collect();
         let coverage = texels.iter().map(|t| t[3] * scale).collect();
@@ -348,7 +363,7 @@ impl Backend for GpuBackend {
     }
 
     fn stats(&mut self) -> Result<PictureStats, BackendError> {
-        let texels = self.read_floats(&self.targets().work[(self.picture().samples & 1) as usize])?;
+        let texels = self.read_floats(&self.targets().complete[(self.picture().samples & 1) as usize].work)?;
         let sum = |i: usize| texels.iter().map(|t| f64::from(t[i])).sum::<f64>();
         let shaded = sum(3);
         Ok(PictureStats {
@@ -360,9 +375,14 @@ impl Backend for GpuBackend {
 }
 
 impl GpuBackend {
+    /// The environment if it is shown.
+    fn shown_environment(&self) -> Option<&(GpuLight, Arc<Environment>)> {
+        self.light.as_ref().filter(|_| self.local.components.environment)
+    }
+
     /// The light, or none where there is none yet.
     fn light_or_dark(&self) -> (GpuLight, Arc<Environment>) {
-        self.light.clone().unwrap_or_else(|| {
+        self.shown_environment().cloned().unwrap_or_else(|| {
             let map = Image::filled([1, 1], glam::Vec3::ZERO);
             let environment = Environment { name: String::new(), map };
             (GpuLight::dark(&self.gpu, self.loaded().scene.tree_height), environment.into())

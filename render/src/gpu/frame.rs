@@ -36,7 +36,7 @@ pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLigh
         tree_height: scene.tree_height,
         view_mode: view.mode as u32,
         wireframe: u32::from(view.wireframe),
-        padding: 0,
+        source_tree_height: scene.sources.as_ref().map_or(0, |s| s.tree_height),
     }
 }
 

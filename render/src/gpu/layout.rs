@@ -23,7 +23,7 @@ pub struct Frame {
     pub tree_height: u32,
     pub view_mode: u32,
     pub wireframe: u32,
-    pub padding: u32,
+    pub source_tree_height: u32,
 }
 
 /// `Vertex` of `scene.wgsl`.
@@ -38,7 +38,7 @@ pub struct Vertex {
     pub handedness: f32,
     pub uv: [f32; 2],
     pub is_valid: u32,
-    pub padding: u32,
+    pub source_cut_offset: u32,
 }
 
 /// `Triangle` of `scene.wgsl`.
@@ -94,8 +94,8 @@ pub struct Material {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Node {
     pub radiance: [f32; 3],
-    pub inv_kappa: f32,
-    pub direction: [f32; 3],
+    pub spread: f32,
+    pub place: [f32; 3],
     pub radius: f32,
 }
 
@@ -117,6 +117,9 @@ pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;
+    pub const FIELD_NONE: u32 = 0;
+    pub const FIELD_ENVIRONMENT: u32 = 1;
+    pub const FIELD_SOURCES: u32 = 2;
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;
     pub const KIND_FLOAT: u32 = 3;

@@ -5,7 +5,7 @@ use super::{
     layout::Node,
     scene::{cut_texture, extent, storage, write_rows},
 };
-use crate::{lighting::SceneLighting, renderer::Illumination};
+use crate::{indirect::SourceLighting, lighting::SceneLighting, renderer::Illumination};
 use glam::Vec3;
 use lapidary_core::{cut::packed::pack_node, environment::Environment, image::Image};
 use std::{borrow::Cow, sync::Arc};
@@ -54,11 +54,40 @@ fn nodes(lighting: &SceneLighting) -> Vec<Node> {
     let n = &lighting.nodes;
     let node = |i: usize| Node {
         radiance: n.radiance[i].to_array(),
-        inv_kappa: n.inv_kappa[i],
-        direction: n.direction[i].to_array(),
+        spread: n.inv_kappa[i],
+        place: n.direction[i].to_array(),
         radius: lighting.cones.radius[i],
     };
     (0..n.radiance.len()).map(node).collect()
+}
+
+/// Surface sources that send light.
+pub struct GpuSources {
+    pub nodes: wgpu::Buffer,
+    pub cut: wgpu::TextureView,
+    lighting: Arc<SourceLighting>,
+}
+
+impl GpuSources {
+    /// Uploads, unless `before` is the same.
+    pub fn new(gpu: &GpuDevice, lighting: &Arc<SourceLighting>, before: Option<Self>) -> Self {
+        if let Some(same) = before.filter(|b| Arc::ptr_eq(&b.lighting, lighting)) {
+            return same;
+        }
+        let (n, radii) = (&lighting.nodes, lighting.tree.radii());
+        let node = |i: usize| Node {
+            radiance: n.radiance[i].to_array(),
+            spread: n.spread[i],
+            place: n.center[i].to_array(),
+            radius: radii[i],
+        };
+        let nodes: Vec<Node> = (0..n.radiance.len()).map(node).collect();
+        Self {
+            nodes: storage(gpu, "source tree", bytemuck::cast_slice(&nodes)),
+            cut: cut_texture(gpu, "illumination cut of sources", &lighting.cut),
+            lighting: lighting.clone(),
+        }
+    }
 }
 
 /// A map that is seen directly.

@@ -24,6 +24,10 @@ pub struct Layouts {
 /// What the merge pass is specialised for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MergeVariant {
+    /// Which tree of lights is merged, one of the constants `FIELD_...`.
+    pub field: u32,
+    /// Whether it is the first pass of a sample.
+    pub is_first: bool,
     pub refine: bool,
     pub has_ggx: bool,
     pub has_ward: bool,
@@ -105,6 +109,8 @@ impl Passes {
                 layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
                 targets: &[format::FLOATS, format::FLOATS],
                 constants: &[
+                    ("FIELD", f64::from(variant.field)),
+                    flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
                     flag("HAS_GGX", variant.has_ggx),
                     flag("HAS_WARD", variant.has_ward),

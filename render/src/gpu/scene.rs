@@ -8,6 +8,7 @@ use crate::backend::BackendError;
 use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
+    indirect::IndirectBake,
 };
 
 /// Buffers and textures of one dataset.
@@ -16,10 +17,18 @@ pub struct GpuScene {
     pub triangles: wgpu::Buffer,
     pub triangle_count: u32,
     pub cuts: wgpu::TextureView,
+    /// What vertices see of surface sources, if that was baked.
+    pub sources: Option<SourceCuts>,
     pub tree_height: u32,
     pub leaf_solid_angle: f32,
     /// Distance in metres nearer than which nothing is drawn.
     pub near: f32,
+}
+
+/// Cuts over surface sources.
+pub struct SourceCuts {
+    pub cuts: wgpu::TextureView,
+    pub tree_height: u32,
 }
 
 impl GpuScene {
@@ -36,6 +45,7 @@ impl GpuScene {
         gpu.within("the triangles", "bytes", bytes(mesh.triangles.len(), size_of::<Triangle>()), limit, remedy)?;
         Ok(Self {
             cuts: upload_cuts(gpu, &dataset.cuts)?,
+            sources: dataset.indirect.as_ref().map(|bake| source_cuts(gpu, bake)).transpose()?,
             vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
             triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset))),
             triangle_count: mesh.triangles.len() as u32,
@@ -44,6 +54,10 @@ impl GpuScene {
             near: 1e-5 * mesh.bounds().diagonal(),
         })
     }
+}
+
+fn source_cuts(gpu: &GpuDevice, bake: &IndirectBake) -> Result<SourceCuts, BackendError> {
+    Ok(SourceCuts { cuts: upload_cuts(gpu, &bake.cuts)?, tree_height: bake.sources.len().ilog2() })
 }
 
 fn vertices(dataset: &Dataset) -> Vec<Vertex> {
@@ -58,7 +72,7 @@ fn vertices(dataset: &Dataset) -> Vec<Vertex> {
         handedness: mesh.tangents[v].w,
         uv: mesh.uvs[v].to_array(),
         is_valid: u32::from(dataset.vertex_valid[v]),
-        padding: 0,
+        source_cut_offset: dataset.indirect.as_ref().map_or(0, |bake| bake.cuts.offsets()[v]),
     };
     (0..mesh.positions.len()).map(vertex).collect()
 }

@@ -29,16 +29,26 @@ pub struct Targets {
     pub rotation: Target,
     pub color_roughness: Target,
     pub others: Target,
-    /// What samples add up to; read from one, written to the other, in turns.
-    pub sum: [Target; 2],
-    pub work: [Target; 2],
+    /// Complete samples; read from one, written to the other, in turns.
+    pub complete: [Sums; 2],
+    /// A sample between its passes, in turns.
+    pub partial: [Sums; 2],
     pub shown: Target,
+}
+
+/// What samples add up to.
+pub struct Sums {
+    /// What the view shows, and coverage.
+    pub value: Target,
+    /// Merged nodes, BRDF evaluations, wireframe coverage, surfaces.
+    pub work: Target,
 }
 
 impl Targets {
     /// For pictures of `size` pixels.
     pub fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
         let target = |label, format| target(gpu, label, format, size);
+        let sums = |value, work| Sums { value: target(value, format::FLOATS), work: target(work, format::FLOATS) };
         Self {
             size,
             depth: target("depth", format::DEPTH),
@@ -47,8 +57,8 @@ impl Targets {
             rotation: target("rotation", format::FLOATS),
             color_roughness: target("color and roughness", format::FLOATS),
             others: target("other parameters", format::FLOATS),
-            sum: [target("sum 0", format::FLOATS), target("sum 1", format::FLOATS)],
-            work: [target("work 0", format::FLOATS), target("work 1", format::FLOATS)],
+            complete: [sums("sum 0", "work 0"), sums("sum 1", "work 1")],
+            partial: [sums("partial sum 0", "partial work 0"), sums("partial sum 1", "partial work 1")],
             shown: target("shown", format::SHOWN),
         }
     }

@@ -146,7 +146,7 @@ fn uniform(rig: &mut SourceRig, irradiance: f32) -> SourceLighting {
     rig.lighting(SOURCES as u32)
 }
 
-fn point_light(position: Vec3, intensity: f32) -> Light {
+pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
     Light {
         name: String::new(),
         enabled: true,

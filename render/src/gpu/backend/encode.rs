@@ -3,7 +3,15 @@
 use super::GpuBackend;
 use crate::{
     BrdfSampling, Post,
-    gpu::{frame::frame, layout, passes::MergeVariant, targets::Target},
+    gpu::{
+        frame::frame,
+        layout::{
+            self,
+            constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
+        },
+        passes::MergeVariant,
+        targets::{Sums, Target},
+    },
     view::Background,
 };
 use std::ops::Range;
@@ -12,7 +20,7 @@ impl GpuBackend {
     pub(super) fn write_frame(&self, sample: u32) {
         let picture = self.picture();
         let offset = picture.offsets[sample as usize % picture.offsets.len()];
-        let light = self.light.as_ref().map(|(light, _)| light);
+        let light = self.shown_environment().map(|(light, _)| light);
         let uniforms = frame(&picture.view, offset, &self.loaded().scene, light);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
@@ -64,22 +72,51 @@ impl GpuBackend {
         );
     }
 
+    /// All merges of a sample, one after another: each adds to what the one before it has written.
     pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
-        let variant = self.merge_variant();
-        let pipeline = self.passes.merge(&self.gpu, variant).clone();
-        let (targets, picture) = (self.targets(), self.picture());
-        let (from, to) = ((sample & 1) as usize, (1 - (sample & 1)) as usize);
+        let fields = self.fields();
+        let complete = (sample & 1) as usize;
+        for (i, &field) in fields.iter().enumerate() {
+            let variant = self.merge_variant(field, i == 0);
+            let pipeline = self.passes.merge(&self.gpu, variant).clone();
+            let groups = &self.picture().groups;
+            let from = if i == 0 { &groups.merge_complete[complete] } else { &groups.merge_partial[(i - 1) & 1] };
+            let is_last = i + 1 == fields.len();
+            let targets = self.targets();
+            let to = if is_last { &targets.complete[1 - complete] } else { &targets.partial[i & 1] };
+            let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
+            let Some(light) = light else { continue };
+            let bound = [&groups.frame, &groups.scene, light, from];
+            self.encode_rows(encoder, "merge", &pipeline, &bound, to, &rows);
+        }
+    }
+
+    /// Which trees of lights are merged, in order; never none of all, since the first pass also shows what has no light.
+    fn fields(&self) -> Vec<u32> {
+        let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
+        let sources = self.picture().groups.sources.as_ref().map(|_| FIELD_SOURCES);
+        [Some(first), sources].into_iter().flatten().collect()
+    }
+
+    fn encode_rows(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        label: &str,
+        pipeline: &wgpu::RenderPipeline,
+        groups: &[&wgpu::BindGroup],
+        to: &Sums,
+        rows: &Range<u32>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("merge"),
-            color_attachments: &[kept(&targets.sum[to]), kept(&targets.work[to])],
+            label: Some(label),
+            color_attachments: &[kept(&to.value), kept(&to.work)],
             ..Default::default()
         });
-        pass.set_pipeline(&pipeline);
-        let groups = &picture.groups;
-        for (i, group) in [&groups.frame, &groups.scene, &groups.light, &groups.merge[from]].into_iter().enumerate() {
-            pass.set_bind_group(i as u32, group, &[]);
+        pass.set_pipeline(pipeline);
+        for (i, group) in groups.iter().enumerate() {
+            pass.set_bind_group(i as u32, *group, &[]);
         }
-        pass.set_scissor_rect(0, rows.start, picture.view.size[0], rows.end - rows.start);
+        pass.set_scissor_rect(0, rows.start, self.picture().view.size[0], rows.end - rows.start);
         pass.draw(0..3, 0..1);
     }
 
@@ -88,9 +125,11 @@ impl GpuBackend {
         full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
     }
 
-    pub(super) fn merge_variant(&self) -> MergeVariant {
+    fn merge_variant(&self, field: u32, is_first: bool) -> MergeVariant {
         let materials = &self.loaded().materials;
         MergeVariant {
+            field,
+            is_first,
             refine: self.picture().sampling == BrdfSampling::Refine,
             has_ggx: materials.has_ggx,
             has_ward: materials.has_ward,
@@ -101,7 +140,7 @@ impl GpuBackend {
         let targets = self.targets();
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clear"),
-            color_attachments: &[cleared(&targets.sum[0]), cleared(&targets.work[0])],
+            color_attachments: &[cleared(&targets.complete[0].value), cleared(&targets.complete[0].work)],
             ..Default::default()
         });
     }

@@ -96,12 +96,23 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 tree_height,
                 view_mode,
                 wireframe,
-                padding
+                source_tree_height
             ),
         ),
         (
             "Vertex",
-            shape!(layout::Vertex, position, cut_offset, normal, cut_len, tangent, handedness, uv, is_valid, padding),
+            shape!(
+                layout::Vertex,
+                position,
+                cut_offset,
+                normal,
+                cut_len,
+                tangent,
+                handedness,
+                uv,
+                is_valid,
+                source_cut_offset
+            ),
         ),
         ("Triangle", shape!(layout::Triangle, vertices, material)),
         (
@@ -131,7 +142,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 bump_map
             ),
         ),
-        ("Node", shape!(layout::Node, radiance, inv_kappa, direction, radius)),
+        ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (
             "Display",
             shape!(layout::Display, exposure, inv_samples, count_top, tone_map, view_mode, transparent, padding),
@@ -175,6 +186,9 @@ fn shared_constants_have_the_same_values() {
         ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
         ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),
         ("TWO_SIDED", constants::TWO_SIDED),
+        ("FIELD_NONE", constants::FIELD_NONE),
+        ("FIELD_ENVIRONMENT", constants::FIELD_ENVIRONMENT),
+        ("FIELD_SOURCES", constants::FIELD_SOURCES),
         ("KIND_LINEAR", constants::KIND_LINEAR),
         ("KIND_SRGB", constants::KIND_SRGB),
         ("KIND_FLOAT", constants::KIND_FLOAT),
@@ -184,6 +198,8 @@ fn shared_constants_have_the_same_values() {
         expected.push((name.into(), value.into()));
     }
     for (name, value) in [
+        ("LARGEST_SOLID_ANGLE", lapidary_core::indirect::LARGEST_SOLID_ANGLE),
+        ("LEAST_DISTANCE", crate::node_field::LEAST_DISTANCE),
         ("LINE_WIDTH", crate::wireframe::LINE_WIDTH),
         ("LINE_FADE", crate::wireframe::LINE_FADE),
         ("LINE_OPACITY", crate::wireframe::LINE_OPACITY),

@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A backend within WebGPU's default limits, or `None`, said aloud, where there is no adapter and none is required.
 /// One at a time: a software adapter uses all cores by itself.
-fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+pub(super) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
     static ONE: Mutex<()> = Mutex::new(());
     let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     match GpuBackend::new(Room::Defaults, &ShaderSource::Embedded) {
@@ -109,16 +109,15 @@ fn view(mode: ViewMode) -> View {
 }
 
 /// One sample by the CPU renderer, at what the deferred pass of `gpu` saw.
-fn on_the_cpu(
+pub(super) fn on_the_cpu(
     gpu: &GpuBackend,
     renderer: &Renderer,
     view: &View,
-    lighting: &SceneLighting,
+    light: PictureLight,
     sampling: BrdfSampling,
 ) -> Image {
     let dataset = renderer.dataset();
     let surfaces = renderer.surfaces();
-    let light = PictureLight { environment: Some(lighting), ..Default::default() };
     let mut painter = Painter::new(view.mode, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();
@@ -140,7 +139,7 @@ fn on_the_cpu(
 }
 
 /// Relative root mean square error, and the largest difference as a fraction of the mean.
-fn difference(a: &Image, b: &Image) -> (f64, f64) {
+pub(super) fn difference(a: &Image, b: &Image) -> (f64, f64) {
     let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f64 {
         a.pixels.iter().zip(&b.pixels).map(|(&a, &b)| f64::from(f(a, b))).sum()
     };
@@ -150,7 +149,7 @@ fn difference(a: &Image, b: &Image) -> (f64, f64) {
     ((error / sum(&|_, b| b.length_squared())).sqrt(), f64::from(largest) / mean)
 }
 
-fn agrees(a: &Image, b: &Image) -> bool {
+pub(super) fn agrees(a: &Image, b: &Image) -> bool {
     let (relative, largest) = difference(a, b);
     relative < 1e-4 && largest < 0.01
 }
@@ -183,6 +182,10 @@ impl Rig {
         Some(Self { renderer, gpu, lighting, _one: one })
     }
 
+    fn lit(&self) -> PictureLight<'_> {
+        PictureLight { environment: Some(&self.lighting), ..Default::default() }
+    }
+
     fn look(&mut self, appearance: Appearance) {
         assert!(self.gpu.set_appearance(&appearance).unwrap().is_empty());
         self.renderer.set_appearance(appearance);
@@ -192,7 +195,7 @@ impl Rig {
         self.gpu.begin(view, sampling).unwrap();
         self.gpu.render_rows(0, 0..view.size[1]).unwrap();
         let gpu = self.gpu.read(1).unwrap().0;
-        [gpu, on_the_cpu(&self.gpu, &self.renderer, view, &self.lighting, sampling)]
+        [gpu, on_the_cpu(&self.gpu, &self.renderer, view, self.lit(), sampling)]
     }
 }
 
@@ -212,7 +215,7 @@ fn every_model_and_sampling_agrees_and_another_roughness_does_not() {
     }
     let [gpu, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
     rig.renderer.set_appearance(appearance(&dataset, BrdfModel::Ward, parameters(0.51, -0.6), Default::default()));
-    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(ViewMode::Shaded), &rig.lighting, BrdfSampling::Refine);
+    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(ViewMode::Shaded), rig.lit(), BrdfSampling::Refine);
     assert!(!agrees(&gpu, &other));
 }
 
@@ -228,7 +231,7 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     let mut flipped = maps();
     flipped.normal.as_mut().unwrap().flip_y = true;
     rig.renderer.set_appearance(look(flipped.clone()));
-    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+    let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
     assert!(!agrees(&gpu, &other));
     rig.look(look(flipped));
     let [flipped, cpu] = rig.both(&view, BrdfSampling::Refine);
@@ -238,7 +241,7 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
         let MaterialMaps { base_color, roughness, metalness, specular, anisotropy, ior, normal, bump } = &mut fewer;
         *[base_color, roughness, metalness, specular, anisotropy, ior, normal, bump][i] = None;
         rig.renderer.set_appearance(look(fewer));
-        let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+        let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
         assert!(!agrees(&gpu, &without), "map {i} makes no difference");
     }
 }
@@ -262,7 +265,7 @@ fn maps_of_anisotropy_and_ior_agree_alone_and_each_of_them_matters() {
             let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
             assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
             rig.renderer.set_appearance(look(MaterialMaps::default()));
-            let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, &rig.lighting, BrdfSampling::Refine);
+            let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
             assert!(difference(&gpu, &without).0 > 1e-3, "{model:?}: {:?}", difference(&gpu, &without));
         }
     }
@@ -277,7 +280,7 @@ fn every_view_mode_agrees_and_is_told_from_the_next() {
         let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
         assert!(agrees(&gpu, &cpu), "{mode:?}: {:?}", difference(&gpu, &cpu));
         let next = view(ViewMode::ALL[(i + 1) % ViewMode::ALL.len()]);
-        let other = on_the_cpu(&rig.gpu, &rig.renderer, &next, &rig.lighting, BrdfSampling::Refine);
+        let other = on_the_cpu(&rig.gpu, &rig.renderer, &next, rig.lit(), BrdfSampling::Refine);
         assert!(!agrees(&gpu, &other), "{mode:?}");
     }
 }
