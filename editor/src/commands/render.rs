@@ -12,7 +12,7 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
 use lapidary_render::{
-    Backend, Background, Baked, BrdfSampling, CPU, Components, Illumination, LightRig, RenderStats, Renderer,
+    Backend, Background, Baked, BrdfSampling, CPU, Components, LightRig, LocalRig, RenderStats, Renderer,
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
@@ -91,23 +91,20 @@ fn render_on(
 ) -> Result<(Image, Vec<f32>, RenderStats)> {
     let baked = Baked::from(shot.dataset.clone());
     backend.set_scene(&baked)?;
-    let lights = &shot.local.lights;
-    let lamps = (components.direct && !lights.is_empty()).then(|| Renderer::new(baked));
-    let intensity = if components.environment { shot.light.intensity } else { 0.0 };
-    let light = Illumination { intensity, ..shot.light.clone() };
     let mut rig = LightRig::new(&shot.dataset.tree);
+    let mut local = LocalRig::new(&baked);
+    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
     let start = Instant::now();
-    let lighting = Arc::new(rig.lighting(&light, args.illum_cut));
-    backend.set_light(&light, &lighting)?;
+    let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));
+    tell(backend.set_light(&shot.light, &lighting)?, console);
+    local.set_environment(Some(&lighting));
+    local.set_lights(&shot.local.lights.clone().into());
+    tell(backend.set_local_lighting(&local.lighting(components, args.illum_cut))?, console);
     backend.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {
         backend.render_rows(sample, 0..shot.view.size[1])?;
     }
-    let (mut image, coverage) = backend.read(shot.view.aa)?;
-    if let Some(renderer) = &lamps {
-        warn_of_buried(renderer, lights, console);
-        image.add(&renderer.direct_light(&shot.view, lights));
-    }
+    let (image, coverage) = backend.read(shot.view.aa)?;
     let seconds = start.elapsed().as_secs_f64();
     let done = backend.stats()?;
     let on_gpu = backend.name() != CPU;
@@ -120,6 +117,10 @@ fn render_on(
         mean_brdf_evaluations: done.mean_brdf_evaluations,
     };
     Ok((image, coverage, stats))
+}
+
+fn tell(remarks: Vec<String>, console: Console) {
+    remarks.iter().for_each(|remark| console.warning(remark));
 }
 
 fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {

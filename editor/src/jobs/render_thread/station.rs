@@ -4,7 +4,7 @@ use super::{
     Factory, Outbox, RenderEvent, RenderRequest,
     changes::{same_dataset, same_light},
 };
-use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, SceneLighting};
+use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalRig, SceneLighting};
 use std::sync::Arc;
 
 /// The renderer, its scene and its light.
@@ -17,6 +17,7 @@ pub struct Station {
     /// Counts the lights that were made, for the window to see that one is new.
     light_revision: u64,
     rig: Option<LightRig>,
+    local: Option<LocalRig>,
 }
 
 /// The light that the renderer has, and what it was made from.
@@ -41,6 +42,7 @@ impl Station {
             light: None,
             light_revision: 0,
             rig: None,
+            local: None,
         }
     }
 
@@ -74,13 +76,16 @@ impl Station {
         if self.appearance_revision != Some(request.appearance_revision) {
             let remarks = self.backend()?.set_appearance(&request.appearance)?;
             remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+            if let Some(local) = &mut self.local {
+                local.set_appearance(&request.appearance);
+            }
             self.appearance_revision = Some(request.appearance_revision);
         }
-        let direct = direct_environment(request);
-        let same = |l: &Light| same_light(&l.illumination, &direct) && l.illum_cut == request.illum_cut;
+        let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(direct, request.illum_cut, outbox)?;
+            self.set_light(request, outbox)?;
         }
+        self.set_local_lighting(request, outbox)?;
         Ok(new_scene)
     }
 
@@ -95,13 +100,15 @@ impl Station {
             self.rig = Some(rig);
             Ok(())
         })?;
+        self.local = Some(LocalRig::new(baked));
         self.baked = Some(baked.clone());
         (self.appearance_revision, self.light) = (None, None);
         Ok(())
     }
 
-    fn set_light(&mut self, illumination: Illumination, illum_cut: u32, outbox: &Outbox) -> Result<(), BackendError> {
+    fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
+        let (illumination, illum_cut) = (request.illumination.clone(), request.illum_cut);
         let lighting = Arc::new(rig.lighting(&illumination, illum_cut));
         let remarks = self.backend()?.set_light(&illumination, &lighting)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
@@ -109,10 +116,15 @@ impl Station {
         self.light = Some(Light { illumination, illum_cut, lighting, revision: self.light_revision });
         Ok(())
     }
-}
 
-/// The environment as it is seen and lights directly: dark if that component is not in the picture.
-fn direct_environment(request: &RenderRequest) -> Illumination {
-    let intensity = if request.components.environment { request.illumination.intensity } else { 0.0 };
-    Illumination { intensity, ..request.illumination.clone() }
+    /// Local lights and bounced light; what has not changed is kept by the rig.
+    fn set_local_lighting(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+        let Some(local) = &mut self.local else { return Ok(()) };
+        local.set_environment(self.light.as_ref().map(|light| &light.lighting));
+        local.set_lights(&request.lights);
+        let lighting = local.lighting(request.components, request.illum_cut);
+        let remarks = self.backend()?.set_local_lighting(&lighting)?;
+        remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+        Ok(())
+    }
 }
