@@ -39,7 +39,7 @@ impl From<TreeOption> for TreeKind {
 /// Preset, as an option.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PresetOption {
-    /// 8,192 lights, up to 30,000 vertices: seconds.
+    /// 8,192 lights and surface sources, up to 30,000 vertices: seconds.
     Draft,
     /// 32,768 lights, sigma 2, up to 100,000 vertices.
     #[default]
@@ -97,11 +97,11 @@ pub struct BakeArgs {
     /// What to bake
     #[arg(long, value_enum, default_value_t)]
     pub mode: ModeOption,
-    /// Number of surface sources: a power of two up to 32768 [default: 32768]
+    /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub sources: Option<usize>,
     /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's part of the
-    /// hemisphere; 0 to 1000 [default: 2]
+    /// hemisphere; 0 to 1000, smaller is finer [default: 4]
     #[arg(long, value_name = "S")]
     pub source_sigma: Option<f32>,
     /// A place in the open from which light reaches all that matters, in metres; surfaces that it cannot

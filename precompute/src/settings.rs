@@ -43,6 +43,7 @@ impl Preset {
                 criterion: sigma(1.5),
                 pilot_clusters: 256,
                 max_vertices: Some(30_000),
+                indirect: IndirectSettings { sources: 8192, ..normal.indirect },
                 ..normal
             },
             Self::Normal => normal,

@@ -1,7 +1,7 @@
 //! A set of directions arranged for batches: packets of 64 in groups of 8, each bounded by planes through the origin.
 
 use crate::simd::Vec3x8;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Rays in one SIMD group.
 pub(super) const GROUP: usize = 8;
@@ -131,7 +131,7 @@ fn inverse(v: Vec3) -> Vec3 {
     Vec3::from_array(v.to_array().map(|c| 1.0 / if c.abs() < 1e-18 { 1e-18_f32.copysign(c) } else { c }))
 }
 
-/// Outward normals of `K` planes through the origin that together enclose all `directions`. Directions too far apart
+/// Outward normals of `K` planes through the origin that together enclose all `directions`, at most a packet. Directions too far apart
 /// for a cone give null normals, which exclude nothing.
 fn bounding_planes<const K: usize>(directions: &[Vec3]) -> [Vec3; K] {
     let axis = directions.iter().sum::<Vec3>().normalize_or_zero();
@@ -141,11 +141,20 @@ fn bounding_planes<const K: usize>(directions: &[Vec3]) -> [Vec3; K] {
     // Widened by more than the rounding of any box test: a test must never exclude a ray that is in the box.
     const SLACK: f32 = 1e-5;
     let (u, v) = principal_axes(directions, axis);
+    // Where each direction meets the plane at distance one along the axis.
+    let mut meets = [Vec2::ZERO; PACKET];
+    let meets = &mut meets[..directions.len()];
+    for (at, d) in meets.iter_mut().zip(directions) {
+        *at = Vec2::new(d.dot(u), d.dot(v)) / d.dot(axis);
+    }
     std::array::from_fn(|k| {
         let (sin, cos) = (std::f32::consts::TAU * k as f32 / K as f32).sin_cos();
-        let outward = cos * u + sin * v;
-        let slope = directions.iter().map(|d| d.dot(outward) / d.dot(axis)).fold(f32::NEG_INFINITY, f32::max);
-        (outward - (slope + SLACK) * axis).normalize()
+        let mut slope = f32::NEG_INFINITY;
+        for at in meets.iter() {
+            let s = cos * at.x + sin * at.y;
+            slope = if s > slope { s } else { slope };
+        }
+        (cos * u + sin * v - (slope + SLACK) * axis).normalize()
     })
 }
 
