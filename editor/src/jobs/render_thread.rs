@@ -1,6 +1,7 @@
 //! The thread that renders the viewport. The latest request wins; a coarse picture comes first and at rest the full one
 //! follows, sample by sample. Nothing is rendered when nothing has changed.
 
+mod bounce;
 mod changes;
 mod stage;
 mod station;

@@ -2,9 +2,10 @@
 
 use super::{
     Factory, Outbox, RenderEvent, RenderRequest,
+    bounce::Bounce,
     changes::{same_dataset, same_light},
 };
-use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, SceneLighting};
+use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, SceneLighting};
 use std::sync::Arc;
 
 /// The renderer, its scene and its light.
@@ -17,6 +18,8 @@ pub struct Station {
     /// Counts the lights that were made, for the window to see that one is new.
     light_revision: u64,
     rig: Option<LightRig>,
+    bounce: Option<Bounce>,
+    local: Option<LocalLighting>,
 }
 
 /// The light that the renderer has, and what it was made from.
@@ -41,12 +44,20 @@ impl Station {
             light: None,
             light_revision: 0,
             rig: None,
+            bounce: None,
+            local: None,
         }
     }
 
     /// Gives up the renderer; the next use makes another.
     pub fn reset(&mut self) {
-        (self.backend, self.baked, self.appearance_revision, self.light) = (None, None, None, None);
+        (self.backend, self.baked) = (None, None);
+        self.forget_edits();
+    }
+
+    /// Everything beside the scene is to be given to the renderer again.
+    fn forget_edits(&mut self) {
+        (self.appearance_revision, self.light, self.local) = (None, None, None);
     }
 
     /// The renderer.
@@ -76,11 +87,11 @@ impl Station {
             remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
             self.appearance_revision = Some(request.appearance_revision);
         }
-        let direct = direct_environment(request);
-        let same = |l: &Light| same_light(&l.illumination, &direct) && l.illum_cut == request.illum_cut;
+        let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(direct, request.illum_cut, outbox)?;
+            self.set_light(request, outbox)?;
         }
+        self.set_local_lighting(request, outbox)?;
         Ok(new_scene)
     }
 
@@ -96,23 +107,45 @@ impl Station {
             Ok(())
         })?;
         self.baked = Some(baked.clone());
-        (self.appearance_revision, self.light) = (None, None);
+        self.bounce = Bounce::new(baked);
+        self.forget_edits();
         Ok(())
     }
 
-    fn set_light(&mut self, illumination: Illumination, illum_cut: u32, outbox: &Outbox) -> Result<(), BackendError> {
+    fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
-        let lighting = Arc::new(rig.lighting(&illumination, illum_cut));
-        let remarks = self.backend()?.set_light(&illumination, &lighting)?;
+        let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
+        let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
         self.light_revision += 1;
-        self.light = Some(Light { illumination, illum_cut, lighting, revision: self.light_revision });
+        self.light = Some(Light {
+            illumination: request.illumination.clone(),
+            illum_cut: request.illum_cut,
+            lighting,
+            revision: self.light_revision,
+        });
+        Ok(())
+    }
+
+    /// Local lights, what bounces, and which parts are shown. Bounced light that is not shown is not computed.
+    fn set_local_lighting(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+        let bounce = self.bounce.as_mut().filter(|_| request.components.indirect);
+        let indirect = bounce.zip(self.light.as_ref()).map(|(bounce, light)| bounce.lighting(request, light));
+        let local = LocalLighting { lights: request.lights.clone(), indirect, components: request.components };
+        if self.local.as_ref().is_some_and(|known| is_same_local(known, &local)) {
+            return Ok(());
+        }
+        let remarks = self.backend()?.set_local_lighting(&local)?;
+        remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+        self.local = Some(local);
         Ok(())
     }
 }
 
-/// The environment as it is seen and lights directly: dark if that component is not in the picture.
-fn direct_environment(request: &RenderRequest) -> Illumination {
-    let intensity = if request.components.environment { request.illumination.intensity } else { 0.0 };
-    Illumination { intensity, ..request.illumination.clone() }
+fn is_same_local(a: &LocalLighting, b: &LocalLighting) -> bool {
+    let same_bounce = match (&a.indirect, &b.indirect) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    same_bounce && Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components
 }

@@ -35,7 +35,6 @@ struct Probe {
     document: Document,
     dataset: Option<Dataset>,
     status: BakeStatus,
-    mode: BakeMode,
     actions: Vec<Action>,
 }
 
@@ -45,14 +44,13 @@ fn document() -> Document {
 
 fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, dataset, status, mode, actions } = probe;
+        let Probe { document, dataset, status, actions } = probe;
         let scene_stats = Some(SceneStats { vertices: 1000, triangles: 2000 });
         let dataset = dataset.as_ref();
-        let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, mode: *mode, cores: 2 };
+        let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, cores: 2 };
         show(ui, &context, actions);
     };
-    let mode = BakeMode::default();
-    let probe = Probe { document, dataset, status, mode, actions: Vec::new() };
+    let probe = Probe { document, dataset, status, actions: Vec::new() };
     let mut panel = Harness::builder().with_size(vec2(WIDTH, 900.0)).build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");

@@ -5,13 +5,13 @@ use crate::{
     actions::Action,
     document::{Bounces, Component, ComponentSettings, Edit},
     panels::{
-        bake::BakeMode,
         edit_row,
         entries::combo_row,
         widgets::{Edited, check_box, row},
     },
 };
 use egui::{RichText, Ui};
+use lapidary_core::dataset::BakeMode;
 use lapidary_render::Solution;
 
 /// Shows switches, solo buttons and the solution.

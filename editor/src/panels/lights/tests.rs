@@ -1,10 +1,7 @@
 use super::*;
 use crate::{
     document::{Component, ComponentSettings, Edit, lights::LightKind, test_data},
-    panels::{
-        bake::BakeMode,
-        tests::{WIDTH, assert_fits},
-    },
+    panels::tests::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
 use egui_kittest::{
@@ -12,7 +9,10 @@ use egui_kittest::{
     kittest::{NodeT, Queryable},
 };
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light};
+use lapidary_core::{
+    dataset::BakeMode,
+    lights::{Emission, Light},
+};
 use lapidary_render::Solution;
 
 struct Probe {
