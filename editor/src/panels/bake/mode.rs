@@ -2,20 +2,23 @@
 
 use crate::{
     actions::Action,
-    panels::widgets::{check_row, choice_row},
+    panels::{entries::combo_row, widgets::check_row},
 };
 use egui::Ui;
 use lapidary_core::dataset::BakeMode;
 
 /// The choice for most bakes.
 pub fn show(ui: &mut Ui, mode: BakeMode, actions: &mut Vec<Action>) {
-    let choices = [
+    let mut choices = vec![
         (BakeMode::Environment, "Environment", "For scenes that are lit from outside. Local lights do not bounce."),
-        (BakeMode::Indirect, "Bounce", "For rooms that are lit by local lights alone."),
+        (BakeMode::Indirect, "Bounce light", "For rooms that are lit by local lights alone."),
         (BakeMode::All, "Both", "Environment, local lights and the light that surfaces send on, in one picture."),
     ];
+    if mode == BakeMode::Meshless {
+        choices.push((mode, "Meshless bounces only", "See Advanced."));
+    }
     let mut chosen = mode;
-    if choice_row(ui, "Bake", "What is baked; more takes longer.", &mut chosen, &choices).changed {
+    if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::ChooseBake(chosen));
     }
 }

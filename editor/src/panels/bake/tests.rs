@@ -9,7 +9,7 @@ use egui_kittest::{
     kittest::{NodeT, Queryable},
 };
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings},
+    dataset::{BakeMode, BakeReport, BakeSettings},
     light_tree::TreeKind,
 };
 use lapidary_precompute::Preset;
@@ -192,4 +192,24 @@ fn the_report_shows_its_table_and_warnings() {
     }
     let without = panel(BakeStatus::None, document(), None);
     assert!(without.query_by_label("Mean cut").is_none());
+}
+
+#[test]
+fn what_is_baked_is_chosen_and_presets_keep_it() {
+    let mut document = document();
+    document.bake.mode = BakeMode::All;
+    let mut both = panel(BakeStatus::None, document, None);
+    both.get_by_label("Draft").click();
+    both.run();
+    let preset = both.state().actions.iter().find_map(|action| match action {
+        Action::Edit { edit: Edit::Bake(bake), .. } => Some((bake.mode, bake.lights)),
+        _ => None,
+    });
+    assert_eq!(preset, Some((BakeMode::All, Preset::Draft.settings().lights)));
+    both.state_mut().actions.clear();
+    both.get_by_label("Bake of").click();
+    both.run();
+    both.get_by_label("Bounce light").click();
+    both.run();
+    assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeMode::Indirect)]));
 }
