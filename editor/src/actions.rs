@@ -1,11 +1,8 @@
 //! What the interface asks for. Panels only read the document; everything they want done is an [`Action`].
 
-use crate::{
-    document::{Edit, lights::LightKind},
-    panels::bake::BakeMode,
-};
+use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, material::MaterialMaps, texture::TextureSlot};
+use lapidary_core::{camera::Camera, dataset::BakeMode, material::MaterialMaps, texture::TextureSlot};
 use std::path::PathBuf;
 
 /// Something to be done after the interface of a frame has run. A path of `None` is asked for by a dialog.

@@ -33,7 +33,7 @@ impl LocalRig {
 
     /// Shines local lights; only those that are not as before cast rays, and none until bounced light is asked for.
     pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
-        if self.lights != *lights {
+        if !Arc::ptr_eq(&self.lights, lights) {
             self.lights = lights.clone();
             self.gathered = None;
         }

@@ -13,7 +13,7 @@ use crate::{
     actions::Action,
     document::{self, BackgroundKind, Bounces, Document},
     panels::{
-        bake::{self, BakeContext, BakeMode, SceneStats},
+        bake::{self, BakeContext, SceneStats},
         environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
         lights::{self, LightsContext, LightsPanel},
         material::{self, MaterialContext, MaterialPanel},
@@ -83,8 +83,6 @@ pub struct Interface {
     pub pasting_camera: u8,
     /// Widths of the left side and of the inspector, once they were shown.
     pub panel_widths: Option<[f32; 2]>,
-    /// What the next bake is of.
-    pub bake_mode: BakeMode,
     /// The panel of local lights.
     pub lights: LightsPanel,
     viewport: ViewportState,
@@ -104,7 +102,6 @@ impl Default for Interface {
             viewport_rect: Rect::NOTHING,
             pasting_camera: 0,
             panel_widths: None,
-            bake_mode: BakeMode::default(),
             lights: LightsPanel::default(),
             viewport: ViewportState::default(),
             material: MaterialPanel::default(),
@@ -238,7 +235,6 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         status: &status,
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
-        mode: state.interface.bake_mode,
         cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
     };
     scrolled(ui, |ui| bake::show(ui, &context, actions));

@@ -111,7 +111,8 @@ impl EditorState {
         true
     }
 
-    fn do_step(&mut self, edit: Edit, label: &'static str) {
+    /// An edit that is a step of undo by itself.
+    pub(super) fn do_step(&mut self, edit: Edit, label: &'static str) {
         self.history.end_gesture();
         self.history.apply(&mut self.document, edit, label);
         self.history.end_gesture();

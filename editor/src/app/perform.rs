@@ -17,7 +17,7 @@ use crate::{
     viewport::{camera_text, navigation, pick},
 };
 use egui::{Context, ViewportCommand};
-use lapidary_core::{camera::Camera, scene::Bounds};
+use lapidary_core::{camera::Camera, dataset::BakeSettings, scene::Bounds};
 use lapidary_precompute::{Leftover, Preset};
 use std::path::{Path, PathBuf};
 
@@ -48,8 +48,8 @@ impl EditorState {
             Action::LoadLights(Some(path)) => self.load_lights(&path),
             Action::SaveLights(Some(path)) => self.save_lights(&path),
             Action::ChooseBake(mode) => {
-                self.interface.bake_mode = mode;
                 self.interface.inspector = Inspector::Bake;
+                self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
             }
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => {

@@ -10,7 +10,6 @@ mod stale;
 mod tests;
 
 pub use estimate::SceneStats;
-pub use mode::BakeMode;
 pub use stale::stale_reasons;
 #[cfg(test)]
 pub use tests::test_dataset;
@@ -34,8 +33,6 @@ pub struct BakeContext<'a> {
     pub reasons: &'a [String],
     /// Size of the scene before tessellation, if it is known.
     pub scene_stats: Option<SceneStats>,
-    /// What the next bake is of.
-    pub mode: BakeMode,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
 }
@@ -90,12 +87,12 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         if let BakeStatus::Cancelled { .. } | BakeStatus::Failed { .. } = context.status {
             differences(ui, context.reasons);
         }
-        mode::show(ui, context.mode, actions);
+        mode::show(ui, context.document.bake.mode, actions);
         buttons(ui, context, actions);
         settings::presets(ui, context, &Speed::known(context), actions);
         section(ui, "Advanced", false, |ui| {
             settings::advanced(ui, &context.document.bake, actions);
-            mode::advanced(ui, context.mode, actions);
+            mode::advanced(ui, context.document.bake.mode, actions);
         });
     }
     if let Some(dataset) = context.dataset {

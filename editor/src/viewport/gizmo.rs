@@ -267,15 +267,17 @@ pub fn paint(ui: &Ui, rect: Rect, gizmo: &Gizmo, context: &ViewportContext) {
         return;
     }
     let projection = Projection::new(&context.document.camera, rect);
+    // On a dark picture the accent of the panels is hardly seen.
+    let accent = context.accent.lerp_to_gamma(Color32::WHITE, 0.45);
     let lights = &context.document.lights;
     for (index, light) in lights.iter().enumerate() {
         let (selected, hot) = (context.selected_light == Some(index), gizmo.hot == Some(Hot::Light(index)));
         let plain = lights.len() > MOST_SHAPES;
-        Icon { painter: &painter, projection: &projection, accent: context.accent, selected, hot, plain }.paint(light);
+        Icon { painter: &painter, projection: &projection, accent, selected, hot, plain }.paint(light);
     }
     let handles = context.selected_light.and_then(|index| Handles::of(lights.get(index)?, &projection));
     if let Some(handles) = handles {
         let hot = gizmo.hot.and_then(|hot| if let Hot::Handle(handle) = hot { Some(handle) } else { None });
-        handles.paint(&painter, hot, context.accent);
+        handles.paint(&painter, hot, accent);
     }
 }

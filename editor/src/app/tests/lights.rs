@@ -4,12 +4,11 @@ use super::{Place, Window};
 use crate::{
     actions::Action,
     document::{Component, ComponentSettings, Edit, lights::LightKind},
-    panels::bake::BakeMode,
 };
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use lapidary_core::lights::Light;
+use lapidary_core::{dataset::BakeMode, lights::Light};
 
 fn opened(place: &Place) -> Window {
     place.bake();
@@ -144,6 +143,6 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     window.0.get_by_label("Lights").click();
     window.0.run_steps(3);
     window.click("Bake with bounce light");
-    assert_eq!(window.0.state().interface.bake_mode, BakeMode::All);
+    assert_eq!(window.0.state().document.bake.mode, BakeMode::All);
     assert!(window.shows("Preset") && window.shows("Both"));
 }

@@ -4,7 +4,7 @@ use super::{
     Factory, Outbox, RenderEvent, RenderRequest,
     changes::{same_dataset, same_light},
 };
-use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalRig, SceneLighting};
+use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, LocalRig, SceneLighting};
 use std::sync::Arc;
 
 /// The renderer, its scene and its light.
@@ -17,7 +17,8 @@ pub struct Station {
     /// Counts the lights that were made, for the window to see that one is new.
     light_revision: u64,
     rig: Option<LightRig>,
-    local: Option<LocalRig>,
+    local_rig: Option<LocalRig>,
+    local: Option<LocalLighting>,
 }
 
 /// The light that the renderer has, and what it was made from.
@@ -42,13 +43,20 @@ impl Station {
             light: None,
             light_revision: 0,
             rig: None,
+            local_rig: None,
             local: None,
         }
     }
 
     /// Gives up the renderer; the next use makes another.
     pub fn reset(&mut self) {
-        (self.backend, self.baked, self.appearance_revision, self.light) = (None, None, None, None);
+        (self.backend, self.baked) = (None, None);
+        self.forget_edits();
+    }
+
+    /// Everything beside the scene is to be given to the renderer again.
+    fn forget_edits(&mut self) {
+        (self.appearance_revision, self.light, self.local) = (None, None, None);
     }
 
     /// The renderer.
@@ -76,8 +84,8 @@ impl Station {
         if self.appearance_revision != Some(request.appearance_revision) {
             let remarks = self.backend()?.set_appearance(&request.appearance)?;
             remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
-            if let Some(local) = &mut self.local {
-                local.set_appearance(&request.appearance);
+            if let Some(rig) = &mut self.local_rig {
+                rig.set_appearance(&request.appearance);
             }
             self.appearance_revision = Some(request.appearance_revision);
         }
@@ -100,31 +108,47 @@ impl Station {
             self.rig = Some(rig);
             Ok(())
         })?;
-        self.local = Some(LocalRig::new(baked));
         self.baked = Some(baked.clone());
-        (self.appearance_revision, self.light) = (None, None);
+        self.local_rig = Some(LocalRig::new(baked));
+        self.forget_edits();
         Ok(())
     }
 
     fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
-        let (illumination, illum_cut) = (request.illumination.clone(), request.illum_cut);
-        let lighting = Arc::new(rig.lighting(&illumination, illum_cut));
-        let remarks = self.backend()?.set_light(&illumination, &lighting)?;
+        let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
+        let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
         self.light_revision += 1;
-        self.light = Some(Light { illumination, illum_cut, lighting, revision: self.light_revision });
+        self.light = Some(Light {
+            illumination: request.illumination.clone(),
+            illum_cut: request.illum_cut,
+            lighting,
+            revision: self.light_revision,
+        });
         Ok(())
     }
 
-    /// Local lights and bounced light; what has not changed is kept by the rig.
+    /// Local lights, what bounces, and which parts are shown. Bounced light that is not shown is not computed.
     fn set_local_lighting(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
-        let Some(local) = &mut self.local else { return Ok(()) };
-        local.set_environment(self.light.as_ref().map(|light| &light.lighting));
-        local.set_lights(&request.lights);
-        let lighting = local.lighting(request.components, request.illum_cut);
-        let remarks = self.backend()?.set_local_lighting(&lighting)?;
+        let Some(rig) = &mut self.local_rig else { return Ok(()) };
+        rig.set_environment(self.light.as_ref().map(|light| &light.lighting));
+        rig.set_lights(&request.lights);
+        let local = rig.lighting(request.components, request.illum_cut);
+        if self.local.as_ref().is_some_and(|known| is_same_local(known, &local)) {
+            return Ok(());
+        }
+        let remarks = self.backend()?.set_local_lighting(&local)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+        self.local = Some(local);
         Ok(())
     }
+}
+
+fn is_same_local(a: &LocalLighting, b: &LocalLighting) -> bool {
+    let same_bounce = match (&a.indirect, &b.indirect) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    same_bounce && Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components
 }

@@ -22,6 +22,7 @@ struct Log {
     /// Sample and rows.
     rows: Vec<(u32, Range<u32>)>,
     displays: u32,
+    local: Vec<LocalLighting>,
     micros_per_pixel: u64,
     /// So many calls to render rows lose the device.
     losses: u32,
@@ -61,7 +62,8 @@ impl Backend for Fake {
         Ok(Vec::new())
     }
 
-    fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
+    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
+        self.log.lock().unwrap().local.push(lighting.clone());
         Ok(Vec::new())
     }
 
@@ -220,23 +222,26 @@ fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not()
 }
 
 #[test]
-fn the_environment_goes_dark_with_its_component() {
+fn local_light_is_given_when_it_changes_and_not_again_for_the_camera() {
     let (log, mut thread) = start(Log::default());
-    let mut switched = request(1);
-    thread.request(switched.clone());
+    let mut edited = request(1);
+    thread.request(edited.clone());
     complete(&mut thread);
-    let before = log.lock().unwrap().lights;
-    switched.components.direct = false;
-    switched.view.camera.eye.x = 4.0;
-    thread.request(switched.clone());
+    edited.view.camera.eye.x = 4.0;
+    thread.request(edited.clone());
     complete(&mut thread);
-    assert_eq!(log.lock().unwrap().lights, before, "the environment shines as before");
-    switched.components.environment = false;
-    switched.view.camera.eye.x = 5.0;
-    thread.request(switched);
-    let dark = complete(&mut thread);
-    assert_eq!(log.lock().unwrap().lights, before + 1);
-    assert!(dark.lighting.nodes.radiance.iter().all(|&radiance| radiance == Vec3::ZERO));
+    edited.lights = Arc::new([test_data::light()]);
+    edited.view.camera.eye.x = 5.0;
+    thread.request(edited.clone());
+    complete(&mut thread);
+    edited.components.environment = false;
+    edited.view.camera.eye.x = 6.0;
+    thread.request(edited);
+    complete(&mut thread);
+    let log = log.lock().unwrap();
+    let given: Vec<_> = log.local.iter().map(|l| (l.lights.len(), l.components.environment)).collect();
+    assert_eq!(given, [(0, true), (1, true), (1, false)]);
+    assert_eq!(log.lights, 1, "the environment is lit once");
 }
 
 #[test]

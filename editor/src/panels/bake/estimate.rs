@@ -1,6 +1,6 @@
 //! What a bake will cost, from what the last one did.
 
-use super::{BakeContext, BakeMode};
+use super::BakeContext;
 use lapidary_core::dataset::{BakeReport, BakeSettings};
 
 /// (vertex, light) pairs a second of one core, where no bake has measured it: half of what two cores were measured to do.
@@ -12,8 +12,6 @@ const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
 /// Bytes of a packed node.
 const NODE_BYTES: f64 = 2.0;
 
-/// Surface samples of a bake of bounce light.
-const SOURCES: f64 = 32_768.0;
 /// Mean nodes of a cut over them, as the paper has it for its interiors.
 const MEAN_SOURCE_CUT: f64 = 250.0;
 /// Share of the (vertex, source) pairs that face each other, and so take a ray.
@@ -41,6 +39,8 @@ pub struct Speed {
     pub pairs_per_second: f64,
     /// A mean cut size, and the lights and sigma that it came from.
     pub mean_cut: (f64, usize, f32),
+    /// Mean nodes of a cut over surface samples.
+    pub mean_source_cut: f64,
     /// Cores that a bake may use.
     pub cores: usize,
 }
@@ -73,18 +73,20 @@ impl Speed {
         Self {
             source_vertices: None,
             pairs_per_second: measured.unwrap_or(PAIRS_PER_SECOND_AND_CORE * cores.max(1) as f64),
+            mean_source_cut: report.and_then(|r| r.indirect.as_ref()).map_or(MEAN_SOURCE_CUT, |r| r.mean_cut),
             cores: cores.max(1),
             mean_cut: cut.unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
         }
     }
 
-    /// What a bake of `mode` with `settings` will take; `None` if its number of vertices cannot be told.
-    pub fn estimate(&self, settings: &BakeSettings, mode: BakeMode) -> Option<Estimate> {
+    /// What a bake with `settings` will take; `None` if its number of vertices cannot be told.
+    pub fn estimate(&self, settings: &BakeSettings) -> Option<Estimate> {
         let vertices = self.source_vertices.max(settings.max_vertices)?;
+        let mode = settings.mode;
         let parts = [
-            (mode.has_environment(), self.environment(settings, vertices as f64)),
-            (mode.has_sources(), self.sources(settings, vertices as f64)),
-            (mode.has_meshless(), self.meshless(vertices as f64)),
+            (mode.environment(), self.environment(settings, vertices as f64)),
+            (mode.indirect(), self.sources(settings, vertices as f64)),
+            (mode.meshless(), self.meshless(vertices as f64)),
         ];
         let wanted = || parts.iter().filter(|(wanted, _)| *wanted).map(|(_, cost)| cost);
         let bytes = wanted().map(|(_, bytes)| *bytes as u64).sum();
@@ -100,9 +102,10 @@ impl Speed {
 
     /// Those of surface samples: the cuts of vertices over them, and their own over the environment.
     fn sources(&self, settings: &BakeSettings, vertices: f64) -> (f64, f64) {
-        let pairs = FACING * vertices * SOURCES + SOURCES * settings.lights as f64;
-        let nodes = vertices * MEAN_SOURCE_CUT + SOURCES * self.cut_size(settings);
-        (pairs / self.pairs_per_second, nodes * NODE_BYTES + SOURCES * SOURCE_BYTES)
+        let (sources, lights) = (settings.indirect.sources as f64, settings.lights as f64);
+        let pairs = FACING * vertices * sources + sources * lights;
+        let nodes = vertices * self.mean_source_cut + sources * self.cut_size(settings);
+        (pairs / self.pairs_per_second, nodes * NODE_BYTES + sources * SOURCE_BYTES)
     }
 
     /// Those of the meshless basis, which go with the surface.
@@ -126,6 +129,7 @@ impl Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::dataset::BakeMode;
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -134,14 +138,12 @@ mod tests {
 
     #[test]
     fn without_a_report_averages_are_scaled_by_cores() {
-        let estimate = speed(None).estimate(&Preset::Normal.settings(), BakeMode::Environment).unwrap();
+        let estimate = speed(None).estimate(&Preset::Normal.settings()).unwrap();
         assert_eq!(estimate.vertices, 100_000);
         assert!((estimate.secs - 1e5 * 32_768.0 / 15e6).abs() < 1e-6);
         assert_eq!(estimate.bytes, 34_000_000);
         let four_cores = Speed { source_vertices: Some(5000), ..Speed::from_report(None, 4) };
-        assert!(
-            four_cores.estimate(&Preset::Normal.settings(), BakeMode::Environment).unwrap().secs < 0.6 * estimate.secs
-        );
+        assert!(four_cores.estimate(&Preset::Normal.settings()).unwrap().secs < 0.6 * estimate.secs);
     }
 
     #[test]
@@ -149,18 +151,18 @@ mod tests {
         let report =
             BakeReport { samples_per_second: 1e6, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
         let settings = BakeSettings { max_vertices: None, ..Preset::Normal.settings() };
-        let estimate = speed(Some(&report)).estimate(&settings, BakeMode::Environment).unwrap();
+        let estimate = speed(Some(&report)).estimate(&settings).unwrap();
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
         assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
-        assert_ne!(speed(None).estimate(&settings, BakeMode::Environment).unwrap().bytes, estimate.bytes);
+        assert_ne!(speed(None).estimate(&settings).unwrap().bytes, estimate.bytes);
     }
 
     #[test]
     fn limits_hold_and_an_unknown_scene_has_no_estimate() {
         let settings = BakeSettings { max_bytes: Some(4096), ..Preset::High.settings() };
-        assert_eq!(speed(None).estimate(&settings, BakeMode::Environment).unwrap().bytes, 4096);
+        assert_eq!(speed(None).estimate(&settings).unwrap().bytes, 4096);
         let unlimited = BakeSettings { max_vertices: None, ..Preset::High.settings() };
-        assert_eq!(Speed::from_report(None, 2).estimate(&unlimited, BakeMode::Environment), None);
+        assert_eq!(Speed::from_report(None, 2).estimate(&unlimited), None);
     }
 
     #[test]
@@ -168,14 +170,14 @@ mod tests {
         let normal = Preset::Normal.settings();
         let mut finer = normal.clone();
         finer.criterion.sigma = 1.0;
-        let bytes = |s: &BakeSettings| speed(None).estimate(s, BakeMode::Environment).unwrap().bytes;
+        let bytes = |s: &BakeSettings| speed(None).estimate(s).unwrap().bytes;
         assert_eq!(bytes(&finer), 2 * bytes(&normal));
     }
 
     #[test]
     fn both_cost_what_their_parts_cost() {
         let settings = Preset::Normal.settings();
-        let cost = |mode| speed(None).estimate(&settings, mode).unwrap();
+        let cost = |mode| speed(None).estimate(&BakeSettings { mode, ..settings.clone() }).unwrap();
         let parts = [BakeMode::Environment, BakeMode::Indirect, BakeMode::Meshless].map(cost);
         let all = cost(BakeMode::All);
         assert!((all.secs - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);

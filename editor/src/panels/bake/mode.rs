@@ -2,50 +2,23 @@
 
 use crate::{
     actions::Action,
-    panels::widgets::{check_row, choice_row},
+    panels::{entries::combo_row, widgets::check_row},
 };
 use egui::Ui;
-
-/// What a bake is of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BakeMode {
-    /// Light of the environment.
-    #[default]
-    Environment,
-    /// Light that surfaces send on, one bounce by cuts.
-    Indirect,
-    /// Light that surfaces send on, many bounces in the meshless basis.
-    Meshless,
-    /// Environment and bounce light, by cuts and meshless.
-    All,
-}
-
-impl BakeMode {
-    /// Whether it has the visibility of the environment.
-    pub fn has_environment(self) -> bool {
-        matches!(self, Self::Environment | Self::All)
-    }
-
-    /// Whether it has cuts over surface samples.
-    pub fn has_sources(self) -> bool {
-        matches!(self, Self::Indirect | Self::All)
-    }
-
-    /// Whether it has the meshless basis and its transport.
-    pub fn has_meshless(self) -> bool {
-        matches!(self, Self::Meshless | Self::All)
-    }
-}
+use lapidary_core::dataset::BakeMode;
 
 /// The choice for most bakes.
 pub fn show(ui: &mut Ui, mode: BakeMode, actions: &mut Vec<Action>) {
-    let choices = [
+    let mut choices = vec![
         (BakeMode::Environment, "Environment", "For scenes that are lit from outside. Local lights do not bounce."),
         (BakeMode::Indirect, "Bounce light", "For rooms that are lit by local lights alone."),
         (BakeMode::All, "Both", "Environment, local lights and the light that surfaces send on, in one picture."),
     ];
+    if mode == BakeMode::Meshless {
+        choices.push((mode, "Meshless bounces only", "See Advanced."));
+    }
     let mut chosen = mode;
-    if choice_row(ui, "Bake", "What is baked; more takes longer.", &mut chosen, &choices).changed {
+    if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::ChooseBake(chosen));
     }
 }

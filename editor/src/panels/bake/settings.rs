@@ -40,20 +40,25 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
         }
         ui.end_row();
         for (preset, name, help) in PRESETS {
-            let settings = preset.settings();
+            let settings = of_preset(preset, bake);
             if ui.add(Button::selectable(*bake == settings, name)).on_hover_text(help).clicked() {
                 let edit = Edit::Bake(Box::new(settings.clone()));
                 actions.extend([Action::Edit { edit, label: "Bake preset" }, Action::EndGesture]);
             }
-            cost(ui, speed.estimate(&settings, context.mode));
+            cost(ui, speed.estimate(&settings));
         }
-        if PRESETS.iter().all(|(preset, ..)| *bake != preset.settings()) {
+        if PRESETS.iter().all(|(preset, ..)| *bake != of_preset(*preset, bake)) {
             ui.label("Custom").on_hover_text("The settings below.");
-            cost(ui, speed.estimate(bake, context.mode));
+            cost(ui, speed.estimate(bake));
         }
     });
     let source = if context.dataset.is_some() { "the last bake" } else { "other scenes" };
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
+}
+
+/// A preset for what is baked now.
+fn of_preset(preset: Preset, bake: &BakeSettings) -> BakeSettings {
+    BakeSettings { mode: bake.mode, indirect: bake.indirect, ..preset.settings() }
 }
 
 /// The rest of a preset's row; a dash where the size of the scene is not known.

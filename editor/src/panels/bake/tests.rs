@@ -9,7 +9,7 @@ use egui_kittest::{
     kittest::{NodeT, Queryable},
 };
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings},
+    dataset::{BakeMode, BakeReport, BakeSettings},
     light_tree::TreeKind,
 };
 use lapidary_precompute::Preset;
@@ -35,7 +35,6 @@ struct Probe {
     document: Document,
     dataset: Option<Dataset>,
     status: BakeStatus,
-    mode: BakeMode,
     actions: Vec<Action>,
 }
 
@@ -45,14 +44,13 @@ fn document() -> Document {
 
 fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, dataset, status, mode, actions } = probe;
+        let Probe { document, dataset, status, actions } = probe;
         let scene_stats = Some(SceneStats { vertices: 1000, triangles: 2000 });
         let dataset = dataset.as_ref();
-        let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, mode: *mode, cores: 2 };
+        let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, cores: 2 };
         show(ui, &context, actions);
     };
-    let mode = BakeMode::default();
-    let probe = Probe { document, dataset, status, mode, actions: Vec::new() };
+    let probe = Probe { document, dataset, status, actions: Vec::new() };
     let mut panel = Harness::builder().with_size(vec2(WIDTH, 900.0)).build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");
@@ -194,4 +192,24 @@ fn the_report_shows_its_table_and_warnings() {
     }
     let without = panel(BakeStatus::None, document(), None);
     assert!(without.query_by_label("Mean cut").is_none());
+}
+
+#[test]
+fn what_is_baked_is_chosen_and_presets_keep_it() {
+    let mut document = document();
+    document.bake.mode = BakeMode::All;
+    let mut both = panel(BakeStatus::None, document, None);
+    both.get_by_label("Draft").click();
+    both.run();
+    let preset = both.state().actions.iter().find_map(|action| match action {
+        Action::Edit { edit: Edit::Bake(bake), .. } => Some((bake.mode, bake.lights)),
+        _ => None,
+    });
+    assert_eq!(preset, Some((BakeMode::All, Preset::Draft.settings().lights)));
+    both.state_mut().actions.clear();
+    both.get_by_label("Bake of").click();
+    both.run();
+    both.get_by_label("Bounce light").click();
+    both.run();
+    assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeMode::Indirect)]));
 }

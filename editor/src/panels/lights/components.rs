@@ -5,13 +5,13 @@ use crate::{
     actions::Action,
     document::{Bounces, Component, ComponentSettings, Edit},
     panels::{
-        bake::BakeMode,
         edit_row,
         entries::combo_row,
         widgets::{Edited, check_box, row},
     },
 };
-use egui::{RichText, Ui};
+use egui::{Button, RichText, Ui};
+use lapidary_core::dataset::BakeMode;
 use lapidary_render::Solution;
 
 /// Shows switches, solo buttons and the solution.
@@ -52,7 +52,7 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
             name.of(check_box(ui, settings.switch_mut(component), "")).on_hover_text(help);
         });
         let is_solo = settings.solo == Some(component);
-        let solo = ui.selectable_label(is_solo, "Solo").accessible_name(format!("Solo {}", name.full));
+        let solo = ui.add(Button::new("Solo").selected(is_solo).small()).accessible_name(format!("Solo {}", name.full));
         if solo.on_hover_text("Shows this light alone; click again for all that are switched on").clicked() {
             settings.solo = (!is_solo).then_some(component);
         }
@@ -89,7 +89,7 @@ fn meaning(solution: Solution) -> &'static str {
 fn hint(ui: &mut Ui, text: &str, can_bake: bool, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(text);
-        let button = ui.add_enabled(can_bake, egui::Button::new("Bake with bounce light"));
+        let button = ui.add_enabled(can_bake, Button::new("Bake with bounce light"));
         let button = button.on_hover_text("Opens the bake settings, with bounce light chosen");
         if button.on_disabled_hover_text("Open the scene file to bake it").clicked() {
             actions.push(Action::ChooseBake(BakeMode::All));

@@ -7,13 +7,18 @@ use crate::{
     panels::widgets::{check_box, outline},
     viewport::gizmo::display_color,
 };
-use egui::{Button, Key, Layout, RichText, ScrollArea, Sense, StrokeKind, TextEdit, Ui, vec2};
+use egui::{
+    Button, Key, Layout, Rect, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
+    vec2,
+};
 use lapidary_core::lights::Light;
 
 /// Rows before the list scrolls.
 const VISIBLE_ROWS: f32 = 8.0;
 /// Side of a swatch in points.
 const SWATCH: f32 = 11.0;
+/// Width of an eye in points.
+const EYE: f32 = 17.0;
 
 /// A light's name while it is typed.
 pub struct Renaming {
@@ -80,15 +85,33 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
     });
 }
 
+/// An open eye, or a closed one for a light that is off.
 fn eye(ui: &mut Ui, index: usize, light: &Light, actions: &mut Vec<Action>) {
-    let icon = RichText::new("👁");
-    let icon =
-        if light.enabled { icon.strong() } else { icon.color(ui.visuals().weak_text_color().gamma_multiply(0.5)) };
-    let (verb, name) = (if light.enabled { "Switch off" } else { "Switch on" }, &light.name);
-    let eye = ui.add(Button::new(icon).frame(false)).on_hover_text(verb).accessible_name(format!("{verb} {name}"));
-    if eye.clicked() {
+    let (rect, eye) = ui.allocate_exact_size(vec2(EYE, ui.spacing().interact_size.y), Sense::click());
+    let verb = if light.enabled { "Switch off" } else { "Switch on" };
+    eye.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("{verb} {}", light.name)));
+    paint_eye(ui, rect, light.enabled, eye.hovered());
+    if eye.on_hover_text(verb).clicked() {
         let light = Box::new(Light { enabled: !light.enabled, ..light.clone() });
         ask(actions, Edit::Light { index, light }, "Switch light");
+    }
+}
+
+/// The toolkit's font has no such sign.
+fn paint_eye(ui: &Ui, rect: Rect, open: bool, hovered: bool) {
+    let visuals = ui.visuals();
+    let color = if hovered || open { visuals.strong_text_color() } else { visuals.weak_text_color() };
+    let lid = |up: f32| {
+        let at = |i: u8| {
+            let x = f32::from(i) / 8.0 - 1.0;
+            rect.center() + 0.42 * EYE * vec2(x, -0.6 * up * (1.0 - x * x))
+        };
+        Shape::line((0..=16).map(at).collect(), Stroke::new(1.2, color))
+    };
+    ui.painter().add(lid(-1.0));
+    if open {
+        ui.painter().add(lid(1.0));
+        ui.painter().circle_filled(rect.center(), 2.2, color);
     }
 }
 
@@ -119,10 +142,7 @@ fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, light: &Light, actions: 
 
 fn buttons(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
-        ui.menu_button("Add ▾", |ui| add_menu(ui, actions))
-            .response
-            .on_hover_text("Adds a light")
-            .accessible_name("Add");
+        ui.menu_button("Add", |ui| add_menu(ui, actions)).response.on_hover_text("Adds a light");
         let is_selected = context.selected.is_some();
         let mut button = |ui: &mut Ui, text: &str, help: &str, enabled: bool, action: Action| {
             if ui.add_enabled(enabled, Button::new(text)).on_hover_text(help).clicked() {

@@ -13,7 +13,7 @@ use crate::{
         widgets::{Edited, Number, color_row, slider_row},
     },
 };
-use egui::Ui;
+use egui::{Button, Ui};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
@@ -168,7 +168,7 @@ fn tools(
             actions.extend([Action::Edit { edit, label: "Place light at camera" }, Action::EndGesture]);
         }
         if light.emission.is_aimed() {
-            let aim = ui.selectable_label(state.aiming, "Aim by click");
+            let aim = ui.add(Button::new("Aim by click").selected(state.aiming));
             if aim.on_hover_text("Then click in the viewport the point that the light is aimed at").clicked() {
                 state.aiming = !state.aiming;
             }

@@ -1,10 +1,7 @@
 use super::*;
 use crate::{
     document::{Component, ComponentSettings, Edit, lights::LightKind, test_data},
-    panels::{
-        bake::BakeMode,
-        tests::{WIDTH, assert_fits},
-    },
+    panels::tests::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
 use egui_kittest::{
@@ -12,7 +9,10 @@ use egui_kittest::{
     kittest::{NodeT, Queryable},
 };
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light};
+use lapidary_core::{
+    dataset::BakeMode,
+    lights::{Emission, Light},
+};
 use lapidary_render::Solution;
 
 struct Probe {
@@ -132,7 +132,7 @@ fn lights_are_switched_selected_renamed_and_deleted_in_the_list() {
 /// Clicks the last of several with this label: a menu lies over the list.
 fn click_last(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
     panel.state_mut().actions.clear();
-    panel.get_all_by_label(label).filter(|n| n.accesskit_node().role() == egui::Role::Button).last().unwrap().click();
+    panel.get_all_by_label(label).rfind(|n| n.accesskit_node().role() == egui::Role::Button).unwrap().click();
     panel.run();
     std::mem::take(&mut panel.state_mut().actions)
 }

@@ -101,7 +101,7 @@ fn a_drag_of_an_axis_moves_the_light_along_it_by_as_much_as_the_pointer() {
         assert!(moved[index] > 0.1 && (moved - moved[index] * axis).length() < 1e-5, "{axis}: {moved}");
         let grabbed = spot().position;
         let expected = at(&harness, grabbed + moved).distance(at(&harness, grabbed));
-        assert!((expected / (to - from).length() - 1.0).abs() < 0.12, "{axis}: {expected} of {}", (to - from).length());
+        assert!((expected / (to - from).length() - 1.0).abs() < 0.2, "{axis}: {expected} of {}", (to - from).length());
         assert_eq!((light(&harness).target, gestures(&harness)), (spot().target, 1));
         assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Camera(_) | Action::SelectLight(_))));
     }
