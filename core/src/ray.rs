@@ -6,9 +6,11 @@
 mod batch;
 mod directions;
 mod leaves;
+mod segments;
 mod triangle;
 
 pub use directions::DirectionSet;
+pub use segments::SegmentBatch;
 
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3, Vec3A};
@@ -99,6 +101,16 @@ impl Intersector {
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
             let hit = TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction);
             if hit.is_some_and(|h| h.distance < distance) { 0.0 } else { f32::INFINITY }
+        })
+    }
+
+    /// Whether anything lies strictly between two points. Both lie off any surface.
+    pub fn occluded_between(&self, from: Vec3, to: Vec3) -> bool {
+        let segment = to - from;
+        let ray = Ray::new(from.into(), segment.into(), 0.0, 1.0);
+        !self.bvh.ray_traverse_miss(ray, |_, leaf| {
+            let crossed = TriangleFrom::new(from, self.leaf_triangles[leaf]).crosses_before(segment);
+            if crossed { 0.0 } else { f32::INFINITY }
         })
     }
 
