@@ -337,10 +337,13 @@ impl VerifyArgs {
 }
 
 fn verification_text(v: &Verification) -> String {
-    let mut text = format!(
-        "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
-        v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
-    );
+    let mut text = String::new();
+    if v.vertices > 0 || v.source_vertices == 0 {
+        text += &format!(
+            "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
+            v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
+        );
+    }
     if v.source_vertices > 0 {
         text += &format!(
             "traced the sources from {} vertices again: {} cuts differ\n",

@@ -56,7 +56,7 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
     let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
     let lights = dataset.tree.len() as f64;
-    let total: f64 = results.iter().map(|r| r.0).sum();
+    let total = results.iter().fold(0.0, |sum, r| sum + r.0);
     let worst = results.iter().map(|r| r.0).fold(0.0, f64::max);
     let different_cuts = results.iter().filter(|r| !r.1).count();
     let rms = (total / (results.len().max(1) as f64 * lights)).sqrt();
