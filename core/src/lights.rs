@@ -1,7 +1,19 @@
-//! Local lights: point, spot, directional and rectangular, and the file that holds them.
+//! Local lights: point, spot, directional and rectangular, their radiometry, and the file that holds them.
 //!
 //! A lights file is JSON: `{"lights": [{"kind": "spot", "position": [x, y, z], "target": [x, y, z], "intensity": [r, g, b],
 //! "cone_degrees": 30, "penumbra_degrees": 5}, ...]}`.
+//!
+//! Lights are not geometry: neither the camera nor a ray that gathers light sees them. Only their illumination shows.
+
+mod check;
+mod file;
+mod rectangle;
+mod sample;
+
+pub use check::{LightProblem, MAX_LIGHTS};
+pub use file::LightsError;
+pub use rectangle::RectangleShape;
+pub use sample::{LightHit, LightSample};
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -18,6 +30,7 @@ pub enum Emission {
         /// Angle between the axis and the edge, beyond which there is no light, in degrees.
         cone_degrees: f32,
         /// How far inside the edge the light begins to fall off, smoothly, in degrees.
+        #[serde(default)]
         penumbra_degrees: f32,
     },
     /// Parallel light along the direction from position to target; intensity is irradiance in W/m² on a surface that
@@ -31,6 +44,13 @@ pub enum Emission {
         /// Metres along the other.
         height: f32,
     },
+}
+
+impl Emission {
+    /// Whether it points at a target.
+    pub fn is_aimed(&self) -> bool {
+        !matches!(self, Self::Point)
+    }
 }
 
 /// A local light.
@@ -56,6 +76,28 @@ pub struct Light {
 
 fn on() -> bool {
     true
+}
+
+impl Light {
+    /// Unit direction from position to target; `None` if they are one point.
+    pub fn forward(&self) -> Option<Vec3> {
+        (self.target - self.position).try_normalize()
+    }
+
+    /// Whether it can give any light at all.
+    pub fn shines(&self) -> bool {
+        self.enabled && self.intensity.max_element() > 0.0
+    }
+
+    /// Whether all its light at a point comes from one direction, so that one sample is exact.
+    pub fn is_delta(&self) -> bool {
+        !matches!(self.emission, Emission::Rectangle { .. })
+    }
+
+    /// How many samples give a picture without visible noise: one is exact, rectangles take more.
+    pub fn samples_wanted(&self) -> u32 {
+        if self.is_delta() { 1 } else { 16 }
+    }
 }
 
 /// What a lights file holds.

@@ -93,6 +93,15 @@ impl Intersector {
         })
     }
 
+    /// Whether anything lies along a ray before `distance` metres.
+    pub fn occluded_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        !self.bvh.ray_traverse_miss(ray, |_, leaf| {
+            let hit = TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction);
+            if hit.is_some_and(|h| h.distance < distance) { 0.0 } else { f32::INFINITY }
+        })
+    }
+
     /// [`Self::occluded`] by testing every triangle: the oracle of the tests.
     pub fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
         self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))

@@ -98,3 +98,20 @@ fn no_ray_slips_between_neighbouring_triangles() {
     let outside = p(0.0, 3.0, 0.0);
     assert!(!scene.occluded(outside, Vec3::Y), "negative control");
 }
+
+#[test]
+fn a_bounded_ray_is_blocked_by_what_is_nearer_only() {
+    let scene = Intersector::new(&soup(11, 500));
+    let mut hits = 0;
+    for d in fibonacci_directions(400) {
+        let Some(hit) = scene.closest_hit(Vec3::ZERO, d) else {
+            assert!(!scene.occluded_before(Vec3::ZERO, d, f32::INFINITY));
+            continue;
+        };
+        hits += 1;
+        assert!(scene.occluded_before(Vec3::ZERO, d, f32::INFINITY));
+        assert!(scene.occluded_before(Vec3::ZERO, d, 1.001 * hit.distance));
+        assert!(!scene.occluded_before(Vec3::ZERO, d, 0.999 * hit.distance), "{hit:?}");
+    }
+    assert!(hits > 50);
+}

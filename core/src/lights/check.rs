@@ -1,0 +1,123 @@
+//! What lights may hold.
+
+use super::{Emission, Light};
+use glam::Vec3;
+use thiserror::Error;
+
+/// Most lights of a scene: every one casts a shadow ray for every pixel.
+pub const MAX_LIGHTS: usize = 4096;
+
+/// Why a light cannot shine.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LightProblem {
+    /// NaN or infinite.
+    #[error("its {what} is not a finite number; correct it")]
+    NotFinite {
+        /// Which value.
+        what: &'static str,
+    },
+    /// Light cannot be taken away.
+    #[error("its intensity {0} is negative; give numbers of 0 or more")]
+    NegativeIntensity(Vec3),
+    /// A direction is needed.
+    #[error("its target is its position {0}; move one of them, so that it has a direction")]
+    NoDirection(Vec3),
+    /// A cone that is none.
+    #[error("its cone of {0} degrees is not above 0 and at most 90 (from the axis to the edge)")]
+    Cone(f32),
+    /// A penumbra wider than the cone.
+    #[error("its penumbra of {penumbra} degrees is not between 0 and its cone of {cone} degrees")]
+    Penumbra {
+        /// Degrees.
+        penumbra: f32,
+        /// Degrees.
+        cone: f32,
+    },
+    /// No area to emit.
+    #[error("its size of {width} x {height} m has no area; give a width and a height above 0")]
+    NoArea {
+        /// Metres.
+        width: f32,
+        /// Metres.
+        height: f32,
+    },
+}
+
+impl Light {
+    /// Checks all values.
+    ///
+    /// # Errors
+    /// The first problem found.
+    pub fn validate(&self) -> Result<(), LightProblem> {
+        self.check_finite()?;
+        if self.intensity.min_element() < 0.0 {
+            return Err(LightProblem::NegativeIntensity(self.intensity));
+        }
+        if self.emission.is_aimed() && self.forward().is_none() {
+            return Err(LightProblem::NoDirection(self.position));
+        }
+        self.check_emission()
+    }
+
+    fn check_finite(&self) -> Result<(), LightProblem> {
+        let vectors = [("position", self.position), ("target", self.target), ("intensity", self.intensity)];
+        match vectors.into_iter().find(|(_, value)| !value.is_finite()) {
+            Some((what, _)) => Err(LightProblem::NotFinite { what }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_emission(&self) -> Result<(), LightProblem> {
+        match self.emission {
+            Emission::Spot { cone_degrees: cone, .. } if !(cone > 0.0 && cone <= 90.0) => Err(LightProblem::Cone(cone)),
+            Emission::Spot { cone_degrees: cone, penumbra_degrees: penumbra } if !(0.0..=cone).contains(&penumbra) => {
+                Err(LightProblem::Penumbra { penumbra, cone })
+            }
+            Emission::Rectangle { width, height } => {
+                let area = width * height;
+                let usable = width > 0.0 && height > 0.0 && area > 0.0 && area.is_finite();
+                if usable { Ok(()) } else { Err(LightProblem::NoArea { width, height }) }
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_problem_is_found_and_a_good_light_has_none() {
+        let spot = |cone_degrees, penumbra_degrees| Emission::Spot { cone_degrees, penumbra_degrees };
+        let with = |emission| Light {
+            name: String::new(),
+            enabled: true,
+            emission,
+            position: Vec3::Y,
+            target: Vec3::ZERO,
+            intensity: Vec3::ONE,
+        };
+        let good = with(Emission::Point);
+        for emission in [Emission::Point, spot(90.0, 90.0), spot(30.0, 0.0), Emission::Directional] {
+            assert_eq!(with(emission).validate(), Ok(()));
+        }
+        assert_eq!(Light { target: Vec3::Y, ..good.clone() }.validate(), Ok(()), "a point has no direction");
+        let aimed = Light { target: Vec3::Y, ..with(Emission::Directional) };
+        assert_eq!(aimed.validate(), Err(LightProblem::NoDirection(Vec3::Y)));
+        for emission in [spot(0.0, 0.0), spot(91.0, 0.0), spot(f32::NAN, 0.0)] {
+            assert!(matches!(with(emission).validate(), Err(LightProblem::Cone(_))));
+        }
+        for emission in [spot(30.0, 31.0), spot(30.0, -1.0), spot(30.0, f32::NAN)] {
+            assert!(matches!(with(emission).validate(), Err(LightProblem::Penumbra { .. })));
+        }
+        for (width, height) in [(0.0, 1.0), (1.0, -1.0), (f32::NAN, 1.0), (1e-30, 1e-30), (f32::INFINITY, 1.0)] {
+            let rectangle = with(Emission::Rectangle { width, height });
+            assert!(matches!(rectangle.validate(), Err(LightProblem::NoArea { .. })), "{width} x {height}");
+        }
+        let negative = Light { intensity: Vec3::new(1.0, -1.0, 0.0), ..good.clone() };
+        assert!(matches!(negative.validate(), Err(LightProblem::NegativeIntensity(_))));
+        let nowhere = Light { position: Vec3::splat(f32::NAN), ..good };
+        assert_eq!(nowhere.validate(), Err(LightProblem::NotFinite { what: "position" }));
+    }
+}

@@ -1,0 +1,114 @@
+//! Radiometry of lights: what a point receives of each, by samples.
+
+use super::{Emission, Light, RectangleShape};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// Light that arrives at a point from one direction, if nothing is between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit direction from the point to the light.
+    pub direction: Vec3,
+    /// Metres to it; infinite for directional lights.
+    pub distance: f32,
+    /// Irradiance in W/m² on a surface that faces the light, divided by the density of the sample: the mean over samples
+    /// is the irradiance. Neither visibility nor the receiver's cosine is in it.
+    pub irradiance: Vec3,
+    /// Density of the direction per solid angle; infinite for lights without extent.
+    pub pdf: f32,
+}
+
+/// What a ray meets of a light with an extent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightHit {
+    /// Metres along the ray.
+    pub distance: f32,
+    /// Radiance toward the ray's origin in W/(m² sr).
+    pub radiance: Vec3,
+    /// Density per solid angle at which [`Light::sample`] finds the direction.
+    pub pdf: f32,
+}
+
+impl Light {
+    /// What `point` receives. Lights without extent ignore `u`; rectangles sample their area uniformly by `u` in
+    /// [0, 1)². `None` where no light arrives: behind, outside the cone, switched off.
+    pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
+        if !self.shines() {
+            return None;
+        }
+        let sample = match self.emission {
+            Emission::Point => self.from_position(point, 1.0),
+            Emission::Spot { .. } => self.from_position(point, self.spot_factor(point - self.position)),
+            Emission::Directional => self.parallel(),
+            Emission::Rectangle { .. } => self.from_rectangle(point, u),
+        };
+        sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
+    }
+
+    /// What a ray meets of it, whatever else is there; only rectangles can be met.
+    pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<LightHit> {
+        let shape = RectangleShape::of(self).filter(|_| self.shines())?;
+        let distance = shape.intersect(origin, direction)?;
+        let cos = -direction.dot(shape.normal);
+        Some(LightHit { distance, radiance: self.intensity, pdf: distance * distance / (shape.area() * cos) })
+    }
+
+    /// A bound of its power in W, to choose between lights; directional ones fill a disc of `radius` metres.
+    pub fn power_bound(&self, radius: f32) -> f32 {
+        let largest = self.intensity.max_element().max(0.0);
+        let power = match self.emission {
+            Emission::Point => 4.0 * PI * largest,
+            Emission::Spot { cone_degrees, .. } => 2.0 * PI * (1.0 - cone_degrees.to_radians().cos()) * largest,
+            Emission::Directional => PI * radius * radius * largest,
+            Emission::Rectangle { width, height } => PI * width * height * largest,
+        };
+        if self.enabled { power } else { 0.0 }
+    }
+
+    fn from_position(&self, point: Vec3, factor: f32) -> Option<LightSample> {
+        let (direction, distance) =
+            (self.position - point).try_normalize().map(|d| (d, self.position.distance(point)))?;
+        let irradiance = self.intensity * (factor / (distance * distance));
+        Some(LightSample { direction, distance, irradiance, pdf: f32::INFINITY })
+    }
+
+    fn parallel(&self) -> Option<LightSample> {
+        let direction = -self.forward()?;
+        Some(LightSample { direction, distance: f32::INFINITY, irradiance: self.intensity, pdf: f32::INFINITY })
+    }
+
+    fn from_rectangle(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
+        let shape = RectangleShape::of(self)?;
+        let toward = shape.point(u) - point;
+        let (distance, direction) = (toward.length(), toward.try_normalize()?);
+        let cos = -direction.dot(shape.normal);
+        let solid_angle = shape.area() * cos / (distance * distance);
+        (solid_angle > 0.0).then(|| LightSample {
+            direction,
+            distance,
+            irradiance: self.intensity * solid_angle,
+            pdf: 1.0 / solid_angle,
+        })
+    }
+
+    /// Share of a spot's intensity that goes along `away`, which need not be unit: one on the axis, zero outside the cone,
+    /// smooth in the cosine between.
+    pub fn spot_factor(&self, away: Vec3) -> f32 {
+        let Emission::Spot { cone_degrees, penumbra_degrees } = self.emission else { return 1.0 };
+        let (Some(axis), Some(away)) = (self.forward(), away.try_normalize()) else { return 0.0 };
+        let edge = cone_degrees.to_radians().cos();
+        let full = (cone_degrees - penumbra_degrees).max(0.0).to_radians().cos();
+        let cos = axis.dot(away);
+        if cos < edge {
+            return 0.0;
+        }
+        if cos >= full {
+            return 1.0;
+        }
+        let t = (cos - edge) / (full - edge);
+        t * t * (3.0 - 2.0 * t)
+    }
+}
+
+#[cfg(test)]
+mod tests;

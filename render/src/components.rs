@@ -1,0 +1,88 @@
+//! Which light is in a picture, and how bounced light is computed.
+
+use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
+
+/// The parts of a picture's light. Pictures of single parts sum to the picture of all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Components {
+    /// Direct light of the environment, and the environment as the background.
+    pub environment: bool,
+    /// Direct light of local lights.
+    pub direct: bool,
+    /// All bounced light, of local lights and of the environment.
+    pub indirect: bool,
+}
+
+impl Default for Components {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+impl Components {
+    /// Everything.
+    pub const ALL: Self = Self { environment: true, direct: true, indirect: true };
+    /// Nothing.
+    pub const NONE: Self = Self { environment: false, direct: false, indirect: false };
+    /// What needs no bounce.
+    pub const UNBOUNCED: Self = Self { indirect: false, ..Self::ALL };
+}
+
+impl FromStr for Components {
+    type Err = String;
+
+    /// A comma list of `environment`, `direct` and `indirect`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut components = Self::NONE;
+        for name in text.split(',').map(str::trim) {
+            match name {
+                "environment" => components.environment = true,
+                "direct" => components.direct = true,
+                "indirect" => components.indirect = true,
+                _ => return Err(format!("\"{name}\" is no component; list environment, direct or indirect")),
+            }
+        }
+        Ok(components)
+    }
+}
+
+impl fmt::Display for Components {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let names = [("environment", self.environment), ("direct", self.direct), ("indirect", self.indirect)];
+        let wanted: Vec<&str> = names.into_iter().filter(|(_, wanted)| *wanted).map(|(name, _)| name).collect();
+        f.write_str(&wanted.join(","))
+    }
+}
+
+/// How bounced light is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Solution {
+    /// One bounce, gathered per pixel by cuts over surface sources.
+    #[default]
+    #[serde(rename = "cuts")]
+    Cuts,
+    /// Any number of diffuse bounces in the meshless basis.
+    #[serde(rename = "meshless")]
+    Meshless,
+    /// Meshless bounces added to the sources, whose light the cuts gather.
+    #[serde(rename = "cuts+meshless")]
+    CutsMeshless,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_read_and_written() {
+        let both: Components = "indirect, environment".parse().unwrap();
+        assert_eq!(both, Components { direct: false, ..Components::ALL });
+        assert_eq!(both.to_string(), "environment,indirect");
+        assert_eq!("environment,direct,indirect".parse(), Ok(Components::ALL));
+        for bad in ["", "sun", "direct,,indirect", "Direct"] {
+            assert!(bad.parse::<Components>().is_err(), "{bad}");
+        }
+    }
+}
