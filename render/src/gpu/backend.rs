@@ -4,6 +4,7 @@ mod encode;
 
 use super::{
     device::{GpuDevice, Room},
+    direct::{DirectLights, DirectPicture},
     layout,
     light::{GpuLight, GpuMap, scaled_map},
     materials::GpuMaterials,
@@ -14,7 +15,7 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    BrdfSampling, Illumination, Post, SceneLighting, View,
+    BrdfSampling, Illumination, Post, SceneLighting, View, ViewMode,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
@@ -22,7 +23,7 @@ use crate::{
     view::Background,
 };
 use glam::Vec2;
-use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
+use lapidary_core::{dataset::Dataset, environment::Environment, image::Image, lights::Light};
 use std::{
     ops::Range,
     sync::Arc,
@@ -41,6 +42,7 @@ pub struct GpuBackend {
     scene: Option<Loaded>,
     light: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
+    local_lights: DirectLights,
     targets: Option<Targets>,
     picture: Option<Picture>,
 }
@@ -59,6 +61,8 @@ struct Picture {
     offsets: Vec<Vec2>,
     count_top: f32,
     groups: Groups,
+    /// Local lights, if they are seen.
+    direct: Option<DirectPicture>,
     /// How many samples are complete.
     samples: u32,
 }
@@ -129,6 +133,7 @@ impl GpuBackend {
             frame: uniform("frame", size_of::<layout::Frame>()),
             display: uniform("display", size_of::<layout::Display>()),
             magma,
+            local_lights: DirectLights::new(&gpu),
             gpu,
             passes,
             source: source.clone(),
@@ -185,7 +190,14 @@ impl GpuBackend {
         self.targets.as_ref().expect("a picture is begun with targets")
     }
 
-    fn groups(&self, loaded: &Loaded, light: &GpuLight, map: &wgpu::TextureView, targets: &Targets) -> Groups {
+    fn groups(
+        &self,
+        loaded: &Loaded,
+        light: &GpuLight,
+        map: &wgpu::TextureView,
+        targets: &Targets,
+        direct: Option<&DirectPicture>,
+    ) -> Groups {
         use wgpu::BindingResource::TextureView as View;
         let layouts = &self.passes.layouts;
         let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
@@ -196,7 +208,7 @@ impl GpuBackend {
                 View(&targets.rotation.view),
                 View(&targets.color_roughness.view),
                 View(&targets.others.view),
-                View(&targets.sum[from].view),
+                View(direct.map_or(&targets.sum[from].view, |d| &d.sum)),
                 View(&targets.work[from].view),
                 View(map),
             ];
@@ -228,6 +240,29 @@ impl GpuBackend {
         }
     }
 
+    /// Lights the scene by local lights instead of those before; they are valid. Returns in sentences what had to be
+    /// done without.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn set_local_lights(&mut self, lights: &[Light]) -> Result<Vec<String>, BackendError> {
+        self.picture = None;
+        let remark = self.local_lights.set(lights);
+        self.gpu.check()?;
+        Ok(remark.into_iter().collect())
+    }
+
+    fn prepare_direct(&mut self) -> Option<DirectPicture> {
+        let scene = &self.scene.as_ref()?.scene;
+        self.local_lights.prepare(&self.gpu, &self.passes, scene, &self.frame, self.targets.as_ref()?)
+    }
+
+    /// Replaces the room for shadow maps, and forgets the lights.
+    #[cfg(test)]
+    pub(super) fn limit_shadows(&mut self, room: super::shadows::ShadowRoom) {
+        self.local_lights = DirectLights::within(room);
+    }
+
     /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
     #[cfg(test)]
     pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
@@ -253,6 +288,7 @@ impl Backend for GpuBackend {
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
+        self.local_lights.set_scene();
         self.light = None;
         self.picture = None;
         Ok(())
@@ -298,10 +334,11 @@ impl Backend for GpuBackend {
         };
         self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
-        let groups = self.groups(self.loaded(), &light, &map, self.targets());
+        let direct = (view.mode == ViewMode::Shaded).then(|| self.prepare_direct()).flatten();
+        let groups = self.groups(self.loaded(), &light, &map, self.targets(), direct.as_ref());
         let count_top = view.mode.count_top(light.max_nodes);
         let offsets = view.pixel_offsets();
-        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, samples: 0 });
+        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, direct, samples: 0 });
         self.submit(|s, encoder| s.clear_sums(encoder))
     }
 

@@ -8,6 +8,7 @@ use crate::backend::BackendError;
 use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
+    scene::Bounds,
 };
 
 /// Buffers and textures of one dataset.
@@ -20,6 +21,8 @@ pub struct GpuScene {
     pub leaf_solid_angle: f32,
     /// Distance in metres nearer than which nothing is drawn.
     pub near: f32,
+    /// Of the whole mesh.
+    pub bounds: Bounds,
 }
 
 impl GpuScene {
@@ -42,6 +45,7 @@ impl GpuScene {
             tree_height: dataset.tree.height(),
             leaf_solid_angle: dataset.tree.leaf_solid_angle(),
             near: 1e-5 * mesh.bounds().diagonal(),
+            bounds: mesh.bounds(),
         })
     }
 }

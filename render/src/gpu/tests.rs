@@ -1,4 +1,5 @@
 //! Shaders against naga, layouts against shaders, and the GPU against the CPU on the same buffers.
 
+mod direct;
 mod reflection;
 mod twin;

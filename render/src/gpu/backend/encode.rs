@@ -69,6 +69,9 @@ impl GpuBackend {
         let pipeline = self.passes.merge(&self.gpu, variant).clone();
         let (targets, picture) = (self.targets(), self.picture());
         let (from, to) = ((sample & 1) as usize, (1 - (sample & 1)) as usize);
+        if let Some(direct) = &picture.direct {
+            direct.encode(encoder, &self.passes.direct, from, &rows);
+        }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("merge"),
             color_attachments: &[kept(&targets.sum[to]), kept(&targets.work[to])],

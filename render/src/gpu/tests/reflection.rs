@@ -131,6 +131,29 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 bump_map
             ),
         ),
+        (
+            "ShadowView",
+            shape!(layout::ShadowView, origin, depth_scale, right, half_width, up, half_height, forward, is_parallel),
+        ),
+        (
+            "LocalLight",
+            shape!(
+                layout::LocalLight,
+                position,
+                emission,
+                forward,
+                first_view,
+                intensity,
+                views_per_point,
+                half_width,
+                cos_edge,
+                half_height,
+                cos_full,
+                area,
+                grid,
+                padding
+            ),
+        ),
         ("Node", shape!(layout::Node, radiance, inv_kappa, direction, radius)),
         (
             "Display",
@@ -175,6 +198,11 @@ fn shared_constants_have_the_same_values() {
         ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
         ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),
         ("TWO_SIDED", constants::TWO_SIDED),
+        ("EMISSION_POINT", constants::EMISSION_POINT),
+        ("EMISSION_SPOT", constants::EMISSION_SPOT),
+        ("EMISSION_DIRECTIONAL", constants::EMISSION_DIRECTIONAL),
+        ("EMISSION_RECTANGLE", constants::EMISSION_RECTANGLE),
+        ("NO_SHADOW", constants::NO_SHADOW),
         ("KIND_LINEAR", constants::KIND_LINEAR),
         ("KIND_SRGB", constants::KIND_SRGB),
         ("KIND_FLOAT", constants::KIND_FLOAT),

@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A backend within WebGPU's default limits, or `None`, said aloud, where there is no adapter and none is required.
 /// One at a time: a software adapter uses all cores by itself.
-fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+pub(super) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
     static ONE: Mutex<()> = Mutex::new(());
     let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     match GpuBackend::new(Room::Defaults, &ShaderSource::Embedded) {
@@ -52,7 +52,7 @@ fn textures() -> Vec<Arc<Texture>> {
     ]
 }
 
-fn maps() -> MaterialMaps {
+pub(super) fn maps() -> MaterialMaps {
     let slot = |texture, color_space, channel, strength| {
         Some(TextureSlot {
             texture,
@@ -78,7 +78,7 @@ fn maps() -> MaterialMaps {
 }
 
 /// A floor with a blocker above: shadows, both sides, a buried vertex, curved normals.
-fn scene() -> Arc<Dataset> {
+pub(super) fn scene() -> Arc<Dataset> {
     let mut mesh = mesh(24, true);
     for (n, p) in mesh.normals.iter_mut().zip(&mesh.positions).filter(|(n, _)| n.y > 0.0) {
         *n = (*n + Vec3::new(0.2 * (3.0 * p.x).sin(), 0.0, 0.2 * (2.0 * p.z).cos())).normalize();
@@ -90,7 +90,12 @@ fn scene() -> Arc<Dataset> {
     Arc::new(dataset)
 }
 
-fn appearance(dataset: &Dataset, model: BrdfModel, parameters: BrdfParameters, maps: MaterialMaps) -> Appearance {
+pub(super) fn appearance(
+    dataset: &Dataset,
+    model: BrdfModel,
+    parameters: BrdfParameters,
+    maps: MaterialMaps,
+) -> Appearance {
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
         *material = Material { model, parameters, maps: maps.clone(), ..material.clone() };
@@ -103,7 +108,7 @@ fn light() -> Illumination {
     Illumination { environment: environment.into(), rotation: 0.7, intensity: 1.3 }
 }
 
-fn view(mode: ViewMode) -> View {
+pub(super) fn view(mode: ViewMode) -> View {
     let camera = Camera::look_at(Vec3::new(1.5, 1.9, 2.2), Vec3::new(0.0, 0.2, 0.0), 50.0);
     View { background: Background::Flat(Vec3::new(0.1, 0.2, 0.3)), mode, ..View::new(camera, [72, 56]) }
 }
@@ -139,7 +144,7 @@ fn on_the_cpu(
 }
 
 /// Relative root mean square error, and the largest difference as a fraction of the mean.
-fn difference(a: &Image, b: &Image) -> (f64, f64) {
+pub(super) fn difference(a: &Image, b: &Image) -> (f64, f64) {
     let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f64 {
         a.pixels.iter().zip(&b.pixels).map(|(&a, &b)| f64::from(f(a, b))).sum()
     };
@@ -149,12 +154,12 @@ fn difference(a: &Image, b: &Image) -> (f64, f64) {
     ((error / sum(&|_, b| b.length_squared())).sqrt(), f64::from(largest) / mean)
 }
 
-fn agrees(a: &Image, b: &Image) -> bool {
+pub(super) fn agrees(a: &Image, b: &Image) -> bool {
     let (relative, largest) = difference(a, b);
     relative < 1e-4 && largest < 0.01
 }
 
-fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
+pub(super) fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
     BrdfParameters {
         base_color: Vec3::new(0.8, 0.5, 0.3),
         roughness,
