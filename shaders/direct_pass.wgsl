@@ -1,7 +1,8 @@
 // Direct light of local lights, added to what the samples before have added up to; the merge adds to that.
 //
 // A rectangle is a grid of cells, each with shadow maps around its middle and RECTANGLE_DETAIL squared samples of light,
-// which the jitter of the picture moves.
+// which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the blockers,
+// whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
@@ -10,6 +11,9 @@
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 const RECTANGLE_DETAIL: u32 = 2u;
+// How far around blockers are looked for: a cell and a half finds those that are less than three times as far from the
+// receiver as from the light.
+const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -60,27 +64,80 @@ fn receiving_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Rece
 
 // What a point reflects of a light toward the eye.
 fn light_from(point: ReceivingPoint, light: LocalLight) -> vec3<f32> {
-    if light.emission != EMISSION_RECTANGLE {
-        return unblocked(point, light, reflected(point, sample_light(light, point.position, vec2(0.5))), 0u);
-    }
     var sum = vec3(0.0);
-    for (var cell = 0u; cell < light.grid * light.grid; cell++) {
-        sum += unblocked(point, light, reflected_of_cell(point, light, cell), cell);
+    if light.emission == EMISSION_RECTANGLE {
+        for (var cell = 0u; cell < light.grid * light.grid; cell++) {
+            sum += light_from_cell(point, light, cell);
+        }
+        return sum;
+    }
+    sum = reflected(point, sample_light(light, point.position, vec2(0.5)));
+    if casts_shadow(light) && any(sum > vec3(0.0)) {
+        sum *= visibility_at(point.position, point.face_normal, light, 0u);
     }
     return sum;
 }
 
-// Share of a cell of a rectangle, if nothing is between.
-fn reflected_of_cell(point: ReceivingPoint, light: LocalLight, cell: u32) -> vec3<f32> {
+fn casts_shadow(light: LocalLight) -> bool {
+    return light.first_view != NO_SHADOW;
+}
+
+// Share of a cell of a rectangle.
+fn light_from_cell(point: ReceivingPoint, light: LocalLight, cell: u32) -> vec3<f32> {
+    // Nothing arrives behind the rectangle.
+    if !(dot(point.position - light.position, light.forward) > 0.0) {
+        return vec3(0.0);
+    }
     let steps = light.grid * RECTANGLE_DETAIL;
     let first = vec2(cell % light.grid, cell / light.grid) * RECTANGLE_DETAIL;
+    var blocker = 0.0;
+    var visibility = 1.0;
+    if casts_shadow(light) {
+        blocker = mean_blocker(point, light, cell);
+        visibility = visibility_at(point.position, point.face_normal, light, cell);
+    }
     var sum = vec3(0.0);
     for (var i = 0u; i < RECTANGLE_DETAIL * RECTANGLE_DETAIL; i++) {
         let step = first + vec2(i % RECTANGLE_DETAIL, i / RECTANGLE_DETAIL);
         let u = (vec2<f32>(step) + frame.pixel_offset) / f32(steps);
-        sum += reflected(point, sample_light(light, point.position, u));
+        let value = reflected(point, sample_light(light, point.position, u));
+        if blocker > 0.0 && any(value > vec3(0.0)) {
+            let from_middle = offset_in_cell(light, u * f32(light.grid) - vec2(0.5) - vec2<f32>(first / RECTANGLE_DETAIL));
+            visibility = visibility_at(seen_past(point, light, cell, from_middle * blocker), point.face_normal, light, cell);
+        }
+        sum += value * visibility;
     }
     return sum / f32(steps * steps);
+}
+
+// A vector in the plane of a rectangle, in widths and heights of a cell.
+fn offset_in_cell(light: LocalLight, cells: vec2<f32>) -> vec3<f32> {
+    return (light.half_width * cells.x + light.half_height * cells.y) * (2.0 / f32(light.grid));
+}
+
+// Metres from blockers to the receiver for each metre from the light to them, the mean of those around; 0 without any.
+fn mean_blocker(point: ReceivingPoint, light: LocalLight, cell: u32) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let at = seen_past(point, light, cell, offset_in_cell(light, SEARCH_RADIUS * vec2(f32(i % 3 - 1), f32(i / 3 - 1))));
+        let blocker = shadow_blocker(view_toward(light, cell, at), at, point.face_normal);
+        sum += blocker;
+        count += select(0.0, 1.0, blocker > 0.0);
+    }
+    return sum / max(count, 1.0);
+}
+
+// Where the receiver's plane is seen from the middle of a cell toward the receiver less `shift`.
+fn seen_past(point: ReceivingPoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
+    let middle = shadow_views[light.first_view + cell * light.views_per_point].origin;
+    let away = point.position - middle;
+    let ratio = dot(point.face_normal, away) / dot(point.face_normal, away - shift);
+    // Beyond the horizon of the plane nothing is seen of it.
+    if !(ratio > 0.25 && ratio < 4.0) {
+        return point.position;
+    }
+    return middle + (away - shift) * ratio;
 }
 
 fn reflected(point: ReceivingPoint, sample: LightSample) -> vec3<f32> {
@@ -90,13 +147,8 @@ fn reflected(point: ReceivingPoint, sample: LightSample) -> vec3<f32> {
     return brdf_cos(point.brdf, sample.direction * point.world_from_local, point.wo, 0.0) * sample.irradiance;
 }
 
-// `value` as far as the shadow maps of a cell let it pass; they are not asked where there is no light.
-fn unblocked(point: ReceivingPoint, light: LocalLight, value: vec3<f32>, cell: u32) -> vec3<f32> {
-    if light.first_view == NO_SHADOW || !any(value > vec3(0.0)) {
-        return value;
-    }
-    let view = view_toward(light, cell, point.position);
-    return value * shadow_visibility(view, point.position, point.face_normal);
+fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell: u32) -> f32 {
+    return shadow_visibility(view_toward(light, cell, position), position, normal);
 }
 
 // The shadow map, of those around one point of a light, that looks at a receiver.

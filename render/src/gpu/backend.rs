@@ -87,7 +87,7 @@ pub struct PassTimes {
     pub visibility: Duration,
     /// Barycentric weights, frames and BRDF parameters.
     pub deferred: Duration,
-    /// The merge.
+    /// Local lights, and the merge.
     pub merge: Duration,
     /// The post pass.
     pub display: Duration,
@@ -240,8 +240,8 @@ impl GpuBackend {
         }
     }
 
-    /// Lights the scene by local lights instead of those before; they are valid. Returns in sentences what had to be
-    /// done without.
+    /// Lights the scene by valid local lights instead of those before. Returns in sentences what could not be had, each
+    /// once.
     ///
     /// # Errors
     /// A lost device.
@@ -278,6 +278,7 @@ impl Backend for GpuBackend {
 
     fn reload(&mut self) -> Result<(), BackendError> {
         self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
+        self.local_lights.forget_shadows();
         self.picture = None;
         Ok(())
     }
@@ -288,7 +289,7 @@ impl Backend for GpuBackend {
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
-        self.local_lights.set_scene();
+        self.local_lights.forget_shadows();
         self.light = None;
         self.picture = None;
         Ok(())

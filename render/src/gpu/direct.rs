@@ -55,6 +55,8 @@ pub struct DirectLights {
     lights: Vec<Light>,
     plan: Plan,
     room: ShadowRoom,
+    /// What was said last of lights without shadows.
+    remark: Option<String>,
     maps: Option<ShadowMaps>,
     /// Kept from picture to picture of a size.
     sum: Option<Target>,
@@ -79,18 +81,20 @@ impl DirectLights {
 
     /// None yet, with some room for shadow maps.
     pub fn within(room: ShadowRoom) -> Self {
-        Self { lights: Vec::new(), plan: Plan::new(&[], room), room, maps: None, sum: None }
+        Self { lights: Vec::new(), plan: Plan::new(&[], room), room, remark: None, maps: None, sum: None }
     }
 
-    /// Replaces the lights. Returns what is said of those without shadows.
+    /// Replaces the lights. Returns what is said of those without shadows, unless it was said before.
     pub fn set(&mut self, lights: &[Light]) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
         self.plan = Plan::new(&self.lights, self.room);
-        self.plan.remark(&self.lights, self.room)
+        let remark = self.plan.remark(&self.lights, self.room);
+        let before = std::mem::replace(&mut self.remark, remark.clone());
+        remark.filter(|_| before != self.remark)
     }
 
-    /// Another scene casts other shadows.
-    pub fn set_scene(&mut self) {
+    /// What shadow maps show is no longer so: the scene or the shader is another one.
+    pub fn forget_shadows(&mut self) {
         if let Some(maps) = &mut self.maps {
             maps.forget();
         }
