@@ -158,6 +158,8 @@ pub mod constants {
     pub const EMISSION_RECTANGLE: u32 = 3;
     /// First layer of a light that shines through everything.
     pub const NO_SHADOW: u32 = u32::MAX;
+    /// Texels of a shadow map from a receiver to the farthest one that is looked at.
+    pub const KERNEL_RADIUS: u32 = 2;
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;
     pub const KIND_FLOAT: u32 = 3;

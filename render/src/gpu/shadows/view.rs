@@ -3,7 +3,7 @@
 //! A narrow spot has one view; a point looks through the six faces of a cube, a wide spot and each point of a rectangle
 //! through the five of a hemicube; parallel light has one view of the whole scene.
 
-use super::super::layout::ShadowView;
+use crate::gpu::layout::{ShadowView, constants::KERNEL_RADIUS};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     lights::{Emission, Light, RectangleShape},
@@ -11,7 +11,7 @@ use lapidary_core::{
 };
 
 /// Texels around what a view has to show, so that the filter stays on the map.
-pub const BORDER: u32 = 4;
+pub const BORDER: u32 = KERNEL_RADIUS + 2;
 
 /// Cones beyond this angle from axis to edge, in degrees, take a hemicube: one view would be coarse in the middle.
 const WIDEST_VIEW: f32 = 75.0;

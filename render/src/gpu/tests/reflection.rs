@@ -203,6 +203,7 @@ fn shared_constants_have_the_same_values() {
         ("EMISSION_DIRECTIONAL", constants::EMISSION_DIRECTIONAL),
         ("EMISSION_RECTANGLE", constants::EMISSION_RECTANGLE),
         ("NO_SHADOW", constants::NO_SHADOW),
+        ("KERNEL_RADIUS", constants::KERNEL_RADIUS),
         ("KIND_LINEAR", constants::KIND_LINEAR),
         ("KIND_SRGB", constants::KIND_SRGB),
         ("KIND_FLOAT", constants::KIND_FLOAT),

@@ -92,7 +92,6 @@ fn shadows_agree_with_rays_but_at_their_edges() {
         let room = ShadowRoom { largest: size, ..ROOM };
         for (light, texel) in casting() {
             let verdict = judge(&mut rig, &view, &light, room, texel / size as f32);
-            println!("{:?} at {size}: {verdict:?}", light.emission);
             assert!(verdict.lit_wrong == 0 && verdict.dark_wrong == 0, "{:?} at {size}: {verdict:?}", light.emission);
             let grazes = light.position.y < 0.2;
             assert!(
@@ -146,22 +145,6 @@ fn a_rectangle_casts_a_soft_shadow() {
     let reference = Image { size: view.size, pixels };
     let d = difference(&soft, &reference).0;
     let hard = rig.lit_by(&view, &[lamp], NO_ROOM);
-    println!("soft {d}, without shadows {}", difference(&hard, &reference).0);
     assert!(d < 0.02, "{d}");
     assert!(difference(&hard, &reference).0 > 3.0 * d, "negative control");
-}
-
-#[test]
-fn zz_dump() {
-    let Some(mut rig) = shadow_rig() else { return };
-    let view = View { aa: 1, size: [640, 480], ..shadow_view() };
-    for (i, light) in casting().into_iter().map(|c| c.0).chain([every_kind()[5].clone()]).enumerate() {
-        let p = rig.lit_by(&view, &[light], ShadowRoom { largest: 512, ..ROOM });
-        let m = p.pixels.iter().map(|p| p.x).fold(0.0, f32::max) * 0.5;
-        let mut out = b"P6 640 480 255\n".to_vec();
-        out.extend(
-            p.pixels.iter().flat_map(|p| (p.clamp(Vec3::ZERO, Vec3::splat(m)) / m * 255.0).to_array().map(|v| v as u8)),
-        );
-        std::fs::write(format!("/tmp/sh{i}.ppm"), out).unwrap();
-    }
 }
