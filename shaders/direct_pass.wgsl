@@ -1,8 +1,8 @@
 // Direct light of local lights, added to what the samples before have added up to; the merge adds to that.
 //
-// A rectangle is a grid of cells, each with shadow maps around its middle and RECTANGLE_DETAIL squared samples of light,
-// which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the blockers,
-// whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
+// A rectangle is a grid of cells, each with shadow maps around its middle and RECTANGLE_DETAIL squared samples of
+// light, which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the
+// blockers, whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
@@ -102,8 +102,9 @@ fn light_from_cell(point: ReceivingPoint, light: LocalLight, cell: u32) -> vec3<
         let u = (vec2<f32>(step) + frame.pixel_offset) / f32(steps);
         let value = reflected(point, sample_light(light, point.position, u));
         if blocker > 0.0 && any(value > vec3(0.0)) {
-            let from_middle = offset_in_cell(light, u * f32(light.grid) - vec2(0.5) - vec2<f32>(first / RECTANGLE_DETAIL));
-            visibility = visibility_at(seen_past(point, light, cell, from_middle * blocker), point.face_normal, light, cell);
+            let in_cell = u * f32(light.grid) - vec2<f32>(first / RECTANGLE_DETAIL);
+            let past = seen_past(point, light, cell, offset_in_cell(light, in_cell - 0.5) * blocker);
+            visibility = visibility_at(past, point.face_normal, light, cell);
         }
         sum += value * visibility;
     }
@@ -120,7 +121,8 @@ fn mean_blocker(point: ReceivingPoint, light: LocalLight, cell: u32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 9; i++) {
-        let at = seen_past(point, light, cell, offset_in_cell(light, SEARCH_RADIUS * vec2(f32(i % 3 - 1), f32(i / 3 - 1))));
+        let shift = offset_in_cell(light, SEARCH_RADIUS * vec2(f32(i % 3 - 1), f32(i / 3 - 1)));
+        let at = seen_past(point, light, cell, shift);
         let blocker = shadow_blocker(view_toward(light, cell, at), at, point.face_normal);
         sum += blocker;
         count += select(0.0, 1.0, blocker > 0.0);

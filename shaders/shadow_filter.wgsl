@@ -1,8 +1,8 @@
-// How much of a receiver a light sees: percentage-closer filtering (Reeves et al. 1987) over 4 x 4 texels, weighted like
-// 3 x 3 bilinear lookups.
+// How much of a receiver a light sees: percentage-closer filtering (Reeves et al. 1987) over 4 x 4 texels, weighted
+// like 3 x 3 bilinear lookups.
 //
-// Each texel is compared with the depth that the receiver's plane has there (Isidoro 2006). Depth is affine over the map
-// for any plane, in perspective too, so a surface never shadows itself, however grazing the light.
+// Each texel is compared with the depth that the receiver's plane has there (Isidoro 2006). Depth is affine over the
+// map for any plane, in perspective too, so a surface never shadows itself, however grazing the light.
 
 @group(2) @binding(2) var shadow_maps: texture_depth_2d_array;
 
@@ -68,7 +68,7 @@ fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 
     return shadow_filtered(index, shadow_receiver(view, face.local, face.normal, face.facing, size.x), size);
 }
 
-// Metres from a blocker to the receiver for each metre from the light to the blocker, 0 if there is none. In perspective.
+// Metres from a blocker to the receiver for each metre from the light to the blocker, 0 without one. In perspective.
 fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let view = shadow_views[index];
     let face = shadow_faced(view, position, normal);

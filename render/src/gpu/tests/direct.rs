@@ -230,7 +230,7 @@ fn lights_add_up_move_and_go_out_and_other_views_do_not_show_them() {
     }
     assert!(agrees(&sum, &all), "{:?}", difference(&sum, &all));
     let moved = Light { position: lights[0].position + 0.2, ..lights[0].clone() };
-    rig.gpu.set_local_lights(&[moved.clone()]).unwrap();
+    rig.gpu.set_local_lights(std::slice::from_ref(&moved)).unwrap();
     let kept_maps = rig.picture(&view);
     assert!(rig.lit_by(&view, &[moved], ROOM) == kept_maps, "maps that were rendered before are as good as new ones");
     let off = Light { enabled: false, ..lights[0].clone() };
