@@ -3,6 +3,7 @@
 
 mod backend;
 mod device;
+mod direct;
 mod frame;
 mod layout;
 mod light;
@@ -12,6 +13,7 @@ mod pool;
 mod readback;
 mod scene;
 mod shaders;
+mod shadows;
 mod targets;
 
 pub use backend::{GpuBackend, PassTimes};

@@ -4,6 +4,7 @@ mod encode;
 
 use super::{
     device::{GpuDevice, Room},
+    direct::{DirectLights, DirectPicture},
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
@@ -14,7 +15,7 @@ use super::{
     targets::{Sums, Target, Targets},
 };
 use crate::{
-    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View,
+    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View, ViewMode,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
@@ -44,6 +45,7 @@ pub struct GpuBackend {
     /// Bounced light as it was last shown.
     sources: Option<GpuSources>,
     map: Option<GpuMap>,
+    local_lights: DirectLights,
     targets: Option<Targets>,
     picture: Option<Picture>,
 }
@@ -62,6 +64,8 @@ struct Picture {
     offsets: Vec<Vec2>,
     count_top: f32,
     groups: Groups,
+    /// Local lights, if they are seen.
+    direct: Option<DirectPicture>,
     /// How many samples are complete.
     samples: u32,
 }
@@ -89,7 +93,7 @@ pub struct PassTimes {
     pub visibility: Duration,
     /// Barycentric weights, frames and BRDF parameters.
     pub deferred: Duration,
-    /// The merge.
+    /// Local lights, and the merge.
     pub merge: Duration,
     /// The post pass.
     pub display: Duration,
@@ -135,6 +139,7 @@ impl GpuBackend {
             frame: uniform("frame", size_of::<layout::Frame>()),
             display: uniform("display", size_of::<layout::Display>()),
             magma,
+            local_lights: DirectLights::new(&gpu),
             gpu,
             passes,
             source: source.clone(),
@@ -193,18 +198,25 @@ impl GpuBackend {
         self.targets.as_ref().expect("a picture is begun with targets")
     }
 
-    fn groups(&self, loaded: &Loaded, light: &GpuLight, map: &wgpu::TextureView, targets: &Targets) -> Groups {
+    fn groups(
+        &self,
+        loaded: &Loaded,
+        light: &GpuLight,
+        map: &wgpu::TextureView,
+        targets: &Targets,
+        direct: Option<&DirectPicture>,
+    ) -> Groups {
         use wgpu::BindingResource::TextureView as View;
         let layouts = &self.passes.layouts;
         let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
         let (scene, materials) = (&loaded.scene, &loaded.materials);
-        let merge = |from: &Sums| {
+        let merge = |from: &Sums, sum: Option<&wgpu::TextureView>| {
             let inputs = [
                 View(&targets.geometry.view),
                 View(&targets.rotation.view),
                 View(&targets.color_roughness.view),
                 View(&targets.others.view),
-                View(&from.value.view),
+                View(sum.unwrap_or(&from.value.view)),
                 View(&from.work.view),
                 View(map),
             ];
@@ -237,10 +249,22 @@ impl GpuBackend {
                 let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
                 group("sources", &layouts.light, &sent)
             }),
-            merge_complete: [merge(&targets.complete[0]), merge(&targets.complete[1])],
-            merge_partial: [merge(&targets.partial[0]), merge(&targets.partial[1])],
+            merge_complete: [0, 1].map(|i| merge(&targets.complete[i], direct.map(|direct| &direct.sum))),
+            merge_partial: [0, 1].map(|i| merge(&targets.partial[i], None)),
             display: [display(&targets.complete[0]), display(&targets.complete[1])],
         }
+    }
+
+    fn prepare_direct(&mut self, mode: ViewMode) -> Option<DirectPicture> {
+        self.local.shown_lights().filter(|_| mode == ViewMode::Shaded)?;
+        let scene = &self.scene.as_ref()?.scene;
+        self.local_lights.prepare(&self.gpu, &self.passes, scene, &self.frame, self.targets.as_ref()?)
+    }
+
+    /// Replaces the room for shadow maps, and forgets the lights.
+    #[cfg(test)]
+    pub(super) fn limit_shadows(&mut self, room: super::shadows::ShadowRoom) {
+        self.local_lights = DirectLights::within(room);
     }
 
     /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
@@ -258,6 +282,7 @@ impl Backend for GpuBackend {
 
     fn reload(&mut self) -> Result<(), BackendError> {
         self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
+        self.local_lights.forget_shadows();
         self.picture = None;
         Ok(())
     }
@@ -268,6 +293,7 @@ impl Backend for GpuBackend {
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
+        self.local_lights.forget_shadows();
         (self.light, self.picture, self.sources) = (None, None, None);
         self.local = LocalLighting::default();
         Ok(())
@@ -296,7 +322,9 @@ impl Backend for GpuBackend {
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
         self.picture = None;
-        Ok(Vec::new())
+        let remark = self.local_lights.set(&lighting.lights);
+        self.gpu.check()?;
+        Ok(remark.into_iter().collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
@@ -321,10 +349,11 @@ impl Backend for GpuBackend {
         };
         self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
-        let groups = self.groups(self.loaded(), &light, &map, self.targets());
+        let direct = self.prepare_direct(view.mode);
+        let groups = self.groups(self.loaded(), &light, &map, self.targets(), direct.as_ref());
         let count_top = view.mode.count_top(light.max_nodes);
         let offsets = view.pixel_offsets();
-        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, samples: 0 });
+        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, direct, samples: 0 });
         self.submit(|s, encoder| s.clear_sums(encoder))
     }
 

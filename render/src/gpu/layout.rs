@@ -112,6 +112,41 @@ pub struct Display {
     pub padding: [u32; 2],
 }
 
+/// `ShadowView` of `shadow.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ShadowView {
+    pub origin: [f32; 3],
+    /// Perspective: the distance of depth 1 in metres; parallel: how much depth falls in a metre.
+    pub depth_scale: f32,
+    pub right: [f32; 3],
+    /// Perspective: tangent of half the angle of view; parallel: half the width in metres.
+    pub half_width: f32,
+    pub up: [f32; 3],
+    pub half_height: f32,
+    pub forward: [f32; 3],
+    pub is_parallel: u32,
+}
+
+/// `LocalLight` of `direct_lights.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LocalLight {
+    pub position: [f32; 3],
+    pub emission: u32,
+    pub forward: [f32; 3],
+    pub first_view: u32,
+    pub intensity: [f32; 3],
+    pub views_per_point: u32,
+    pub half_width: [f32; 3],
+    pub cos_edge: f32,
+    pub half_height: [f32; 3],
+    pub cos_full: f32,
+    pub area: f32,
+    pub grid: u32,
+    pub padding: [u32; 2],
+}
+
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;
@@ -120,6 +155,14 @@ pub mod constants {
     pub const FIELD_NONE: u32 = 0;
     pub const FIELD_ENVIRONMENT: u32 = 1;
     pub const FIELD_SOURCES: u32 = 2;
+    pub const EMISSION_POINT: u32 = 0;
+    pub const EMISSION_SPOT: u32 = 1;
+    pub const EMISSION_DIRECTIONAL: u32 = 2;
+    pub const EMISSION_RECTANGLE: u32 = 3;
+    /// First layer of a light that shines through everything.
+    pub const NO_SHADOW: u32 = u32::MAX;
+    /// Texels of a shadow map from a receiver to the farthest one that is looked at.
+    pub const KERNEL_RADIUS: u32 = 2;
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;
     pub const KIND_FLOAT: u32 = 3;

@@ -2,6 +2,7 @@
 
 use super::{
     device::GpuDevice,
+    direct::DirectPasses,
     shaders::{DISPLAY, MERGE, PARAMETERS, Program, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
@@ -40,6 +41,7 @@ pub struct Passes {
     pub surface: wgpu::RenderPipeline,
     pub parameters: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
+    pub direct: DirectPasses,
     merge_module: wgpu::ShaderModule,
     merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
 }
@@ -89,6 +91,7 @@ impl Passes {
             surface: surface.build(gpu),
             parameters: parameters.build(gpu),
             display: display.build(gpu),
+            direct: DirectPasses::new(gpu, source, &layouts)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),
             layouts,
@@ -122,7 +125,8 @@ impl Passes {
     }
 }
 
-fn module(gpu: &GpuDevice, source: &ShaderSource, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
+/// The compiled text of a program.
+pub fn module(gpu: &GpuDevice, source: &ShaderSource, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
     let text = source.text(program).map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))?;
     Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(program.name),
@@ -131,21 +135,21 @@ fn module(gpu: &GpuDevice, source: &ShaderSource, program: &Program) -> Result<w
 }
 
 /// What differs between pipelines.
-struct Pipeline<'a> {
-    module: wgpu::ShaderModule,
-    label: &'static str,
-    layouts: &'a [&'a BindGroupLayout],
-    targets: &'a [wgpu::TextureFormat],
-    constants: &'a [(&'a str, f64)],
-    depth: bool,
+pub struct Pipeline<'a> {
+    pub module: wgpu::ShaderModule,
+    pub label: &'static str,
+    pub layouts: &'a [&'a BindGroupLayout],
+    pub targets: &'a [wgpu::TextureFormat],
+    pub constants: &'a [(&'a str, f64)],
+    pub depth: bool,
 }
 
 impl<'a> Pipeline<'a> {
-    fn new(module: wgpu::ShaderModule, label: &'static str) -> Self {
+    pub fn new(module: wgpu::ShaderModule, label: &'static str) -> Self {
         Self { module, label, layouts: &[], targets: &[], constants: &[], depth: false }
     }
 
-    fn build(&self, gpu: &GpuDevice) -> wgpu::RenderPipeline {
+    pub fn build(&self, gpu: &GpuDevice) -> wgpu::RenderPipeline {
         let layouts: Vec<_> = self.layouts.iter().map(|&l| Some(l)).collect();
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(self.label),
@@ -190,11 +194,12 @@ impl<'a> Pipeline<'a> {
 
 /// A kind of binding.
 #[derive(Clone, Copy)]
-enum Binding {
+pub enum Binding {
     Uniform,
     Storage,
     Uint,
     Float,
+    DepthLayers,
 }
 
 fn layouts(gpu: &GpuDevice) -> Layouts {
@@ -211,13 +216,12 @@ fn layouts(gpu: &GpuDevice) -> Layouts {
     }
 }
 
-fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLayout {
+/// Bindings 0, 1, ... of these kinds.
+pub fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLayout {
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let texture = |sample_type| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
+    let texture_of =
+        |sample_type, view_dimension| wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
+    let texture = |sample_type| texture_of(sample_type, wgpu::TextureViewDimension::D2);
     let entry = |(binding, kind): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
         binding: binding as u32,
         visibility: Stages::VERTEX_FRAGMENT,
@@ -226,6 +230,7 @@ fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLayout
             Binding::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
             Binding::Uint => texture(wgpu::TextureSampleType::Uint),
             Binding::Float => texture(wgpu::TextureSampleType::Float { filterable: false }),
+            Binding::DepthLayers => texture_of(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),
         },
         count: None,
     };

@@ -9,6 +9,7 @@ use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
     indirect::IndirectBake,
+    scene::Bounds,
 };
 
 /// Buffers and textures of one dataset.
@@ -23,6 +24,8 @@ pub struct GpuScene {
     pub leaf_solid_angle: f32,
     /// Distance in metres nearer than which nothing is drawn.
     pub near: f32,
+    /// Of the whole mesh.
+    pub bounds: Bounds,
 }
 
 /// Cuts over surface sources.
@@ -52,6 +55,7 @@ impl GpuScene {
             tree_height: dataset.tree.height(),
             leaf_solid_angle: dataset.tree.leaf_solid_angle(),
             near: 1e-5 * mesh.bounds().diagonal(),
+            bounds: mesh.bounds(),
         })
     }
 }

@@ -14,6 +14,8 @@ macro_rules! parts {
 parts!(
     "brdf",
     "cut",
+    "direct_lights",
+    "direct_pass",
     "display_pass",
     "environment",
     "frame",
@@ -24,6 +26,9 @@ parts!(
     "parameters_pass",
     "refine",
     "scene",
+    "shadow",
+    "shadow_filter",
+    "shadow_pass",
     "surface",
     "surface_pass",
     "tonemap",
@@ -70,12 +75,30 @@ pub const MERGE: Program = Program {
         "merge_pass",
     ],
 };
+/// Depth from a light.
+pub const SHADOW: Program = Program { name: "shadow_pass", parts: &["scene", "shadow", "shadow_pass"] };
+/// Local lights.
+pub const DIRECT: Program = Program {
+    name: "direct_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "shadow",
+        "shadow_filter",
+        "direct_lights",
+        "direct_pass",
+    ],
+};
 /// The post pass.
 pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 5] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY];
+pub const PROGRAMS: [Program; 7] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

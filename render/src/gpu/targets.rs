@@ -64,7 +64,8 @@ impl Targets {
     }
 }
 
-fn target(gpu: &GpuDevice, label: &str, format: Format, size: [u32; 2]) -> Target {
+/// A texture that passes write and read.
+pub fn target(gpu: &GpuDevice, label: &str, format: Format, size: [u32; 2]) -> Target {
     let usages = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),

@@ -76,6 +76,9 @@ impl GpuBackend {
     pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
         let fields = self.fields();
         let complete = (sample & 1) as usize;
+        if let Some(direct) = &self.picture().direct {
+            direct.encode(encoder, &self.passes.direct, complete, &rows);
+        }
         for (i, &field) in fields.iter().enumerate() {
             let variant = self.merge_variant(field, i == 0);
             let pipeline = self.passes.merge(&self.gpu, variant).clone();

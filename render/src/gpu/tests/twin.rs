@@ -52,7 +52,7 @@ fn textures() -> Vec<Arc<Texture>> {
     ]
 }
 
-fn maps() -> MaterialMaps {
+pub(super) fn maps() -> MaterialMaps {
     let slot = |texture, color_space, channel, strength| {
         Some(TextureSlot {
             texture,
@@ -78,7 +78,7 @@ fn maps() -> MaterialMaps {
 }
 
 /// A floor with a blocker above: shadows, both sides, a buried vertex, curved normals.
-fn scene() -> Arc<Dataset> {
+pub(super) fn scene() -> Arc<Dataset> {
     let mut mesh = mesh(24, true);
     for (n, p) in mesh.normals.iter_mut().zip(&mesh.positions).filter(|(n, _)| n.y > 0.0) {
         *n = (*n + Vec3::new(0.2 * (3.0 * p.x).sin(), 0.0, 0.2 * (2.0 * p.z).cos())).normalize();
@@ -90,7 +90,12 @@ fn scene() -> Arc<Dataset> {
     Arc::new(dataset)
 }
 
-fn appearance(dataset: &Dataset, model: BrdfModel, parameters: BrdfParameters, maps: MaterialMaps) -> Appearance {
+pub(super) fn appearance(
+    dataset: &Dataset,
+    model: BrdfModel,
+    parameters: BrdfParameters,
+    maps: MaterialMaps,
+) -> Appearance {
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
         *material = Material { model, parameters, maps: maps.clone(), ..material.clone() };
@@ -103,7 +108,7 @@ fn light() -> Illumination {
     Illumination { environment: environment.into(), rotation: 0.7, intensity: 1.3 }
 }
 
-fn view(mode: ViewMode) -> View {
+pub(super) fn view(mode: ViewMode) -> View {
     let camera = Camera::look_at(Vec3::new(1.5, 1.9, 2.2), Vec3::new(0.0, 0.2, 0.0), 50.0);
     View { background: Background::Flat(Vec3::new(0.1, 0.2, 0.3)), mode, ..View::new(camera, [72, 56]) }
 }
@@ -154,7 +159,7 @@ pub(super) fn agrees(a: &Image, b: &Image) -> bool {
     relative < 1e-4 && largest < 0.01
 }
 
-fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
+pub(super) fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
     BrdfParameters {
         base_color: Vec3::new(0.8, 0.5, 0.3),
         roughness,

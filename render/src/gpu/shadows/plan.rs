@@ -1,0 +1,152 @@
+//! Which light has which layers of the shadow maps, and how large they are.
+
+use super::view::view_count;
+use crate::gpu::layout::constants::NO_SHADOW;
+use lapidary_core::lights::{Emission, Light};
+
+/// How much there may be of shadow maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShadowRoom {
+    /// Layers in all; WebGPU's default limit is 256.
+    pub layers: u32,
+    /// Texels of a side with few layers; halved down to [`SMALLEST`] where there are more.
+    pub largest: u32,
+}
+
+/// Texels of a side with many layers.
+pub const SMALLEST: u32 = 512;
+
+/// Texels of all layers together, 256 MiB at 4 bytes each: 16 layers of 2048 x 2048, or 256 of 512 x 512.
+const MOST_TEXELS: u64 = 64 << 20;
+
+/// Up to so many layers rectangles cast shadows from a finer grid: maps of 1024 x 1024 remain.
+const LAYERS_FOR_FINE_GRID: u32 = 64;
+const FINE_GRID: u32 = 3;
+const COARSE_GRID: u32 = 2;
+
+/// Layers of the lights.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// First layer of each light, or [`NO_SHADOW`].
+    pub first: Vec<u32>,
+    /// Layers in use.
+    pub layers: u32,
+    /// Texels of a side.
+    pub size: u32,
+    /// Rectangles cast shadows from `grid` x `grid` points.
+    pub grid: u32,
+}
+
+impl Plan {
+    /// Layers for `lights` in their order; those that do not fit go without.
+    pub fn new(lights: &[Light], room: ShadowRoom) -> Self {
+        let grid = if layers_wanted(lights, FINE_GRID) <= LAYERS_FOR_FINE_GRID { FINE_GRID } else { COARSE_GRID };
+        let mut layers = 0;
+        let mut place = |light: &Light| {
+            let count = view_count(light, grid);
+            let first = layers;
+            if count > room.layers - layers {
+                return NO_SHADOW;
+            }
+            layers += count;
+            first
+        };
+        let first = lights.iter().map(&mut place).collect();
+        Self { first, layers, size: map_size(layers, room.largest), grid }
+    }
+
+    /// What is said of lights without shadows.
+    pub fn remark(&self, lights: &[Light], room: ShadowRoom) -> Option<String> {
+        let without = self.first.iter().filter(|&&first| first == NO_SHADOW).count();
+        let (all, wanted, limit) = (lights.len(), layers_wanted(lights, self.grid), room.layers);
+        (without > 0).then(|| {
+            format!(
+                "{without} of {all} local lights shine without shadows: together they need {wanted} shadow maps, but this \
+                 adapter has room for {limit}; switch some off, prefer narrow spots, or use --backend cpu"
+            )
+        })
+    }
+}
+
+fn layers_wanted(lights: &[Light], grid: u32) -> u32 {
+    lights.iter().map(|light| view_count(light, grid)).sum()
+}
+
+/// Layers to make room for, so that another light need not move all.
+pub fn capacity(layers: u32, size: u32, room: ShadowRoom) -> u32 {
+    let fitting = (MOST_TEXELS / u64::from(size).pow(2)).min(u64::from(room.layers)) as u32;
+    layers.next_power_of_two().min(fitting).max(layers).max(1)
+}
+
+fn map_size(layers: u32, largest: u32) -> u32 {
+    let mut size = largest;
+    while size > SMALLEST && u64::from(layers) * u64::from(size).pow(2) > MOST_TEXELS {
+        size /= 2;
+    }
+    size
+}
+
+/// Whether a light gives any light: those that do not take no layers.
+pub fn shines(light: &Light) -> bool {
+    light.shines() && (matches!(light.emission, Emission::Point) || light.forward().is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
+
+    fn light(emission: Emission) -> Light {
+        Light {
+            name: String::new(),
+            enabled: true,
+            emission,
+            position: Vec3::Y,
+            target: Vec3::ZERO,
+            intensity: Vec3::ONE,
+        }
+    }
+
+    #[test]
+    fn layers_follow_the_lights_and_maps_shrink_as_they_grow_in_number() {
+        let rectangle = light(Emission::Rectangle { width: 1.0, height: 1.0 });
+        let spot = light(Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 });
+        let point = light(Emission::Point);
+        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::Directional)], ROOM);
+        assert_eq!((plan.first.as_slice(), plan.layers, plan.size), (&[0, 6, 7][..], 8, 2048));
+        let plan = Plan::new(&[rectangle.clone(), spot.clone()], ROOM);
+        assert_eq!((plan.first.as_slice(), plan.size, plan.grid), (&[0, 45][..], 1024, 3));
+        let plan = Plan::new(&vec![rectangle; 5], ROOM);
+        assert_eq!((plan.layers, plan.size, plan.grid), (100, 512, 2));
+        assert_eq!(Plan::new(&vec![spot; 16], ROOM).size, 2048);
+        assert_eq!(Plan::new(&vec![point; 42], ROOM).size, 512);
+    }
+
+    #[test]
+    fn lights_beyond_the_limit_go_without_and_a_remark_has_both_numbers() {
+        let mut lights = vec![light(Emission::Point); 45];
+        lights.push(light(Emission::Directional));
+        let plan = Plan::new(&lights, ROOM);
+        assert_eq!((plan.first[41], plan.first[42], plan.first[45], plan.layers), (246, NO_SHADOW, 252, 253));
+        let remark = plan.remark(&lights, ROOM).unwrap();
+        assert!(["3 of 46", "271", "256"].iter().all(|n| remark.contains(n)), "{remark}");
+        assert_eq!(Plan::new(&lights[..42], ROOM).remark(&lights[..42], ROOM), None);
+    }
+
+    #[test]
+    fn room_grows_by_doubling_and_stays_within_the_budget() {
+        assert_eq!([1, 3, 9, 16].map(|n| capacity(n, 2048, ROOM)), [1, 4, 16, 16]);
+        assert_eq!([17, 40, 64].map(|n| capacity(n, 1024, ROOM)), [32, 64, 64]);
+        assert_eq!([0, 256].map(|n| capacity(n, 512, ROOM)), [1, 256]);
+    }
+
+    #[test]
+    fn what_gives_no_light_is_left_out() {
+        let lamp = light(Emission::Directional);
+        assert!(shines(&lamp) && !shines(&Light { enabled: false, ..lamp.clone() }));
+        assert!(!shines(&Light { intensity: Vec3::ZERO, ..lamp.clone() }));
+        assert!(!shines(&Light { target: lamp.position, ..lamp }), "without a direction");
+    }
+}

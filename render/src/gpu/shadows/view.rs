@@ -1,0 +1,127 @@
+//! Views from lights: what each layer of the shadow maps shows. Twin of `shaders/shadow.wgsl`.
+//!
+//! A narrow spot has one view; a point looks through the six faces of a cube, a wide spot and each point of a rectangle
+//! through the five of a hemicube; parallel light has one view of the whole scene.
+
+use crate::gpu::layout::{ShadowView, constants::KERNEL_RADIUS};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    lights::{Emission, Light, RectangleShape},
+    scene::Bounds,
+};
+
+/// Texels around what a view has to show, so that the filter stays on the map.
+pub const BORDER: u32 = KERNEL_RADIUS + 2;
+
+/// Cones beyond this angle from axis to edge, in degrees, take a hemicube: one view would be coarse in the middle.
+const WIDEST_VIEW: f32 = 75.0;
+
+/// What views depend on besides the light.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    /// Of all that casts shadows.
+    pub bounds: Bounds,
+    /// Distance from a light, in metres, nearer than which nothing casts a shadow.
+    pub near: f32,
+    /// Texels of a side of a map.
+    pub size: u32,
+    /// Rectangles cast shadows from `grid` x `grid` points.
+    pub grid: u32,
+}
+
+/// Views around each point of a light that casts shadows.
+pub fn views_per_point(light: &Light) -> u32 {
+    match light.emission {
+        Emission::Point => 6,
+        Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => 5,
+        Emission::Spot { .. } | Emission::Directional => 1,
+        Emission::Rectangle { .. } => 5,
+    }
+}
+
+/// Views of a light in all.
+pub fn view_count(light: &Light, grid: u32) -> u32 {
+    let points = if matches!(light.emission, Emission::Rectangle { .. }) { grid * grid } else { 1 };
+    points * views_per_point(light)
+}
+
+/// The views of a light, [`view_count`] of them, point by point; a light without a direction looks down.
+pub fn views(light: &Light, around: &Surroundings) -> Vec<ShadowView> {
+    let forward = light.forward().unwrap_or(Vec3::NEG_Y);
+    match light.emission {
+        Emission::Point => cube(light.position, around),
+        Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => hemicube(light.position, forward, around),
+        Emission::Spot { cone_degrees, .. } => {
+            let tan = cone_degrees.to_radians().tan();
+            vec![perspective(light.position, forward, forward.any_orthonormal_vector(), tan, around)]
+        }
+        Emission::Directional => vec![parallel(forward, around)],
+        Emission::Rectangle { .. } => {
+            let points = RectangleShape::of(light).map_or_else(Vec::new, |shape| grid_points(&shape, around.grid));
+            points.into_iter().flat_map(|p| hemicube(p, forward, around)).collect()
+        }
+    }
+}
+
+/// The middles of the cells of a grid on a rectangle.
+fn grid_points(shape: &RectangleShape, grid: u32) -> Vec<Vec3> {
+    let at = |i: u32| (i as f32 + 0.5) / grid as f32;
+    (0..grid * grid).map(|i| shape.point(Vec2::new(at(i % grid), at(i / grid)))).collect()
+}
+
+fn cube(origin: Vec3, around: &Surroundings) -> Vec<ShadowView> {
+    let mut views = hemicube(origin, Vec3::Y, around);
+    views.push(perspective(origin, Vec3::NEG_Y, Vec3::X, 1.0, around));
+    views
+}
+
+fn hemicube(origin: Vec3, forward: Vec3, around: &Surroundings) -> Vec<ShadowView> {
+    let right = forward.any_orthonormal_vector();
+    let up = forward.cross(right);
+    let sides = [right, -right, up, -up].map(|side| (side, forward));
+    let faces = [(forward, right)].into_iter().chain(sides);
+    faces.map(|(face, up)| perspective(origin, face, up, 1.0, around)).collect()
+}
+
+/// How much larger a view is than what it has to show.
+fn with_border(size: u32) -> f32 {
+    size as f32 / (size - 2 * BORDER) as f32
+}
+
+fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &Surroundings) -> ShadowView {
+    let half = tan * with_border(around.size);
+    ShadowView {
+        origin: origin.to_array(),
+        depth_scale: around.near,
+        right: forward.cross(up).to_array(),
+        half_width: half,
+        up: up.to_array(),
+        half_height: half,
+        forward: forward.to_array(),
+        is_parallel: 0,
+    }
+}
+
+fn parallel(forward: Vec3, around: &Surroundings) -> ShadowView {
+    let up = forward.any_orthonormal_vector();
+    let right = forward.cross(up);
+    let Bounds { min, max } = around.bounds;
+    let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
+    // Half the extent of a box along a direction; a margin where the scene is flat.
+    let least = (1e-3 * half.length()).max(around.near);
+    let extent = |axis: Vec3| (axis.abs().dot(half) * with_border(around.size)).max(least);
+    let depth = 1.01 * extent(forward);
+    ShadowView {
+        origin: (center - depth * forward).to_array(),
+        depth_scale: 0.5 / depth,
+        right: right.to_array(),
+        half_width: extent(right),
+        up: up.to_array(),
+        half_height: extent(up),
+        forward: forward.to_array(),
+        is_parallel: 1,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,170 @@
+// Direct light of local lights, added to what the samples before have added up to; the merge adds to that.
+//
+// A rectangle is a grid of cells, each with shadow maps around its middle and RECTANGLE_DETAIL squared samples of
+// light, which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the
+// blockers, whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
+
+@group(3) @binding(0) var geometry: texture_2d<u32>;
+@group(3) @binding(1) var rotation: texture_2d<f32>;
+@group(3) @binding(2) var color_roughness: texture_2d<f32>;
+@group(3) @binding(3) var others: texture_2d<f32>;
+@group(3) @binding(4) var previous_sum: texture_2d<f32>;
+
+const RECTANGLE_DETAIL: u32 = 2u;
+// How far around blockers are looked for: a cell and a half finds those that are less than three times as far from the
+// receiver as from the light.
+const SEARCH_RADIUS: f32 = 1.5;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<u32>(position.xy);
+    let sum = textureLoad(previous_sum, pixel, 0);
+    let g = textureLoad(geometry, pixel, 0);
+    if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
+        return sum;
+    }
+    let point = receiving_point(g, pixel, ray_direction(pixel));
+    var received = vec3(0.0);
+    for (var i = 0u; i < arrayLength(&local_lights); i++) {
+        received += light_from(point, local_lights[i]);
+    }
+    return sum + vec4(received, 0.0);
+}
+
+struct ReceivingPoint {
+    position: vec3<f32>,
+    // Of the triangle, on the side that is seen.
+    face_normal: vec3<f32>,
+    // Interpolated, before bump and normal map: no light from below it is received.
+    smooth_normal: vec3<f32>,
+    world_from_local: mat3x3<f32>,
+    wo: vec3<f32>,
+    brdf: Brdf,
+}
+
+fn receiving_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> ReceivingPoint {
+    let corners = triangles[g.x - 1u].vertices;
+    let bc = bitcast<vec2<f32>>(g.yz);
+    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let a = vertices[corners.x].position;
+    let b = vertices[corners.y].position;
+    let c = vertices[corners.z].position;
+    let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
+    let p = textureLoad(color_roughness, pixel, 0);
+    let q = textureLoad(others, pixel, 0);
+    return ReceivingPoint(
+        a * hit.barycentric.x + b * hit.barycentric.y + c * hit.barycentric.z,
+        normalize_or(cross(b - a, c - a) * hit.side, -direction),
+        smooth_normal(corners, hit, -direction),
+        local,
+        -direction * local,
+        brdf_from_parameters(g.w & MODEL_MASK, p, q),
+    );
+}
+
+// What a point reflects of a light toward the eye.
+fn light_from(point: ReceivingPoint, light: LocalLight) -> vec3<f32> {
+    var sum = vec3(0.0);
+    if light.emission == EMISSION_RECTANGLE {
+        for (var cell = 0u; cell < light.grid * light.grid; cell++) {
+            sum += light_from_cell(point, light, cell);
+        }
+        return sum;
+    }
+    sum = reflected(point, sample_light(light, point.position, vec2(0.5)));
+    if casts_shadow(light) && any(sum > vec3(0.0)) {
+        sum *= visibility_at(point.position, point.face_normal, light, 0u);
+    }
+    return sum;
+}
+
+fn casts_shadow(light: LocalLight) -> bool {
+    return light.first_view != NO_SHADOW;
+}
+
+// Share of a cell of a rectangle.
+fn light_from_cell(point: ReceivingPoint, light: LocalLight, cell: u32) -> vec3<f32> {
+    // Nothing arrives behind the rectangle.
+    if !(dot(point.position - light.position, light.forward) > 0.0) {
+        return vec3(0.0);
+    }
+    let steps = light.grid * RECTANGLE_DETAIL;
+    let first = vec2(cell % light.grid, cell / light.grid) * RECTANGLE_DETAIL;
+    var blocker = 0.0;
+    var visibility = 1.0;
+    if casts_shadow(light) {
+        blocker = mean_blocker(point, light, cell);
+        visibility = visibility_at(point.position, point.face_normal, light, cell);
+    }
+    var sum = vec3(0.0);
+    for (var i = 0u; i < RECTANGLE_DETAIL * RECTANGLE_DETAIL; i++) {
+        let step = first + vec2(i % RECTANGLE_DETAIL, i / RECTANGLE_DETAIL);
+        let u = (vec2<f32>(step) + frame.pixel_offset) / f32(steps);
+        let value = reflected(point, sample_light(light, point.position, u));
+        if blocker > 0.0 && any(value > vec3(0.0)) {
+            let in_cell = u * f32(light.grid) - vec2<f32>(first / RECTANGLE_DETAIL);
+            let past = seen_past(point, light, cell, offset_in_cell(light, in_cell - 0.5) * blocker);
+            visibility = visibility_at(past, point.face_normal, light, cell);
+        }
+        sum += value * visibility;
+    }
+    return sum / f32(steps * steps);
+}
+
+// A vector in the plane of a rectangle, in widths and heights of a cell.
+fn offset_in_cell(light: LocalLight, cells: vec2<f32>) -> vec3<f32> {
+    return (light.half_width * cells.x + light.half_height * cells.y) * (2.0 / f32(light.grid));
+}
+
+// Metres from blockers to the receiver for each metre from the light to them, the mean of those around; 0 without any.
+fn mean_blocker(point: ReceivingPoint, light: LocalLight, cell: u32) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let shift = offset_in_cell(light, SEARCH_RADIUS * vec2(f32(i % 3 - 1), f32(i / 3 - 1)));
+        let at = seen_past(point, light, cell, shift);
+        let blocker = shadow_blocker(view_toward(light, cell, at), at, point.face_normal);
+        sum += blocker;
+        count += select(0.0, 1.0, blocker > 0.0);
+    }
+    return sum / max(count, 1.0);
+}
+
+// Where the receiver's plane is seen from the middle of a cell toward the receiver less `shift`.
+fn seen_past(point: ReceivingPoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
+    let middle = shadow_views[light.first_view + cell * light.views_per_point].origin;
+    let away = point.position - middle;
+    let ratio = dot(point.face_normal, away) / dot(point.face_normal, away - shift);
+    // Beyond the horizon of the plane nothing is seen of it.
+    if !(ratio > 0.25 && ratio < 4.0) {
+        return point.position;
+    }
+    return middle + (away - shift) * ratio;
+}
+
+fn reflected(point: ReceivingPoint, sample: LightSample) -> vec3<f32> {
+    if !(dot(sample.direction, point.smooth_normal) > 0.0) {
+        return vec3(0.0);
+    }
+    return brdf_cos(point.brdf, sample.direction * point.world_from_local, point.wo, 0.0) * sample.irradiance;
+}
+
+fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell: u32) -> f32 {
+    return shadow_visibility(view_toward(light, cell, position), position, normal);
+}
+
+// The shadow map, of those around one point of a light, that looks at a receiver.
+fn view_toward(light: LocalLight, cell: u32, position: vec3<f32>) -> u32 {
+    let first = light.first_view + cell * light.views_per_point;
+    let away = position - shadow_views[first].origin;
+    var best = first;
+    var largest = dot(shadow_views[first].forward, away);
+    for (var i = first + 1u; i < first + light.views_per_point; i++) {
+        let along = dot(shadow_views[i].forward, away);
+        if along > largest {
+            largest = along;
+            best = i;
+        }
+    }
+    return best;
+}
