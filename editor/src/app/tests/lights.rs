@@ -3,6 +3,7 @@
 use super::{Place, Window};
 use crate::{
     actions::Action,
+    app::layout::Inspector,
     document::{Component, ComponentSettings, Edit, lights::LightKind},
 };
 use egui::{Key, Modifiers};
@@ -144,5 +145,5 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     window.0.run_steps(3);
     window.click("Bake with bounce light");
     assert_eq!(window.0.state().document.bake.mode, BakeMode::All);
-    assert!(window.shows("Preset") && window.shows("Both"));
+    assert_eq!(window.0.state().interface.inspector, Inspector::Bake);
 }
