@@ -28,6 +28,7 @@ pub mod indirect;
 pub mod light_tree;
 pub mod lights;
 pub mod material;
+pub mod meshless;
 pub mod ray;
 pub mod scene;
 pub mod simd;
