@@ -93,6 +93,16 @@ impl Intersector {
         })
     }
 
+    /// Whether anything lies strictly between two points. Both lie off any surface.
+    pub fn occluded_between(&self, from: Vec3, to: Vec3) -> bool {
+        let segment = to - from;
+        let ray = Ray::new(from.into(), segment.into(), 0.0, 1.0);
+        !self.bvh.ray_traverse_miss(ray, |_, leaf| {
+            let crossed = TriangleFrom::new(from, self.leaf_triangles[leaf]).crosses_before(segment);
+            if crossed { 0.0 } else { f32::INFINITY }
+        })
+    }
+
     /// [`Self::occluded`] by testing every triangle: the oracle of the tests.
     pub fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
         self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))

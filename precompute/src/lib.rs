@@ -9,10 +9,12 @@ mod bake_points;
 mod checkpoint;
 pub mod cli;
 mod memory;
+mod mesh_surface;
 mod observer;
 mod pilot;
 mod settings;
 mod sidedness;
+mod surface_points;
 mod tessellate;
 mod threads;
 mod verify;
@@ -21,7 +23,12 @@ mod visibility;
 pub use bake::{BakeError, BakeJob, bake};
 pub use checkpoint::{CheckpointError, Leftover, leftover};
 pub use memory::available as available_memory;
+pub use mesh_surface::MeshSurface;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
+pub use surface_points::{
+    Candidates, Darts, PointsError, check_viewpoint, find_viewpoint, poisson_count, poisson_disk, poisson_levels,
+    sample_areas,
+};
 pub use threads::on_threads;
 pub use verify::{Verification, verify};

@@ -1,6 +1,6 @@
 //! Which functions of a level reach a point: a tree over the boxes of their supports.
 
-use super::distance::{SQUASH, squashed_distance_sq};
+use super::distance::{SQUASH, alignment, squashed_distance};
 use crate::surfel::Surfel;
 use glam::{Vec3, Vec3A};
 use obvhs::{
@@ -44,15 +44,13 @@ impl LevelTree {
     /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9).
     #[inline]
     pub fn weights(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
-        let radius_sq = self.radius * self.radius;
         self.bvh.point_traverse(position.into(), |bvh, node| {
             let node = &bvh.nodes[node as usize];
             let first = node.first_index as usize;
             for function in &self.functions[first..first + node.prim_count as usize] {
-                let distance_sq = squashed_distance_sq(position - function.position, function.normal);
-                let cos = normal.dot(function.normal);
-                if distance_sq < radius_sq && cos > 0.0 {
-                    let weight = kernel(distance_sq.sqrt() / self.radius) * cos * cos;
+                let distance = squashed_distance(function.position, function.normal, position);
+                if distance < self.radius {
+                    let weight = kernel(distance / self.radius) * alignment(normal, function.normal);
                     if weight > 0.0 {
                         out.push((function.index, weight));
                     }

@@ -98,3 +98,23 @@ fn no_ray_slips_between_neighbouring_triangles() {
     let outside = p(0.0, 3.0, 0.0);
     assert!(!scene.occluded(outside, Vec3::Y), "negative control");
 }
+
+#[test]
+fn segments_are_blocked_by_what_lies_between_their_ends_alone() {
+    let mesh = soup(9, 700);
+    let scene = Intersector::new(&mesh);
+    let (mut blocked, mut open) = (0, 0);
+    for d in fibonacci_directions(400) {
+        let Some(hit) = scene.closest_hit(Vec3::ZERO, d) else { continue };
+        assert!(!scene.occluded_between(Vec3::ZERO, d * (hit.distance * 0.999)), "short of the first hit");
+        assert!(scene.occluded_between(Vec3::ZERO, d * (hit.distance * 1.001)), "beyond the first hit");
+        let to = d * 3.0;
+        let crosses =
+            |t: usize| TriangleFrom::new(Vec3::ZERO, mesh.corners(t)).hit(d).is_some_and(|h| h.distance < 3.0);
+        let expected = (0..mesh.triangles.len()).any(crosses);
+        assert_eq!(scene.occluded_between(Vec3::ZERO, to), expected);
+        assert_eq!(scene.occluded_between(to, Vec3::ZERO), expected, "from the other end");
+        *(if expected { &mut blocked } else { &mut open }) += 1;
+    }
+    assert!(blocked > 50 && open > 50, "a scene that tells them apart: {blocked} and {open}");
+}

@@ -37,6 +37,13 @@ impl TriangleFrom {
         self.side != 0.0 && self.edges.iter().all(|&e| dot(e, direction) >= 0.0)
     }
 
+    /// Whether the segment from the origin by `segment` crosses the triangle: its end lies beyond the triangle's plane.
+    #[inline(always)]
+    pub fn crosses_before(&self, segment: Vec3) -> bool {
+        let sign = if self.side < 0.0 { -1.0 } else { 1.0 };
+        dot(self.normal, segment) * sign > self.side.abs() && self.crosses(segment)
+    }
+
     /// Distance and barycentric weights of the meeting point, if any; the triangle index is left at 0.
     pub fn hit(&self, direction: Vec3) -> Option<Hit> {
         if !self.crosses(direction) {

@@ -1,0 +1,156 @@
+//! A triangle mesh as the surface that light transport casts rays against.
+
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    ray::Intersector,
+    scene::{Bounds, Mesh},
+    surfel::{MeshPlace, Surface, Surfel},
+};
+
+/// Diffuse reflectance of a point of the mesh.
+pub type Reflectance<'a> = &'a (dyn Fn(&Surfel) -> Vec3 + Sync);
+
+/// A mesh with the sides that it is seen from.
+#[derive(Clone, Copy)]
+pub struct MeshSurface<'a> {
+    mesh: &'a Mesh,
+    intersector: &'a Intersector,
+    two_sided: &'a [bool],
+    reflectance: Reflectance<'a>,
+    bounds: Bounds,
+}
+
+impl<'a> MeshSurface<'a> {
+    /// `two_sided` has an entry a triangle; the backs of others do not exist for light.
+    pub fn new(
+        mesh: &'a Mesh,
+        intersector: &'a Intersector,
+        two_sided: &'a [bool],
+        reflectance: Reflectance<'a>,
+    ) -> Self {
+        Self { mesh, intersector, two_sided, reflectance, bounds: mesh.bounds() }
+    }
+
+    /// Whether a ray meets the mesh from either side.
+    pub fn meets_anything(&self, origin: Vec3, direction: Vec3) -> bool {
+        self.intersector.occluded(origin, direction)
+    }
+
+    /// Points spread uniformly over all sides of the mesh, and the area in m² that each stands for.
+    ///
+    /// They are stratified: one in each stretch of equal area along the list of triangles.
+    pub fn uniform_points(&self, count: usize, seed: u64) -> (Vec<Surfel>, f32) {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let sides = |t: usize| if self.two_sided[t] { 2.0 } else { 1.0 };
+        let area = |t: usize| 0.5 * f64::from(self.mesh.area_vector(t).length()) * sides(t);
+        let total: f64 = (0..self.mesh.triangles.len()).map(area).sum();
+        let step = total / count.max(1) as f64;
+        let mut points = Vec::with_capacity(count);
+        let (mut end, mut next) = (0.0, step * rng.f64());
+        for t in 0..self.mesh.triangles.len() {
+            end += area(t);
+            while next < end {
+                points.push(self.random_point(t, &mut rng));
+                next = (points.len() as f64 + rng.f64()) * step;
+            }
+        }
+        (points, step as f32)
+    }
+
+    /// A uniformly distributed point of a triangle, on either side if it has two.
+    fn random_point(&self, triangle: usize, rng: &mut fastrand::Rng) -> Surfel {
+        let (u, v) = (rng.f32(), rng.f32());
+        let barycentric = if u + v > 1.0 { Vec2::new(1.0 - u, 1.0 - v) } else { Vec2::new(u, v) };
+        let back = self.two_sided[triangle] && rng.bool();
+        self.surfel(triangle as u32, barycentric, back)
+    }
+
+    fn surfel(&self, triangle: u32, barycentric: Vec2, back: bool) -> Surfel {
+        let [a, b, c] = self.mesh.corners(triangle as usize);
+        let front = self.mesh.area_vector(triangle as usize).normalize_or(Vec3::Y);
+        Surfel {
+            position: a + (b - a) * barycentric.x + (c - a) * barycentric.y,
+            normal: if back { -front } else { front },
+            place: MeshPlace { triangle, barycentric },
+        }
+    }
+}
+
+impl Surface for MeshSurface<'_> {
+    fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Surfel> {
+        let hit = self.intersector.closest_hit(origin, direction)?;
+        let seen = !hit.back_face || self.two_sided[hit.triangle as usize];
+        seen.then(|| self.surfel(hit.triangle, hit.barycentric, hit.back_face))
+    }
+
+    fn sees(&self, from: Vec3, to: Vec3) -> bool {
+        !self.intersector.occluded_between(from, to)
+    }
+
+    fn reflectance(&self, at: &Surfel) -> Vec3 {
+        (self.reflectance)(at)
+    }
+
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::sidedness::{
+        Sidedness, classify,
+        tests::{cuboid, floor, scene_of},
+    };
+    use lapidary_core::scene::Scene;
+
+    /// A scene with all that a [`MeshSurface`] borrows.
+    pub struct Prepared {
+        pub scene: Scene,
+        pub sides: Sidedness,
+        pub intersector: Intersector,
+    }
+
+    impl Prepared {
+        pub fn new(triangles: &[[Vec3; 3]]) -> Self {
+            let scene = scene_of(triangles);
+            Self { sides: classify(&scene), intersector: Intersector::new(&scene.mesh), scene }
+        }
+
+        pub fn surface(&self) -> MeshSurface<'_> {
+            MeshSurface::new(&self.scene.mesh, &self.intersector, &self.sides.two_sided, &|_| Vec3::splat(0.5))
+        }
+    }
+
+    /// A closed box that faces inward.
+    pub fn room(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
+        cuboid(center, half).into_iter().map(|[a, b, c]| [a, c, b]).collect()
+    }
+
+    #[test]
+    fn backs_of_one_sided_surfaces_do_not_exist_and_those_of_two_sided_ones_do() {
+        let mut prepared = Prepared::new(&floor(1.0, 0.0));
+        let (above, below) = (Vec3::new(0.2, 1.0, 0.3), Vec3::new(0.2, -1.0, 0.3));
+        let hit = prepared.surface().first_hit(above, Vec3::NEG_Y).unwrap();
+        assert_eq!(hit.normal, Vec3::Y);
+        assert!((hit.position - Vec3::new(0.2, 0.0, 0.3)).length() < 1e-6);
+        assert!(prepared.surface().first_hit(below, Vec3::Y).is_none());
+        assert!(!prepared.surface().sees(above, below) && prepared.surface().sees(above, above + Vec3::X));
+        prepared.sides.two_sided = vec![true; 2];
+        assert_eq!(prepared.surface().first_hit(below, Vec3::Y).unwrap().normal, Vec3::NEG_Y);
+    }
+
+    #[test]
+    fn uniform_points_stand_for_the_area_of_all_sides() {
+        let mut prepared = Prepared::new(&floor(1.0, 0.0));
+        let (points, area) = prepared.surface().uniform_points(1000, 1);
+        assert!((points.len() as f32 * area - 4.0).abs() < 1e-3);
+        let quarter = points.iter().filter(|p| p.position.x > 0.0 && p.position.z > 0.0).count();
+        assert!((quarter as f32 / 250.0 - 1.0).abs() < 0.15, "{quarter}");
+        prepared.sides.two_sided = vec![true; 2];
+        let (points, area) = prepared.surface().uniform_points(1000, 1);
+        assert!((points.len() as f32 * area - 8.0).abs() < 1e-2);
+        assert!(points.iter().any(|p| p.normal.y < 0.0) && points.iter().any(|p| p.normal.y > 0.0));
+    }
+}

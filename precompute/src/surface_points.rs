@@ -1,0 +1,53 @@
+//! Points scattered over the surfaces that light can reach (meshless basis paper, 2.3), found by ray casts alone:
+//! candidates by importance tracing, Poisson-disk sets of them by dart throwing, and the area that each point stands for.
+
+mod areas;
+mod candidates;
+mod disk;
+mod grid;
+mod viewpoint;
+
+pub use areas::sample_areas;
+pub use candidates::Candidates;
+pub use disk::{Darts, poisson_count, poisson_disk, poisson_levels};
+pub use viewpoint::{check_viewpoint, find_viewpoint};
+
+use glam::Vec3;
+use thiserror::Error;
+
+/// Why points cannot be placed.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum PointsError {
+    /// Rays from the viewpoint meet nothing that is seen from its side.
+    #[error(
+        "no surface is seen from the viewpoint ({}, {}, {}); give one inside the scene with --viewpoint x,y,z",
+        .0.x, .0.y, .0.z
+    )]
+    SeesNothing(Vec3),
+    /// Most of what the viewpoint sees are backs of closed surfaces.
+    #[error(
+        "the viewpoint ({}, {}, {}) lies inside something solid; give one in the open with --viewpoint x,y,z",
+        .0.x, .0.y, .0.z
+    )]
+    InsideSolid(Vec3),
+    /// The search found no place that sees a surface.
+    #[error(
+        "no valid viewpoint: no place in the scene sees the front of a surface; check that the normals of the mesh point \
+         out of it, or give a place with --viewpoint x,y,z"
+    )]
+    NoViewpoint,
+    /// Surfaces too small or too few for so many points.
+    #[error(
+        "light reaches too little surface for {wanted} points; lower --sources, or check the scene for zero-area faces"
+    )]
+    TooLittleSurface {
+        /// Points asked for.
+        wanted: usize,
+    },
+    /// The observer asked for it.
+    #[error("the placing of points was cancelled")]
+    Cancelled,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! Candidates: where importance particles land that are traced backwards from a valid viewpoint.
+//!
+//! A particle reflects about with cosine-distributed directions, up to [`BOUNCES`] times; the first [`DROPPED`] landings
+//! do not count, so that the density does not depend on where the viewpoint is. Where most particles escape before that, as
+//! over an open plane, all landings count.
+
+use super::PointsError;
+use crate::{Observer, surface_points::check_viewpoint};
+use glam::Vec3;
+use lapidary_core::{
+    sphere::{cosine_direction, frame_around, uniform_direction},
+    surfel::{Surface, Surfel},
+};
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// Landings of a particle (the paper's 30).
+const BOUNCES: usize = 30;
+/// The first of them that do not count (the paper's 3).
+const DROPPED: usize = 3;
+/// Particles traced at a time.
+const BATCH: u64 = 256;
+/// Batches without a landing after which there are no more candidates.
+const EMPTY_BATCHES: usize = 16;
+/// Share of particles that must land more than [`DROPPED`] times for these to be dropped.
+const ENOUGH: f64 = 0.1;
+
+/// An endless supply of points on surfaces from which light reaches the viewpoint; the same ones for the same seed.
+pub struct Candidates<'a> {
+    surface: &'a dyn Surface,
+    observer: &'a dyn Observer,
+    viewpoint: Vec3,
+    seed: u64,
+    dropped: usize,
+    next_particle: u64,
+    ready: VecDeque<Surfel>,
+}
+
+impl<'a> Candidates<'a> {
+    /// From a viewpoint that is checked here.
+    ///
+    /// # Errors
+    /// [`PointsError::SeesNothing`].
+    pub fn new(
+        surface: &'a dyn Surface,
+        viewpoint: Vec3,
+        seed: u64,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, PointsError> {
+        check_viewpoint(surface, viewpoint)?;
+        let ready = VecDeque::new();
+        let mut candidates = Self { surface, observer, viewpoint, seed, dropped: 0, next_particle: 0, ready };
+        let paths: Vec<_> = (0..BATCH).into_par_iter().map(|p| candidates.particle(p).len()).collect();
+        let long = paths.iter().filter(|&&length| length > DROPPED).count();
+        candidates.dropped = if long as f64 >= ENOUGH * BATCH as f64 { DROPPED } else { 0 };
+        Ok(candidates)
+    }
+
+    /// The next candidate. `None` if particles land nowhere any more.
+    ///
+    /// # Errors
+    /// [`PointsError::Cancelled`].
+    pub fn draw(&mut self) -> Result<Option<Surfel>, PointsError> {
+        for _ in 0..EMPTY_BATCHES {
+            if let Some(candidate) = self.ready.pop_front() {
+                return Ok(Some(candidate));
+            }
+            if self.observer.cancelled() {
+                return Err(PointsError::Cancelled);
+            }
+            let particles = self.next_particle..self.next_particle + BATCH;
+            self.next_particle = particles.end;
+            let landed: Vec<Vec<Surfel>> = particles.into_par_iter().map(|p| self.particle(p)).collect();
+            self.ready.extend(landed.into_iter().flatten());
+        }
+        Ok(self.ready.pop_front())
+    }
+
+    pub(super) fn surface(&self) -> &'a dyn Surface {
+        self.surface
+    }
+
+    /// Where a particle lands.
+    fn particle(&self, index: u64) -> Vec<Surfel> {
+        let mut rng = fastrand::Rng::with_seed(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let offset = self.surface.offset();
+        let mut landed = Vec::with_capacity(BOUNCES - self.dropped);
+        let mut origin = self.viewpoint;
+        let mut direction = uniform_direction(rng.f32(), rng.f32());
+        for bounce in 0..BOUNCES {
+            let Some(hit) = self.surface.first_hit(origin, direction) else { break };
+            if bounce >= self.dropped {
+                landed.push(hit);
+            }
+            origin = step_back(origin, direction, &hit, offset);
+            direction = frame_around(hit.normal) * cosine_direction(rng.f32(), rng.f32());
+        }
+        landed
+    }
+}
+
+/// A place off the surface on the way that the particle came: nothing lies there, even in a corner where a step along the
+/// normal could pass through the wall beside.
+fn step_back(origin: Vec3, direction: Vec3, hit: &Surfel, offset: f32) -> Vec3 {
+    let cosine = direction.dot(hit.normal).abs().max(1e-3);
+    hit.position - direction * (offset / cosine).min(0.5 * origin.distance(hit.position))
+}

@@ -1,0 +1,171 @@
+//! Poisson-disk sets on known geometry.
+
+use super::*;
+use crate::{
+    mesh_surface::tests::{Prepared, room},
+    observer::{Event, Observer, Silent},
+    sidedness::tests::{cuboid, floor},
+};
+use lapidary_core::{
+    camera::Camera,
+    meshless::distance::distance,
+    surfel::{Surface, Surfel},
+};
+
+const INSIDE: Vec3 = Vec3::new(0.1, -0.2, 0.15);
+
+/// A room of 2 m with a closed box on its floor that has another within it.
+fn furnished() -> Prepared {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.3), Vec3::splat(0.3)));
+    triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.3), Vec3::splat(0.1)));
+    Prepared::new(&triangles)
+}
+
+fn disk(prepared: &Prepared, radius: f32, seed: u64) -> Vec<Surfel> {
+    let surface = prepared.surface();
+    let mut candidates = Candidates::new(&surface, INSIDE, seed, &Silent).unwrap();
+    poisson_disk(&mut candidates, Darts { radius, open_only: false, most: 100_000 }).unwrap()
+}
+
+#[test]
+fn no_two_points_are_nearer_than_the_radius_and_none_is_enclosed() {
+    let prepared = furnished();
+    let points = disk(&prepared, 0.1, 1);
+    let nearest = |set: &[Surfel]| {
+        let pairs = (0..set.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        pairs.map(|(i, j)| distance(&set[i], &set[j])).fold(f32::INFINITY, f32::min)
+    };
+    assert!(nearest(&points) >= 0.1, "{}", nearest(&points));
+    let enclosed = |p: &Surfel| p.position.distance(Vec3::new(0.4, -0.7, 0.3)) < 0.25;
+    assert!(!points.iter().any(enclosed));
+    let beneath =
+        |p: &Surfel| p.position.y < -0.999 && (p.position - Vec3::new(0.4, -1.0, 0.3)).abs().max_element() < 0.3;
+    assert!(!points.iter().any(beneath), "the floor under the box and the box's own underside");
+    let mut closer = points;
+    closer.push(Surfel { position: closer[0].position + Vec3::splat(1e-3), ..closer[0] });
+    assert!(nearest(&closer) < 0.1, "negative control");
+}
+
+#[test]
+fn points_of_faces_at_right_angles_may_be_close_and_those_of_one_face_may_not() {
+    let points = disk(&Prepared::new(&room(Vec3::ZERO, Vec3::ONE)), 0.2, 3);
+    let closest = |across: bool| {
+        let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let other = |&(i, j): &(usize, usize)| (points[i].normal.dot(points[j].normal) < 0.5) == across;
+        pairs.filter(other).map(|(i, j)| points[i].position.distance(points[j].position)).fold(9.0, f32::min)
+    };
+    assert!(closest(true) < 0.08, "{}", closest(true));
+    assert!(closest(false) >= 0.2);
+}
+
+#[test]
+fn density_is_even() {
+    let points = disk(&Prepared::new(&room(Vec3::ZERO, Vec3::ONE)), 0.06, 5);
+    // 4 x 4 squares of each of the six faces, away from the edges, where disks are cut off.
+    let mut counts = std::collections::HashMap::new();
+    for p in &points {
+        let key = ((p.position + p.normal * 0.5) * 2.0).floor().as_ivec3();
+        *counts.entry((p.normal.round().as_ivec3(), key)).or_insert(0.0_f32) += 1.0;
+    }
+    assert_eq!(counts.len(), 96);
+    let mean = counts.values().sum::<f32>() / 96.0;
+    let deviation = (counts.values().map(|c| (c - mean).powi(2)).sum::<f32>() / 96.0).sqrt() / mean;
+    assert!(deviation < 0.09, "coefficient of variation {deviation} about {mean}");
+    assert!(1.0 / mean.sqrt() > 1.4 * deviation, "random points would vary more than {deviation}");
+}
+
+#[test]
+fn areas_add_up_to_what_light_reaches() {
+    let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
+    let (points, radius) = poisson_count(&prepared.surface(), INSIDE, 1024, 1, &Silent).unwrap();
+    assert_eq!(points.len(), 1024);
+    let areas = sample_areas(&prepared.surface(), &points, radius, 2);
+    let total: f32 = areas.iter().sum();
+    assert!((total / 24.0 - 1.0).abs() < 0.02, "{total}");
+    let mean = total / 1024.0;
+    assert!(areas.iter().all(|a| *a > 0.25 * mean && *a < 3.0 * mean), "no sample stands for too much");
+    // A box of 0.6 m on the floor hides 0.36 m² and shows five faces.
+    let furnished = furnished();
+    let (points, radius) = poisson_count(&furnished.surface(), INSIDE, 2048, 1, &Silent).unwrap();
+    let total: f32 = sample_areas(&furnished.surface(), &points, radius, 2).iter().sum();
+    let expected = 24.0 - 0.36 + 5.0 * 0.36;
+    assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
+}
+
+#[test]
+fn levels_halve_the_radius_and_threads_do_not_matter() {
+    let prepared = furnished();
+    let levels = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| poisson_levels(&prepared.surface(), INSIDE, 0.4, 3, 7, &Silent).unwrap())
+    };
+    let one = levels(1);
+    assert!(one.windows(2).all(|w| (2.5..6.0).contains(&(w[1].len() as f32 / w[0].len() as f32))));
+    assert_eq!(one, levels(3));
+    let other = poisson_levels(&prepared.surface(), INSIDE, 0.4, 3, 8, &Silent).unwrap();
+    assert_ne!(one, other, "negative control");
+}
+
+#[test]
+fn narrow_places_get_no_coarse_points() {
+    // A slot of 2 mm under a plate: the floor beneath it sees nothing far away.
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.0, -0.893, 0.0), Vec3::new(0.5, 0.105, 0.5)));
+    let prepared = Prepared::new(&triangles);
+    let in_slot = |open_only| {
+        let surface = prepared.surface();
+        let mut candidates = Candidates::new(&surface, INSIDE, 1, &Silent).unwrap();
+        let points = poisson_disk(&mut candidates, Darts { radius: 0.2, open_only, most: 100_000 }).unwrap();
+        points.iter().filter(|p| p.position.y < -0.99 && p.position.abs().with_y(0.0).max_element() < 0.45).count()
+    };
+    assert_eq!(in_slot(true), 0);
+    assert!(in_slot(false) > 0, "negative control");
+}
+
+#[test]
+fn viewpoints_are_found_and_bad_ones_named() {
+    let prepared = furnished();
+    let surface = prepared.surface();
+    let found = find_viewpoint(&surface, None, &[]).unwrap();
+    assert!(found.abs().max_element() < 1.0, "inside the room: {found}");
+    let in_box = Vec3::new(0.4, -0.5, 0.3);
+    assert_eq!(find_viewpoint(&surface, Some(in_box), &[]), Err(PointsError::InsideSolid(in_box)));
+    let camera = |eye| Camera::look_at(eye, Vec3::ZERO, 40.0);
+    assert_eq!(find_viewpoint(&surface, None, &[camera(in_box), camera(INSIDE)]), Ok(INSIDE));
+    let plane = Prepared::new(&floor(1.0, 0.0));
+    let below = Vec3::new(0.0, -1.0, 0.0);
+    assert_eq!(check_viewpoint(&plane.surface(), below), Err(PointsError::SeesNothing(below)));
+    assert!(find_viewpoint(&plane.surface(), None, &[]).unwrap().y > 0.0);
+    let nan = find_viewpoint(&surface, Some(Vec3::NAN), &[]);
+    assert!(matches!(nan, Err(PointsError::SeesNothing(_))));
+    let solid = Prepared::new(&[]);
+    assert_eq!(find_viewpoint(&solid.surface(), None, &[]), Err(PointsError::NoViewpoint));
+}
+
+#[test]
+fn an_open_scene_still_gets_points() {
+    let mut triangles = floor(2.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
+    let prepared = Prepared::new(&triangles);
+    let viewpoint = find_viewpoint(&prepared.surface(), None, &[]).unwrap();
+    let (points, _) = poisson_count(&prepared.surface(), viewpoint, 512, 1, &Silent).unwrap();
+    assert!(points.iter().any(|p| p.position.y == 0.0) && points.iter().any(|p| p.position.y > 0.5));
+}
+
+#[test]
+fn surfaces_without_area_and_cancelled_jobs_end() {
+    let speck = Prepared::new(&[[Vec3::ZERO, Vec3::X * 1e-20, Vec3::Z * 1e-20], [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X]]);
+    let surface = speck.surface();
+    assert!(find_viewpoint(&surface, None, &[]).is_err());
+    assert!(surface.bounds().diagonal() > 1.0);
+    struct Stop;
+    impl Observer for Stop {
+        fn event(&self, _: Event) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let prepared = furnished();
+    assert_eq!(poisson_count(&prepared.surface(), INSIDE, 512, 1, &Stop), Err(PointsError::Cancelled));
+}
