@@ -1,7 +1,7 @@
 //! The bake, phase by phase.
 
 use crate::{
-    CheckpointError, SettingsError,
+    CheckpointError, PointsError, SettingsError,
     bake_points::BakePoints,
     checkpoint::{Checkpoint, Chunk},
     memory,
@@ -61,6 +61,9 @@ pub enum BakeError {
     /// The checkpoint cannot be used or written.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// Points cannot be placed on the surfaces.
+    #[error(transparent)]
+    Points(#[from] PointsError),
     /// The dataset cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),

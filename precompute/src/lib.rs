@@ -10,6 +10,7 @@ mod checkpoint;
 pub mod cli;
 mod memory;
 mod mesh_surface;
+mod meshless;
 mod observer;
 mod pilot;
 mod settings;
@@ -17,6 +18,7 @@ mod sidedness;
 mod surface_points;
 mod tessellate;
 mod threads;
+mod transport;
 mod verify;
 mod visibility;
 
@@ -24,6 +26,7 @@ pub use bake::{BakeError, BakeJob, bake};
 pub use checkpoint::{CheckpointError, Leftover, leftover};
 pub use memory::available as available_memory;
 pub use mesh_surface::MeshSurface;
+pub use meshless::{MeshlessSettings, meshless_bake};
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
 pub use surface_points::{
@@ -31,4 +34,5 @@ pub use surface_points::{
     sample_areas,
 };
 pub use threads::on_threads;
+pub use transport::{TransportReport, TransportSettings, transport_operator};
 pub use verify::{Verification, verify};

@@ -16,6 +16,10 @@ pub enum Phase {
     Tree,
     /// Visibility of all bake points, and their cuts.
     Visibility,
+    /// Placing the points of the meshless basis.
+    Basis,
+    /// Light transport between its functions.
+    Transport,
     /// Packing and writing.
     Pack,
 }
@@ -29,6 +33,8 @@ impl Phase {
             Self::Pilot => "pilot",
             Self::Tree => "tree",
             Self::Visibility => "visibility",
+            Self::Basis => "basis",
+            Self::Transport => "transport",
             Self::Pack => "pack",
         }
     }
