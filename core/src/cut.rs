@@ -7,8 +7,10 @@ pub mod illumination;
 pub mod merge;
 pub mod packed;
 mod select;
+mod select_sources;
 
 pub use select::{CutCriterion, CutSelector, prune};
+pub use select_sources::{SourceCriterion, SourceCutSelector};
 
 use thiserror::Error;
 

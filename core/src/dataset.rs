@@ -14,16 +14,29 @@
 //! | `tree_order` | u32 | N | sample index of each leaf; samples are spherical Fibonacci points |
 //! | `cuts` | u32 | texels, 4 | packed nodes, see [`crate::cut::packed`] |
 //! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
+//! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, metres |
+//! | `source_areas` | f32 | S | m² that each stands for |
+//! | `source_triangles` | u32 | S | triangle that each lies on |
+//! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
+//! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::indirect`] |
+//! | `source_cut_offsets` | u32 | V | first texel of each vertex's cut |
+//! | `source_environment_cuts` | u32 | texels, 4 | visibility of the N lights from the sources |
+//! | `source_environment_cut_offsets` | u32 | S | first texel of each source's cut |
 //! | `texture.0`, ... | u8 | bytes | image files as they were imported |
+//!
+//! S surface sources are there if the bake was asked for them (`--mode indirect` or `all`).
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
 //! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
 
 mod error;
+mod indirect;
+mod modes;
 mod read;
 mod write;
 
 pub use error::DatasetError;
+pub use modes::{BakeMode, IndirectReport, IndirectSettings};
 
 use crate::{
     cut::{CutCriterion, packed::PackedCuts},
@@ -36,7 +49,8 @@ use std::collections::BTreeMap;
 
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
-pub const FORMAT_VERSION: u32 = 2;
+/// Version 3 added lights, modes and surface sources.
+pub const FORMAT_VERSION: u32 = 3;
 
 /// A baked scene.
 #[derive(Clone, Debug)]
@@ -79,6 +93,12 @@ pub struct BakeSettings {
     pub max_vertices: Option<usize>,
     /// Most bytes for all cuts; cuts are coarsened by a common `sigma` until they fit.
     pub max_bytes: Option<u64>,
+    /// Which parts are baked.
+    #[serde(default)]
+    pub mode: BakeMode,
+    /// How the parts that bounce light are baked, if they are.
+    #[serde(default)]
+    pub indirect: IndirectSettings,
 }
 
 /// What a bake did; the keys are those of `--report`.
@@ -115,7 +135,12 @@ pub struct BakeReport {
     pub samples_per_second: f64,
     /// Greatest resident memory of the process.
     pub peak_memory_bytes: u64,
-    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`.
+    /// Which parts were baked.
+    pub mode: BakeMode,
+    /// The part of the surface sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub indirect: Option<IndirectReport>,
+    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
     pub seconds: BTreeMap<String, f64>,
     /// Distinct bake points; vertices that agree in position and normal share one.
     pub bake_points: usize,

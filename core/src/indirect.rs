@@ -5,6 +5,7 @@
 //! zero where it is hidden (`<V G>` of the paper, 3).
 
 use crate::{cut::packed::PackedCuts, surfel::Surfel};
+use glam::Vec3;
 
 /// A surface sample that sends light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +14,24 @@ pub struct Source {
     pub surfel: Surfel,
     /// Area in m² that it stands for.
     pub area: f32,
+}
+
+impl Source {
+    /// Solid angle in steradians that the source fills seen from a place `from`, in front of it and with nothing between;
+    /// 0 from behind.
+    ///
+    /// `A cos θ / (d² + A / 2π)`: right from afar, and a hemisphere at most from near by.
+    #[inline(always)]
+    pub fn solid_angle_from(&self, from: Vec3) -> f32 {
+        let to_place = from - self.surfel.position;
+        let distance_sq = to_place.length_squared();
+        let height = to_place.dot(self.surfel.normal);
+        if !(height > 0.0 && self.area > 0.0) {
+            return 0.0;
+        }
+        let cosine = height / distance_sq.sqrt();
+        self.area * cosine / (distance_sq + self.area * (1.0 / LARGEST_SOLID_ANGLE))
+    }
 }
 
 /// Sources, what vertices see of them, and what they see of the environment.
@@ -60,5 +79,26 @@ mod tests {
             assert!((solid_angle(solid_angle_code(x)) / x - 1.0).abs() < 2.7e-3, "{x}");
             x *= 1.07;
         }
+    }
+
+    #[test]
+    fn solid_angles_are_near_those_of_discs_at_any_distance() {
+        let disc = Source {
+            surfel: Surfel { position: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Y, place: Default::default() },
+            area: 0.25 * std::f32::consts::PI,
+        };
+        let radius = 0.5_f32;
+        for distance in [1e-4_f32, 0.1, 0.3, 0.5, 1.0, 3.0, 30.0] {
+            let exact = LARGEST_SOLID_ANGLE * (1.0 - distance / distance.hypot(radius));
+            let found = disc.solid_angle_from(disc.surfel.position + Vec3::Y * distance);
+            let bound = if distance > 2.0 { 0.02 } else { 0.3 };
+            assert!((found / exact - 1.0).abs() < bound, "{found} for {exact} at {distance}");
+            assert!(found <= LARGEST_SOLID_ANGLE);
+        }
+        let far = disc.solid_angle_from(disc.surfel.position + Vec3::new(30.0, 30.0, 0.0));
+        assert!((far / (disc.area * 0.5_f32.sqrt() / 1800.0) - 1.0).abs() < 1e-3, "from the side");
+        assert_eq!(disc.solid_angle_from(disc.surfel.position - Vec3::Y), 0.0, "from behind");
+        assert_eq!(disc.solid_angle_from(disc.surfel.position), 0.0);
+        assert_eq!(Source { area: 0.0, ..disc }.solid_angle_from(Vec3::splat(9.0)), 0.0, "no area");
     }
 }

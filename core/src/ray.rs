@@ -6,9 +6,11 @@
 mod batch;
 mod directions;
 mod leaves;
+mod segments;
 mod triangle;
 
 pub use directions::DirectionSet;
+pub use segments::SegmentBatch;
 
 use crate::scene::Mesh;
 use glam::{Vec2, Vec3, Vec3A};

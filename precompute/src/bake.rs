@@ -1,36 +1,41 @@
 //! The bake, phase by phase.
 
+mod chunks;
+mod clock;
+mod indirect;
+mod pack;
+
+use self::{
+    chunks::{EnvironmentCuts, bake_chunks},
+    clock::Clock,
+    indirect::Stage,
+    pack::{Packed, concatenate, fit_budget, pack, unbaked},
+};
 use crate::{
-    CheckpointError, PointsError, SettingsError,
+    CheckpointError, MeshSurface, PointsError, SettingsError,
     bake_points::BakePoints,
-    checkpoint::{Checkpoint, Chunk},
-    memory,
+    checkpoint::{Checkpoint, Chunk, Series},
+    find_viewpoint, memory,
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
     sidedness::{Sidedness, classify},
     tessellate::tessellate,
     visibility::VisibilitySampler,
 };
+use glam::Vec3;
 use lapidary_core::{
-    cut::{
-        CutSelector,
-        packed::{NODES_PER_TEXEL, PackedCuts, TEXTURE_WIDTH},
-        prune,
-    },
-    dataset::{BakeReport, BakeSettings, Dataset, DatasetError, scene_hash},
+    dataset::{BakeReport, BakeSettings, Dataset, DatasetError, IndirectReport, scene_hash},
+    indirect::IndirectBake,
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     ray::Intersector,
     scene::Scene,
     sphere::fibonacci_directions,
 };
-use rayon::prelude::*;
-use std::{collections::BTreeMap, path::PathBuf, time::Instant};
+use std::{path::PathBuf, time::Instant};
 use thiserror::Error;
 
 /// Bake points of one chunk unless asked for otherwise: a second or two of work to lose.
 const POINTS_PER_CHUNK: usize = 4096;
-/// Bake points between two looks at the observer.
-const POINTS_PER_STEP: usize = 256;
 
 /// What to bake, and how to go about it.
 #[derive(Clone, Debug)]
@@ -55,15 +60,15 @@ pub enum BakeError {
     /// The observer asked for it.
     #[error("the bake was cancelled; run the same command with --resume to go on from the last finished chunk")]
     Cancelled,
+    /// No surface for sources, or no viewpoint to find it from.
+    #[error(transparent)]
+    Points(PointsError),
     /// Settings out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The checkpoint cannot be used or written.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// Points cannot be placed on the surfaces.
-    #[error(transparent)]
-    Points(#[from] PointsError),
     /// The dataset cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
@@ -87,6 +92,15 @@ pub enum BakeError {
     },
 }
 
+impl From<PointsError> for BakeError {
+    fn from(error: PointsError) -> Self {
+        match error {
+            PointsError::Cancelled => Self::Cancelled,
+            error => Self::Points(error),
+        }
+    }
+}
+
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
@@ -101,23 +115,76 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     })?;
     cancelled(observer)?;
     let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
-    let chunks = clock.time(Phase::Visibility, geometry.points.points.len() as u64, "points", || {
-        bake_chunks(&geometry, &tree, &settings, &checkpoint, observer)
-    })?;
+    let chunks = bake_environment(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
+    let bounces = bake_bounces(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
     let packing = Instant::now();
-    let packed = pack(&geometry.points, chunks, tree.height(), settings.max_bytes, settings.criterion.sigma)?;
-    let report = report(&geometry, &settings, &packed, job);
+    let (cuts, sigma) = fit_budget(concatenate(&chunks), tree.height(), settings.max_bytes, settings.criterion.sigma);
+    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied())?;
+    let report = BakeReport { sigma, indirect: bounces.report, ..report(&geometry, &settings, &packed, job) };
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
     let two_sided = geometry.sides.two_sided;
-    let (scene, cuts) = (geometry.scene, packed.cuts);
+    let (scene, cuts, indirect) = (geometry.scene, packed.cuts, bounces.indirect);
     let mut dataset =
-        Dataset { scene, two_sided, vertex_valid, tree, cuts, indirect: None, settings, scene_hash: hash, report };
-    clock.seconds.insert(Phase::Pack.name().into(), packing.elapsed().as_secs_f64());
+        Dataset { scene, two_sided, vertex_valid, tree, cuts, indirect, settings, scene_hash: hash, report };
+    clock.add(Phase::Pack, packing.elapsed());
     finish_report(&mut dataset, clock);
     dataset.write(&job.output)?;
     checkpoint.remove()?;
     Ok(dataset)
+}
+
+/// What the bake points see of distant light, or nothing if that is not asked for.
+fn bake_environment(
+    geometry: &Geometry,
+    tree: &LightTree,
+    settings: &BakeSettings,
+    checkpoint: &Checkpoint,
+    clock: &mut Clock,
+) -> Result<Vec<Chunk>, BakeError> {
+    let points = &geometry.points.points;
+    if !settings.mode.environment() {
+        return Ok(unbaked(points.len()));
+    }
+    let maker = EnvironmentCuts {
+        points,
+        sampler: VisibilitySampler::new(&geometry.intersector, tree),
+        height: tree.height(),
+        criterion: settings.criterion,
+    };
+    let observer = clock.observer;
+    clock.time(Phase::Visibility, points.len() as u64, "points", || {
+        bake_chunks(&maker, Series::Environment, checkpoint, observer)
+    })
+}
+
+/// The parts that bounce light.
+#[derive(Default)]
+struct Bounces {
+    indirect: Option<IndirectBake>,
+    report: Option<IndirectReport>,
+}
+
+/// Bakes what the mode asks for beyond the environment.
+fn bake_bounces(
+    geometry: &Geometry,
+    tree: &LightTree,
+    settings: &BakeSettings,
+    checkpoint: &Checkpoint,
+    clock: &mut Clock,
+) -> Result<Bounces, BakeError> {
+    let mut bounces = Bounces::default();
+    if !settings.mode.indirect() {
+        return Ok(bounces);
+    }
+    // Reflectance stays out of everything baked, so that materials remain free to change.
+    let black = |_: &_| Vec3::ZERO;
+    let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
+    let viewpoint = find_viewpoint(&surface, settings.indirect.viewpoint, &geometry.scene.cameras)?;
+    let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+    let (indirect, report) = stage.bake_indirect(clock)?;
+    (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
+    Ok(bounces)
 }
 
 fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError> {
@@ -194,7 +261,9 @@ fn prepare(
 
 fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
-    let pilot = if settings.tree == TreeKind::Geometric {
+    // A tree that nothing is baked over needs no pilot.
+    let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
+    let pilot = if kind == TreeKind::Geometric {
         PilotVisibility { lights: settings.lights, fractions: Vec::new() }
     } else {
         let diagonal = geometry.scene.mesh.bounds().diagonal();
@@ -205,138 +274,14 @@ fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -
     };
     clock.time(Phase::Tree, settings.lights as u64, "lights", || {
         let directions = fibonacci_directions(settings.lights);
-        let features = Features::of_kind(settings.tree, settings.beta, &directions, &pilot);
+        let features = Features::of_kind(kind, settings.beta, &directions, &pilot);
         Ok(LightTree::build(&features).map_err(SettingsError::from)?)
     })
 }
 
-fn bake_chunks(
-    geometry: &Geometry,
-    tree: &LightTree,
-    settings: &BakeSettings,
-    checkpoint: &Checkpoint,
-    observer: &dyn Observer,
-) -> Result<Vec<Chunk>, BakeError> {
-    let sampler = VisibilitySampler::new(&geometry.intersector, tree);
-    let mut chunks = Vec::with_capacity(checkpoint.chunks());
-    for index in 0..checkpoint.chunks() {
-        let range = checkpoint.range(index);
-        let chunk = match checkpoint.load(index) {
-            Some(chunk) => chunk,
-            None => {
-                let chunk = bake_chunk(geometry, tree, settings, &sampler, range.clone(), observer)?;
-                checkpoint.store(index, &chunk)?;
-                chunk
-            }
-        };
-        observer.event(Event::Advanced { done: range.end as u64 });
-        chunks.push(chunk);
-    }
-    Ok(chunks)
-}
-
-fn bake_chunk(
-    geometry: &Geometry,
-    tree: &LightTree,
-    settings: &BakeSettings,
-    sampler: &VisibilitySampler,
-    range: std::ops::Range<usize>,
-    observer: &dyn Observer,
-) -> Result<Chunk, BakeError> {
-    let mut chunk = Chunk::default();
-    let scratch = || (CutSelector::new(tree.height(), settings.criterion), vec![0_u8; tree.len()]);
-    for start in range.clone().step_by(POINTS_PER_STEP) {
-        cancelled(observer)?;
-        let step = &geometry.points.points[start..range.end.min(start + POINTS_PER_STEP)];
-        let cuts = step.par_iter().map_init(scratch, |(selector, visible), point| {
-            let rays = sampler.sample(point, visible);
-            let mut cut = Vec::new();
-            let squared_error = selector.select(visible, &mut cut);
-            (cut, squared_error, rays)
-        });
-        // Collected in order: sums do not depend on which thread was first.
-        for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
-            chunk.lengths.push(cut.len() as u32);
-            chunk.nodes.extend(cut);
-            chunk.squared_error += squared_error;
-            chunk.rays += rays;
-        }
-        observer.event(Event::Advanced { done: (start + step.len()) as u64 });
-    }
-    Ok(chunk)
-}
-
-/// All cuts, and sums over bake points.
-struct Packed {
-    cuts: PackedCuts,
-    sigma: f32,
-    nodes: u64,
-    max_cut: usize,
-    histogram: Vec<u64>,
-    squared_error: f64,
-    rays: u64,
-}
-
-fn pack(
-    points: &BakePoints,
-    chunks: Vec<Chunk>,
-    height: u32,
-    max_bytes: Option<u64>,
-    sigma: f32,
-) -> Result<Packed, BakeError> {
-    let squared_error = chunks.iter().map(|c| c.squared_error).sum();
-    let rays = chunks.iter().map(|c| c.rays).sum();
-    let mut all: Vec<Vec<u16>> = Vec::with_capacity(points.points.len());
-    for chunk in chunks {
-        let mut rest = &chunk.nodes[..];
-        for &length in &chunk.lengths {
-            let (cut, after) = rest.split_at(length as usize);
-            all.push(cut.to_vec());
-            rest = after;
-        }
-    }
-    let (all, sigma) = fit_budget(all, height, max_bytes, sigma);
-    let texels: usize = all.iter().map(|c| c.len().div_ceil(NODES_PER_TEXEL)).sum();
-    let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
-    if texels > limit {
-        return Err(BakeError::TooManyTexels { texels, limit });
-    }
-    let mut cuts = PackedCuts::default();
-    let offsets: Vec<u32> = all.iter().map(|cut| cuts.push_cut(cut)).collect();
-    points.of_vertex.iter().for_each(|&p| cuts.push_vertex(offsets[p as usize]));
-    let mut histogram = vec![0; height as usize + 1];
-    all.iter().for_each(|cut| histogram[cut.len().ilog2() as usize] += 1);
-    Ok(Packed {
-        cuts,
-        sigma,
-        nodes: all.iter().map(|c| c.len() as u64).sum(),
-        max_cut: all.iter().map(Vec::len).max().unwrap_or(0),
-        histogram,
-        squared_error,
-        rays,
-    })
-}
-
-/// Coarsens all cuts by a common sigma, the smallest of a geometric series that fits the bytes.
-fn fit_budget(cuts: Vec<Vec<u16>>, height: u32, max_bytes: Option<u64>, sigma: f32) -> (Vec<Vec<u16>>, f32) {
-    let bytes =
-        |cuts: &[Vec<u16>]| cuts.iter().map(|c| (c.len().next_multiple_of(NODES_PER_TEXEL) * 2) as u64).sum::<u64>();
-    let (mut fitted, mut coarser) = (cuts, sigma.max(0.25));
-    let Some(budget) = max_bytes else { return (fitted, sigma) };
-    if bytes(&fitted) <= budget {
-        return (fitted, sigma);
-    }
-    const STEP: f32 = 1.05;
-    while bytes(&fitted) > budget && fitted.iter().any(|c| c.len() > 1) {
-        coarser *= STEP;
-        fitted = fitted.par_iter().map(|cut| prune(height, coarser, cut)).collect();
-    }
-    (fitted, coarser)
-}
-
 fn report(geometry: &Geometry, settings: &BakeSettings, packed: &Packed, job: &BakeJob) -> BakeReport {
     let points = geometry.points.points.len();
-    let pairs = points as u64 * settings.lights as u64;
+    let pairs = if settings.mode.environment() { points as u64 * settings.lights as u64 } else { 0 };
     let buried_points = geometry.buried.iter().filter(|&&b| b).count();
     BakeReport {
         vertices: geometry.scene.mesh.positions.len(),
@@ -344,17 +289,17 @@ fn report(geometry: &Geometry, settings: &BakeSettings, packed: &Packed, job: &B
         lights: settings.lights,
         tree: settings.tree,
         beta: settings.beta,
-        sigma: packed.sigma,
-        mean_cut: packed.nodes as f64 / points.max(1) as f64,
+        mean_cut: packed.mean_cut(),
         max_cut: packed.max_cut,
         rms_visibility: (packed.squared_error / pairs.max(1) as f64).sqrt(),
-        bytes_cuts: (2 * packed.cuts.nodes().len() + 4 * packed.cuts.offsets().len()) as u64,
+        bytes_cuts: packed.bytes(),
         samples_resolved: pairs,
         rays_traced: packed.rays,
         bake_points: points,
         buried_points,
         source_vertices: geometry.source_vertices,
         cut_size_histogram: packed.histogram.clone(),
+        mode: settings.mode,
         warnings: job.warnings.clone(),
         ..Default::default()
     }
@@ -366,38 +311,6 @@ fn finish_report(dataset: &mut Dataset, clock: Clock) {
     let secs = dataset.report.seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
     dataset.report.samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
     dataset.report.peak_memory_bytes = memory::peak();
-}
-
-/// Announces phases and keeps their times.
-struct Clock<'a> {
-    observer: &'a dyn Observer,
-    start: Instant,
-    seconds: BTreeMap<String, f64>,
-}
-
-impl<'a> Clock<'a> {
-    fn new(observer: &'a dyn Observer, import_secs: f64) -> Self {
-        let mut seconds: BTreeMap<String, f64> =
-            [Phase::Tessellate, Phase::Pilot, Phase::Tree, Phase::Visibility, Phase::Pack]
-                .map(|p| (p.name().to_owned(), 0.0))
-                .into();
-        seconds.insert(Phase::Import.name().into(), import_secs);
-        Self { observer, start: Instant::now(), seconds }
-    }
-
-    fn time<T>(&mut self, phase: Phase, total: u64, unit: &'static str, work: impl FnOnce() -> T) -> T {
-        self.observer.event(Event::Started { phase, total, unit });
-        let start = Instant::now();
-        let result = work();
-        self.seconds.insert(phase.name().into(), start.elapsed().as_secs_f64());
-        result
-    }
-
-    fn finish(mut self) -> BTreeMap<String, f64> {
-        let total = self.start.elapsed().as_secs_f64() + self.seconds["import"];
-        self.seconds.insert("total".into(), total);
-        self.seconds
-    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::{
 };
 use thiserror::Error;
 
-/// The cuts of a range of bake points.
+/// The cuts of a range of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chunk {
     /// Nodes of all cuts, one after the other.
@@ -24,6 +24,17 @@ pub struct Chunk {
     pub squared_error: f64,
     /// Rays traced.
     pub rays: u64,
+}
+
+/// Which cuts a chunk holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Series {
+    /// Of the bake points over the environment's lights.
+    Environment,
+    /// Of the bake points over the surface sources.
+    Sources,
+    /// Of the surface sources over the environment's lights.
+    SourceEnvironment,
 }
 
 /// Why a checkpoint cannot be used or written.
@@ -160,21 +171,21 @@ impl Checkpoint {
         &self.manifest.tree_order
     }
 
-    /// The bake points of a chunk.
-    pub fn range(&self, chunk: usize) -> Range<usize> {
-        let (points, chunks) = (self.manifest.points, self.manifest.chunks);
-        chunk * points / chunks..(chunk + 1) * points / chunks
+    /// Which of `count` points a chunk holds.
+    pub fn range(&self, count: usize, chunk: usize) -> Range<usize> {
+        let chunks = self.manifest.chunks;
+        chunk * count / chunks..(chunk + 1) * count / chunks
     }
 
-    /// A finished chunk, or `None` if it is not there or damaged.
-    pub fn load(&self, chunk: usize) -> Option<Chunk> {
-        let bytes = fs::read(self.folder.join(chunk_name(chunk))).ok()?;
-        decode(&bytes).filter(|c| c.lengths.len() == self.range(chunk).len())
+    /// A finished chunk of `count` cuts, or `None` if it is not there or damaged.
+    pub fn load(&self, series: Series, chunk: usize, count: usize) -> Option<Chunk> {
+        let bytes = fs::read(self.folder.join(chunk_name(series, chunk))).ok()?;
+        decode(&bytes).filter(|c| c.lengths.len() == count)
     }
 
     /// Keeps a finished chunk.
-    pub fn store(&self, index: usize, chunk: &Chunk) -> Result<(), CheckpointError> {
-        self.write(&chunk_name(index), &encode(chunk))
+    pub fn store(&self, series: Series, index: usize, chunk: &Chunk) -> Result<(), CheckpointError> {
+        self.write(&chunk_name(series, index), &encode(chunk))
     }
 
     /// Removes the checkpoint when its bake is complete.
@@ -192,8 +203,13 @@ fn io_error(action: &'static str, path: &Path, source: io::Error) -> CheckpointE
     CheckpointError::Io { action, path: path.into(), source }
 }
 
-fn chunk_name(chunk: usize) -> String {
-    format!("chunk-{chunk:05}.bin")
+fn chunk_name(series: Series, chunk: usize) -> String {
+    let prefix = match series {
+        Series::Environment => "",
+        Series::Sources => "source-",
+        Series::SourceEnvironment => "source-environment-",
+    };
+    format!("{prefix}chunk-{chunk:05}.bin")
 }
 
 /// BLAKE3 of the rest (32 bytes), squared error (f64), rays (u64), number of cuts (u64), lengths (u32), nodes (u16).
@@ -235,18 +251,19 @@ mod tests {
         let settings = Preset::Draft.settings();
         let checkpoint = Checkpoint::create(&output, "hash", &settings, 10, 3, &[0, 1]).unwrap();
         let chunk = Chunk { nodes: vec![7, 8, 9], lengths: vec![1, 1, 1], squared_error: 0.25, rays: 99 };
-        checkpoint.store(0, &chunk).unwrap();
+        checkpoint.store(Series::Environment, 0, &chunk).unwrap();
         let reopened = Checkpoint::open(&output, "hash", &settings).unwrap().unwrap();
-        assert_eq!(reopened.load(0), Some(chunk));
-        assert_eq!(reopened.load(1), None);
-        assert_eq!((0..3).map(|c| reopened.range(c).len()).sum::<usize>(), 10);
-        let file = Checkpoint::folder_of(&output).join(chunk_name(0));
+        let load = |index, count| reopened.load(Series::Environment, index, count);
+        assert_eq!(load(0, 3), Some(chunk));
+        assert_eq!((load(0, 4), load(1, 3), reopened.load(Series::Sources, 0, 3)), (None, None, None));
+        assert_eq!((0..3).map(|c| reopened.range(10, c).len()).sum::<usize>(), 10);
+        let file = Checkpoint::folder_of(&output).join(chunk_name(Series::Environment, 0));
         let mut bytes = fs::read(&file).unwrap();
         *bytes.last_mut().unwrap() ^= 1;
         fs::write(&file, &bytes).unwrap();
-        assert_eq!(reopened.load(0), None);
+        assert_eq!(load(0, 3), None);
         fs::write(&file, &bytes[..20]).unwrap();
-        assert_eq!(reopened.load(0), None);
+        assert_eq!(load(0, 3), None);
     }
 
     #[test]

@@ -7,8 +7,9 @@ pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
 use crate::{BakeJob, Preset, Verification, bake};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings, Dataset},
+    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, IndirectReport},
     import::import,
     light_tree::TreeKind,
 };
@@ -57,6 +58,31 @@ impl From<PresetOption> for Preset {
     }
 }
 
+/// What is baked, as an option.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ModeOption {
+    /// Visibility of the environment.
+    #[default]
+    Environment,
+    /// Surface sources, which gather a bounce of local lights.
+    Indirect,
+    /// The meshless basis and its transport.
+    Meshless,
+    /// All of these, and what the sources see of the environment.
+    All,
+}
+
+impl From<ModeOption> for BakeMode {
+    fn from(option: ModeOption) -> Self {
+        match option {
+            ModeOption::Environment => Self::Environment,
+            ModeOption::Indirect => Self::Indirect,
+            ModeOption::Meshless => Self::Meshless,
+            ModeOption::All => Self::All,
+        }
+    }
+}
+
 /// Options of `bake`.
 #[derive(Args, Clone, Debug)]
 pub struct BakeArgs {
@@ -68,6 +94,20 @@ pub struct BakeArgs {
     /// Starting point for the options below
     #[arg(long, value_enum, default_value_t)]
     pub preset: PresetOption,
+    /// What to bake
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: ModeOption,
+    /// Number of surface sources: a power of two up to 32768 [default: 32768]
+    #[arg(long, value_name = "N")]
+    pub sources: Option<usize>,
+    /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's part of the
+    /// hemisphere; 0 to 1000 [default: 2]
+    #[arg(long, value_name = "S")]
+    pub source_sigma: Option<f32>,
+    /// A place in the open from which light reaches all that matters, in metres; surfaces that it cannot
+    /// reach get no sources [default: that of a camera, or one that is searched for]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
+    pub viewpoint: Option<Vec3>,
     /// Number of light samples: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub lights: Option<usize>,
@@ -127,6 +167,10 @@ impl BakeArgs {
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
+        s.mode = self.mode.into();
+        s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
+        s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
+        s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);
         s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
         s
     }
@@ -160,6 +204,15 @@ impl BakeArgs {
             write_json(path, &report)?;
         }
         Ok(report)
+    }
+}
+
+/// A place from three numbers with commas between.
+fn place(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 && Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),
+        _ => Err("give three numbers with commas between, such as 0,1.5,-2".into()),
     }
 }
 
@@ -211,9 +264,14 @@ fn info_text(dataset: &Dataset) -> String {
         scene.textures.len(),
         scene.cameras.len()
     );
-    text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
-    text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);
-    text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
+    if s.mode.environment() {
+        text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
+        text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);
+        text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
+    } else {
+        text += "cuts       not baked: the environment is dark\n";
+    }
+    text += &r.indirect.as_ref().map_or(String::new(), |indirect| indirect_text(indirect, s));
     text += &format!(
         "size       {:.1} MB of cuts, {:.1} MB in all\n",
         r.bytes_cuts as f64 / 1e6,
@@ -228,6 +286,22 @@ fn info_text(dataset: &Dataset) -> String {
         text += &format!("warning    {warning}\n");
     }
     text
+}
+
+fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
+    let [x, y, z] = r.viewpoint;
+    format!(
+        "sources    {} on {:.1} m², {:.3} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
+         seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB\n",
+        r.sources,
+        r.area,
+        r.radius,
+        r.mean_cut,
+        r.max_cut,
+        s.indirect.criterion.sigma,
+        100.0 * r.relative_error,
+        r.bytes_cuts as f64 / 1e6
+    )
 }
 
 /// Options of `verify`.
@@ -263,10 +337,17 @@ impl VerifyArgs {
 }
 
 fn verification_text(v: &Verification) -> String {
-    format!(
+    let mut text = format!(
         "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
         v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
-    )
+    );
+    if v.source_vertices > 0 {
+        text += &format!(
+            "traced the sources from {} vertices again: {} cuts differ\n",
+            v.source_vertices, v.different_source_cuts
+        );
+    }
+    text
 }
 
 /// Prints to standard output. A reader that left early is no error, a full disk is.
@@ -308,6 +389,14 @@ pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_are_three_numbers() {
+        assert_eq!(place("0, 1.5,-2"), Ok(Vec3::new(0.0, 1.5, -2.0)));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,x,2,3", "1,2,inf"] {
+            assert!(place(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn causes_are_told_once() {

@@ -15,6 +15,7 @@ mod observer;
 mod pilot;
 mod settings;
 mod sidedness;
+mod sources;
 mod surface_points;
 mod tessellate;
 mod threads;

@@ -16,6 +16,14 @@ pub enum Phase {
     Tree,
     /// Visibility of all bake points, and their cuts.
     Visibility,
+    /// Placing surface sources where light reaches.
+    Points,
+    /// Clustering them.
+    SourceTree,
+    /// What all bake points see of them, and their cuts.
+    SourceVisibility,
+    /// What they see of the environment, and their cuts.
+    SourceEnvironment,
     /// Placing the points of the meshless basis.
     Basis,
     /// Light transport between its functions.
@@ -33,6 +41,10 @@ impl Phase {
             Self::Pilot => "pilot",
             Self::Tree => "tree",
             Self::Visibility => "visibility",
+            Self::Points => "points",
+            Self::SourceTree => "source-tree",
+            Self::SourceVisibility => "source-visibility",
+            Self::SourceEnvironment => "source-environment",
             Self::Basis => "basis",
             Self::Transport => "transport",
             Self::Pack => "pack",

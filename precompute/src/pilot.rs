@@ -31,18 +31,33 @@ pub fn sample_pilot(
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    let order = cluster_order(&point_features(&points.points, diagonal));
-    let clusters = clusters.min(order.len());
     // In sample order: the tree that the samples will be arranged by does not exist yet.
     let samples = LightTree::from_order((0..lights as u32).collect()).map_err(crate::SettingsError::from)?;
     let sampler = VisibilitySampler::new(scene, &samples);
+    let sample = |point: &BakePoint, visible: &mut [u8]| {
+        sampler.sample(point, visible);
+    };
+    pilot_of(points, diagonal, lights, clusters, observer, sample)
+}
+
+/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
+pub fn pilot_of(
+    points: &BakePoints,
+    diagonal: f32,
+    lights: usize,
+    clusters: usize,
+    observer: &dyn Observer,
+    sample: impl Fn(&BakePoint, &mut [u8]) + Sync,
+) -> Result<PilotVisibility, BakeError> {
+    let order = cluster_order(&point_features(&points.points, diagonal));
+    let clusters = clusters.min(order.len());
     let done = AtomicU64::new(0);
     let row = |cluster: usize| {
         if observer.cancelled() {
             return Err(BakeError::Cancelled);
         }
         let members = &order[cluster * order.len() / clusters..(cluster + 1) * order.len() / clusters];
-        let row = cluster_visibility(&sampler, &points.points, members, lights);
+        let row = cluster_visibility(&sample, &points.points, members, lights);
         observer.event(Event::Advanced { done: done.fetch_add(1, Ordering::Relaxed) + 1 });
         Ok(row)
     };
@@ -59,12 +74,17 @@ fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
     Features::new(6, points.iter().flat_map(features).collect())
 }
 
-fn cluster_visibility(sampler: &VisibilitySampler, points: &[BakePoint], members: &[u32], lights: usize) -> Vec<u8> {
+fn cluster_visibility(
+    sample: &impl Fn(&BakePoint, &mut [u8]),
+    points: &[BakePoint],
+    members: &[u32],
+    lights: usize,
+) -> Vec<u8> {
     let count = members.len().min(MEMBERS);
     let (mut visible, mut sums) = (vec![0_u8; lights], vec![0_u16; lights]);
     for i in 0..count {
         let member = members[(2 * i + 1) * members.len() / (2 * count)];
-        sampler.sample(&points[member as usize], &mut visible);
+        sample(&points[member as usize], &mut visible);
         sums.iter_mut().zip(&visible).for_each(|(s, &v)| *s += u16::from(v));
     }
     sums.iter().map(|&s| (u32::from(s) * 255 / count as u32) as u8).collect()

@@ -2,7 +2,7 @@
 
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::BakeSettings,
+    dataset::{BakeMode, BakeSettings, IndirectSettings},
     light_tree::{LightCountError, TreeKind, height_of},
 };
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,8 @@ impl Preset {
             pilot_clusters: 1024,
             max_vertices: Some(100_000),
             max_bytes: None,
+            mode: BakeMode::Environment,
+            indirect: IndirectSettings::default(),
         };
         let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
         match self {
@@ -55,6 +57,9 @@ pub enum SettingsError {
     /// Number of lights.
     #[error(transparent)]
     Lights(#[from] LightCountError),
+    /// Number of surface sources.
+    #[error("{0} surface sources make no complete binary tree; use a power of two from 2 to 32768 for --sources")]
+    Sources(usize),
     /// A number outside its range.
     #[error("{name} is {value}, but must lie between {low} and {high}")]
     Range {
@@ -75,10 +80,13 @@ pub enum SettingsError {
 /// The first setting out of range.
 pub fn resolve(settings: BakeSettings) -> Result<BakeSettings, SettingsError> {
     height_of(settings.lights)?;
+    height_of(settings.indirect.sources).map_err(|_| SettingsError::Sources(settings.indirect.sources))?;
     let optional = |value: Option<f64>, low| value.unwrap_or(low);
     for (name, value, low, high) in [
         ("--beta", f64::from(settings.beta), 0.0, 1.0),
         ("--sigma", f64::from(settings.criterion.sigma), 0.0, 1e3),
+        ("--source-sigma", f64::from(settings.indirect.criterion.sigma), 0.0, 1e3),
+        ("largest solid angle", f64::from(settings.indirect.criterion.max_solid_angle), 1e-4, 10.0),
         ("--max-cut", f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
         ("--total-error", optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
         ("--pilot-clusters", settings.pilot_clusters as f64, 1.0, 65_536.0),
@@ -103,6 +111,9 @@ mod tests {
         }
         let normal = Preset::Normal.settings();
         assert!(matches!(resolve(BakeSettings { lights: 1000, ..normal.clone() }), Err(SettingsError::Lights(_))));
+        let sources = IndirectSettings { sources: 1000, ..Default::default() };
+        let odd = resolve(BakeSettings { indirect: sources, ..normal.clone() });
+        assert_eq!(odd, Err(SettingsError::Sources(1000)));
         let beta = resolve(BakeSettings { beta: f32::NAN, ..normal });
         assert!(matches!(beta, Err(SettingsError::Range { name: "--beta", .. })));
     }

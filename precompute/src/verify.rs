@@ -1,16 +1,23 @@
 //! Verification: traces a random set of vertices again, ray by ray, and compares with the stored cuts.
 
-use crate::{bake_points::BakePoints, sidedness::Sidedness, visibility::VisibilitySampler};
+use crate::{
+    MeshSurface, bake_points::BakePoints, sidedness::Sidedness, sources::SourceSampler, visibility::VisibilitySampler,
+};
+use glam::Vec3;
 use lapidary_core::{
     cut::{
-        CutSelector,
+        CutSelector, SourceCutSelector,
         packed::{depth, value},
     },
     dataset::Dataset,
     ray::Intersector,
+    surfel::Surface,
 };
 use rayon::prelude::*;
 use serde::Serialize;
+
+/// Vertices whose cuts over the sources are made again at most: each takes some 30 ms.
+const SOURCE_VERTICES: usize = 64;
 
 /// What a verification found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -25,6 +32,10 @@ pub struct Verification {
     pub different_cuts: usize,
     /// Largest root mean square of one vertex.
     pub worst_rms: f64,
+    /// Vertices whose cut over the surface sources was traced and selected again, segment by segment.
+    pub source_vertices: usize,
+    /// Those of them whose cut differs from the stored one.
+    pub different_source_cuts: usize,
     /// Whether all cuts agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
     pub passed: bool,
 }
@@ -39,21 +50,49 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let sampler = VisibilitySampler::new(&intersector, &dataset.tree);
     let count = count.min(mesh.positions.len());
     let check = |vertex: &usize| check_vertex(dataset, &points, &sampler, *vertex);
-    let results: Vec<(f64, bool)> = picked_vertices(dataset, count).par_iter().map(check).collect();
+    let picked = picked_vertices(dataset, count);
+    let environment = if dataset.settings.mode.environment() { &picked[..] } else { &[] };
+    let results: Vec<(f64, bool)> = environment.par_iter().map(check).collect();
+    let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
+    let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
     let lights = dataset.tree.len() as f64;
     let total: f64 = results.iter().map(|r| r.0).sum();
     let worst = results.iter().map(|r| r.0).fold(0.0, f64::max);
     let different_cuts = results.iter().filter(|r| !r.1).count();
-    let rms = (total / (count.max(1) as f64 * lights)).sqrt();
+    let rms = (total / (results.len().max(1) as f64 * lights)).sqrt();
     let coarsened = dataset.report.sigma != dataset.settings.criterion.sigma;
     Verification {
-        vertices: count,
+        vertices: results.len(),
+        source_vertices,
+        different_source_cuts,
         rms_visibility: rms,
         expected_rms: dataset.report.rms_visibility,
         different_cuts,
         worst_rms: (worst / lights).sqrt(),
-        passed: if coarsened { rms < 4.0 * dataset.report.rms_visibility.max(0.02) } else { different_cuts == 0 },
+        passed: different_source_cuts == 0
+            && if coarsened { rms < 4.0 * dataset.report.rms_visibility.max(0.02) } else { different_cuts == 0 },
     }
+}
+
+/// How many of the vertices' cuts over the sources were made again, and how many of these differ.
+fn check_sources(
+    dataset: &Dataset,
+    points: &BakePoints,
+    intersector: &Intersector,
+    vertices: &[usize],
+) -> (usize, usize) {
+    let Some(indirect) = &dataset.indirect else { return (0, 0) };
+    let height = indirect.sources.len().ilog2();
+    let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
+    let sampler = SourceSampler::new(intersector, &indirect.sources, offset);
+    let differs = |vertex: &&usize| {
+        let mut seen = vec![0.0; indirect.sources.len()];
+        sampler.sample_singly(&points.points[points.of_vertex[**vertex] as usize], &mut seen);
+        let mut again = Vec::new();
+        SourceCutSelector::new(height, dataset.settings.indirect.criterion).select(&seen, &mut again);
+        again != indirect.cuts.cut(height, **vertex as u32)
+    };
+    (vertices.len(), vertices.par_iter().filter(differs).count())
 }
 
 fn picked_vertices(dataset: &Dataset, count: usize) -> Vec<usize> {
@@ -88,7 +127,6 @@ mod tests {
         BakeJob, Preset, Silent, bake,
         sidedness::tests::{cuboid, floor, scene_of},
     };
-    use glam::Vec3;
     use lapidary_core::{cut::packed::PackedCuts, dataset::BakeSettings};
 
     #[test]

@@ -132,6 +132,11 @@ impl<'a> CutWriter<'a> {
     }
 
     pub(super) fn push(&mut self, node: u16) {
+        self.push_where(node, |_| true);
+    }
+
+    /// [`Self::push`] that only merges into parents that `may_merge` holds for.
+    pub(super) fn push_where(&mut self, node: u16, may_merge: impl Fn(u16) -> bool) {
         self.cut.push(node);
         self.end += 1 << (self.height - depth(node));
         while let [.., left, right] = self.cut[..] {
@@ -139,9 +144,13 @@ impl<'a> CutWriter<'a> {
             if left != right || !self.end.is_multiple_of(parent_size) {
                 break;
             }
+            let parent = (right & VALUE_MAX) | ((depth(right) - 1) as u16) << 12;
+            if !may_merge(parent) {
+                break;
+            }
             self.cut.pop();
             let last = self.cut.len() - 1;
-            self.cut[last] = (right & VALUE_MAX) | ((depth(right) - 1) as u16) << 12;
+            self.cut[last] = parent;
         }
     }
 }

@@ -67,17 +67,22 @@ pub enum Damage {
     /// The mesh is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A vertex's cut is invalid.
-    #[error("the cut of vertex {vertex} is invalid: {source}")]
+    /// A cut is invalid.
+    #[error("entry {index} of `{cuts}` is invalid: {source}")]
     Cut {
-        /// Which vertex.
-        vertex: usize,
+        /// Name of the tensor.
+        cuts: &'static str,
+        /// Which vertex or surface source.
+        index: usize,
         /// Why.
         source: CutError,
     },
     /// The tree order is no permutation of a power of two.
     #[error("the order of the light tree is no permutation of 2^H samples")]
     Tree,
+    /// A surface source is invalid.
+    #[error(transparent)]
+    Source(#[from] SourceDamage),
     /// A material refers to a texture that is not there.
     #[error("material `{material}` refers to texture {texture}, but there are {count}")]
     Texture {
@@ -91,4 +96,25 @@ pub enum Damage {
     /// The metadata cannot be read.
     #[error("the metadata cannot be read ({0})")]
     Metadata(String),
+}
+
+/// What is wrong with surface sources.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum SourceDamage {
+    /// No power of two.
+    #[error("{0} surface sources make no complete binary tree")]
+    Count(usize),
+    /// A coordinate or area is no number, or an area is negative.
+    #[error("surface source {0} has a place or an area that is no finite number")]
+    NotFinite(usize),
+    /// A triangle that is not there.
+    #[error("surface source {source_index} lies on triangle {triangle}, but there are {count}")]
+    Triangle {
+        /// Which source.
+        source_index: usize,
+        /// Its triangle.
+        triangle: u32,
+        /// Number of triangles.
+        count: usize,
+    },
 }

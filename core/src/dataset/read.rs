@@ -44,7 +44,7 @@ fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
     Ok(())
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     tensors: SafeTensors<'a>,
     path: &'a Path,
 }
@@ -56,14 +56,15 @@ impl Reader<'_> {
         let tree = LightTree::from_order(self.permutation()?).map_err(|_| Damage::Tree)?;
         let scene = self.scene(&header)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
-        let cuts = self.cuts(tree.height(), vertices)?;
+        let cuts = self.cuts(["cuts", "cut_offsets"], tree.height(), vertices)?;
+        let indirect = self.indirect(tree.height(), vertices, triangles)?;
         Ok(Dataset {
             two_sided: self.flags("triangle_two_sided", triangles)?,
             vertex_valid: self.flags("vertex_valid", vertices)?,
             scene,
             tree,
             cuts,
-            indirect: None,
+            indirect,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,
@@ -118,11 +119,18 @@ impl Reader<'_> {
         Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })
     }
 
-    fn cuts(&self, height: u32, vertices: usize) -> Result<PackedCuts, Damage> {
-        let texels: Vec<[u32; 4]> = self.array("cuts", Dtype::U32, &[4], None)?;
+    /// Whether a tensor of that name is there.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.tensors.tensor(name).is_ok()
+    }
+
+    /// `count` cuts of trees of `height` from the tensors of their texels and of their offsets.
+    pub(super) fn cuts(&self, names: [&'static str; 2], height: u32, count: usize) -> Result<PackedCuts, Damage> {
+        let [cuts, offsets] = names;
+        let texels: Vec<[u32; 4]> = self.array(cuts, Dtype::U32, &[4], None)?;
         let nodes = bytemuck::cast_slice(&texels).to_vec();
-        let offsets = self.array("cut_offsets", Dtype::U32, &[], Some(vertices))?;
-        PackedCuts::from_parts(height, nodes, offsets).map_err(|(vertex, source)| Damage::Cut { vertex, source })
+        let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
+        PackedCuts::from_parts(height, nodes, offsets).map_err(|(index, source)| Damage::Cut { cuts, index, source })
     }
 
     fn permutation(&self) -> Result<Vec<u32>, Damage> {
@@ -138,7 +146,7 @@ impl Reader<'_> {
     }
 
     /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
-    fn array<T: bytemuck::AnyBitPattern>(
+    pub(super) fn array<T: bytemuck::AnyBitPattern>(
         &self,
         name: &str,
         dtype: Dtype,

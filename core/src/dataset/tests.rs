@@ -3,8 +3,10 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
+    indirect::Source,
     material::{Material, MaterialMaps},
     scene::{Mesh, Object},
+    surfel::{MeshPlace, Surfel},
     texture::{Channel, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -45,6 +47,8 @@ fn dataset() -> Dataset {
             pilot_clusters: 16,
             max_vertices: None,
             max_bytes: None,
+            mode: BakeMode::Environment,
+            indirect: IndirectSettings::default(),
         },
         scene_hash: scene_hash(&scene),
         report: BakeReport { vertices: 3, ..Default::default() },
@@ -108,7 +112,7 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
 #[test]
 fn a_file_of_version_1_is_read_without_the_maps_that_it_does_not_know() {
     let (_folder, path, mut bytes) = written();
-    replace(&mut bytes, r#"\"format_version\":2"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"format_version\":3"#, r#"\"format_version\":1"#);
     replace(&mut bytes, r#"\"anisotropy\":null,"#, "");
     replace(&mut bytes, r#"\"ior\":null,"#, "");
     std::fs::write(&path, &bytes).unwrap();
@@ -178,4 +182,68 @@ fn the_hash_sees_geometry_and_ignores_names() {
     assert_eq!(scene_hash(&scene), hash);
     scene.mesh.positions[1].x += 1e-6;
     assert_ne!(scene_hash(&scene), hash);
+}
+
+fn with_sources() -> Dataset {
+    let mut dataset = dataset();
+    let source = |i: u32| {
+        let place = MeshPlace { triangle: 0, barycentric: Vec2::new(0.25, 0.125 * i as f32) };
+        let surfel = Surfel { position: Vec3::new(i as f32, 0.0, 1.0), normal: Vec3::Y, place };
+        Source { surfel, area: 0.5 + i as f32 }
+    };
+    let mut cuts = PackedCuts::default();
+    for node in [[1 << 12, 1 << 12 | 7], [1 << 12 | 9, 1 << 12]] {
+        let offset = cuts.push_cut(&node);
+        cuts.push_vertex(offset);
+    }
+    cuts.push_vertex(0);
+    let mut environment_cuts = PackedCuts::default();
+    for value in 0..4 {
+        let offset = environment_cuts.push_cut(&[value]);
+        environment_cuts.push_vertex(offset);
+    }
+    dataset.indirect = Some(IndirectBake { sources: (0..4).map(source).collect(), cuts, environment_cuts });
+    dataset.settings.mode = BakeMode::All;
+    dataset.report.indirect = Some(IndirectReport { sources: 4, area: 8.0, ..Default::default() });
+    dataset
+}
+
+#[test]
+fn sources_and_their_cuts_survive_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let original = with_sources();
+    original.write(&path).unwrap();
+    let read = Dataset::read(&path).unwrap();
+    let (a, b) = (read.indirect.unwrap(), original.indirect.unwrap());
+    assert_eq!(a.sources, b.sources);
+    assert_eq!((a.cuts, a.environment_cuts), (b.cuts, b.environment_cuts));
+    assert_eq!((read.settings, read.report), (original.settings, original.report));
+    dataset().write(&path).unwrap();
+    assert!(Dataset::read(&path).unwrap().indirect.is_none(), "a dataset without them");
+}
+
+#[test]
+fn damaged_sources_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let error_of = |change: &dyn Fn(&mut IndirectBake)| {
+        let mut dataset = with_sources();
+        change(dataset.indirect.as_mut().unwrap());
+        dataset.write(&path).unwrap();
+        Dataset::read(&path).unwrap_err().to_string()
+    };
+    assert!(error_of(&|b| b.sources[1].area = -1.0).contains("surface source 1"));
+    assert!(error_of(&|b| b.sources[2].surfel.position.x = f32::NAN).contains("surface source 2"));
+    assert!(error_of(&|b| b.sources[3].surfel.place.triangle = 1).contains("lies on triangle 1, but there are 1"));
+    let three = error_of(&|b| b.sources.truncate(3));
+    assert!(three.contains("3 surface sources"), "{three}");
+    let cut = error_of(&|b| b.cuts = b.environment_cuts.clone());
+    assert!(cut.contains("`source_cut_offsets` is"), "{cut}");
+    let node = error_of(&|b| {
+        b.environment_cuts = PackedCuts::default();
+        let offset = b.environment_cuts.push_cut(&[9 << 12]);
+        (0..4).for_each(|_| b.environment_cuts.push_vertex(offset));
+    });
+    assert!(node.contains("entry 0 of `source_environment_cuts`"), "{node}");
 }

@@ -1,7 +1,7 @@
 //! Writing a dataset, atomically.
 
-use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION};
-use crate::{atomic::write_atomically, camera::Camera, lights::Light, material::Material};
+use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, indirect};
+use crate::{atomic::write_atomically, camera::Camera, cut::packed::PackedCuts, lights::Light, material::Material};
 use safetensors::{Dtype, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -32,7 +32,7 @@ pub(super) struct Header {
 }
 
 /// A tensor about to be written.
-struct Tensor<'a> {
+pub(super) struct Tensor<'a> {
     name: String,
     dtype: Dtype,
     shape: Vec<usize>,
@@ -91,7 +91,6 @@ impl Dataset {
     fn tensors(&self) -> Vec<Tensor<'_>> {
         let mesh = &self.scene.mesh;
         let (v, t) = (mesh.positions.len(), mesh.triangles.len());
-        let nodes: &[u8] = bytemuck::cast_slice(self.cuts.nodes());
         let flags = |flags: &[bool]| Cow::Owned(flags.iter().map(|&f| u8::from(f)).collect::<Vec<u8>>());
         let mut tensors = vec![
             tensor("positions", Dtype::F32, [v, 3], &mesh.positions),
@@ -102,9 +101,9 @@ impl Dataset {
             tensor("triangle_material", Dtype::U32, [t], &mesh.triangle_material),
             tensor("triangle_object", Dtype::U32, [t], &mesh.triangle_object),
             tensor("tree_order", Dtype::U32, [self.tree.len()], self.tree.order()),
-            tensor("cuts", Dtype::U32, [nodes.len() / 16, 4], nodes),
-            tensor("cut_offsets", Dtype::U32, [v], self.cuts.offsets()),
         ];
+        tensors.extend(cut_tensors("cuts", "cut_offsets", &self.cuts));
+        tensors.extend(self.indirect.iter().flat_map(indirect::tensors));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
             tensors.push(Tensor {
                 name: name.into(),
@@ -121,11 +120,25 @@ impl Dataset {
     }
 }
 
-fn tensor<'a, T: bytemuck::NoUninit, const D: usize>(
+pub(super) fn tensor<'a, T: bytemuck::NoUninit, const D: usize>(
     name: &str,
     dtype: Dtype,
     shape: [usize; D],
     values: &'a [T],
 ) -> Tensor<'a> {
     Tensor { name: name.into(), dtype, shape: shape.to_vec(), bytes: Cow::Borrowed(bytemuck::cast_slice(values)) }
+}
+
+/// A tensor with bytes of its own.
+pub(super) fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
+    Tensor { bytes: Cow::Owned(tensor.bytes.into_owned()), name: tensor.name, dtype: tensor.dtype, shape: tensor.shape }
+}
+
+/// The texels and the offsets of cuts.
+pub(super) fn cut_tensors<'a>(texels: &str, offsets: &str, cuts: &'a PackedCuts) -> [Tensor<'a>; 2] {
+    let nodes: &[u8] = bytemuck::cast_slice(cuts.nodes());
+    [
+        tensor(texels, Dtype::U32, [nodes.len() / 16, 4], nodes),
+        tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets()),
+    ]
 }

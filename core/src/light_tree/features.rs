@@ -6,6 +6,7 @@
 //! geometric one.
 
 use super::TreeKind;
+use crate::surfel::Surfel;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -18,6 +19,12 @@ const PROJECTED: usize = 48;
 /// scales 0.1, 0.3, 1, 3, 10, 100 (geometric: 216). At 3 the nodes of level 8 are 14 % wider than those of the geometric
 /// tree, at 10 30 %, at 100 70 %: wide nodes make long illumination cuts, so the smallest scale with the full gain is best.
 const VISIBILITY_SCALE: f32 = 3.0;
+
+/// Weight of position against normal (`K` of Eq. 10; Hašan et al. 2006), for a scene of unit diagonal.
+const PLACE_WEIGHT: f32 = 30.0;
+
+/// [`VISIBILITY_SCALE`] for surface sources.
+const SOURCE_VISIBILITY_SCALE: f32 = 50.0;
 
 /// Pilot visibility: how much of each vertex cluster every light sees.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,21 +67,37 @@ impl Features {
     pub fn of_kind(kind: TreeKind, beta: f32, directions: &[Vec3], pilot: &PilotVisibility) -> Self {
         match kind {
             TreeKind::Geometric => Self::geometric(directions),
-            TreeKind::DataDriven => Self::mixed(directions, pilot, 0.0),
-            TreeKind::Mixed => Self::mixed(directions, pilot, beta),
+            TreeKind::DataDriven => Self::mixed(&rows(directions), pilot, 0.0, VISIBILITY_SCALE),
+            TreeKind::Mixed => Self::mixed(&rows(directions), pilot, beta, VISIBILITY_SCALE),
         }
     }
 
-    fn mixed(directions: &[Vec3], pilot: &PilotVisibility, beta: f32) -> Self {
+    /// Features of surface sources: position in units of the scene's `diagonal` over [`PLACE_WEIGHT`], and normal.
+    pub fn of_surfels(kind: TreeKind, beta: f32, surfels: &[Surfel], diagonal: f32, pilot: &PilotVisibility) -> Self {
+        let scale = PLACE_WEIGHT / diagonal.max(f32::MIN_POSITIVE);
+        let row = |s: &Surfel| -> [f32; 6] {
+            let (x, n) = (s.position * scale, s.normal);
+            [x.x, x.y, x.z, n.x, n.y, n.z]
+        };
+        let rows: Vec<[f32; 6]> = surfels.iter().map(row).collect();
+        match kind {
+            TreeKind::Geometric => Self::new(6, rows.concat()),
+            TreeKind::DataDriven => Self::mixed(&rows, pilot, 0.0, SOURCE_VISIBILITY_SCALE),
+            TreeKind::Mixed => Self::mixed(&rows, pilot, beta, SOURCE_VISIBILITY_SCALE),
+        }
+    }
+
+    /// Geometric features of `G` components, and projected visibility of which a squared distance of one counts `scale`.
+    fn mixed<const G: usize>(rows: &[[f32; G]], pilot: &PilotVisibility, beta: f32, scale: f32) -> Self {
         let projection = random_projection(pilot.clusters());
         let geometric = beta.sqrt();
-        let visibility = ((1.0 - beta) * VISIBILITY_SCALE / pilot.clusters().max(1) as f32).sqrt() / 255.0;
-        let row = |(s, d): (usize, &Vec3)| {
+        let visibility = ((1.0 - beta) * scale / pilot.clusters().max(1) as f32).sqrt() / 255.0;
+        let row = |(s, g): (usize, &[f32; G])| {
             let seen = project(pilot, s, &projection).map(|x| x * visibility);
-            (*d * geometric).to_array().into_iter().chain(seen)
+            g.map(|x| x * geometric).into_iter().chain(seen)
         };
-        let values = directions.par_iter().enumerate().flat_map_iter(row).collect();
-        Self::new(3 + PROJECTED, values)
+        let values = rows.par_iter().enumerate().flat_map_iter(row).collect();
+        Self::new(G + PROJECTED, values)
     }
 
     /// Number of samples.
@@ -97,6 +120,10 @@ impl Features {
         let start = sample as usize * self.dimensions;
         &self.values[start..start + self.dimensions]
     }
+}
+
+fn rows(directions: &[Vec3]) -> Vec<[f32; 3]> {
+    directions.iter().map(Vec3::to_array).collect()
 }
 
 /// Rows of random signs (Achlioptas 2003), scaled so that expected squared lengths are kept.

@@ -19,7 +19,7 @@ use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
 /// Which rays of a packet are still under way: eight bits a group.
-type Active = [u8; GROUPS];
+pub(super) type Active = [u8; GROUPS];
 
 impl Intersector {
     /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of those that meet nothing
@@ -69,6 +69,30 @@ fn trace_packet(
     scene: &Intersector,
     packet: &Packet,
     origin: Vec3,
+    active: Active,
+    stack: &mut Vec<(u32, u8)>,
+) -> Active {
+    walk::<false>(scene, packet, origin, active, stack)
+}
+
+/// The same for a packet of segments: what lies beyond their ends does not count.
+#[multiversion(targets("x86_64+avx2", "x86_64+sse4.2", "aarch64+neon"))]
+pub(super) fn trace_segments(
+    scene: &Intersector,
+    packet: &Packet,
+    origin: Vec3,
+    active: Active,
+    stack: &mut Vec<(u32, u8)>,
+) -> Active {
+    walk::<true>(scene, packet, origin, active, stack)
+}
+
+/// Walks the hierarchy for a packet of rays or, if `SEGMENTS`, of segments whose ends are `origin + ray`.
+#[inline(always)]
+fn walk<const SEGMENTS: bool>(
+    scene: &Intersector,
+    packet: &Packet,
+    origin: Vec3,
     mut active: Active,
     stack: &mut Vec<(u32, u8)>,
 ) -> Active {
@@ -81,13 +105,13 @@ fn trace_packet(
     stack.push((0, u8::MAX));
     while let Some((index, groups)) = stack.pop() {
         let node = &nodes[index as usize];
-        let groups = reached_groups(packet, origin, node, groups & live, &active);
+        let groups = reached_groups::<SEGMENTS>(packet, origin, node, groups & live, &active);
         if groups == 0 {
             continue;
         }
         if node.prim_count > 0 {
             for corners in scene.blocks.of_leaf(node.first_index, node.prim_count) {
-                block(packet, &BlockFrom::new(origin, corners), groups, &mut active);
+                block::<SEGMENTS>(packet, &BlockFrom::new(origin, corners), groups, &mut active);
             }
             live = live_groups(&active);
             if live == 0 {
@@ -117,7 +141,13 @@ fn live_groups(active: &Active) -> u8 {
 
 /// Which of `groups` have an active ray that may enter the node's box.
 #[inline(always)]
-fn reached_groups(packet: &Packet, origin: Vec3, node: &Bvh2Node, groups: u8, active: &Active) -> u8 {
+fn reached_groups<const SEGMENTS: bool>(
+    packet: &Packet,
+    origin: Vec3,
+    node: &Bvh2Node,
+    groups: u8,
+    active: &Active,
+) -> u8 {
     let (min, max) = (Vec3::from(node.aabb.min) - origin, Vec3::from(node.aabb.max) - origin);
     let center = Vec3x8::splat(0.5 * (min + max));
     let half = Vec3x8::splat(0.5 * (max - min));
@@ -126,31 +156,34 @@ fn reached_groups(packet: &Packet, origin: Vec3, node: &Bvh2Node, groups: u8, ac
     }
     let outside = (0..GROUP_PLANES).fold(0, |outside, k| outside | beyond(&packet.group_planes[k], center, half));
     let reached = groups & !outside;
-    entered_groups(packet, min, max, reached, active)
+    entered_groups::<SEGMENTS>(packet, min, max, reached, active)
 }
 
 /// Which of `groups` have an active ray that enters the box, ray by ray.
 #[inline(always)]
-fn entered_groups(packet: &Packet, min: Vec3, max: Vec3, groups: u8, active: &Active) -> u8 {
+fn entered_groups<const SEGMENTS: bool>(packet: &Packet, min: Vec3, max: Vec3, groups: u8, active: &Active) -> u8 {
     let (min, max) = (Vec3x8::splat(min), Vec3x8::splat(max));
     let (mut rest, mut entered) = (groups, 0);
     while rest != 0 {
         let g = rest.trailing_zeros() as usize;
         rest &= rest - 1;
-        entered |= u8::from(entering(&packet.inverse_rays[g], min, max) & active[g] != 0) << g;
+        entered |= u8::from(entering::<SEGMENTS>(&packet.inverse_rays[g], min, max) & active[g] != 0) << g;
     }
     entered
 }
 
 /// Which of eight rays enter the box, one bit each: the slab test, with a margin above its rounding.
 #[inline(always)]
-fn entering(inverse: &Vec3x8, min: Vec3x8, max: Vec3x8) -> u8 {
+fn entering<const SEGMENTS: bool>(inverse: &Vec3x8, min: Vec3x8, max: Vec3x8) -> u8 {
     let (near, far) = (min.scale(*inverse), max.scale(*inverse));
     let lower = |a: f32x8, b: f32x8| a.fast_min(b);
     let upper = |a: f32x8, b: f32x8| a.fast_max(b);
     let entry = upper(upper(lower(near.x, far.x), lower(near.y, far.y)), lower(near.z, far.z)).fast_max(f32x8::ZERO);
     let exit = lower(lower(upper(near.x, far.x), upper(near.y, far.y)), upper(near.z, far.z));
-    entry.simd_le(exit * f32x8::splat(1.0 + 1e-6)).to_bitmask() as u8
+    let margin = f32x8::splat(1.0 + 1e-6);
+    let entered = entry.simd_le(exit * margin);
+    // The parameter along a segment is 1 at its end.
+    (if SEGMENTS { entered & entry.simd_le(margin) } else { entered }).to_bitmask() as u8
 }
 
 /// Bit `i` is set if the box lies wholly on the outer side of plane `i` through the origin.
@@ -162,16 +195,22 @@ fn beyond(planes: &Vec3x8, center: Vec3x8, half: Vec3x8) -> u8 {
 
 /// Ends the rays of `groups` that cross any of eight triangles.
 #[inline(always)]
-fn block(packet: &Packet, triangles: &BlockFrom, groups: u8, active: &mut Active) {
+fn block<const SEGMENTS: bool>(packet: &Packet, triangles: &BlockFrom, groups: u8, active: &mut Active) {
     let mut near = triangles.near_cone(Vec3x8::splat(packet.axis), f32x8::splat(packet.sin_sq));
     while near != 0 {
-        let edges = triangles.edges_of(near.trailing_zeros() as usize);
+        let lane = near.trailing_zeros() as usize;
+        let edges = triangles.edges_of(lane);
+        let plane = triangles.plane_of(lane);
         near &= near - 1;
         let mut rest = groups;
         while rest != 0 {
             let g = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            active[g] &= !crossings(&packet.rays[g], &edges);
+            let mut crossed = crossings(&packet.rays[g], &edges);
+            if SEGMENTS {
+                crossed &= passing(&packet.rays[g], &plane);
+            }
+            active[g] &= !crossed;
         }
     }
 }
@@ -181,6 +220,13 @@ fn block(packet: &Packet, triangles: &BlockFrom, groups: u8, active: &mut Active
 fn crossings(rays: &Vec3x8, edges: &[Vec3x8; 3]) -> u8 {
     let inside = |edge: &Vec3x8| edge.dot(*rays).simd_ge(f32x8::ZERO);
     (inside(&edges[0]) & inside(&edges[1]) & inside(&edges[2])).to_bitmask() as u8
+}
+
+/// Which of eight segments end beyond a plane, one bit each; the same arithmetic as
+/// [`super::triangle::TriangleFrom::crosses_before`].
+#[inline(always)]
+fn passing(segments: &Vec3x8, plane: &(Vec3x8, f32x8)) -> u8 {
+    plane.0.dot(*segments).simd_gt(plane.1).to_bitmask() as u8
 }
 
 const _: () = assert!(PACKET <= 64 && PACKET_PLANES == 8 && GROUPS == 8);

@@ -84,6 +84,17 @@ fn sort_spatially(order: &mut [u32], directions: &[Vec3]) {
 }
 
 impl Packet {
+    /// A packet of segments from one origin: bounded as their directions, but with rays as long as they are.
+    pub(super) fn of_segments(members: &[u32], segments: &[Vec3], directions: &[Vec3]) -> Self {
+        let mut packet = Self::new(members, directions);
+        for g in 0..GROUPS {
+            let segment = |lane: usize| segments[packet.targets[g * GROUP + lane] as usize];
+            packet.rays[g] = Vec3x8::from_array(std::array::from_fn(segment));
+            packet.inverse_rays[g] = Vec3x8::from_array(std::array::from_fn(|lane| inverse(segment(lane))));
+        }
+        packet
+    }
+
     fn new(members: &[u32], directions: &[Vec3]) -> Self {
         let member = |i: usize| members[i.min(members.len() - 1)];
         let mut packet = Self {

@@ -38,6 +38,8 @@ impl LeafBlocks {
 /// [`super::TriangleFrom`] for eight triangles, by the same arithmetic.
 pub(super) struct BlockFrom {
     edges: [Vec3x8; 3],
+    /// Normals on the side away from the origin (not unit), and their dot product with a corner seen from there.
+    plane: (Vec3x8, f32x8),
     /// Triangles that a ray from the origin can cross at all.
     crossable: u32,
 }
@@ -51,7 +53,11 @@ impl BlockFrom {
         let side = a.dot(normal);
         let sign = side.simd_lt(f32x8::ZERO).select(-f32x8::ONE, f32x8::ONE);
         let crossable = side.simd_ne(f32x8::ZERO).to_bitmask();
-        Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], crossable }
+        Self {
+            edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign],
+            plane: (normal * sign, side.abs()),
+            crossable,
+        }
     }
 
     /// Triangles that some ray within the cone around `axis` may cross; `sin_sq` is the squared sine of its half-angle.
@@ -64,6 +70,12 @@ impl BlockFrom {
             d.simd_lt(f32x8::ZERO) & (d * d).simd_gt(sin_sq * e.dot(*e))
         };
         self.crossable & !(outside(&self.edges[0]) | outside(&self.edges[1]) | outside(&self.edges[2])).to_bitmask()
+    }
+
+    /// The plane of one triangle, eight times: a segment `s` from the origin passes it if `normal · s` exceeds the distance.
+    #[inline(always)]
+    pub fn plane_of(&self, lane: usize) -> (Vec3x8, f32x8) {
+        (Vec3x8::splat(self.plane.0.lane(lane)), f32x8::splat(self.plane.1.to_array()[lane]))
     }
 
     /// The edge planes of one triangle, eight times each.

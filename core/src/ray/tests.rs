@@ -101,7 +101,7 @@ fn no_ray_slips_between_neighbouring_triangles() {
 
 #[test]
 fn segments_are_blocked_by_what_lies_between_their_ends_alone() {
-    let mesh = soup(9, 700);
+    let mesh = soup(9, 300);
     let scene = Intersector::new(&mesh);
     let (mut blocked, mut open) = (0, 0);
     for d in fibonacci_directions(400) {
@@ -112,9 +112,35 @@ fn segments_are_blocked_by_what_lies_between_their_ends_alone() {
         let crosses =
             |t: usize| TriangleFrom::new(Vec3::ZERO, mesh.corners(t)).hit(d).is_some_and(|h| h.distance < 3.0);
         let expected = (0..mesh.triangles.len()).any(crosses);
-        assert_eq!(scene.occluded_between(Vec3::ZERO, to), expected);
+        assert_eq!(scene.occluded_between(Vec3::ZERO, to), expected, "toward {to}");
         assert_eq!(scene.occluded_between(to, Vec3::ZERO), expected, "from the other end");
         *(if expected { &mut blocked } else { &mut open }) += 1;
     }
-    assert!(blocked > 50 && open > 50, "a scene that tells them apart: {blocked} and {open}");
+    assert!(blocked > 10 && open > 10, "a scene that tells them apart: {blocked} and {open}");
+}
+
+#[test]
+fn batches_of_segments_and_single_ones_agree_to_the_bit() {
+    let scene = Intersector::new(&soup(11, 500));
+    let mut rng = fastrand::Rng::with_seed(3);
+    let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * 9.0;
+    // In runs of neighbours, as in a tree, and some far apart.
+    let ends: Vec<Vec3> = (0..60)
+        .flat_map(|_| {
+            let center = point();
+            (0..25).map(|_| center + point() * 0.1).collect::<Vec<_>>()
+        })
+        .collect();
+    let wanted: Vec<u32> = (0..ends.len() as u32).filter(|i| i % 7 != 0).collect();
+    let mut batch = SegmentBatch::default();
+    for origin in [Vec3::ZERO, Vec3::new(2.0, 1.0, -3.0), Vec3::new(0.0, 9.0, 0.0)] {
+        let mut hidden = Vec::new();
+        batch.trace(&scene, origin, &ends, &wanted, |i| hidden.push(i));
+        let expected: Vec<u32> =
+            wanted.iter().copied().filter(|&i| scene.occluded_between(origin, ends[i as usize])).collect();
+        assert_eq!(hidden, expected);
+        assert!(hidden.len() > 100 && hidden.len() + 100 < wanted.len(), "a scene that tells them apart");
+        let unbounded = |&&i: &&u32| scene.occluded(origin, ends[i as usize] - origin);
+        assert!(wanted.iter().filter(unbounded).count() > hidden.len(), "negative control");
+    }
 }

@@ -41,7 +41,7 @@ impl TriangleFrom {
     #[inline(always)]
     pub fn crosses_before(&self, segment: Vec3) -> bool {
         let sign = if self.side < 0.0 { -1.0 } else { 1.0 };
-        dot(self.normal, segment) * sign > self.side.abs() && self.crosses(segment)
+        dot(self.normal * sign, segment) > self.side.abs() && self.crosses(segment)
     }
 
     /// Distance and barycentric weights of the meeting point, if any; the triangle index is left at 0.

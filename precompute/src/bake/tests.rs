@@ -3,10 +3,16 @@
 use super::*;
 use crate::{
     Preset,
+    mesh_surface::tests::room,
     observer::Silent,
     sidedness::tests::{cuboid, floor, scene_of},
 };
 use glam::Vec3;
+use lapidary_core::{
+    cut::packed::{VALUE_MAX, depth},
+    dataset::{BakeMode, IndirectSettings},
+    indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
+};
 use std::{
     path::Path,
     sync::atomic::{AtomicBool, Ordering},
@@ -44,17 +50,23 @@ fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<Vec3>) {
     )
 }
 
-/// Cancels at the first progress of the visibility phase.
-#[derive(Default)]
-struct CancelInVisibility {
+/// Cancels at the first progress of a phase.
+struct CancelIn {
+    phase: Phase,
     started: AtomicBool,
     cancelled: AtomicBool,
 }
 
-impl Observer for CancelInVisibility {
+impl CancelIn {
+    fn phase(phase: Phase) -> Self {
+        Self { phase, started: AtomicBool::new(false), cancelled: AtomicBool::new(false) }
+    }
+}
+
+impl Observer for CancelIn {
     fn event(&self, event: Event) {
         match event {
-            Event::Started { phase: Phase::Visibility, .. } => self.started.store(true, Ordering::Relaxed),
+            Event::Started { phase, .. } => self.started.store(phase == self.phase, Ordering::Relaxed),
             Event::Advanced { .. } if self.started.load(Ordering::Relaxed) => {
                 self.cancelled.store(true, Ordering::Relaxed)
             }
@@ -89,7 +101,7 @@ fn a_cancelled_bake_resumes_to_the_same_bits() {
     let whole = contents(
         &bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job.clone() }, &Silent).unwrap(),
     );
-    let interrupted = bake(scene(), &job, &CancelInVisibility::default());
+    let interrupted = bake(scene(), &job, &CancelIn::phase(Phase::Visibility));
     assert!(matches!(interrupted, Err(BakeError::Cancelled)));
     assert!(!job.output.exists());
     let partial = Checkpoint::folder_of(&job.output);
@@ -150,4 +162,94 @@ fn an_output_that_cannot_be_written_is_an_error_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let job = BakeJob { output: folder.path().join("no/such/folder/\0a.cuts"), ..job(folder.path(), "") };
     assert!(matches!(bake(scene(), &job, &Silent), Err(BakeError::Checkpoint(CheckpointError::Io { .. }))));
+}
+
+/// A small room with a box in it.
+fn interior() -> Scene {
+    let mut triangles = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
+    triangles.extend(cuboid(Vec3::new(0.3, -0.4, 0.2), Vec3::splat(0.2)));
+    scene_of(&triangles)
+}
+
+fn indirect_job(folder: &Path, name: &str, mode: BakeMode) -> BakeJob {
+    let indirect = IndirectSettings { sources: 512, ..Default::default() };
+    let settings = BakeSettings { mode, indirect, lights: 256, ..settings() };
+    BakeJob { settings, chunks: Some(3), ..job(folder, name) }
+}
+
+fn indirect_contents(dataset: &Dataset) -> (Vec<Source>, Vec<u16>, Vec<u32>, Vec<u16>) {
+    let indirect = dataset.indirect.as_ref().unwrap();
+    let (cuts, environment) = (&indirect.cuts, &indirect.environment_cuts);
+    (indirect.sources.clone(), cuts.nodes().to_vec(), cuts.offsets().to_vec(), environment.nodes().to_vec())
+}
+
+#[test]
+fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let dataset = bake(interior(), &job, &Silent).unwrap();
+    let report = dataset.report.indirect.clone().unwrap();
+    let expected = 2.0 * (2.0 * 1.4 + 2.0 * 1.6 + 1.4 * 1.6) + 4.0 * 0.16 + 2.0 * 0.16;
+    assert!((report.area / expected - 1.0).abs() < 0.02, "{} m² for {expected}", report.area);
+    assert!(report.mean_cut > 4.0 && report.relative_error > 0.0 && report.relative_error < 0.5, "{report:?}");
+    assert!(dataset.cuts.nodes().iter().all(|&n| n == 0), "nothing of the environment");
+    assert_eq!(dataset.report.samples_resolved, 0);
+    for phase in ["points", "source-tree", "source-visibility"] {
+        assert!(dataset.report.seconds.contains_key(phase), "{phase}");
+    }
+    assert_eq!(indirect_contents(&Dataset::read(&job.output).unwrap()), indirect_contents(&dataset));
+    let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeMode::Environment), &Silent).unwrap();
+    assert!(plain.indirect.is_none() && plain.report.indirect.is_none());
+    // A closed room sees none of the environment; that is known because it was traced.
+    assert!(plain.report.samples_resolved > 0);
+}
+
+#[test]
+fn a_closed_room_has_a_full_hemisphere_in_every_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
+    let dataset = bake(scene, &job, &Silent).unwrap();
+    let indirect = dataset.indirect.as_ref().unwrap();
+    let inner = |v: &usize| {
+        let p = dataset.scene.mesh.positions[*v] / Vec3::new(1.0, 0.7, 0.8);
+        p.abs().to_array().iter().filter(|x| **x < 0.8).count() == 2
+    };
+    let vertices: Vec<usize> = (0..dataset.scene.mesh.positions.len()).filter(inner).collect();
+    for &v in &vertices {
+        let cut = indirect.cuts.cut(9, v as u32);
+        let angle = |&n: &u16| solid_angle(n & VALUE_MAX) * (512_u32 >> depth(n)) as f32;
+        let total: f32 = cut.iter().map(angle).sum();
+        assert!((total / LARGEST_SOLID_ANGLE - 1.0).abs() < 0.1, "{total} sr at vertex {v}");
+    }
+}
+
+#[test]
+fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, chunks, threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let job = BakeJob { chunks, ..indirect_job(folder.path(), name, BakeMode::All) };
+        indirect_contents(&pool.install(|| bake(interior(), &job, &Silent)).unwrap())
+    };
+    let one = run("a.cuts", Some(1), 1);
+    assert_eq!(one, run("b.cuts", Some(4), 3));
+    let job = indirect_job(folder.path(), "c.cuts", BakeMode::All);
+    let stop = CancelIn::phase(Phase::SourceVisibility);
+    assert!(matches!(bake(interior(), &job, &stop), Err(BakeError::Cancelled)));
+    assert!(Checkpoint::folder_of(&job.output).join("source-chunk-00000.bin").exists());
+    let resumed = bake(interior(), &BakeJob { resume: true, ..job }, &Silent).unwrap();
+    assert_eq!(indirect_contents(&resumed), one);
+}
+
+#[test]
+fn viewpoints_that_reach_nothing_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    job.settings.indirect.viewpoint = Some(Vec3::new(0.3, -0.4, 0.2));
+    let inside = bake(interior(), &job, &Silent).unwrap_err();
+    assert!(matches!(inside, BakeError::Points(PointsError::InsideSolid(_))), "{inside}");
+    job.settings.indirect.viewpoint = Some(Vec3::new(0.0, 9.0, 0.0));
+    let outside = bake(interior(), &job, &Silent).unwrap_err();
+    assert!(outside.to_string().contains("--viewpoint"), "{outside}");
 }

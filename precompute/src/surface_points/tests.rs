@@ -84,7 +84,8 @@ fn areas_add_up_to_what_light_reaches() {
     let total: f32 = areas.iter().sum();
     assert!((total / 24.0 - 1.0).abs() < 0.02, "{total}");
     let mean = total / 1024.0;
-    assert!(areas.iter().all(|a| *a > 0.25 * mean && *a < 3.0 * mean), "no sample stands for too much");
+    let (least, most) = areas.iter().fold((f32::MAX, 0.0_f32), |(l, m), &a| (l.min(a), m.max(a)));
+    assert!(least > 0.2 * mean && most < 3.0 * mean, "{least} and {most} about {mean}");
     // A box of 0.6 m on the floor hides 0.36 m² and shows five faces.
     let furnished = furnished();
     let (points, radius) = poisson_count(&furnished.surface(), INSIDE, 2048, 1, &Silent).unwrap();
@@ -109,15 +110,15 @@ fn levels_halve_the_radius_and_threads_do_not_matter() {
 
 #[test]
 fn narrow_places_get_no_coarse_points() {
-    // A slot of 2 mm under a plate: the floor beneath it sees nothing far away.
+    // A slot of 1 cm under a plate: the floor beneath it sees nothing far away.
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
-    triangles.extend(cuboid(Vec3::new(0.0, -0.893, 0.0), Vec3::new(0.5, 0.105, 0.5)));
+    triangles.extend(cuboid(Vec3::new(0.0, -0.89, 0.0), Vec3::new(0.25, 0.1, 0.25)));
     let prepared = Prepared::new(&triangles);
     let in_slot = |open_only| {
         let surface = prepared.surface();
         let mut candidates = Candidates::new(&surface, INSIDE, 1, &Silent).unwrap();
-        let points = poisson_disk(&mut candidates, Darts { radius: 0.2, open_only, most: 100_000 }).unwrap();
-        points.iter().filter(|p| p.position.y < -0.99 && p.position.abs().with_y(0.0).max_element() < 0.45).count()
+        let points = poisson_disk(&mut candidates, Darts { radius: 0.15, open_only, most: 100_000 }).unwrap();
+        points.iter().filter(|p| p.position.y < -0.995 && p.position.abs().with_y(0.0).max_element() < 0.2).count()
     };
     assert_eq!(in_slot(true), 0);
     assert!(in_slot(false) > 0, "negative control");

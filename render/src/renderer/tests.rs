@@ -74,6 +74,8 @@ pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
         pilot_clusters: 1,
         max_vertices: None,
         max_bytes: None,
+        mode: Default::default(),
+        indirect: Default::default(),
     };
     Dataset {
         indirect: None,

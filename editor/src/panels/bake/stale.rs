@@ -2,7 +2,7 @@
 
 use crate::{document::Document, panels::units::grouped};
 use lapidary_core::{
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeMode, BakeSettings, Dataset},
     light_tree::TreeKind,
 };
 
@@ -31,7 +31,10 @@ pub fn tree_name(tree: TreeKind) -> &'static str {
 /// All settings in words. Beta counts in a mixed tree only.
 fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
     // Destructured, so that a new setting cannot be forgotten here.
-    let BakeSettings { lights, tree, beta, criterion, pilot_clusters, max_vertices, max_bytes } = settings;
+    let BakeSettings { lights, tree, beta, criterion, pilot_clusters, max_vertices, max_bytes, mode, indirect } =
+        settings;
+    let of_sources = |text: String| if mode.indirect() { text } else { "unused".into() };
+    let of_bounces = |text: String| if *mode == BakeMode::Environment { "unused".into() } else { text };
     let limit = |limit: Option<u64>| limit.map_or("no limit".into(), grouped);
     let beta = if *tree == TreeKind::Mixed { beta.to_string() } else { "unused".into() };
     let max_nodes = (criterion.max_nodes < u32::MAX).then_some(u64::from(criterion.max_nodes));
@@ -45,5 +48,10 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Pilot clusters", grouped(*pilot_clusters as u64)),
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
         ("Bytes", limit(*max_bytes)),
+        ("Mode", format!("{mode:?}").to_lowercase()),
+        ("Sources", of_sources(grouped(indirect.sources as u64))),
+        ("Source sigma", of_sources(indirect.criterion.sigma.to_string())),
+        ("Largest solid angle", of_sources(indirect.criterion.max_solid_angle.to_string())),
+        ("Viewpoint", of_bounces(indirect.viewpoint.map_or("found".into(), |v| v.to_string()))),
     ]
 }

@@ -1,0 +1,173 @@
+//! Selection of cuts of solid angles over the tree of surface sources (paper, 3.2 and 3.3).
+//!
+//! Eq. 5 holds for real values as it does for binary ones. They are measured in units of 2π/N, the solid angle of each of N
+//! sources that together fill the hemisphere, so that `sigma` means the same for any N. A second bound is the paper's
+//! "maximum solid angle constraint": a node is shaded as one direction, so it must not look large, however evenly it does.
+
+use super::{
+    packed::{VALUE_MAX, depth},
+    select::CutWriter,
+};
+use crate::indirect::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
+use serde::{Deserialize, Serialize};
+
+/// When a node of a source cut is fine enough.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SourceCriterion {
+    /// Split while `|C| var > sigma²` of solid angles in units of 2π/N (Eq. 5).
+    pub sigma: f32,
+    /// Split nodes that fill more than this, in steradians.
+    pub max_solid_angle: f32,
+}
+
+impl Default for SourceCriterion {
+    /// The table of `docs/measurements.md` has cut sizes and errors beside others.
+    fn default() -> Self {
+        Self { sigma: 2.0, max_solid_angle: 0.1 }
+    }
+}
+
+/// Selects cuts of solid angles of `2^height` sources; keeps its buffers between vertices.
+pub struct SourceCutSelector {
+    height: u32,
+    criterion: SourceCriterion,
+    /// Sum of the values below each node and of their squares, by heap index, in units of 2π/N.
+    sums: Vec<[f32; 2]>,
+}
+
+impl SourceCutSelector {
+    /// For trees of `height`.
+    pub fn new(height: u32, criterion: SourceCriterion) -> Self {
+        Self { height, criterion, sums: vec![[0.0; 2]; 2 << height] }
+    }
+
+    /// Appends the packed cut of `leaves` (steradians, in tree order) to `cut`, which must be empty. Values are coded by
+    /// [`solid_angle_code`]. Returns the sum of squared errors of the stored values over all leaves, in steradians squared.
+    pub fn select(&mut self, leaves: &[f32], cut: &mut Vec<u16>) -> f64 {
+        assert_eq!(leaves.len(), 1 << self.height, "one value a leaf");
+        self.sum_up(leaves);
+        let unit = f64::from(self.unit());
+        let largest = self.criterion.max_solid_angle;
+        let mut squared_error = 0.0;
+        let mut writer = CutWriter::new(self.height, cut);
+        let mut stack = vec![1_usize];
+        while let Some(node) = stack.pop() {
+            if self.is_coarse(node) {
+                stack.extend([2 * node + 1, 2 * node]);
+                continue;
+            }
+            let (size, [sum, squares]) = (self.size(node), self.sums[node].map(|x| f64::from(x) * unit));
+            let code = solid_angle_code(sum as f32 / size);
+            let stored = f64::from(solid_angle(code));
+            squared_error += (squares * unit - 2.0 * stored * sum + f64::from(size) * stored * stored).max(0.0);
+            let solid_angle_of = |node: u16| {
+                let leaves = (1_u32 << (self.height - depth(node))) as f32;
+                leaves * solid_angle(node & VALUE_MAX)
+            };
+            writer.push_where(code | (node.ilog2() as u16) << 12, |parent| solid_angle_of(parent) <= largest);
+        }
+        squared_error
+    }
+
+    /// What a value of one means, in steradians.
+    fn unit(&self) -> f32 {
+        LARGEST_SOLID_ANGLE / (1_u32 << self.height) as f32
+    }
+
+    fn sum_up(&mut self, leaves: &[f32]) {
+        let (n, per_unit) = (leaves.len(), 1.0 / self.unit());
+        for (sums, &leaf) in self.sums[n..].iter_mut().zip(leaves) {
+            let value = leaf * per_unit;
+            *sums = [value, value * value];
+        }
+        for i in (1..n).rev() {
+            let ([a, b], [c, d]) = (self.sums[2 * i], self.sums[2 * i + 1]);
+            self.sums[i] = [a + c, b + d];
+        }
+    }
+
+    fn size(&self, node: usize) -> f32 {
+        (1_u32 << (self.height - node.ilog2())) as f32
+    }
+
+    fn is_coarse(&self, node: usize) -> bool {
+        if node >= 1 << self.height {
+            return false;
+        }
+        let [sum, squares] = self.sums[node];
+        let error = squares - sum * sum / self.size(node);
+        error > self.criterion.sigma * self.criterion.sigma || sum * self.unit() > self.criterion.max_solid_angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::packed::cut_len;
+
+    const HEIGHT: u32 = 10;
+
+    /// Runs of alike solid angles, some hidden, some large.
+    fn leaves(seed: u64) -> Vec<f32> {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let unit = LARGEST_SOLID_ANGLE / 1024.0;
+        let mut values = Vec::new();
+        while values.len() < 1024 {
+            let level = if rng.bool() { 0.0 } else { unit * 4.0 * rng.f32() };
+            values.extend((0..rng.usize(1..60)).map(|i| level * (1.0 + 0.01 * i as f32)));
+        }
+        values.truncate(1024);
+        values
+    }
+
+    fn select(criterion: SourceCriterion, leaves: &[f32]) -> (Vec<u16>, f64) {
+        let mut cut = Vec::new();
+        let error = SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
+        assert_eq!(cut_len(HEIGHT, &cut), Ok(cut.len()));
+        (cut, error)
+    }
+
+    fn expand(cut: &[u16]) -> Vec<f32> {
+        let repeat = |&n: &u16| std::iter::repeat_n(solid_angle(n & VALUE_MAX), 1 << (HEIGHT - depth(n)));
+        cut.iter().flat_map(repeat).collect()
+    }
+
+    #[test]
+    fn nodes_keep_both_bounds_and_the_error_is_that_of_the_stored_values() {
+        let criterion = SourceCriterion { sigma: 1.0, max_solid_angle: 0.2 };
+        for seed in 0..10 {
+            let leaves = leaves(seed);
+            let (cut, error) = select(criterion, &leaves);
+            let stored = expand(&cut);
+            let exact: f64 = stored.iter().zip(&leaves).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+            assert!((error - exact).abs() < 1e-3 * exact + 1e-9, "{error} for {exact}");
+            let mut first = 0;
+            for &node in &cut {
+                let size = 1 << (HEIGHT - depth(node));
+                let values = &leaves[first..first + size];
+                let sum: f32 = values.iter().sum();
+                assert!(size == 1 || sum <= 0.2 * 1.005, "{sum} sr in one node");
+                first += size;
+            }
+            let total = |v: &[f32]| v.iter().sum::<f32>();
+            assert!((total(&stored) / total(&leaves) - 1.0).abs() < 5e-3);
+        }
+    }
+
+    #[test]
+    fn larger_bounds_give_shorter_cuts() {
+        let leaves = leaves(3);
+        let length = |sigma, max_solid_angle| select(SourceCriterion { sigma, max_solid_angle }, &leaves).0.len();
+        assert!(length(0.5, 9.0) > length(1.0, 9.0) && length(1.0, 9.0) > length(4.0, 9.0));
+        assert!(length(4.0, 0.05) > length(4.0, 0.2));
+        assert_eq!(length(1e6, 9.0), 1);
+    }
+
+    #[test]
+    fn equal_leaves_merge_up_to_the_largest_solid_angle_and_hidden_ones_wholly() {
+        let even = vec![LARGEST_SOLID_ANGLE / 1024.0; 1024];
+        let criterion = SourceCriterion { sigma: 0.0, max_solid_angle: 0.11 };
+        assert_eq!(select(criterion, &even).0.len(), 64, "64 nodes of 0.098 sr");
+        assert_eq!(select(criterion, &vec![0.0; 1024]).0, vec![0]);
+    }
+}

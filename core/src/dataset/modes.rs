@@ -1,0 +1,81 @@
+//! Which parts of light transport a dataset holds, and how the indirect part was made.
+
+use crate::cut::SourceCriterion;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// What a bake prepares. Parts that are not baked are dark: their cuts are one node that sees nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BakeMode {
+    /// Visibility of distant light.
+    #[default]
+    Environment,
+    /// Surface sources, and what the vertices see of them.
+    Indirect,
+    /// The meshless basis and its transport operator.
+    Meshless,
+    /// All of these, and what the sources see of the environment.
+    All,
+}
+
+impl BakeMode {
+    /// Whether visibility of distant light is baked.
+    pub fn environment(self) -> bool {
+        matches!(self, Self::Environment | Self::All)
+    }
+
+    /// Whether surface sources are baked.
+    pub fn indirect(self) -> bool {
+        matches!(self, Self::Indirect | Self::All)
+    }
+
+    /// Whether the meshless basis is baked.
+    pub fn meshless(self) -> bool {
+        matches!(self, Self::Meshless | Self::All)
+    }
+}
+
+/// Settings of the parts that bounce light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IndirectSettings {
+    /// Number of surface sources, `2^H`, at most 32,768.
+    pub sources: usize,
+    /// How fine the vertices' cuts over the sources are.
+    pub criterion: SourceCriterion,
+    /// A place in the open that tells reachable surfaces from enclosed ones; `None` for that of a camera, or a search.
+    pub viewpoint: Option<Vec3>,
+}
+
+impl Default for IndirectSettings {
+    fn default() -> Self {
+        Self { sources: 32_768, criterion: SourceCriterion::default(), viewpoint: None }
+    }
+}
+
+/// What the bake of the surface sources did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct IndirectReport {
+    /// The viewpoint that was used.
+    pub viewpoint: [f32; 3],
+    /// Surface sources.
+    pub sources: usize,
+    /// Least distance of any two in position and normal, in metres.
+    pub radius: f32,
+    /// Area in m² that they stand for together: the surface that light reaches.
+    pub area: f64,
+    /// Mean number of nodes of a vertex's cut over the sources.
+    pub mean_cut: f64,
+    /// Largest of these cuts.
+    pub max_cut: usize,
+    /// Root mean square over the vertices of `||stored - traced|| / ||traced||`, of solid angles.
+    pub relative_error: f64,
+    /// Mean number of nodes of a source's cut over the environment.
+    pub mean_environment_cut: f64,
+    /// Bytes of both kinds of cuts.
+    pub bytes_cuts: u64,
+    /// Rays traced between vertices and sources.
+    pub rays_traced: u64,
+}

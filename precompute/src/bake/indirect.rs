@@ -1,0 +1,116 @@
+//! The phases of the surface sources: points, their tree, what the bake points see of them, what they see of the environment.
+//!
+//! Sources and tree are made again when a bake is resumed: they depend on the settings alone.
+
+use super::{
+    BakeError, Geometry,
+    chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
+    clock::Clock,
+    pack::{Packed, concatenate, pack, unbaked},
+};
+use crate::{
+    MeshSurface,
+    bake_points::BakePoint,
+    checkpoint::{Checkpoint, Series},
+    observer::Phase,
+    sources::{SourceSampler, order_sources, place_sources},
+    visibility::VisibilitySampler,
+};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeSettings, IndirectReport},
+    indirect::{IndirectBake, Source},
+    light_tree::LightTree,
+    surfel::Surface,
+};
+
+/// What the phases work on.
+pub(super) struct Stage<'a> {
+    pub geometry: &'a Geometry,
+    pub surface: &'a MeshSurface<'a>,
+    pub viewpoint: Vec3,
+    pub tree: &'a LightTree,
+    pub settings: &'a BakeSettings,
+    pub checkpoint: &'a Checkpoint,
+}
+
+impl Stage<'_> {
+    /// All phases of the sources.
+    pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
+        let (sources, radius) = self.sources(clock)?;
+        let seen = self.source_cuts(&sources, clock)?;
+        let environment = self.environment_cuts(&sources, clock)?;
+        let report = IndirectReport {
+            viewpoint: self.viewpoint.into(),
+            sources: sources.len(),
+            radius,
+            area: sources.iter().map(|s| f64::from(s.area)).sum(),
+            mean_cut: seen.mean_cut(),
+            max_cut: seen.max_cut,
+            relative_error: (seen.squared_error / seen.points.max(1) as f64).sqrt(),
+            mean_environment_cut: environment.mean_cut(),
+            bytes_cuts: seen.bytes() + environment.bytes(),
+            rays_traced: seen.rays,
+        };
+        Ok((IndirectBake { sources, cuts: seen.cuts, environment_cuts: environment.cuts }, report))
+    }
+
+    /// Sources in the order of their tree, and their distance.
+    fn sources(&self, clock: &mut Clock) -> Result<(Vec<Source>, f32), BakeError> {
+        let count = self.settings.indirect.sources;
+        let observer = clock.observer;
+        let (sources, radius) =
+            clock.time(Phase::Points, 0, "points", || place_sources(self.surface, self.viewpoint, count, observer))?;
+        let clusters = self.settings.pilot_clusters as u64;
+        let sources = clock.time(Phase::SourceTree, clusters, "clusters", || {
+            order_sources(
+                sources,
+                &self.geometry.points,
+                &self.geometry.intersector,
+                self.surface,
+                self.settings,
+                observer,
+            )
+        })?;
+        Ok((sources, radius))
+    }
+
+    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+        let points = &self.geometry.points;
+        let maker = SourceCuts {
+            points: &points.points,
+            sampler: SourceSampler::new(&self.geometry.intersector, sources, self.surface.offset()),
+            criterion: self.settings.indirect.criterion,
+        };
+        let observer = clock.observer;
+        let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
+            bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
+        })?;
+        pack(concatenate(&chunks), &chunks, points.of_vertex.iter().copied())
+    }
+
+    fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+        let chunks = if self.settings.mode.environment() {
+            let points: Vec<BakePoint> = sources.iter().map(|s| point_of(s, self.surface.offset())).collect();
+            let maker = EnvironmentCuts {
+                points: &points,
+                sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree),
+                height: self.tree.height(),
+                criterion: self.settings.criterion,
+            };
+            let observer = clock.observer;
+            clock.time(Phase::SourceEnvironment, sources.len() as u64, "sources", || {
+                bake_chunks(&maker, Series::SourceEnvironment, self.checkpoint, observer)
+            })?
+        } else {
+            unbaked(sources.len())
+        };
+        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32)
+    }
+}
+
+/// Where a source samples its visibility of the environment.
+fn point_of(source: &Source, offset: f32) -> BakePoint {
+    let surfel = source.surfel;
+    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false }
+}
