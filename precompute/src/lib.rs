@@ -27,7 +27,7 @@ pub use bake::{BakeError, BakeJob, bake};
 pub use checkpoint::{CheckpointError, Leftover, leftover};
 pub use memory::available as available_memory;
 pub use mesh_surface::MeshSurface;
-pub use meshless::{MeshlessSettings, meshless_bake};
+pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
 pub use surface_points::{
@@ -35,5 +35,5 @@ pub use surface_points::{
     sample_areas,
 };
 pub use threads::on_threads;
-pub use transport::{TransportReport, TransportSettings, transport_operator};
+pub use transport::transport_operator;
 pub use verify::{Verification, verify};

@@ -19,7 +19,8 @@ use std::f32::consts::FRAC_1_PI;
 pub struct SolveSettings {
     /// Indirect bounces, 1 to [`Self::MOST_BOUNCES`].
     pub bounces: u32,
-    /// Senders are skipped whose coefficient is at most this share of the largest.
+    /// Senders are skipped whose coefficient is at most this share of the mean over all senders. (Of the largest would be too
+    /// much: a lamp close to a surface makes one that dwarfs all others.)
     pub threshold: f32,
 }
 
@@ -32,7 +33,7 @@ impl SolveSettings {
 impl Default for SolveSettings {
     /// The paper's four bounces. Its threshold is 0.025 of the light's unit; this one costs nothing that shows.
     fn default() -> Self {
-        Self { bounces: 4, threshold: 1e-3 }
+        Self { bounces: 4, threshold: 1e-2 }
     }
 }
 
@@ -121,7 +122,8 @@ pub(super) fn sender_points(bake: &MeshlessBake) -> &[Surfel] {
 }
 
 fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
-    settings.threshold * radiance.iter().map(|r| r.abs().max_element()).fold(0.0, f32::max)
+    let sum: f32 = radiance.iter().map(|r| r.abs().max_element()).sum();
+    settings.threshold * sum / radiance.len().max(1) as f32
 }
 
 fn usable(v: Vec3) -> Vec3 {

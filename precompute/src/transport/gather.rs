@@ -64,11 +64,11 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Links to a receiver of `level`, given the rows of all coarser ones.
-    pub fn gather(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> Row {
+    /// Links to a receiver of `level`, given the rows of all coarser ones, and whether none of these reaches it.
+    pub fn gather(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> (Row, bool) {
         self.gather_rays(scratch, receiver);
-        self.subtract_parents(scratch, receiver, level, rows);
-        scratch.take()
+        let parents = self.subtract_parents(scratch, receiver, level, rows);
+        (scratch.take(), parents == 0)
     }
 
     fn gather_rays(&self, scratch: &mut Scratch, receiver: usize) {
@@ -90,15 +90,17 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    fn subtract_parents(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) {
+    /// Subtracts what all parents bring to the receiver's point, and counts them.
+    fn subtract_parents(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> usize {
         let point = &self.basis.points()[receiver];
         let mut parents = Vec::new();
         (0..level).for_each(|coarser| self.basis.values(coarser, point.position, point.normal, &mut parents));
-        for (parent, value) in parents {
+        for &(parent, value) in &parents {
             for &(sender, vector) in &rows[parent as usize] {
                 scratch.add(sender, vector * -value);
             }
         }
+        parents.len()
     }
 }
 
