@@ -4,9 +4,11 @@
 //! its parents already account for (Eq. 17), keeps what is significant, and has its children examined if anything was.
 //!
 //! Departures from the paper: reflectance is not inside (see [`lapidary_core::meshless::Transport`]), so `ε` is compared
-//! with the link of a sender of half grey, `‖T_ij‖ / 2π`, whatever colours the scene has now. Rays are uniform over the hemisphere and not by cosine, whose estimate
-//! of the tangential parts of vector irradiance has no finite variance; they are stratified as a Fibonacci lattice, turned
-//! and shifted at random by receiver, so that parents and children do not repeat each other's error.
+//! with the link of a sender of half grey, `‖T_ij‖ / 2π`, whatever colours the scene has now. Receivers that no coarser one
+//! reaches are gathered always, and drop their links by a stricter rule (see [`refine::Criterion`]). Rays are uniform over
+//! the hemisphere and not by cosine, whose estimate of the tangential parts of vector irradiance has no finite variance;
+//! they are stratified as a Fibonacci lattice, turned and shifted at random by receiver, so that parents and children do
+//! not repeat each other's error.
 
 mod gather;
 mod refine;

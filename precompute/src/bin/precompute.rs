@@ -18,7 +18,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Bake a scene's visibility
-    Bake(BakeArgs),
+    Bake(Box<BakeArgs>),
     /// Describe a dataset
     Info(InfoArgs),
     /// Trace random vertices of a dataset again and compare
