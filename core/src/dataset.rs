@@ -24,24 +24,28 @@
 //! | `source_environment_cut_offsets` | u32 | S | first texel of each source's cut |
 //! | `texture.0`, ... | u8 | bytes | image files as they were imported |
 //!
-//! S surface sources are there if the bake was asked for them (`--mode indirect` or `all`).
+//! S surface sources are there if the bake was asked for them (`--mode indirect` or `all`), the tensors `meshless_*` of
+//! `dataset/meshless.rs` with `--mode meshless` or `all`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
 //! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
 
 mod error;
 mod indirect;
+mod meshless;
 mod modes;
 mod read;
 mod write;
 
 pub use error::DatasetError;
+pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{BakeMode, IndirectReport, IndirectSettings};
 
 use crate::{
     cut::{CutCriterion, packed::PackedCuts},
     indirect::IndirectBake,
     light_tree::{LightTree, TreeKind},
+    meshless::MeshlessBake,
     scene::Scene,
 };
 use serde::{Deserialize, Serialize};
@@ -67,6 +71,8 @@ pub struct Dataset {
     pub cuts: PackedCuts,
     /// Surface sources and their cuts, if they were baked.
     pub indirect: Option<IndirectBake>,
+    /// The meshless basis and its light transport, if they were baked.
+    pub meshless: Option<MeshlessBake>,
     /// What it was baked with.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, hexadecimal.
@@ -99,6 +105,9 @@ pub struct BakeSettings {
     /// How the parts that bounce light are baked, if they are.
     #[serde(default)]
     pub indirect: IndirectSettings,
+    /// How the meshless basis is baked, if it is.
+    #[serde(default)]
+    pub meshless: MeshlessSettings,
 }
 
 /// What a bake did; the keys are those of `--report`.
@@ -140,6 +149,8 @@ pub struct BakeReport {
     /// The part of the surface sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub indirect: Option<IndirectReport>,
+    /// How the meshless basis went, if it was baked.
+    pub meshless: Option<MeshlessReport>,
     /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
     pub seconds: BTreeMap<String, f64>,
     /// Distinct bake points; vertices that agree in position and normal share one.

@@ -1,3 +1,47 @@
-//! The meshless hierarchical basis (Lehtinen et al. 2008, "A Meshless Hierarchical Representation for Light Transport").
+//! The meshless hierarchical basis: light on surfaces as a sum of smooth functions around scattered points, coarse to fine.
+//!
+//! The method is that of Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
+//! cited here as "the meshless paper". Nothing in it knows what surfaces are made of: points with normals are all.
+//!
+//! * [`Basis`]: the functions, range queries, normalised values (meshless paper, 2.1 and 2.2)
+//! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
+//! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
+//! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
+//! * [`Flattening`]: the solution at vertices, or at any other points
+//! * [`neumann`]: several bounces as one operator, with the reflectance of the moment baked in
 
+mod basis;
 pub mod distance;
+mod flatten;
+pub mod neumann;
+mod projection;
+mod solve;
+mod sparse;
+mod transport;
+mod tree;
+
+pub use basis::{Basis, BasisError};
+pub use flatten::Flattening;
+pub use projection::Projection;
+pub use solve::{Solution, SolveSettings, Solver};
+pub use sparse::{Coefficient, SparseRows};
+pub use transport::{PackedLink, Transport, TransportError, irradiance};
+
+/// A baked basis and its operator. Both are free of reflectance.
+#[derive(Clone, Debug)]
+pub struct MeshlessBake {
+    /// The functions; those of the first levels also send.
+    pub basis: Basis,
+    /// One bounce from senders to receivers.
+    pub transport: Transport,
+}
+
+impl MeshlessBake {
+    /// Bytes of points and links, as stored.
+    pub fn bytes(&self) -> u64 {
+        self.basis.bytes() + self.transport.bytes()
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -3,12 +3,14 @@
 mod chunks;
 mod clock;
 mod indirect;
+mod meshless;
 mod pack;
 
 use self::{
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
     indirect::Stage,
+    meshless::bake_meshless,
     pack::{Packed, concatenate, fit_budget, pack, unbaked},
 };
 use crate::{
@@ -24,9 +26,10 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings, Dataset, DatasetError, IndirectReport, scene_hash},
+    dataset::{BakeReport, BakeSettings, Dataset, DatasetError, IndirectReport, MeshlessReport, scene_hash},
     indirect::IndirectBake,
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
+    meshless::MeshlessBake,
     ray::Intersector,
     scene::Scene,
     sphere::fibonacci_directions,
@@ -121,12 +124,22 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let packing = Instant::now();
     let (cuts, sigma) = fit_budget(concatenate(&chunks), tree.height(), settings.max_bytes, settings.criterion.sigma);
     let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied())?;
-    let report = BakeReport { sigma, indirect: bounces.report, ..report(&geometry, &settings, &packed, job) };
+    let report = report(&geometry, &settings, &packed, job);
+    let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
     let two_sided = geometry.sides.two_sided;
-    let (scene, cuts, indirect) = (geometry.scene, packed.cuts, bounces.indirect);
-    let mut dataset =
-        Dataset { scene, two_sided, vertex_valid, tree, cuts, indirect, settings, scene_hash: hash, report };
+    let mut dataset = Dataset {
+        scene: geometry.scene,
+        two_sided,
+        vertex_valid,
+        tree,
+        cuts: packed.cuts,
+        indirect: bounces.indirect,
+        meshless: bounces.meshless,
+        settings,
+        scene_hash: hash,
+        report,
+    };
     clock.add(Phase::Pack, packing.elapsed());
     finish_report(&mut dataset, clock);
     dataset.write(&job.output)?;
@@ -163,6 +176,8 @@ fn bake_environment(
 struct Bounces {
     indirect: Option<IndirectBake>,
     report: Option<IndirectReport>,
+    meshless: Option<MeshlessBake>,
+    meshless_report: Option<MeshlessReport>,
 }
 
 /// Bakes what the mode asks for beyond the environment.
@@ -174,16 +189,22 @@ fn bake_bounces(
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
     let mut bounces = Bounces::default();
-    if !settings.mode.indirect() {
+    if !(settings.mode.indirect() || settings.mode.meshless()) {
         return Ok(bounces);
     }
     // Reflectance stays out of everything baked, so that materials remain free to change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = find_viewpoint(&surface, settings.indirect.viewpoint, &geometry.scene.cameras)?;
-    let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
-    let (indirect, report) = stage.bake_indirect(clock)?;
-    (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
+    if settings.mode.indirect() {
+        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let (indirect, report) = stage.bake_indirect(clock)?;
+        (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
+    }
+    if settings.mode.meshless() {
+        let (meshless, report) = bake_meshless(&surface, viewpoint, &settings.meshless, clock)?;
+        (bounces.meshless, bounces.meshless_report) = (Some(meshless), Some(report));
+    }
     Ok(bounces)
 }
 

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, IndirectReport},
+    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, IndirectReport, MeshlessReport},
     import::import,
     light_tree::TreeKind,
 };
@@ -108,6 +108,22 @@ pub struct BakeArgs {
     /// reach get no sources [default: that of a camera, or one that is searched for]
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub viewpoint: Option<Vec3>,
+    /// Levels of the meshless basis, 1 to 8 [default: 6]
+    #[arg(long, value_name = "L")]
+    pub levels: Option<usize>,
+    /// How many of its first levels send light [default: 3]
+    #[arg(long, value_name = "L")]
+    pub sender_levels: Option<usize>,
+    /// Distance of its coarsest points in metres [default: one that gives about 300 of them]
+    #[arg(long, value_name = "R")]
+    pub coarse_radius: Option<f32>,
+    /// Rays by which each of its points gathers light, 16 to 65536 [default: 512]
+    #[arg(long, value_name = "N")]
+    pub gather_rays: Option<usize>,
+    /// Links between its functions are kept above this share of the light of a half grey sender, 0 to 1; smaller
+    /// is finer [default: 0.025]
+    #[arg(long, value_name = "E")]
+    pub epsilon: Option<f32>,
     /// Number of light samples: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub lights: Option<usize>,
@@ -171,6 +187,11 @@ impl BakeArgs {
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
         s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
         s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);
+        s.meshless.levels = self.levels.unwrap_or(s.meshless.levels);
+        s.meshless.sender_levels = self.sender_levels.unwrap_or(s.meshless.sender_levels.min(s.meshless.levels));
+        s.meshless.coarse_radius = self.coarse_radius.or(s.meshless.coarse_radius);
+        s.meshless.rays = self.gather_rays.unwrap_or(s.meshless.rays);
+        s.meshless.epsilon = self.epsilon.unwrap_or(s.meshless.epsilon);
         s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
         s
     }
@@ -272,6 +293,7 @@ fn info_text(dataset: &Dataset) -> String {
         text += "cuts       not baked: the environment is dark\n";
     }
     text += &r.indirect.as_ref().map_or(String::new(), |indirect| indirect_text(indirect, s));
+    text += &r.meshless.as_ref().map_or(String::new(), meshless_text);
     text += &format!(
         "size       {:.1} MB of cuts, {:.1} MB in all\n",
         r.bytes_cuts as f64 / 1e6,
@@ -301,6 +323,19 @@ fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
         s.indirect.criterion.sigma,
         100.0 * r.relative_error,
         r.bytes_cuts as f64 / 1e6
+    )
+}
+
+fn meshless_text(r: &MeshlessReport) -> String {
+    format!(
+        "meshless   {} functions on {} levels, {} of them send\n\
+         links      {}, {:.3} % of the possible ones, {:.1} MB with points\n",
+        r.functions.iter().sum::<usize>(),
+        r.functions.len(),
+        r.senders,
+        r.links,
+        100.0 * r.share,
+        (r.bytes_links + r.bytes_points) as f64 / 1e6
     )
 }
 

@@ -10,6 +10,7 @@ mod checkpoint;
 pub mod cli;
 mod memory;
 mod mesh_surface;
+mod meshless;
 mod observer;
 mod pilot;
 mod settings;
@@ -18,6 +19,7 @@ mod sources;
 mod surface_points;
 mod tessellate;
 mod threads;
+mod transport;
 mod verify;
 mod visibility;
 
@@ -25,6 +27,7 @@ pub use bake::{BakeError, BakeJob, bake};
 pub use checkpoint::{CheckpointError, Leftover, leftover};
 pub use memory::available as available_memory;
 pub use mesh_surface::MeshSurface;
+pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
 pub use surface_points::{
@@ -32,4 +35,5 @@ pub use surface_points::{
     sample_areas,
 };
 pub use threads::on_threads;
+pub use transport::transport_operator;
 pub use verify::{Verification, verify};

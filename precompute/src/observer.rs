@@ -24,6 +24,10 @@ pub enum Phase {
     SourceVisibility,
     /// What they see of the environment, and their cuts.
     SourceEnvironment,
+    /// Placing the points of the meshless basis.
+    Basis,
+    /// Light transport between its functions.
+    Transport,
     /// Packing and writing.
     Pack,
 }
@@ -41,6 +45,8 @@ impl Phase {
             Self::SourceTree => "source-tree",
             Self::SourceVisibility => "source-visibility",
             Self::SourceEnvironment => "source-environment",
+            Self::Basis => "basis",
+            Self::Transport => "transport",
             Self::Pack => "pack",
         }
     }

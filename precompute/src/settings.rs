@@ -2,7 +2,7 @@
 
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeMode, BakeSettings, IndirectSettings},
+    dataset::{BakeMode, BakeSettings, IndirectSettings, MeshlessSettings},
     light_tree::{LightCountError, TreeKind, height_of},
 };
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,7 @@ impl Preset {
             max_bytes: None,
             mode: BakeMode::Environment,
             indirect: IndirectSettings::default(),
+            meshless: MeshlessSettings::default(),
         };
         let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
         match self {
@@ -88,6 +89,11 @@ pub fn resolve(settings: BakeSettings) -> Result<BakeSettings, SettingsError> {
         ("--sigma", f64::from(settings.criterion.sigma), 0.0, 1e3),
         ("--source-sigma", f64::from(settings.indirect.criterion.sigma), 0.0, 1e3),
         ("largest solid angle", f64::from(settings.indirect.criterion.max_solid_angle), 1e-4, 10.0),
+        ("--levels", settings.meshless.levels as f64, 1.0, 8.0),
+        ("--sender-levels", settings.meshless.sender_levels as f64, 1.0, settings.meshless.levels as f64),
+        ("--gather-rays", settings.meshless.rays as f64, 16.0, 65_536.0),
+        ("--epsilon", f64::from(settings.meshless.epsilon), 0.0, 1.0),
+        ("--coarse-radius", optional(settings.meshless.coarse_radius.map(f64::from), 1.0), 1e-6, 1e9),
         ("--max-cut", f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
         ("--total-error", optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
         ("--pilot-clusters", settings.pilot_clusters as f64, 1.0, 65_536.0),

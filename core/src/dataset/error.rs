@@ -1,6 +1,10 @@
 //! Why a dataset cannot be written or read.
 
-use crate::{cut::CutError, scene::MeshError};
+use crate::{
+    cut::CutError,
+    meshless::{BasisError, TransportError},
+    scene::MeshError,
+};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -83,6 +87,9 @@ pub enum Damage {
     /// A surface source is invalid.
     #[error(transparent)]
     Source(#[from] SourceDamage),
+    /// The meshless basis or its links are invalid.
+    #[error(transparent)]
+    Meshless(#[from] MeshlessDamage),
     /// A material refers to a texture that is not there.
     #[error("material `{material}` refers to texture {texture}, but there are {count}")]
     Texture {
@@ -112,6 +119,27 @@ pub enum SourceDamage {
     Triangle {
         /// Which source.
         source_index: usize,
+        /// Its triangle.
+        triangle: u32,
+        /// Number of triangles.
+        count: usize,
+    },
+}
+
+/// What is wrong with the meshless basis.
+#[derive(Debug, Error, PartialEq)]
+pub enum MeshlessDamage {
+    /// Its points or levels.
+    #[error(transparent)]
+    Basis(BasisError),
+    /// Its links.
+    #[error(transparent)]
+    Transport(TransportError),
+    /// A triangle that is not there.
+    #[error("function {function} of the meshless basis lies on triangle {triangle}, but there are {count}")]
+    Triangle {
+        /// Which function.
+        function: usize,
         /// Its triangle.
         triangle: u32,
         /// Number of triangles.

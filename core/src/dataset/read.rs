@@ -58,6 +58,7 @@ impl Reader<'_> {
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
         let cuts = self.cuts(["cuts", "cut_offsets"], tree.height(), vertices)?;
         let indirect = self.indirect(tree.height(), vertices, triangles)?;
+        let meshless = self.meshless(triangles)?;
         Ok(Dataset {
             two_sided: self.flags("triangle_two_sided", triangles)?,
             vertex_valid: self.flags("vertex_valid", vertices)?,
@@ -65,6 +66,7 @@ impl Reader<'_> {
             tree,
             cuts,
             indirect,
+            meshless,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,

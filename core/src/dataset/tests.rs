@@ -5,6 +5,7 @@ use crate::{
     cut::packed::pack_node,
     indirect::Source,
     material::{Material, MaterialMaps},
+    meshless::{Basis, Transport},
     scene::{Mesh, Object},
     surfel::{MeshPlace, Surfel},
     texture::{Channel, Texture, TextureSlot},
@@ -39,6 +40,7 @@ fn dataset() -> Dataset {
         tree: LightTree::geometric(64).unwrap(),
         cuts,
         indirect: None,
+        meshless: None,
         settings: BakeSettings {
             lights: 64,
             tree: TreeKind::Mixed,
@@ -49,6 +51,7 @@ fn dataset() -> Dataset {
             max_bytes: None,
             mode: BakeMode::Environment,
             indirect: IndirectSettings::default(),
+            meshless: MeshlessSettings::default(),
         },
         scene_hash: scene_hash(&scene),
         report: BakeReport { vertices: 3, ..Default::default() },
@@ -246,4 +249,49 @@ fn damaged_sources_are_named() {
         (0..4).for_each(|_| b.environment_cuts.push_vertex(offset));
     });
     assert!(node.contains("entry 0 of `source_environment_cuts`"), "{node}");
+}
+
+fn with_meshless() -> Dataset {
+    let place = MeshPlace { triangle: 0, barycentric: Vec2::splat(0.25) };
+    let point = |x: f32| Surfel { position: Vec3::new(x, 0.0, 0.0), normal: Vec3::Y, place };
+    let levels = [vec![point(0.0), point(1.0)], vec![point(0.0), point(0.5), point(1.0)]];
+    let basis = Basis::new(&levels, 1.0, 1).unwrap();
+    let rows = [vec![(1, Vec3::Y)], vec![], vec![(0, Vec3::X), (1, -Vec3::Z)], vec![], vec![(0, Vec3::ONE)]];
+    let transport = Transport::from_rows(&rows, 2);
+    Dataset { meshless: Some(MeshlessBake { basis, transport }), ..dataset() }
+}
+
+#[test]
+fn the_meshless_basis_and_its_links_survive_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let original = with_meshless();
+    original.write(&path).unwrap();
+    let (a, b) = (Dataset::read(&path).unwrap().meshless.unwrap(), original.meshless.unwrap());
+    assert_eq!(a.basis.points(), b.basis.points());
+    assert_eq!((a.basis.offsets(), a.basis.radii()), (b.basis.offsets(), b.basis.radii()));
+    assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
+    dataset().write(&path).unwrap();
+    assert!(Dataset::read(&path).unwrap().meshless.is_none(), "a dataset without it");
+}
+
+#[test]
+fn a_damaged_meshless_basis_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let error_of = |change: &dyn Fn(&mut MeshlessBake)| {
+        let mut dataset = with_meshless();
+        change(dataset.meshless.as_mut().unwrap());
+        dataset.write(&path).unwrap();
+        Dataset::read(&path).unwrap_err().to_string()
+    };
+    let changed = |bake: &MeshlessBake, change: &dyn Fn(&mut Surfel)| {
+        let mut points = bake.basis.points().to_vec();
+        change(&mut points[3]);
+        Basis::from_parts(points, bake.basis.offsets().to_vec(), bake.basis.radii().to_vec(), 1).unwrap()
+    };
+    let triangle = error_of(&|b| b.basis = changed(b, &|p| p.place.triangle = 1));
+    assert!(triangle.contains("function 3") && triangle.contains("but there are 1"), "{triangle}");
+    let links = error_of(&|b| b.transport = Transport::from_rows(&vec![vec![(0, Vec3::X)]; 5], 3));
+    assert!(links.contains("5 receivers and 2 senders"), "{links}");
 }

@@ -1,6 +1,6 @@
 //! Writing a dataset, atomically.
 
-use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, indirect};
+use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, indirect, meshless};
 use crate::{atomic::write_atomically, camera::Camera, cut::packed::PackedCuts, lights::Light, material::Material};
 use safetensors::{Dtype, tensor::TensorView};
 use serde::{Deserialize, Serialize};
@@ -104,6 +104,7 @@ impl Dataset {
         ];
         tensors.extend(cut_tensors("cuts", "cut_offsets", &self.cuts));
         tensors.extend(self.indirect.iter().flat_map(indirect::tensors));
+        tensors.extend(self.meshless.iter().flat_map(meshless::tensors));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
             tensors.push(Tensor {
                 name: name.into(),

@@ -40,6 +40,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
     }
     Dataset {
         indirect: None,
+        meshless: None,
         two_sided: vec![false],
         vertex_valid: vec![true; 3],
         tree: LightTree::geometric(64).unwrap(),

@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     cut::packed::{VALUE_MAX, depth},
-    dataset::{BakeMode, IndirectSettings},
+    dataset::{BakeMode, IndirectSettings, MeshlessSettings},
     indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
 };
 use std::{
@@ -252,4 +252,20 @@ fn viewpoints_that_reach_nothing_are_named() {
     job.settings.indirect.viewpoint = Some(Vec3::new(0.0, 9.0, 0.0));
     let outside = bake(interior(), &job, &Silent).unwrap_err();
     assert!(outside.to_string().contains("--viewpoint"), "{outside}");
+}
+
+#[test]
+fn the_meshless_basis_is_baked_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Meshless);
+    job.settings.meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
+    let dataset = bake(interior(), &job, &Silent).unwrap();
+    let (report, bake_of) = (dataset.report.meshless.clone().unwrap(), dataset.meshless.as_ref().unwrap());
+    assert!(dataset.indirect.is_none() && report.links > 0 && report.functions.len() == 3, "{report:?}");
+    assert_eq!((bake_of.transport.packed().len(), bake_of.basis.senders().len()), (report.links, report.senders));
+    for phase in ["basis", "transport"] {
+        assert!(dataset.report.seconds.contains_key(phase), "{phase}");
+    }
+    let read = Dataset::read(&job.output).unwrap().meshless.unwrap();
+    assert_eq!((read.basis.points(), read.transport), (bake_of.basis.points(), bake_of.transport.clone()));
 }

@@ -76,9 +76,11 @@ pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
         max_bytes: None,
         mode: Default::default(),
         indirect: Default::default(),
+        meshless: Default::default(),
     };
     Dataset {
         indirect: None,
+        meshless: None,
         two_sided: vec![false; mesh.triangles.len()],
         vertex_valid: vec![true; mesh.positions.len()],
         scene: Scene {

@@ -31,10 +31,21 @@ pub fn tree_name(tree: TreeKind) -> &'static str {
 /// All settings in words. Beta counts in a mixed tree only.
 fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
     // Destructured, so that a new setting cannot be forgotten here.
-    let BakeSettings { lights, tree, beta, criterion, pilot_clusters, max_vertices, max_bytes, mode, indirect } =
-        settings;
+    let BakeSettings {
+        lights,
+        tree,
+        beta,
+        criterion,
+        pilot_clusters,
+        max_vertices,
+        max_bytes,
+        mode,
+        indirect,
+        meshless,
+    } = settings;
     let of_sources = |text: String| if mode.indirect() { text } else { "unused".into() };
     let of_bounces = |text: String| if *mode == BakeMode::Environment { "unused".into() } else { text };
+    let of_meshless = |text: String| if mode.meshless() { text } else { "unused".into() };
     let limit = |limit: Option<u64>| limit.map_or("no limit".into(), grouped);
     let beta = if *tree == TreeKind::Mixed { beta.to_string() } else { "unused".into() };
     let max_nodes = (criterion.max_nodes < u32::MAX).then_some(u64::from(criterion.max_nodes));
@@ -52,6 +63,11 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Sources", of_sources(grouped(indirect.sources as u64))),
         ("Source sigma", of_sources(indirect.criterion.sigma.to_string())),
         ("Largest solid angle", of_sources(indirect.criterion.max_solid_angle.to_string())),
+        ("Levels", of_meshless(meshless.levels.to_string())),
+        ("Sender levels", of_meshless(meshless.sender_levels.to_string())),
+        ("Coarse radius", of_meshless(meshless.coarse_radius.map_or("found".into(), |r| r.to_string()))),
+        ("Gather rays", of_meshless(meshless.rays.to_string())),
+        ("Epsilon", of_meshless(meshless.epsilon.to_string())),
         ("Viewpoint", of_bounces(indirect.viewpoint.map_or("found".into(), |v| v.to_string()))),
     ]
 }

@@ -18,6 +18,7 @@ use lapidary_precompute::Preset;
 pub fn test_dataset() -> Dataset {
     Dataset {
         indirect: None,
+        meshless: None,
         settings: Preset::Normal.settings(),
         scene_hash: "abc".into(),
         report: BakeReport {

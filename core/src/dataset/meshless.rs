@@ -1,0 +1,144 @@
+//! The meshless basis and its operator on disk, and how they were made.
+//!
+//! Tensors (N functions, L levels, K links):
+//!
+//! | name | type | shape | |
+//! |---|---|---|---|
+//! | `meshless_positions`, `meshless_normals` | f32 | N, 3 | points of the functions, coarsest first |
+//! | `meshless_triangles`, `meshless_barycentrics` | u32, f32 | N and N, 2 | where on the mesh they lie |
+//! | `meshless_levels` | u32 | L + 1 | first function of each level, and the end of the last |
+//! | `meshless_radii` | f32 | L | radius of support in metres |
+//! | `meshless_sender_levels` | u32 | 1 | how many of the first levels send |
+//! | `meshless_links` | u16 | K, 4 | receiver in its band, and vector irradiance as three signed steps |
+//! | `meshless_link_offsets` | u32 | | first link of each (band of receivers, sender), and the end of the last |
+//! | `meshless_link_scale` | f32 | 1 | vector irradiance of one step |
+
+use super::{
+    error::{Damage, MeshlessDamage},
+    read::Reader,
+    write::{Tensor, owned, tensor},
+};
+use crate::{
+    meshless::{Basis, MeshlessBake, PackedLink, Transport},
+    surfel::{MeshPlace, Surfel},
+};
+use glam::{Vec2, Vec3};
+use safetensors::Dtype;
+use serde::{Deserialize, Serialize};
+
+/// What decides a meshless bake.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshlessSettings {
+    /// Levels of functions, 1 to 8; each has about four times as many as the one before.
+    pub levels: usize,
+    /// How many of the first levels send, at most `levels`.
+    pub sender_levels: usize,
+    /// Distance of the coarsest level's points in metres; `None` for one that gives about
+    /// [`Self::COARSEST_FUNCTIONS`] of them.
+    pub coarse_radius: Option<f32>,
+    /// Rays of each gather, 16 or more: what limits noise.
+    pub rays: usize,
+    /// Links are kept above this share of the irradiance that their sender would have if it were half grey, 0 to 1;
+    /// smaller is finer.
+    pub epsilon: f32,
+}
+
+impl MeshlessSettings {
+    /// The paper's scenes have 176 to 339.
+    pub const COARSEST_FUNCTIONS: usize = 300;
+}
+
+impl Default for MeshlessSettings {
+    /// Those of the paper.
+    fn default() -> Self {
+        Self { levels: 6, sender_levels: 3, coarse_radius: None, rays: 512, epsilon: 0.025 }
+    }
+}
+
+/// How a meshless bake went.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshlessReport {
+    /// The viewpoint that was used.
+    pub viewpoint: [f32; 3],
+    /// Distance of the coarsest level's points in metres.
+    pub coarse_radius: f32,
+    /// Functions of each level.
+    pub functions: Vec<usize>,
+    /// Functions of all levels that send.
+    pub senders: usize,
+    /// Receivers of each level that were gathered; the others lie under nothing that needs detail.
+    pub gathered: Vec<usize>,
+    /// Links kept of each level's receivers.
+    pub links_of_level: Vec<usize>,
+    /// Links kept of all.
+    pub links: usize,
+    /// Their share of the product of senders and receivers.
+    pub share: f64,
+    /// Rays traced.
+    pub rays_traced: u64,
+    /// Bytes of links.
+    pub bytes_links: u64,
+    /// Bytes of points.
+    pub bytes_points: u64,
+}
+
+/// The tensors of a meshless bake.
+pub(super) fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
+    let (basis, transport) = (&bake.basis, &bake.transport);
+    let (points, n) = (basis.points(), basis.len());
+    let positions: Vec<Vec3> = points.iter().map(|p| p.position).collect();
+    let normals: Vec<Vec3> = points.iter().map(|p| p.normal).collect();
+    let triangles: Vec<u32> = points.iter().map(|p| p.place.triangle).collect();
+    let barycentrics: Vec<Vec2> = points.iter().map(|p| p.place.barycentric).collect();
+    vec![
+        owned(tensor("meshless_positions", Dtype::F32, [n, 3], &positions)),
+        owned(tensor("meshless_normals", Dtype::F32, [n, 3], &normals)),
+        owned(tensor("meshless_triangles", Dtype::U32, [n], &triangles)),
+        owned(tensor("meshless_barycentrics", Dtype::F32, [n, 2], &barycentrics)),
+        tensor("meshless_levels", Dtype::U32, [basis.levels() + 1], basis.offsets()),
+        tensor("meshless_radii", Dtype::F32, [basis.levels()], basis.radii()),
+        owned(tensor("meshless_sender_levels", Dtype::U32, [1], &[basis.sender_levels() as u32])),
+        tensor("meshless_links", Dtype::U16, [transport.packed().len(), 4], transport.packed()),
+        tensor("meshless_link_offsets", Dtype::U32, [transport.offsets().len()], transport.offsets()),
+        owned(tensor("meshless_link_scale", Dtype::F32, [1], &[transport.scale()])),
+    ]
+}
+
+impl Reader<'_> {
+    /// The meshless bake, if there is one.
+    pub(super) fn meshless(&self, triangles: usize) -> Result<Option<MeshlessBake>, Damage> {
+        if !self.has("meshless_positions") {
+            return Ok(None);
+        }
+        let offsets: Vec<u32> = self.array("meshless_levels", Dtype::U32, &[], None)?;
+        let radii: Vec<f32> = self.array("meshless_radii", Dtype::F32, &[], None)?;
+        let sender_levels: Vec<u32> = self.array("meshless_sender_levels", Dtype::U32, &[], Some(1))?;
+        let points = self.functions(triangles)?;
+        let basis = Basis::from_parts(points, offsets, radii, sender_levels[0] as usize);
+        let basis = basis.map_err(MeshlessDamage::Basis)?;
+        let links: Vec<PackedLink> = self.array("meshless_links", Dtype::U16, &[4], None)?;
+        let offsets: Vec<u32> = self.array("meshless_link_offsets", Dtype::U32, &[], None)?;
+        let scale: Vec<f32> = self.array("meshless_link_scale", Dtype::F32, &[], Some(1))?;
+        let transport = Transport::from_parts([basis.len(), basis.senders().len()], scale[0], offsets, links);
+        Ok(Some(MeshlessBake { basis, transport: transport.map_err(MeshlessDamage::Transport)? }))
+    }
+
+    fn functions(&self, triangles: usize) -> Result<Vec<Surfel>, Damage> {
+        let positions: Vec<Vec3> = self.array("meshless_positions", Dtype::F32, &[3], None)?;
+        let n = Some(positions.len());
+        let normals: Vec<Vec3> = self.array("meshless_normals", Dtype::F32, &[3], n)?;
+        let of_triangle: Vec<u32> = self.array("meshless_triangles", Dtype::U32, &[], n)?;
+        let barycentrics: Vec<Vec2> = self.array("meshless_barycentrics", Dtype::F32, &[2], n)?;
+        if let Some(function) = of_triangle.iter().position(|&t| t as usize >= triangles) {
+            let triangle = of_triangle[function];
+            return Err(MeshlessDamage::Triangle { function, triangle, count: triangles }.into());
+        }
+        let surfel = |i: usize| {
+            let place = MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
+            Surfel { position: positions[i], normal: normals[i], place }
+        };
+        Ok((0..positions.len()).map(surfel).collect())
+    }
+}

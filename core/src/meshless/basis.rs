@@ -1,0 +1,214 @@
+//! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
+
+use super::{
+    sparse::{Coefficient, SparseRows},
+    tree::LevelTree,
+};
+use crate::surfel::Surfel;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::{fmt, ops::Range};
+use thiserror::Error;
+
+/// Why points make no basis.
+#[derive(Debug, Error, PartialEq)]
+pub enum BasisError {
+    /// Offsets that do not partition the points, or too many or too few sender levels.
+    #[error("the levels of the basis do not match its {points} points; bake it again")]
+    Levels {
+        /// Number of points.
+        points: usize,
+    },
+    /// A position, normal or radius that is no number, or a radius that is not positive.
+    #[error("point {point} of the basis is not usable; bake it again")]
+    Point {
+        /// Which point, or the number of points if a radius is at fault.
+        point: usize,
+    },
+}
+
+/// The functions of all levels, coarsest first. A function belongs to a point and lives within a radius around it.
+#[derive(Clone)]
+pub struct Basis {
+    points: Vec<Surfel>,
+    /// First function of each level, and the end of the last.
+    offsets: Vec<u32>,
+    /// Radius of support in metres, one a level.
+    radii: Vec<f32>,
+    sender_levels: usize,
+    trees: Vec<LevelTree>,
+}
+
+impl fmt::Debug for Basis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { offsets, radii, sender_levels, .. } = self;
+        f.debug_struct("Basis")
+            .field("offsets", offsets)
+            .field("radii", radii)
+            .field("sender_levels", sender_levels)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Basis {
+    /// A basis of Poisson-disk sets, coarsest first: `spacing` is the disk radius of the first in metres, each further one
+    /// has half that of the one before. The first `sender_levels` also send.
+    ///
+    /// # Errors
+    /// [`BasisError`] if there is no level, if they are fewer than `sender_levels`, or if a point is not finite.
+    pub fn new(levels: &[Vec<Surfel>], spacing: f32, sender_levels: usize) -> Result<Self, BasisError> {
+        let mut offsets = vec![0];
+        levels.iter().for_each(|l| offsets.push(offsets[offsets.len() - 1] + l.len() as u32));
+        let radii = (0..levels.len()).map(|level| overlap(level, levels.len()) * spacing * 0.5_f32.powi(level as i32));
+        Self::from_parts(levels.concat(), offsets, radii.collect(), sender_levels)
+    }
+
+    /// The basis of stored points, offsets of levels (with the end of the last) and radii.
+    ///
+    /// # Errors
+    /// [`BasisError`] if they contradict each other.
+    pub fn from_parts(
+        points: Vec<Surfel>,
+        offsets: Vec<u32>,
+        radii: Vec<f32>,
+        sender_levels: usize,
+    ) -> Result<Self, BasisError> {
+        let whole = offsets.first() == Some(&0)
+            && offsets.last().is_some_and(|&end| end as usize == points.len())
+            && offsets.is_sorted()
+            && offsets.len() == radii.len() + 1
+            && (1..=radii.len()).contains(&sender_levels);
+        if !whole {
+            return Err(BasisError::Levels { points: points.len() });
+        }
+        let usable = |p: &Surfel| p.position.is_finite() && p.normal.is_finite();
+        let unusable = points.iter().position(|p| !usable(p));
+        let unusable = unusable.or_else(|| radii.iter().any(|&r| !(r > 0.0 && r < f32::MAX)).then_some(points.len()));
+        if let Some(point) = unusable {
+            return Err(BasisError::Point { point });
+        }
+        let level = |l: usize| LevelTree::new(&points[range(&offsets, l)], offsets[l], radii[l]);
+        let trees = (0..radii.len()).into_par_iter().map(level).collect();
+        Ok(Self { points, offsets, radii, sender_levels, trees })
+    }
+
+    /// Number of functions of all levels.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no functions.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Number of levels.
+    pub fn levels(&self) -> usize {
+        self.radii.len()
+    }
+
+    /// The functions of a level.
+    pub fn level(&self, level: usize) -> Range<usize> {
+        range(&self.offsets, level)
+    }
+
+    /// First function of each level, and the end of the last.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+
+    /// The functions of the first `levels` levels.
+    pub fn first_levels(&self, levels: usize) -> Range<usize> {
+        0..self.offsets[levels] as usize
+    }
+
+    /// How many of the first levels send.
+    pub fn sender_levels(&self) -> usize {
+        self.sender_levels
+    }
+
+    /// The functions that send.
+    pub fn senders(&self) -> Range<usize> {
+        self.first_levels(self.sender_levels)
+    }
+
+    /// The points of all functions.
+    pub fn points(&self) -> &[Surfel] {
+        &self.points
+    }
+
+    /// Radius of support of each level in metres.
+    pub fn radii(&self) -> &[f32] {
+        &self.radii
+    }
+
+    /// Bytes of the points as stored.
+    pub fn bytes(&self) -> u64 {
+        (size_of::<Surfel>() * self.points.len()) as u64
+    }
+
+    /// Appends all functions of a level that are not zero at a surface point, with their values there (meshless paper,
+    /// Eq. 2). The values sum to one, unless no function reaches the point.
+    #[inline]
+    pub fn values(&self, level: usize, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        let first = out.len();
+        self.trees[level].weights(position, normal, out);
+        let sum: f32 = out[first..].iter().map(|w| w.1).sum();
+        let scale = 1.0 / sum.max(f32::MIN_POSITIVE);
+        out[first..].iter_mut().for_each(|w| w.1 *= scale);
+    }
+
+    /// The function with these coefficients at a surface point, summed over the first `levels` levels (meshless paper,
+    /// Eq. 6).
+    pub fn evaluate<T: Coefficient>(&self, levels: usize, position: Vec3, normal: Vec3, coefficients: &[T]) -> T {
+        let mut values = Vec::new();
+        (0..levels).for_each(|level| self.values(level, position, normal, &mut values));
+        values.iter().fold(T::ZERO, |sum, &(j, value)| sum + coefficients[j as usize] * value)
+    }
+
+    /// Values of the functions of some levels at the points of `functions`: one row a point. A point's parents are its row
+    /// over the level before; its children and neighbours are rows of the transpose.
+    pub fn values_at(&self, functions: Range<usize>, levels: Range<usize>) -> SparseRows {
+        let first = functions.start;
+        SparseRows::build(functions.len(), |row, out| {
+            let p = &self.points[first + row];
+            levels.clone().for_each(|level| self.values(level, p.position, p.normal, out));
+        })
+    }
+
+    /// For every function of a level: the others of that level whose points it reaches. Rows count from the level's first
+    /// function, columns from the basis's.
+    pub fn neighbours(&self, level: usize) -> SparseRows {
+        let (range, reached) = (self.level(level), self.reached(level, level));
+        SparseRows::build(range.len(), |row, out| {
+            let itself = (range.start + row) as u32;
+            out.extend(reached.row(row).iter().filter(|c| c.0 != itself));
+        })
+    }
+
+    /// For every function of a level: the functions of the next level whose points it reaches. Rows count from the level's
+    /// first function, columns from the basis's.
+    pub fn children(&self, level: usize) -> SparseRows {
+        self.reached(level, level + 1)
+    }
+
+    fn reached(&self, level: usize, of: usize) -> SparseRows {
+        let (range, others) = (self.level(level), self.level(of));
+        let by_point = self.values_at(others.clone(), level..level + 1);
+        let by_function = by_point.transposed(range.end);
+        SparseRows::build(range.len(), |row, out| {
+            let shifted = |&(point, value): &(u32, f32)| (point + others.start as u32, value);
+            out.extend(by_function.row(range.start + row).iter().map(shifted));
+        })
+    }
+}
+
+fn range(offsets: &[u32], level: usize) -> Range<usize> {
+    offsets[level] as usize..offsets[level + 1] as usize
+}
+
+/// Radius of support in units of the disk radius (`C` of the meshless paper, 2.3): little overlap at the coarsest level,
+/// much at the finest, which makes the sum smooth.
+fn overlap(level: usize, levels: usize) -> f32 {
+    1.5 + level as f32 / (levels.max(2) - 1) as f32
+}

@@ -1,0 +1,76 @@
+//! Coefficients of a function that was sampled at the points of the basis (meshless paper, 2.1 and 2.4).
+
+use super::{
+    basis::Basis,
+    sparse::{Coefficient, SparseRows},
+};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The weights that projecting needs, found once for a basis.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    levels: Vec<Range<usize>>,
+    /// For every function: the values at its point of all functions of coarser levels.
+    coarser: SparseRows,
+    /// For every function but those of the last level: its children and their shares, which sum to one.
+    children: SparseRows,
+}
+
+impl Projection {
+    /// For the first `levels` levels of a basis.
+    pub fn new(basis: &Basis, levels: usize) -> Self {
+        let level_of = |i: usize| (0..levels).find(|&l| basis.level(l).contains(&i)).unwrap_or(0);
+        let coarser = SparseRows::build(basis.first_levels(levels).len(), |i, out| {
+            let point = &basis.points()[i];
+            (0..level_of(i)).for_each(|level| basis.values(level, point.position, point.normal, out));
+        });
+        let by_level: Vec<SparseRows> = (1..levels).map(|level| basis.children(level - 1)).collect();
+        let children = SparseRows::build(basis.first_levels(levels - 1).len(), |i, out| {
+            let level = level_of(i);
+            let row = by_level[level].row(i - basis.level(level).start);
+            let sum: f32 = row.iter().map(|c| c.1).sum();
+            out.extend(row.iter().map(|&(child, value)| (child, value / sum)));
+        });
+        Self { levels: (0..levels).map(|level| basis.level(level)).collect(), coarser, children }
+    }
+
+    /// Coefficients from coarse to fine (meshless paper, Eq. 7): each is what all coarser levels leave of the sample at its
+    /// point.
+    ///
+    /// # Panics
+    /// If there are fewer samples than functions.
+    pub fn coarse_to_fine<T: Coefficient>(&self, samples: &[T]) -> Vec<T> {
+        let mut coefficients = vec![T::ZERO; self.coarser.len()];
+        for level in &self.levels {
+            let (done, rest) = coefficients.split_at_mut(level.start);
+            rest[..level.len()].par_iter_mut().enumerate().with_min_len(512).for_each(|(k, coefficient)| {
+                let i = level.start + k;
+                *coefficient = samples[i] - self.coarser.product(i, done);
+            });
+        }
+        coefficients
+    }
+
+    /// The same for samples that are first averaged from fine to coarse, so that each level carries the deviations from
+    /// local averages ("pull-push", `P↑↓` of the meshless paper). A function without children keeps its sample.
+    ///
+    /// # Panics
+    /// If there are fewer samples than functions.
+    pub fn pull_push<T: Coefficient>(&self, samples: &[T]) -> Vec<T> {
+        let mut averages = samples[..self.coarser.len()].to_vec();
+        for level in self.levels.iter().rev().skip(1) {
+            let (coarse, fine) = averages.split_at_mut(level.end);
+            for i in level.clone().filter(|&i| !self.children.row(i).is_empty()) {
+                let child = |sum: T, &(child, share): &(u32, f32)| sum + fine[child as usize - level.end] * share;
+                coarse[i] = self.children.row(i).iter().fold(T::ZERO, child);
+            }
+        }
+        self.coarse_to_fine(&averages)
+    }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> u64 {
+        self.coarser.bytes() + self.children.bytes()
+    }
+}

@@ -1,0 +1,131 @@
+//! Direct light to indirect light, as often as a light moves or a colour is edited (meshless paper, 3.3).
+//!
+//! Reflectance is applied here and nowhere before: radiosity is sampled at the points of the senders, projected, sent
+//! once through the operator, and what arrives at the senders is sent again, bounce by bounce. Projecting radiosity
+//! rather than irradiance makes a coarse sender carry the mean of what is reflected under it, not the colour of its point.
+//!
+//! The bounces between are gathered by the functions of the senders' levels alone, for what is sent on is no finer than
+//! that; the sum of all that is sent reaches every receiver by one full application. The paper has the second and later
+//! bounces end at the coarsest level.
+
+use super::{MeshlessBake, flatten::Flattening, projection::Projection, transport::irradiance};
+use crate::surfel::Surfel;
+use glam::{Mat3A, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+
+/// How far a solution goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveSettings {
+    /// Indirect bounces, 1 to [`Self::MOST_BOUNCES`].
+    pub bounces: u32,
+    /// Senders are skipped whose coefficient is at most this share of the mean over all senders. (Of the largest would be too
+    /// much: a lamp close to a surface makes one that dwarfs all others.)
+    pub threshold: f32,
+}
+
+impl SolveSettings {
+    /// With reflectance of one in a closed room bounces never fade: this many are enough for a reflectance of 0.9, whose
+    /// 64th holds a thousandth of the first.
+    pub const MOST_BOUNCES: u32 = 64;
+}
+
+impl Default for SolveSettings {
+    /// The paper's four bounces. Its threshold is 0.025 of the light's unit; this one costs nothing that shows.
+    fn default() -> Self {
+        Self { bounces: 4, threshold: 1e-2 }
+    }
+}
+
+/// Indirect light as coefficients of the basis.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Vector irradiance in W/m², one a function, a column a colour channel.
+    pub coefficients: Vec<Mat3A>,
+    /// Mean irradiance over the points of the finest senders, W/m² a channel: of direct light, then of each bounce. The
+    /// points lie evenly, so these are proportional to the energy that arrives.
+    pub mean_irradiance: Vec<Vec3>,
+}
+
+/// What solving needs beside the bake, found once for it.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    pub(super) projection: Projection,
+    pub(super) at_senders: Flattening,
+}
+
+impl Solver {
+    /// For a bake.
+    pub fn new(bake: &MeshlessBake) -> Self {
+        let points: Vec<_> = sender_points(bake).iter().map(|p| (p.position, p.normal)).collect();
+        let levels = bake.basis.sender_levels();
+        Self {
+            projection: Projection::new(&bake.basis, levels),
+            at_senders: Flattening::of_levels(&bake.basis, &bake.transport, levels, &points),
+        }
+    }
+
+    /// Indirect light from direct light: `irradiance` in W/m² and diffuse `reflectance` at the points of the senders, per
+    /// channel. What is not finite or negative counts as zero, and reflectance above one as one.
+    ///
+    /// # Panics
+    /// If there is not one of each a sender, or the bake is not that of [`Self::new`].
+    pub fn solve(
+        &self,
+        bake: &MeshlessBake,
+        irradiance: &[Vec3],
+        reflectance: &[Vec3],
+        settings: SolveSettings,
+    ) -> Solution {
+        let points = sender_points(bake);
+        assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value a sender");
+        let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(usable).collect();
+        let mut sent = vec![Vec3::ZERO; points.len()];
+        let mut mean_irradiance = vec![self.mean(bake, &arriving)];
+        for _ in 0..settings.bounces.clamp(1, SolveSettings::MOST_BOUNCES) {
+            let radiance = self.radiance(&arriving, reflectance);
+            sent.iter_mut().zip(&radiance).for_each(|(sum, r)| *sum += *r);
+            let received = bake.transport.apply(&radiance, threshold(&radiance, settings), points.len());
+            arriving = self.arriving(&received, points);
+            mean_irradiance.push(self.mean(bake, &arriving));
+        }
+        let coefficients = bake.transport.apply(&sent, threshold(&sent, settings), bake.basis.len());
+        Solution { coefficients, mean_irradiance }
+    }
+
+    /// Coefficients of outgoing radiance, `ρ E / π`, averaged from fine to coarse.
+    fn radiance(&self, irradiance: &[Vec3], reflectance: &[Vec3]) -> Vec<Vec3> {
+        let outgoing = |(e, rho): (&Vec3, &Vec3)| *e * usable(*rho).min(Vec3::ONE) * FRAC_1_PI;
+        let samples: Vec<Vec3> = irradiance.iter().zip(reflectance).map(outgoing).collect();
+        self.projection.pull_push(&samples)
+    }
+
+    /// Irradiance at the points of the senders from coefficients of their levels.
+    fn arriving(&self, received: &[Mat3A], points: &[Surfel]) -> Vec<Vec3> {
+        let at_points = self.at_senders.apply(received);
+        at_points.par_iter().zip(points).with_min_len(512).map(|(v, p)| irradiance(v, p.normal)).collect()
+    }
+
+    fn mean(&self, bake: &MeshlessBake, irradiance: &[Vec3]) -> Vec3 {
+        let finest = &irradiance[bake.basis.level(bake.basis.sender_levels() - 1)];
+        finest.iter().sum::<Vec3>() / finest.len().max(1) as f32
+    }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> u64 {
+        self.projection.bytes() + self.at_senders.bytes()
+    }
+}
+
+pub(super) fn sender_points(bake: &MeshlessBake) -> &[Surfel] {
+    &bake.basis.points()[bake.basis.senders()]
+}
+
+fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
+    let sum: f32 = radiance.iter().map(|r| r.abs().max_element()).sum();
+    settings.threshold * sum / radiance.len().max(1) as f32
+}
+
+fn usable(v: Vec3) -> Vec3 {
+    if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO }
+}

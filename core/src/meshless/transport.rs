@@ -1,0 +1,251 @@
+//! The single-bounce operator `T` as links from senders to receivers (meshless paper, 3.1), free of reflectance.
+//!
+//! A link is the vector irradiance at the receiver's point from a sender of unit radiance, `∫ B_j(r(x_i, ω)) ω dω`, minus
+//! what the receiver's parents already account for. A sender of radiosity `ρ E` has radiance `ρ E / π`, so one bounce
+//! gives receiver `i` the vector irradiance `Σ_j T_ij (ρ E)_j / π`, and irradiance is that dotted with the normal. The
+//! meshless paper has the reflectance, and the `1 / π` of it, inside its links (Eq. 16).
+//!
+//! Links lie by band of receivers and, within it, by sender: a band is done by one thread and needs no locks, senders
+//! without light are skipped, and the order of summation does not depend on threads.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat3A, Vec3, Vec3A};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// Receivers of a band: their vector irradiance, 48 bytes each, stays in a core's second-level cache.
+const BAND: usize = 4096;
+
+/// A link in 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PackedLink {
+    /// Index of the receiver in its band.
+    pub receiver: u16,
+    /// Vector irradiance in units of the operator's `scale`.
+    pub vector: [i16; 3],
+}
+
+/// Why stored links make no operator.
+#[derive(Debug, Error, PartialEq)]
+#[error("the links of the light transport do not fit its {receivers} receivers and {senders} senders; bake it again")]
+pub struct TransportError {
+    /// Number of receivers.
+    pub receivers: usize,
+    /// Number of senders.
+    pub senders: usize,
+}
+
+/// The operator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transport {
+    receivers: usize,
+    senders: usize,
+    /// Vector irradiance of one step of a packed component.
+    scale: f32,
+    /// First link of each (band, sender), and the end of the last.
+    offsets: Vec<u32>,
+    links: Vec<PackedLink>,
+}
+
+impl Transport {
+    /// Packs links given by receiver: `rows[i]` holds the senders of receiver `i` and its vector irradiance from each.
+    pub fn from_rows(rows: &[Vec<(u32, Vec3)>], senders: usize) -> Self {
+        let all = || rows.iter().enumerate().flat_map(|(i, row)| row.iter().map(move |link| (i, link)));
+        let largest = all().map(|(_, link)| link.1.abs().max_element()).fold(0.0, f32::max);
+        let scale = (largest / f32::from(i16::MAX)).max(f32::MIN_POSITIVE);
+        let place = |receiver: usize, sender: u32| receiver / BAND * senders + sender as usize;
+        let mut offsets = vec![0_u32; rows.len().div_ceil(BAND) * senders + 1];
+        all().for_each(|(i, link)| offsets[place(i, link.0) + 1] += 1);
+        (1..offsets.len()).for_each(|k| offsets[k] += offsets[k - 1]);
+        let mut next = offsets.clone();
+        let mut links = vec![PackedLink::default(); rows.iter().map(Vec::len).sum()];
+        for (i, &(sender, vector)) in all() {
+            let place = &mut next[place(i, sender)];
+            let vector = (vector / scale).to_array().map(|v| v.round() as i16);
+            links[*place as usize] = PackedLink { receiver: (i % BAND) as u16, vector };
+            *place += 1;
+        }
+        Self { receivers: rows.len(), senders, scale, offsets, links }
+    }
+
+    /// The operator of stored parts; see [`Self::offsets`] and [`Self::packed`].
+    ///
+    /// # Errors
+    /// [`TransportError`] if they contradict each other.
+    pub fn from_parts(
+        [receivers, senders]: [usize; 2],
+        scale: f32,
+        offsets: Vec<u32>,
+        links: Vec<PackedLink>,
+    ) -> Result<Self, TransportError> {
+        let last_band = receivers.div_ceil(BAND).saturating_sub(1);
+        let size = |band: usize| BAND.min(receivers - band * BAND);
+        let whole = scale.is_finite()
+            && offsets.len() == receivers.div_ceil(BAND) * senders + 1
+            && offsets.first() == Some(&0)
+            && offsets.last().is_some_and(|&end| end as usize == links.len())
+            && offsets.is_sorted()
+            && (0..=last_band).all(|band| {
+                let band_links = band_range(&offsets, senders, band).map(|range| &links[range]);
+                band_links.is_none_or(|links| links.iter().all(|l| usize::from(l.receiver) < size(band)))
+            });
+        if whole {
+            Ok(Self { receivers, senders, scale, offsets, links })
+        } else {
+            Err(TransportError { receivers, senders })
+        }
+    }
+
+    /// Number of receivers, which are all functions of the basis.
+    pub fn receivers(&self) -> usize {
+        self.receivers
+    }
+
+    /// Number of senders, which are the first of them.
+    pub fn senders(&self) -> usize {
+        self.senders
+    }
+
+    /// Vector irradiance of one step of a packed component.
+    pub fn scale(&self) -> f32 {
+        self.scale
+    }
+
+    /// First link of each (band, sender), and the end of the last.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+
+    /// The links by band of receivers, then by sender.
+    pub fn packed(&self) -> &[PackedLink] {
+        &self.links
+    }
+
+    /// Share of all possible links that were kept.
+    pub fn share(&self) -> f64 {
+        self.links.len() as f64 / (self.receivers as f64 * self.senders as f64).max(1.0)
+    }
+
+    /// Bytes of links and offsets.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&self.links[..]) + size_of_val(&self.offsets[..])) as u64
+    }
+
+    /// All links: sender, receiver, vector irradiance.
+    pub fn links(&self) -> impl Iterator<Item = (usize, usize, Vec3)> {
+        (0..self.offsets.len() - 1).flat_map(move |k| {
+            let (band, sender) = (k / self.senders, k % self.senders);
+            self.links[self.offsets[k] as usize..self.offsets[k + 1] as usize].iter().map(move |link| {
+                let vector = Vec3::from_array(link.vector.map(f32::from)) * self.scale;
+                (sender, band * BAND + usize::from(link.receiver), vector)
+            })
+        })
+    }
+
+    /// For each receiver: whether it has a link. The others never get light of their own.
+    pub fn linked(&self) -> Vec<bool> {
+        let mut linked = vec![false; self.receivers];
+        self.links().for_each(|(_, receiver, _)| linked[receiver] = true);
+        linked
+    }
+
+    /// One bounce: coefficients of vector irradiance of the first `receivers` functions, a column a colour channel, from
+    /// the senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
+    pub fn apply(&self, radiance: &[Vec3], threshold: f32, receivers: usize) -> Vec<Mat3A> {
+        let lit = radiance.iter().enumerate().filter(|(_, r)| r.abs().max_element() > threshold);
+        let lit: Vec<(usize, Vec3)> = lit.map(|(sender, &r)| (sender, r * self.scale)).collect();
+        let mut received = vec![Mat3A::ZERO; receivers.min(self.receivers).next_multiple_of(BAND).min(self.receivers)];
+        received.par_chunks_mut(BAND).enumerate().for_each(|(band, received)| {
+            for &(sender, radiance) in &lit {
+                let k = band * self.senders + sender;
+                for link in &self.links[self.offsets[k] as usize..self.offsets[k + 1] as usize] {
+                    let vector = Vec3A::from_array(link.vector.map(f32::from));
+                    let sum = &mut received[usize::from(link.receiver)];
+                    sum.x_axis += vector * radiance.x;
+                    sum.y_axis += vector * radiance.y;
+                    sum.z_axis += vector * radiance.z;
+                }
+            }
+        });
+        received.truncate(receivers);
+        received
+    }
+}
+
+fn band_range(offsets: &[u32], senders: usize, band: usize) -> Option<std::ops::Range<usize>> {
+    Some(*offsets.get(band * senders)? as usize..*offsets.get((band + 1) * senders)? as usize)
+}
+
+/// Irradiance on a surface with a unit normal, per channel, of vector irradiance with a column a channel. Never negative.
+#[inline(always)]
+pub fn irradiance(vector: &Mat3A, normal: Vec3) -> Vec3 {
+    signed_irradiance(vector, normal).max(Vec3::ZERO)
+}
+
+/// The same without the bound, so that it is linear.
+#[inline(always)]
+pub(super) fn signed_irradiance(vector: &Mat3A, normal: Vec3) -> Vec3 {
+    vector.transpose().mul_vec3(normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random_rows(receivers: usize, senders: u32) -> Vec<Vec<(u32, Vec3)>> {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut vector = || Vec3::from_array(std::array::from_fn(|_| random.f32() * 2.0 - 1.0));
+        let mut choice = fastrand::Rng::with_seed(4);
+        (0..receivers)
+            .map(|_| (0..senders).filter(|_| choice.f32() < 0.1).map(|s| (s, vector())).collect::<Vec<_>>())
+            .collect()
+    }
+
+    #[test]
+    fn applying_is_the_matrix_product_and_small_senders_are_skipped() {
+        let rows = random_rows(10_000, 40);
+        let transport = Transport::from_rows(&rows, 40);
+        let radiance: Vec<Vec3> = (0..40).map(|s| Vec3::new(s as f32, 1.0, -0.5 * s as f32)).collect();
+        let all = transport.apply(&radiance, 0.0, 10_000);
+        let some = transport.apply(&radiance, 5.0, 9_000);
+        assert_eq!((all.len(), some.len()), (10_000, 9_000));
+        for (i, row) in rows.iter().enumerate() {
+            let from = |least: u32| {
+                row.iter().filter(|l| l.0 >= least).fold(Mat3A::ZERO, |sum, &(s, v)| {
+                    let r = radiance[s as usize];
+                    sum + Mat3A::from_cols((v * r.x).into(), (v * r.y).into(), (v * r.z).into())
+                })
+            };
+            assert!(all[i].abs_diff_eq(from(0), 2e-2), "{i}");
+            assert!(i >= 9_000 || some[i].abs_diff_eq(from(6), 2e-2), "{i}");
+        }
+    }
+
+    #[test]
+    fn links_come_back_within_a_step() {
+        let rows = random_rows(5000, 30);
+        let transport = Transport::from_rows(&rows, 30);
+        assert_eq!(transport.links().count(), rows.iter().map(Vec::len).sum::<usize>());
+        for (sender, receiver, vector) in transport.links() {
+            let link = rows[receiver].iter().find(|l| l.0 as usize == sender).unwrap();
+            assert!((link.1 - vector).abs().max_element() <= 0.51 * transport.scale());
+        }
+    }
+
+    #[test]
+    fn damaged_parts_are_refused() {
+        let transport = Transport::from_rows(&random_rows(5000, 30), 30);
+        let parts = || (transport.offsets().to_vec(), transport.packed().to_vec());
+        let (offsets, links) = parts();
+        assert_eq!(Transport::from_parts([5000, 30], transport.scale(), offsets, links).unwrap(), transport);
+        let (offsets, mut links) = parts();
+        links.last_mut().unwrap().receiver = 5000 - 4096;
+        assert!(Transport::from_parts([5000, 30], 1.0, offsets, links).is_err(), "past the last receiver");
+        let (mut offsets, links) = parts();
+        offsets[7] = u32::MAX;
+        assert!(Transport::from_parts([5000, 30], 1.0, offsets, links).is_err(), "out of order");
+        let (offsets, links) = parts();
+        assert!(Transport::from_parts([5000, 29], 1.0, offsets, links).is_err(), "another number of senders");
+    }
+}

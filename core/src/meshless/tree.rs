@@ -1,0 +1,115 @@
+//! Which functions of a level reach a point: a tree over the boxes of their supports.
+
+use super::distance::{SQUASH, alignment, squashed_distance};
+use crate::surfel::Surfel;
+use glam::{Vec3, Vec3A};
+use obvhs::{
+    BvhBuildParams,
+    aabb::Aabb,
+    bvh2::{Bvh2, builder::build_bvh2},
+};
+
+/// Range queries over the functions of one level.
+#[derive(Clone)]
+pub(super) struct LevelTree {
+    bvh: Bvh2,
+    /// Functions in the order of the leaves.
+    functions: Vec<Function>,
+    radius: f32,
+}
+
+#[derive(Clone, Copy)]
+struct Function {
+    position: Vec3,
+    index: u32,
+    normal: Vec3,
+}
+
+impl LevelTree {
+    /// A tree over `points`, the first of which is function `first` of the basis.
+    pub fn new(points: &[Surfel], first: u32, radius: f32) -> Self {
+        let boxes: Vec<Aabb> = points.iter().map(|p| support_box(p, radius)).collect();
+        let bvh = match boxes.is_empty() {
+            true => Bvh2::default(),
+            false => build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut std::time::Duration::default()),
+        };
+        let function = |&i: &u32| {
+            let point = &points[i as usize];
+            Function { position: point.position, index: first + i, normal: point.normal }
+        };
+        let functions = bvh.primitive_indices.iter().map(function).collect();
+        Self { bvh, functions, radius }
+    }
+
+    /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9).
+    #[inline]
+    pub fn weights(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        self.bvh.point_traverse(position.into(), |bvh, node| {
+            let node = &bvh.nodes[node as usize];
+            let first = node.first_index as usize;
+            for function in &self.functions[first..first + node.prim_count as usize] {
+                let distance = squashed_distance(function.position, function.normal, position);
+                if distance < self.radius {
+                    let weight = kernel(distance / self.radius) * alignment(normal, function.normal);
+                    if weight > 0.0 {
+                        out.push((function.index, weight));
+                    }
+                }
+            }
+            true
+        });
+    }
+}
+
+/// From 1 at the centre to 0 at distance 1, with no slope at either (meshless paper, Eq. 9).
+#[inline(always)]
+fn kernel(t: f32) -> f32 {
+    (2.0 * t - 3.0) * t * t + 1.0
+}
+
+/// The box around the ellipsoid of points that a function reaches, a little wider than rounding.
+fn support_box(point: &Surfel, radius: f32) -> Aabb {
+    const SLACK: f32 = 1e-4;
+    let along = point.normal * point.normal;
+    let thinness = (1.0 + SQUASH).powi(-2);
+    let squares = (Vec3::ONE - along).max(Vec3::ZERO) + along * thinness;
+    let half = Vec3A::from(squares.to_array().map(f32::sqrt)) * radius + radius * SLACK;
+    let center = Vec3A::from(point.position);
+    Aabb::new(center - half, center + half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{meshless::tests::sphere_points, sphere::uniform_direction};
+
+    #[test]
+    fn the_tree_finds_what_brute_force_finds() {
+        let points = sphere_points(500, 1.0);
+        let tree = LevelTree::new(&points, 7, 0.4);
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut seen = 0;
+        for _ in 0..500 {
+            let normal = uniform_direction(random.f32(), random.f32());
+            let position = normal * (0.85 + 0.3 * random.f32());
+            let mut found = Vec::new();
+            tree.weights(position, normal, &mut found);
+            for (i, p) in points.iter().enumerate() {
+                let offset = position - p.position;
+                let distance = (offset + SQUASH * offset.dot(p.normal) * p.normal).length();
+                let weight = kernel((distance / 0.4).min(1.0)) * normal.dot(p.normal).max(0.0).powi(2);
+                let in_tree = found.iter().find(|f| f.0 == i as u32 + 7).map_or(0.0, |f| f.1);
+                assert!((weight - in_tree).abs() < 1e-5, "{weight} and {in_tree} at {position}");
+                seen += usize::from(weight > 1e-4);
+            }
+        }
+        assert!(seen > 1000);
+    }
+
+    #[test]
+    fn an_empty_level_reaches_nothing() {
+        let mut found = Vec::new();
+        LevelTree::new(&[], 0, 1.0).weights(Vec3::ZERO, Vec3::Y, &mut found);
+        assert!(found.is_empty());
+    }
+}

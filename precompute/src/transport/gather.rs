@@ -1,0 +1,131 @@
+//! All links to one receiver from one set of rays (meshless paper, Eq. 16 and 17).
+
+use glam::Vec3;
+use lapidary_core::{meshless::Basis, sphere::frame_around, surfel::Surface};
+use std::f32::consts::{PI, TAU};
+
+/// Senders of a receiver in ascending order, and the vector irradiance from each.
+pub type Row = Vec<(u32, Vec3)>;
+
+/// What gathering needs of the scene.
+pub struct Gatherer<'a> {
+    surface: &'a dyn Surface,
+    basis: &'a Basis,
+    rays: usize,
+    offset: f32,
+}
+
+/// Memory of one thread.
+pub struct Scratch {
+    /// Vector irradiance from each sender; zero between gathers.
+    sums: Vec<Vec3>,
+    touched: Vec<bool>,
+    /// The senders that were touched.
+    senders: Vec<u32>,
+    values: Vec<(u32, f32)>,
+}
+
+impl Scratch {
+    #[inline(always)]
+    fn add(&mut self, sender: u32, vector: Vec3) {
+        let k = sender as usize;
+        if !self.touched[k] {
+            self.touched[k] = true;
+            self.senders.push(sender);
+        }
+        self.sums[k] += vector;
+    }
+
+    /// Takes all sums out, by sender.
+    fn take(&mut self) -> Row {
+        self.senders.sort_unstable();
+        let row = self.senders.iter().map(|&sender| (sender, self.sums[sender as usize])).collect();
+        for &sender in &self.senders {
+            self.sums[sender as usize] = Vec3::ZERO;
+            self.touched[sender as usize] = false;
+        }
+        self.senders.clear();
+        row
+    }
+}
+
+impl<'a> Gatherer<'a> {
+    pub fn new(surface: &'a dyn Surface, basis: &'a Basis, rays: usize) -> Self {
+        Self { surface, basis, rays: rays.max(1), offset: surface.offset() }
+    }
+
+    pub fn scratch(&self) -> Scratch {
+        let senders = self.basis.senders().len();
+        Scratch {
+            sums: vec![Vec3::ZERO; senders],
+            touched: vec![false; senders],
+            senders: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+
+    /// Links to a receiver of `level`, given the rows of all coarser ones, and whether none of these reaches it.
+    pub fn gather(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> (Row, bool) {
+        self.gather_rays(scratch, receiver);
+        let parents = self.subtract_parents(scratch, receiver, level, rows);
+        (scratch.take(), parents == 0)
+    }
+
+    fn gather_rays(&self, scratch: &mut Scratch, receiver: usize) {
+        let point = &self.basis.points()[receiver];
+        let (frame, origin) = (frame_around(point.normal), point.position + point.normal * self.offset);
+        let mut random = fastrand::Rng::with_seed(receiver as u64);
+        let (turn, shift) = (random.f32(), random.f32());
+        for ray in 0..self.rays {
+            let direction = frame * lattice_direction(ray, self.rays, turn, shift);
+            let Some(hit) = self.surface.first_hit(origin, direction) else { continue };
+            scratch.values.clear();
+            for level in 0..self.basis.sender_levels() {
+                self.basis.values(level, hit.position, hit.normal, &mut scratch.values);
+            }
+            for k in 0..scratch.values.len() {
+                let (sender, value) = scratch.values[k];
+                scratch.add(sender, direction * (value * TAU / self.rays as f32));
+            }
+        }
+    }
+
+    /// Subtracts what all parents bring to the receiver's point, and counts them.
+    fn subtract_parents(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> usize {
+        let point = &self.basis.points()[receiver];
+        let mut parents = Vec::new();
+        (0..level).for_each(|coarser| self.basis.values(coarser, point.position, point.normal, &mut parents));
+        for &(parent, value) in &parents {
+            for &(sender, vector) in &rows[parent as usize] {
+                scratch.add(sender, vector * -value);
+            }
+        }
+        parents.len()
+    }
+}
+
+/// The `i`-th of `n` directions spread evenly over the hemisphere around +Z, the set turned around the axis and shifted
+/// along it by parts of a stratum.
+fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {
+    const GOLDEN: f32 = 0.618_034;
+    let z = (i as f32 + shift) / n as f32;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * ((i as f32 * GOLDEN).fract() + turn)).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lattice_integrates_vector_irradiance() {
+        let mut random = fastrand::Rng::with_seed(9);
+        for _ in 0..20 {
+            let (turn, shift) = (random.f32(), random.f32());
+            let all = (0..512).map(|i| lattice_direction(i, 512, turn, shift));
+            let sum = all.map(|d| d * TAU / 512.0).sum::<Vec3>();
+            assert!(sum.abs_diff_eq(Vec3::Z * PI, 0.02), "{sum}");
+        }
+    }
+}
