@@ -275,6 +275,7 @@ fn another_scene_has_other_shadows_and_lights_beyond_the_limit_are_told() {
     let before = rig.lit_by(&view, std::slice::from_ref(&lamp), ROOM);
     let plain = Renderer::new(dataset(mesh(8, true), white()));
     rig.gpu.set_scene(&plain.dataset().clone().into()).unwrap();
+    rig.gpu.set_local_lighting(&local(std::slice::from_ref(&lamp))).unwrap();
     let after = rig.picture(&view);
     assert!(rig.lit_by(&view, std::slice::from_ref(&lamp), ROOM) == after, "as with new maps");
     assert!(difference(&before, &after).0 > 0.05);
