@@ -48,6 +48,7 @@ use crate::{
     meshless::MeshlessBake,
     scene::Scene,
 };
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -79,6 +80,18 @@ pub struct Dataset {
     pub scene_hash: String,
     /// How the bake went.
     pub report: BakeReport,
+}
+
+impl Dataset {
+    /// Weights by which what is stored at three vertices is interpolated: `barycentric` are those of the second and third,
+    /// and the shares of buried vertices go to the others.
+    pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {
+        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
+        let is_valid = vertices.map(|v| self.vertex_valid[v as usize]);
+        let kept: [f32; 3] = std::array::from_fn(|i| if is_valid[i] { weights[i].max(0.0) } else { 0.0 });
+        let sum: f32 = kept.iter().sum();
+        if sum > 1e-6 { kept.map(|w| w / sum) } else { weights }
+    }
 }
 
 /// Everything that decides the result of a bake. Threads and chunks do not.

@@ -1,6 +1,10 @@
 //! The light of a picture: radiance of the tree's nodes and the illumination cut. What an environment edit redoes.
 
-use crate::{components::Components, indirect::SourceLighting, renderer::Illumination};
+use crate::{
+    components::Components,
+    indirect::{SourceLighting, VertexIrradiance},
+    renderer::Illumination,
+};
 use glam::Vec3;
 use lapidary_core::{
     cut::illumination::{IlluminationCriterion, illumination_cut},
@@ -63,6 +67,8 @@ pub struct LocalLighting {
     pub lights: Arc<[Light]>,
     /// Bounced light, of these lights and of the environment.
     pub indirect: Option<Arc<SourceLighting>>,
+    /// Bounced light of the meshless basis, in place of [`Self::indirect`].
+    pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
     /// The parts that are shown.
     pub components: Components,
 }
@@ -71,6 +77,11 @@ impl LocalLighting {
     /// Local lights if their direct light is shown.
     pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
         Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
+    }
+
+    /// Bounced light at the vertices if it is shown.
+    pub(crate) fn shown_vertex_irradiance(&self) -> Option<&VertexIrradiance> {
+        self.vertex_irradiance.as_deref().filter(|_| self.components.indirect)
     }
 
     /// Bounced light if it is shown.

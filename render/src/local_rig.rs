@@ -1,10 +1,11 @@
 //! Local lights and bounced light of a dataset, prepared again and again: what an edit does not change is kept.
 
 use crate::{
-    Appearance, Baked, Components, LocalLighting, SceneLighting,
-    indirect::{SourceLighting, SourceRig},
+    Appearance, Baked, Components, LocalLighting, SceneLighting, Solution,
+    indirect::{MeshlessRig, SourceLighting, SourceRig, VertexIrradiance},
 };
-use lapidary_core::lights::Light;
+use glam::Vec3;
+use lapidary_core::{lights::Light, surfel::Surfel};
 use std::sync::Arc;
 
 /// Makes the [`LocalLighting`] of a picture.
@@ -13,60 +14,124 @@ pub struct LocalRig {
     environment: Option<Arc<SceneLighting>>,
     /// `None` for a dataset without sources.
     sources: Option<SourceRig>,
-    /// What was gathered last and the size of its illumination cut; `None` after anything has changed.
-    gathered: Option<(u32, Arc<SourceLighting>)>,
+    /// `None` for a dataset without a meshless basis.
+    meshless: Option<MeshlessRig>,
+    /// Of the sources.
+    surfels: Vec<Surfel>,
+    /// The environment that shines on the sources, and on the senders of the basis.
+    on_sources: Option<Arc<SceneLighting>>,
+    on_senders: Option<Arc<SceneLighting>>,
+    /// What was gathered last, for which solution and size of the illumination cut; `None` after anything has changed.
+    gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
+    /// What arrived at the vertices last; `None` after anything has changed.
+    interpolated: Option<Arc<VertexIrradiance>>,
 }
 
 impl LocalRig {
     /// For a dataset that looks as it was baked, in the dark.
     pub fn new(baked: &Baked) -> Self {
-        Self { lights: Arc::default(), environment: None, sources: SourceRig::new(baked), gathered: None }
+        let sources = SourceRig::new(baked);
+        let surfels = sources.iter().flat_map(|rig| rig.tree().sources()).map(|source| source.surfel).collect();
+        let (lights, meshless) = (Arc::default(), MeshlessRig::new(baked));
+        Self {
+            lights,
+            environment: None,
+            sources,
+            meshless,
+            surfels,
+            on_sources: None,
+            on_senders: None,
+            gathered: None,
+            interpolated: None,
+        }
     }
 
     /// Gives the scene other materials.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        if let Some(sources) = &mut self.sources {
-            sources.set_appearance(appearance);
-        }
-        self.gathered = None;
+        self.sources.iter_mut().for_each(|rig| rig.set_appearance(appearance));
+        self.meshless.iter_mut().for_each(|rig| rig.set_appearance(appearance));
+        self.forget();
     }
 
-    /// Shines local lights; only those that are not as before cast rays, and none until bounced light is asked for.
+    /// Shines local lights; those that are not as before cast rays when bounced light is wanted.
     pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
         if !Arc::ptr_eq(&self.lights, lights) {
             self.lights = lights.clone();
-            self.gathered = None;
+            self.forget();
         }
     }
 
     /// Shines the environment, or none.
     pub fn set_environment(&mut self, lighting: Option<&Arc<SceneLighting>>) {
-        let same = match (&self.environment, lighting) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        if !same {
+        if !is_same(self.environment.as_ref(), lighting) {
             self.environment = lighting.cloned();
-            if let Some(sources) = &mut self.sources {
-                sources.set_environment(lighting.map(|lighting| &**lighting));
-            }
-            self.gathered = None;
+            self.forget();
         }
     }
 
-    /// What lights a picture that shows `components`, with an illumination cut of the sources of at most `illum_cut`
-    /// nodes.
-    pub fn lighting(&mut self, components: Components, illum_cut: u32) -> LocalLighting {
-        let indirect = if components.indirect { self.gather(illum_cut) } else { None };
-        LocalLighting { lights: self.lights.clone(), indirect, components }
+    fn forget(&mut self) {
+        (self.gathered, self.interpolated) = (None, None);
     }
 
-    fn gather(&mut self, illum_cut: u32) -> Option<Arc<SourceLighting>> {
-        if self.gathered.as_ref().is_none_or(|(of, _)| *of != illum_cut) {
-            let sources = self.sources.as_mut()?;
-            sources.set_lights(&self.lights);
-            self.gathered = Some((illum_cut, sources.lighting(illum_cut).into()));
+    /// What lights a picture that shows `components`, its bounced light by `solution` as far as the dataset has it. The
+    /// illumination cut of the sources has at most `illum_cut` nodes.
+    pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
+        let lights = self.lights.clone();
+        let (indirect, vertex_irradiance) = match solution {
+            _ if !components.indirect => (None, None),
+            Solution::Meshless => (None, self.interpolate()),
+            Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
+        };
+        LocalLighting { lights, indirect, vertex_irradiance, components }
+    }
+
+    fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {
+        let known = self.gathered.as_ref().filter(|(s, cut, _)| (*s, *cut) == (solution, illum_cut));
+        if let Some((.., lighting)) = known {
+            return Some(lighting.clone());
         }
-        self.gathered.as_ref().map(|(_, lighting)| lighting.clone())
+        let further = if solution == Solution::CutsMeshless { self.further() } else { None };
+        let sources = self.sources.as_mut()?;
+        sources.set_lights(&self.lights);
+        if !is_same(self.on_sources.as_ref(), self.environment.as_ref()) {
+            sources.set_environment(self.environment.as_deref());
+            self.on_sources = self.environment.clone();
+        }
+        sources.set_further(further);
+        let lighting = Arc::new(sources.lighting(illum_cut));
+        self.gathered = Some((solution, illum_cut, lighting.clone()));
+        Some(lighting)
+    }
+
+    fn interpolate(&mut self) -> Option<Arc<VertexIrradiance>> {
+        if self.interpolated.is_none() {
+            self.interpolated = self.lit_meshless()?.at_vertices().map(Arc::new);
+        }
+        self.interpolated.clone()
+    }
+
+    /// Bounces on the sources beyond the direct light.
+    fn further(&mut self) -> Option<Vec<Vec3>> {
+        let surfels = std::mem::take(&mut self.surfels);
+        let further = self.lit_meshless().and_then(|rig| rig.at_sources(&surfels));
+        self.surfels = surfels;
+        further
+    }
+
+    fn lit_meshless(&mut self) -> Option<&mut MeshlessRig> {
+        let rig = self.meshless.as_mut()?;
+        rig.set_lights(&self.lights);
+        if !is_same(self.on_senders.as_ref(), self.environment.as_ref()) {
+            rig.set_environment(self.environment.as_deref());
+            self.on_senders = self.environment.clone();
+        }
+        Some(rig)
+    }
+}
+
+fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
     }
 }

@@ -132,13 +132,13 @@ impl NodeField for SourceField<'_> {
 
     #[inline(always)]
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
-        let to_center = self.to_centers(nodes, from);
+        let to_center = self.toward_centers(nodes, from);
         to_center * (f32x8::ONE / to_center.dot(to_center).sqrt().max(f32x8::splat(LEAST_DISTANCE)))
     }
 
     #[inline(always)]
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8 {
-        let to_center = self.to_centers(nodes, from);
+        let to_center = self.toward_centers(nodes, from);
         let distance_sq = to_center.dot(to_center).max(f32x8::splat(LEAST_DISTANCE * LEAST_DISTANCE));
         let spread = f32x8::new(nodes.map(|n| self.lighting.nodes.spread[n]));
         // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
@@ -156,7 +156,7 @@ impl NodeField for SourceField<'_> {
 
 impl SourceField<'_> {
     #[inline(always)]
-    fn to_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
+    fn toward_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
         Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.center[n])) - Vec3x8::splat(from)
     }
 }

@@ -9,8 +9,9 @@ use crate::{
     surface::SurfacePoint,
     view_mode::ViewMode,
 };
-use glam::{Vec2, Vec3};
-use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector};
+use glam::{Mat3A, Vec2, Vec3};
+use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
+use std::f32::consts::FRAC_1_PI;
 
 /// The light of a picture.
 #[derive(Clone, Copy, Default)]
@@ -19,6 +20,8 @@ pub(crate) struct PictureLight<'a> {
     pub environment: Option<&'a SceneLighting>,
     /// Bounced light, for a dataset that has sources.
     pub sources: Option<&'a SourceLighting>,
+    /// Bounced light at the vertices, as vector irradiance.
+    pub vertex_irradiance: Option<&'a [Mat3A]>,
     /// Local lights whose direct light is shown, and what casts their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
 }
@@ -30,6 +33,7 @@ pub(crate) struct Painter<'a> {
     /// `None` without a light: what depends on it is black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     sources: Option<Shader<'a, SourceField<'a>>>,
+    vertex_irradiance: Option<&'a [Mat3A]>,
     local: Option<(&'a [Light], &'a Intersector)>,
     points: u64,
     /// Work that was shown and has not been taken.
@@ -41,7 +45,16 @@ impl<'a> Painter<'a> {
         let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
         let sources = light.sources.zip(dataset.indirect.as_ref());
         let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
-        Self { mode, dataset, environment, sources, local: light.local, points: 0, shown: Work::default() }
+        Self {
+            mode,
+            dataset,
+            environment,
+            sources,
+            vertex_irradiance: light.vertex_irradiance,
+            local: light.local,
+            points: 0,
+            shown: Work::default(),
+        }
     }
 
     /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights
@@ -49,7 +62,7 @@ impl<'a> Painter<'a> {
     pub fn value(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
         self.points += 1;
         match self.mode {
-            ViewMode::Shaded => self.gathered(point) + self.direct(point, shift),
+            ViewMode::Shaded => self.gathered(point) + self.interpolated(point) + self.direct(point, shift),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.parameters.base_color,
             ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
@@ -74,6 +87,14 @@ impl<'a> Painter<'a> {
         self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
     }
 
+    /// What a diffuse surface of the same albedo reflects of the vertices' irradiance.
+    fn interpolated(&self, point: &SurfacePoint) -> Vec3 {
+        let Some(vertices) = self.vertex_irradiance else { return Vec3::ZERO };
+        let at = |i: usize| vertices[point.vertices[i] as usize] * point.weights[i];
+        let received = irradiance(&(at(0) + at(1) + at(2)), point.world_from_local.z_axis).max(Vec3::ZERO);
+        point.brdf.as_brdf().albedo() * received * FRAC_1_PI
+    }
+
     /// What the merges give.
     fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
         let environment = self.environment.as_mut().map(|shader| shader.shade(point));
@@ -84,7 +105,7 @@ impl<'a> Painter<'a> {
     fn work_at(&mut self, point: &SurfacePoint) -> Work {
         self.gathered(point);
         let work = self.take_shading();
-        self.shown = self.shown + work;
+        self.shown += work;
         work
     }
 

@@ -101,7 +101,7 @@ impl<'a> Surfaces<'a> {
         SurfacePoint {
             vertices,
             corners: [p0, p1, p2],
-            weights: self.valid_weights(vertices, b),
+            weights: self.dataset.interpolation_weights(vertices, hit.barycentric),
             position,
             ray_origin: position + face_normal * offset,
             smooth_normal,
@@ -110,14 +110,6 @@ impl<'a> Surfaces<'a> {
             brdf: SurfaceBrdf::new(material.model, parameters),
             parameters,
         }
-    }
-
-    /// Barycentric weights with those of buried vertices given to the others.
-    fn valid_weights(&self, vertices: [u32; 3], weights: Vec3) -> [f32; 3] {
-        let valid = vertices.map(|v| self.dataset.vertex_valid[v as usize]);
-        let kept: [f32; 3] = std::array::from_fn(|i| if valid[i] { weights[i].max(0.0) } else { 0.0 });
-        let sum: f32 = kept.iter().sum();
-        if sum > 1e-6 { kept.map(|w| w / sum) } else { weights.to_array() }
     }
 
     /// The normal after normal map and bump map.

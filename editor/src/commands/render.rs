@@ -12,7 +12,7 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
 use lapidary_render::{
-    Backend, Background, Baked, BrdfSampling, CPU, Components, LightRig, LocalRig, RenderStats, Renderer,
+    Backend, Background, Baked, BrdfSampling, CPU, Components, LightRig, LocalRig, RenderStats, Renderer, Solution,
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
@@ -66,9 +66,9 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
     let shot = args.view.resolve_lit(&args.local, console)?;
-    let components = shot.local.components_of(&shot.dataset)?;
+    let bounces = shot.local.bounces_of(&shot.dataset)?;
     let mut backend = args.backend.open()?;
-    let (image, coverage, stats) = render_on(&mut *backend, &shot, components, args, console)?;
+    let (image, coverage, stats) = render_on(&mut *backend, &shot, bounces, args, console)?;
     let transparent = shot.view.background == Background::Transparent;
     write_pictures(&image, transparent.then_some(coverage.as_slice()), &args.out)?;
     if let Some(path) = &args.stats {
@@ -85,7 +85,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
 fn render_on(
     backend: &mut dyn Backend,
     shot: &Shot,
-    components: Components,
+    (components, solution): (Components, Solution),
     args: &RenderArgs,
     console: Console,
 ) -> Result<(Image, Vec<f32>, RenderStats)> {
@@ -99,7 +99,7 @@ fn render_on(
     tell(backend.set_light(&shot.light, &lighting)?, console);
     local.set_environment(Some(&lighting));
     local.set_lights(&shot.local.lights.clone().into());
-    tell(backend.set_local_lighting(&local.lighting(components, args.illum_cut))?, console);
+    tell(backend.set_local_lighting(&local.lighting(components, solution, args.illum_cut))?, console);
     backend.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {
         backend.render_rows(sample, 0..shot.view.size[1])?;

@@ -75,7 +75,7 @@ pub struct Bounces {
 impl Bounces {
     /// Those of a dataset.
     pub fn of(dataset: &Dataset) -> Self {
-        Self { cuts: dataset.indirect.is_some(), ..Self::default() }
+        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
     }
 
     /// Whether there are any.

@@ -1,6 +1,6 @@
 //! The options about light: the environment, local lights, and what of them is in the picture.
 
-use crate::{console::Console, options};
+use crate::{console::Console, document::Bounces, options};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::{
@@ -125,17 +125,25 @@ impl LocalLightArgs {
 }
 
 impl LocalLights {
-    /// What a picture from a dataset holds: what was asked for, or all that there is.
+    /// What a picture from a dataset holds, and how its bounced light is computed: what was asked for, or all that there is.
     ///
     /// # Errors
-    /// Bounced light was asked for, and the dataset has none.
-    pub fn components_of(&self, dataset: &Dataset) -> Result<Components> {
-        let bounces = dataset.indirect.is_some();
-        let components = self.components.unwrap_or(Components { indirect: bounces, ..Components::ALL });
-        if !bounces && (components.indirect || self.solution.is_some()) {
-            bail!("the dataset has no surface sources; bake it with --mode indirect");
+    /// Bounced light was asked for, and the dataset has none of that kind.
+    pub fn bounces_of(&self, dataset: &Dataset) -> Result<(Components, Solution)> {
+        let bounces = Bounces::of(dataset);
+        let solution = self.solution.unwrap_or(bounces.closest_to(Solution::Cuts).unwrap_or_default());
+        let has = bounces.solutions().contains(&solution);
+        let components = self.components.unwrap_or(Components { indirect: has, ..Components::ALL });
+        if !has && (components.indirect || self.solution.is_some()) {
+            match solution {
+                Solution::Cuts => bail!("the dataset has no surface sources; bake it with --mode indirect"),
+                Solution::Meshless => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
+                Solution::CutsMeshless => {
+                    bail!("the dataset has not both surface sources and a meshless basis; bake it with --mode all")
+                }
+            }
         }
-        Ok(components)
+        Ok((components, solution))
     }
 }
 

@@ -31,6 +31,10 @@ use std::{
 };
 use wgpu::util::DeviceExt;
 
+/// Said where the meshless solution is asked for.
+const NO_VERTEX_IRRADIANCE: &str = "the graphics adapter shows no meshless bounce; choose cuts or cuts+meshless, or the \
+                                    CPU renderer";
+
 /// The renderer on one adapter.
 pub struct GpuBackend {
     gpu: GpuDevice,
@@ -324,7 +328,8 @@ impl Backend for GpuBackend {
         self.picture = None;
         let remark = self.local_lights.set(&lighting.lights);
         self.gpu.check()?;
-        Ok(remark.into_iter().collect())
+        let vertices = lighting.shown_vertex_irradiance().map(|_| NO_VERTEX_IRRADIANCE.to_owned());
+        Ok(remark.into_iter().chain(vertices).collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -1,13 +1,14 @@
-//! Irradiance of surface sources: by local lights through shadow rays, by the environment through cuts.
+//! Irradiance of points of surfaces: by local lights through shadow rays, by the environment through cuts.
 
 use crate::lighting::SceneLighting;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
+    dataset::Dataset,
     indirect::{IndirectBake, Source},
     lights::Light,
     ray::Intersector,
-    source_tree::SourceTree,
+    surfel::Surfel,
 };
 use rayon::prelude::*;
 
@@ -17,17 +18,17 @@ const AREA_SAMPLES: u32 = 3;
 /// Fraction of the distance to a light where nothing hides it any more.
 const NEAR_THE_LIGHT: f32 = 1e-3;
 
-/// What `lights` give each source; shadow rays start `offset` metres off its surface.
-pub fn light_irradiance(tree: &SourceTree, lights: &[Light], intersector: &Intersector, offset: f32) -> Vec<Vec3> {
+/// What `lights` give each point; shadow rays start `offset` metres off its surface.
+pub fn light_irradiance(points: &[Surfel], lights: &[Light], intersector: &Intersector, offset: f32) -> Vec<Vec3> {
     let patterns: Vec<(&Light, Vec<Vec2>)> = lights.iter().map(|light| (light, pattern(light))).collect();
-    let of_source = |source: &Source| {
+    let of_point = |point: &Surfel| {
         let received = |(light, pattern): &(&Light, Vec<Vec2>)| {
-            let samples = pattern.iter().map(|&u| light_sample(source, light, u, intersector, offset));
+            let samples = pattern.iter().map(|&u| light_sample(point, light, u, intersector, offset));
             samples.sum::<Vec3>() / pattern.len() as f32
         };
         patterns.iter().map(received).sum()
     };
-    tree.sources().par_iter().with_min_len(64).map(of_source).collect()
+    points.par_iter().with_min_len(64).map(of_point).collect()
 }
 
 fn pattern(light: &Light) -> Vec<Vec2> {
@@ -36,8 +37,8 @@ fn pattern(light: &Light) -> Vec<Vec2> {
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-fn light_sample(source: &Source, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
-    let (position, normal) = (source.surfel.position, source.surfel.normal);
+fn light_sample(point: &Surfel, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
+    let &Surfel { position, normal, .. } = point;
     let Some(sample) = light.sample(position, u) else { return Vec3::ZERO };
     let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
     if !(received.max_element() > 0.0) {
@@ -55,20 +56,37 @@ pub fn environment_irradiance(bake: &IndirectBake, lighting: &SceneLighting) -> 
     if bake.environment_cuts.len() != bake.sources.len() {
         return None;
     }
-    let height = (lighting.nodes.radiance.len() / 2).ilog2();
     let of_source = |(i, source): (usize, &Source)| {
-        let nodes = bake.environment_cuts.nodes_from(i as u32);
-        let mut cursors = [PackedCursor::new(height, nodes), PackedCursor::new(height, &lighting.cut)];
-        let (mut sum, normal) = (Vec3::ZERO, source.surfel.normal);
-        merge(1 << height, &mut cursors, |interval, cursors| {
-            let visibility = cursors[0].value();
-            if visibility > 0.0 {
-                let node = interval.heap_index(1 << height) as usize;
-                let cos = lighting.nodes.direction[node].dot(normal).max(0.0);
-                sum += lighting.nodes.radiance[node] * (cos * visibility * interval.size() as f32);
-            }
-        });
-        sum * lighting.leaf_solid_angle
+        let visible = [(1.0, bake.environment_cuts.nodes_from(i as u32))];
+        received(&visible, source.surfel.normal, lighting)
     };
     Some(bake.sources.par_iter().enumerate().with_min_len(64).map(of_source).collect())
+}
+
+/// What the environment gives points of a dataset's mesh: the cuts of their vertices, interpolated.
+pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting: &SceneLighting) -> Vec<Vec3> {
+    let of_point = |point: &Surfel| {
+        let vertices = dataset.scene.mesh.triangles[point.place.triangle as usize];
+        let weights = dataset.interpolation_weights(vertices, point.place.barycentric);
+        let visible: [_; 3] = std::array::from_fn(|i| (weights[i], dataset.cuts.nodes_from(vertices[i])));
+        received(&visible, point.normal, lighting)
+    };
+    points.par_iter().with_min_len(64).map(of_point).collect()
+}
+
+/// Irradiance under a weighted sum of visibility cuts.
+fn received<const N: usize>(visible: &[(f32, &[u16]); N], normal: Vec3, lighting: &SceneLighting) -> Vec3 {
+    let height = (lighting.nodes.radiance.len() / 2).ilog2();
+    let mut cursors: Vec<_> = visible.iter().map(|(_, nodes)| PackedCursor::new(height, nodes)).collect();
+    cursors.push(PackedCursor::new(height, &lighting.cut));
+    let mut sum = Vec3::ZERO;
+    merge(1 << height, &mut cursors, |interval, cursors| {
+        let visibility: f32 = visible.iter().zip(cursors).map(|((weight, _), cursor)| weight * cursor.value()).sum();
+        if visibility > 0.0 {
+            let node = interval.heap_index(1 << height) as usize;
+            let cos = lighting.nodes.direction[node].dot(normal).max(0.0);
+            sum += lighting.nodes.radiance[node] * (cos * visibility * interval.size() as f32);
+        }
+    });
+    sum * lighting.leaf_solid_angle
 }

@@ -134,7 +134,7 @@ impl Station {
         let Some(rig) = &mut self.local_rig else { return Ok(()) };
         rig.set_environment(self.light.as_ref().map(|light| &light.lighting));
         rig.set_lights(&request.lights);
-        let local = rig.lighting(request.components, request.illum_cut);
+        let local = rig.lighting(request.components, request.solution, request.illum_cut);
         if self.local.as_ref().is_some_and(|known| is_same_local(known, &local)) {
             return Ok(());
         }
@@ -146,9 +146,15 @@ impl Station {
 }
 
 fn is_same_local(a: &LocalLighting, b: &LocalLighting) -> bool {
-    let same_bounce = match (&a.indirect, &b.indirect) {
+    is_same(&a.indirect, &b.indirect)
+        && is_same(&a.vertex_irradiance, &b.vertex_irradiance)
+        && Arc::ptr_eq(&a.lights, &b.lights)
+        && a.components == b.components
+}
+
+fn is_same<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
+    match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
         (a, b) => a.is_none() && b.is_none(),
-    };
-    same_bounce && Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components
+    }
 }

@@ -74,7 +74,7 @@ impl Rig {
         let light = PictureLight {
             environment: Some(&*self.environment).filter(|_| components.environment),
             sources: Some(&*self.bounce).filter(|_| components.indirect),
-            local: None,
+            ..Default::default()
         };
         on_the_cpu(&self.gpu, &self.renderer, view, light, sampling)
     }
