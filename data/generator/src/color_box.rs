@@ -33,7 +33,7 @@ pub fn color_box() -> Scene {
         name: "Spot",
         position: vec3(0.1, 1.9, 0.1),
         target: vec3(0.0, 0.0, -0.1),
-        intensity: [4.0, 3.6, 3.0],
+        intensity: [12.0, 10.8, 9.0],
         cone: Some([38.0, 48.0]),
     }];
     scene
