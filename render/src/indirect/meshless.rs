@@ -95,3 +95,88 @@ impl MeshlessRig {
         Some(dataset)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Backend, BrdfSampling, Components, CpuBackend, LocalRig, indirect::tests::floor_and_wall,
+        renderer::tests::from_above,
+    };
+    use glam::Vec2;
+    use lapidary_core::{
+        lights::Emission,
+        meshless::{Basis, Transport},
+        surfel::MeshPlace,
+    };
+    use std::f32::consts::FRAC_1_PI;
+
+    /// Vector irradiance of the floor from a wall that sends a radiance of one.
+    const LINK: Vec3 = Vec3::new(-0.3, 0.2, 0.05);
+
+    /// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
+    fn dataset() -> Dataset {
+        let mut dataset = floor_and_wall(4);
+        let sources = &dataset.indirect.as_ref().unwrap().sources;
+        let on_wall = sources[sources.len() / 2].surfel;
+        let place = MeshPlace { triangle: 0, barycentric: Vec2::splat(0.3) };
+        let on_floor = Surfel { position: Vec3::ZERO, normal: Vec3::Y, place };
+        let basis = Basis::new(&[vec![on_wall, on_floor]], 20.0, 1).unwrap();
+        let transport = Transport::from_rows(&[Vec::new(), vec![(0, LINK)]], 2);
+        dataset.meshless = Some(MeshlessBake { basis, transport });
+        dataset
+    }
+
+    fn lamp(intensity: f32) -> Arc<[Light]> {
+        let (position, target) = (Vec3::new(-1.0, 1.2, 0.1), Vec3::ZERO);
+        let intensity = Vec3::splat(intensity);
+        [Light { name: String::new(), enabled: true, emission: Emission::Point, position, target, intensity }].into()
+    }
+
+    #[test]
+    fn a_linked_wall_gives_the_floor_s_vertices_its_radiosity() {
+        let baked = Baked::from(dataset());
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        rig.set_lights(&lamp(3.0));
+        let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
+        let to_light = lamp(3.0)[0].position - wall;
+        let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
+        let albedo =
+            Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.senders.points()[0].place);
+        let sent = albedo * irradiance * FRAC_1_PI;
+        let found = rig.at_vertices().unwrap();
+        for (vector, normal) in found.iter().zip(&baked.dataset.scene.mesh.normals).filter(|(_, n)| **n == Vec3::Y) {
+            let expected = LINK.dot(*normal) * sent;
+            let received = super::irradiance(vector, *normal);
+            assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
+        }
+        rig.set_lights(&[]);
+        assert!(rig.at_vertices().unwrap().iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+    }
+
+    #[test]
+    fn pictures_show_it_times_the_albedo_and_only_changes_solve_again() {
+        let baked = Baked::from(dataset());
+        let mut rig = LocalRig::new(&baked);
+        let picture = |rig: &mut LocalRig| {
+            let mut backend = CpuBackend::new();
+            backend.set_scene(&baked).unwrap();
+            let indirect = Components { indirect: true, ..Components::NONE };
+            let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
+            backend.set_local_lighting(&lighting).unwrap();
+            backend.begin(&from_above(8), BrdfSampling::Refine).unwrap();
+            backend.render_rows(0, 0..8).unwrap();
+            (backend.read(1).unwrap().0.pixels[27], lighting.vertex_irradiance.unwrap())
+        };
+        rig.set_lights(&lamp(3.0));
+        let (once, vertices) = picture(&mut rig);
+        let (again, same) = picture(&mut rig);
+        assert!(Arc::ptr_eq(&vertices, &same) && once == again);
+        let floor = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, MeshPlace::default());
+        let expected = floor * super::irradiance(&vertices[0], Vec3::Y) * FRAC_1_PI;
+        assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");
+        rig.set_lights(&lamp(6.0));
+        let (twice, other) = picture(&mut rig);
+        assert!(!Arc::ptr_eq(&vertices, &other) && (twice - 2.0 * once).length() < 1e-4 * once.length());
+    }
+}
