@@ -151,9 +151,14 @@ fn lights_that_cannot_shine_are_refused_by_name() {
         }
     }
     assert!(stage.fail("render a.cuts --lights missing.json --size 8x6 --out a.png").contains("missing.json"));
-    for options in ["--components indirect", "--solution cuts", "--solution meshless"] {
+    for (options, mode) in [
+        ("--components indirect", "--mode indirect"),
+        ("--solution cuts", "--mode indirect"),
+        ("--solution meshless", "--mode meshless"),
+        ("--solution cuts+meshless", "--mode all"),
+    ] {
         let message = stage.fail(&format!("render a.cuts {options} --size 8x6 --out a.png"));
-        assert!(message.contains("--mode indirect"), "{options}: {message}");
+        assert!(message.contains(mode), "{options}: {message}");
     }
     for options in ["--bounces 1", "--components indirect", "--spp 4"] {
         let message = stage.fail(&format!("reference a.cuts {options} --size 8x6 --out a.png"));

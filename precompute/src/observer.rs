@@ -33,6 +33,22 @@ pub enum Phase {
 }
 
 impl Phase {
+    /// All of them, in the order in which they run.
+    pub const ALL: [Self; 12] = [
+        Self::Import,
+        Self::Tessellate,
+        Self::Pilot,
+        Self::Tree,
+        Self::Visibility,
+        Self::Points,
+        Self::SourceTree,
+        Self::SourceVisibility,
+        Self::SourceEnvironment,
+        Self::Basis,
+        Self::Transport,
+        Self::Pack,
+    ];
+
     /// Name as in reports.
     pub fn name(self) -> &'static str {
         match self {

@@ -41,6 +41,8 @@ impl Stage {
     pub fn command(&self, options: &str) -> Command {
         let mut command = Command::new(LAPIDARY);
         command.args(options.split_whitespace()).current_dir(self.0.path());
+        // Without it graphics libraries complain on standard error, which some tests want empty.
+        command.env("XDG_RUNTIME_DIR", self.0.path());
         command
     }
 

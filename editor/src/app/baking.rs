@@ -11,7 +11,7 @@ use crate::{
     panels::bake::{BakeStatus, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeMode, BakeSettings, Dataset},
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Phase, leftover, resolve};
@@ -48,6 +48,7 @@ struct Looked {
 
 struct Run {
     job: BakeRun,
+    mode: BakeMode,
     since: Instant,
     phase: Option<Phase>,
     phase_since: Instant,
@@ -114,6 +115,7 @@ impl EditorState {
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
         let Imported { scene, import_secs, report, .. } = source;
+        let mode = settings.mode;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
         let task = BakeTask {
             scene,
@@ -126,7 +128,7 @@ impl EditorState {
         let now = Instant::now();
         let job = BakeRun::start(task, self.wake.clone());
         self.baking.ended = None;
-        self.baking.run = Some(Run { job, since: now, phase: None, phase_since: now, cancelling: false });
+        self.baking.run = Some(Run { job, mode, since: now, phase: None, phase_since: now, cancelling: false });
     }
 
     pub(super) fn cancel_bake(&mut self) {
@@ -256,6 +258,7 @@ impl EditorState {
 fn running(run: &Run) -> BakeStatus {
     let BakeProgress { phase, unit, done, total, .. } = run.job.progress();
     BakeStatus::Running {
+        mode: run.mode,
         phase: phase.unwrap_or(Phase::Import),
         done,
         total,

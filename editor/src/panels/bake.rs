@@ -18,7 +18,7 @@ use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
-use lapidary_core::dataset::Dataset;
+use lapidary_core::dataset::{BakeMode, Dataset};
 use lapidary_precompute::{Leftover, Phase, resolve};
 
 /// What the panel shows.
@@ -51,6 +51,8 @@ pub enum BakeStatus {
     },
     /// A bake is under way.
     Running {
+        /// What is baked.
+        mode: BakeMode,
         /// What it does.
         phase: Phase,
         /// Units of the phase that are complete.

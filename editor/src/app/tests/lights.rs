@@ -110,6 +110,9 @@ fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
     window.perform(Action::LoadLights(Some(place.path("lights.json"))));
     assert_eq!(lights(&window), [first.clone(), first.clone()]);
     assert!(window.has_said("Lights added: 1"));
+    window.drop_file(place.path("lights.json"));
+    assert_eq!(lights(&window).len(), 3, "dropped lights are added, and are no material");
+    window.perform(Action::Undo);
     std::fs::write(place.path("bad.json"), r#"{"lights": [{"kind": "laser", "position": [0, 0, 0]}]}"#).unwrap();
     window.perform(Action::LoadLights(Some(place.path("bad.json"))));
     assert!(window.has_said("bad.json") && lights(&window).len() == 2);

@@ -18,6 +18,8 @@ pub enum Kind {
     Texture,
     /// A material file.
     Material,
+    /// A list of local lights.
+    Lights,
     /// None of these.
     Unknown,
 }
@@ -56,6 +58,8 @@ fn kind_of_json(path: &Path) -> Kind {
         Kind::Session
     } else if keys.contains_key("model") && keys.contains_key("parameters") {
         Kind::Material
+    } else if keys.get("lights").is_some_and(|lights| lights.is_array()) {
+        Kind::Lights
     } else {
         Kind::Unknown
     }
@@ -66,7 +70,7 @@ pub fn foreign(path: &Path) -> String {
     let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
     format!(
         "{what}; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an environment \
-         (.hdr, .exr), a picture (.png, .jpg, .tga) or a material (.json) ({})",
+         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json) or lights (.json) ({})",
         path.display()
     )
 }
@@ -115,6 +119,8 @@ mod tests {
         assert_eq!(json(r#"{"model": "gxx", "parameters": {}}"#), Kind::Material);
         assert_eq!(json(r#"{"lapidary_session": 1}"#), Kind::Session);
         assert_eq!(json(r#"{"asset": {"version": "2.0"}}"#), Kind::Unknown);
+        assert_eq!(json(r#"{"lights": [{"kind": "laser"}]}"#), Kind::Lights);
+        assert_eq!(json(r#"{"lights": 3}"#), Kind::Unknown);
         assert_eq!(json("[1, 2"), Kind::Unknown);
     }
 

@@ -1,5 +1,6 @@
 //! What the last bake did: a table, the sizes of its cuts, and what it remarked.
 
+use super::progress::described;
 use crate::panels::units::{bytes, duration, grouped};
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};
@@ -8,8 +9,6 @@ use lapidary_precompute::Phase;
 
 /// Height of the histogram in points.
 const PLOT_HEIGHT: f32 = 110.0;
-const PHASES: [Phase; 6] =
-    [Phase::Import, Phase::Tessellate, Phase::Pilot, Phase::Tree, Phase::Visibility, Phase::Pack];
 
 /// Shows a report.
 pub fn show(ui: &mut Ui, report: &BakeReport) {
@@ -30,27 +29,60 @@ pub fn show(ui: &mut Ui, report: &BakeReport) {
     }
 }
 
-/// The table: names and values with units.
+/// The table: names and values with units. Only what was baked has rows.
 fn rows(report: &BakeReport) -> Vec<(String, String)> {
-    let count = |n: usize| grouped(n as u64);
-    let rows = vec![
+    let mut rows = vec![
         ("Vertices", format!("{} ({} points)", count(report.vertices), count(report.bake_points))),
         ("Triangles", count(report.triangles)),
+    ];
+    if report.mode.environment() {
+        rows.extend(environment_rows(report));
+    }
+    rows.extend(bounce_rows(report));
+    rows.extend([("File", bytes(report.bytes_total)), ("Peak memory", bytes(report.peak_memory_bytes))]);
+    let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let of_phase = |phase: Phase| (phase.name(), described(phase).0.to_lowercase());
+    for (key, name) in Phase::ALL.map(of_phase).into_iter().chain([("total", "total".to_owned())]) {
+        if let Some(secs) = report.seconds.get(key).filter(|secs| **secs > 0.0) {
+            rows.push((format!("Time, {name}"), duration(*secs)));
+        }
+    }
+    rows
+}
+
+fn count(n: usize) -> String {
+    grouped(n as u64)
+}
+
+/// What was baked of distant light.
+fn environment_rows(report: &BakeReport) -> [(&'static str, String); 7] {
+    [
         ("Lights", count(report.lights)),
         ("Mean cut", format!("{:.1} nodes", report.mean_cut)),
         ("Largest cut", format!("{} nodes", count(report.max_cut))),
         ("Sigma", report.sigma.to_string()),
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
-        ("File", bytes(report.bytes_total)),
-        ("Peak memory", bytes(report.peak_memory_bytes)),
         ("Speed", format!("{:.1} M pairs/s", report.samples_per_second / 1e6)),
-    ];
-    let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    for phase in PHASES.iter().map(|p| p.name()).chain(["total"]) {
-        if let Some(secs) = report.seconds.get(phase) {
-            rows.push((format!("Time, {phase}"), duration(*secs)));
-        }
+    ]
+}
+
+/// What was baked of bounced light.
+fn bounce_rows(report: &BakeReport) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let Some(indirect) = &report.indirect {
+        rows.extend([
+            ("Sources", count(indirect.sources)),
+            ("Mean source cut", format!("{:.1} nodes", indirect.mean_cut)),
+            ("Bounce error", format!("{:.1} %", 100.0 * indirect.relative_error)),
+            ("Source cuts", bytes(indirect.bytes_cuts)),
+        ]);
+    }
+    if let Some(meshless) = &report.meshless {
+        rows.extend([
+            ("Basis", format!("{} functions", count(meshless.functions.iter().sum()))),
+            ("Basis links", format!("{} ({})", count(meshless.links), bytes(meshless.bytes_links))),
+        ]);
     }
     rows
 }
@@ -93,6 +125,7 @@ fn bar_text(index: usize, points: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::dataset::{BakeMode, IndirectReport};
 
     #[test]
     fn bars_name_their_range() {
@@ -110,5 +143,17 @@ mod tests {
         assert_eq!(value("Cuts"), Some("9.2 MB"));
         assert_eq!(value("Time, visibility"), Some("12 s"));
         assert_eq!(value("Time, tree"), None);
+    }
+
+    #[test]
+    fn bounces_have_rows_of_their_own_and_the_environment_none_without_a_bake_of_it() {
+        let indirect = IndirectReport { sources: 4096, mean_cut: 87.5, relative_error: 0.042, ..Default::default() };
+        let seconds = [("source-visibility".to_owned(), 6.0)].into();
+        let mode = BakeMode::Indirect;
+        let rows = rows(&BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() });
+        let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
+        assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));
+        assert_eq!((value("Bounce error"), value("Time, bounces")), (Some("4.2 %"), Some("6.0 s")));
+        assert_eq!([value("Lights"), value("Mean cut"), value("Basis")], [None; 3]);
     }
 }

@@ -17,7 +17,7 @@ use crate::{
 };
 use egui::{Button, Grid, RichText, Ui};
 use lapidary_core::{
-    dataset::BakeSettings,
+    dataset::{BakeSettings, IndirectSettings},
     light_tree::{MAX_HEIGHT, TreeKind},
 };
 use lapidary_precompute::{Preset, SettingsError, resolve};
@@ -56,9 +56,11 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 
-/// A preset for what is baked now.
+/// A preset for what is baked now, seen from the same place.
 fn of_preset(preset: Preset, bake: &BakeSettings) -> BakeSettings {
-    BakeSettings { mode: bake.mode, indirect: bake.indirect, ..preset.settings() }
+    let settings = preset.settings();
+    let indirect = IndirectSettings { viewpoint: bake.indirect.viewpoint, ..settings.indirect };
+    BakeSettings { mode: bake.mode, indirect, ..settings }
 }
 
 /// The rest of a preset's row; a dash where the size of the scene is not known.

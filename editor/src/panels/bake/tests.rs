@@ -93,6 +93,7 @@ fn bake_resume_and_cancel_ask_for_what_they_say() {
 #[test]
 fn a_running_bake_shows_progress_and_can_be_cancelled() {
     let running = BakeStatus::Running {
+        mode: BakeMode::Environment,
         phase: Phase::Visibility,
         done: 250,
         total: 1000,
@@ -107,7 +108,26 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     let phases = ["Pilot progress", "Visibility progress", "Pack progress"];
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
+    assert!(panel.query_by_label("Bounces progress").is_none(), "negative control: the environment alone");
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
+}
+
+#[test]
+fn a_bake_of_bounces_shows_its_own_phases() {
+    let running = BakeStatus::Running {
+        mode: BakeMode::Indirect,
+        phase: Phase::SourceVisibility,
+        done: 300,
+        total: 400,
+        unit: "points",
+        elapsed_secs: 9.0,
+        phase_elapsed_secs: 3.0,
+    };
+    let panel = panel(running, document(), None);
+    let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
+    let phases = ["Import progress", "Source tree progress", "Bounces progress", "Pack progress"];
+    assert_eq!(phases.map(percent), [Some(100.0), Some(100.0), Some(75.0), Some(0.0)]);
+    assert!(panel.query_by_label("Visibility progress").is_none() && panel.query_by_label("Basis progress").is_none());
 }
 
 #[test]
