@@ -23,8 +23,8 @@ pub enum Action {
     Redo,
     /// Open a scene, a dataset or a session.
     Open(Option<PathBuf>),
-    /// Open the bundled scene.
-    OpenBundled,
+    /// Open a bundled scene, by its place in the menu.
+    OpenBundled(usize),
     /// Write the session.
     Save,
     /// Write the session under another name.

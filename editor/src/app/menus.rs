@@ -13,6 +13,7 @@ use crate::{
 };
 use egui::{Button, MenuBar, Ui};
 use lapidary_render::ViewMode;
+use std::path::Path;
 
 /// Widths of menus in points, so that shortcuts have room.
 const WIDTH: f32 = 210.0;
@@ -60,10 +61,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let is_open = state.document.scene.is_some() || state.document.dataset.is_some();
     entry(ui, state, actions, Command::Open, true);
     ui.menu_button("Open recent", |ui| recent(ui, state, actions));
-    if ui.button("Open the bundled scene").clicked() {
-        actions.push(Action::OpenBundled);
-        ui.close();
-    }
+    ui.menu_button("Bundled scenes", |ui| bundled(ui, state, actions));
     ui.separator();
     entry(ui, state, actions, Command::Save, is_open);
     entry(ui, state, actions, Command::SaveAs, is_open);
@@ -98,6 +96,25 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         }
         ui.close();
     }
+}
+
+fn bundled(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
+    if state.bundled.scenes.is_empty() {
+        ui.weak("Not there; start with --data");
+    }
+    for (index, scene) in state.bundled.scenes.iter().enumerate() {
+        if ui.button(title(scene)).clicked() {
+            actions.push(Action::OpenBundled(index));
+            ui.close();
+        }
+    }
+}
+
+/// A scene's name in words: `still-life.gltf` is "Still life".
+fn title(scene: &Path) -> String {
+    let words = scene.file_stem().unwrap_or_default().to_string_lossy().replace('-', " ");
+    let mut letters = words.chars();
+    letters.next().map(|first| first.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
 }
 
 fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {

@@ -77,6 +77,6 @@ fn nothing(ui: &mut Ui, actions: &mut Vec<Action>) {
         actions.push(Action::Open(None));
     }
     if ui.button("Open the bundled scene").clicked() {
-        actions.push(Action::OpenBundled);
+        actions.push(Action::OpenBundled(0));
     }
 }

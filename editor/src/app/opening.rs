@@ -13,7 +13,7 @@ use crate::{
     },
 };
 use anyhow::Result;
-use lapidary_core::dataset::Dataset;
+use lapidary_core::dataset::{BakeMode, BakeSettings, Dataset};
 use lapidary_precompute::{Preset, cli::error_text};
 use lapidary_render::Baked;
 use std::{
@@ -210,8 +210,12 @@ fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
         |path: &Path| read_if_there(path, &mut warnings).filter(|baked| baked.dataset.scene_hash == source.hash);
     // A bake of other settings is one that the user asked for.
     let whole = read(&output);
-    let bake_now = whole.is_none();
-    let bake = whole.as_ref().map_or(Preset::Normal.settings(), |whole| whole.dataset.settings.clone());
+    // Bounces take longer: a scene that has lights waits to be asked for them.
+    let (bake_now, bake) = match &whole {
+        Some(whole) => (false, whole.dataset.settings.clone()),
+        None if source.scene.lights.is_empty() => (true, Preset::Normal.settings()),
+        None => (false, BakeSettings { mode: BakeMode::All, ..Preset::Draft.settings() }),
+    };
     let baked = whole.or_else(|| read(&draft_of(&output)));
     let shown = baked.as_ref().map_or(&*source.scene, |baked| &baked.dataset.scene);
     // Named before it is there, so that a session finds it later.

@@ -62,7 +62,7 @@ impl EditorState {
             Action::CancelBake => self.cancel_bake(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
             Action::Open(Some(path)) => self.open(Target::File(path)),
-            Action::OpenBundled => self.open_bundled(),
+            Action::OpenBundled(index) => self.open_bundled(index),
             Action::Quit => self.quit(ctx),
             Action::Save => self.save(ctx),
             Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
@@ -293,9 +293,9 @@ impl EditorState {
         }
     }
 
-    /// Opens the scene that comes with the program.
-    pub fn open_bundled(&mut self) {
-        match self.bundled.scene.clone() {
+    /// Opens one of the scenes that come with the program.
+    pub fn open_bundled(&mut self, index: usize) {
+        match self.bundled.scenes.get(index).cloned() {
             Some(scene) => self.open(Target::Bundled { scene, bakes: self.folders.cache.join("bakes") }),
             None => self.messages.error(
                 "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",

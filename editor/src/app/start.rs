@@ -71,7 +71,7 @@ fn is_display_missing() -> bool {
 fn bundled(launch: &Launch) -> Result<Bundled> {
     match DataFolder::find(launch.data.as_deref()) {
         Ok(data) => Ok(Bundled {
-            scene: Some(absolute(&data.still_life())),
+            scenes: data.scenes().iter().map(|scene| absolute(scene)).collect(),
             environments: maps_in(&absolute(&data.environment_folder())),
         }),
         Err(error) if launch.data.is_some() => Err(error),
@@ -104,7 +104,7 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders)
     let mut state = EditorState::new(Setup { folders, bundled, factory, wake, system_dialogs: true });
     match &launch.file {
         Some(file) => state.open(Target::File(file.clone())),
-        None => state.open_bundled(),
+        None => state.open_bundled(0),
     }
     EditorApp::new(state)
 }

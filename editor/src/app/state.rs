@@ -48,7 +48,7 @@ const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
 pub struct Setup {
     /// Where preferences, autosaves and bakes of bundled scenes are.
     pub folders: Folders,
-    /// The bundled scene, and the bundled environments.
+    /// The bundled scenes, and the bundled environments.
     pub bundled: Bundled,
     /// Makes the renderer.
     pub factory: Factory,
@@ -61,8 +61,8 @@ pub struct Setup {
 /// What comes with the program, as far as it was found.
 #[derive(Clone, Debug, Default)]
 pub struct Bundled {
-    /// The scene.
-    pub scene: Option<PathBuf>,
+    /// The scenes; the first one opens where no file is named.
+    pub scenes: Vec<PathBuf>,
     /// The environments.
     pub environments: Vec<PathBuf>,
 }

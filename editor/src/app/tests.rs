@@ -102,6 +102,12 @@ impl Window {
         self.0.run_steps(3);
     }
 
+    /// Menus have an arrow after their name.
+    fn click_containing(&mut self, label: &str) {
+        self.0.get_by_label_contains(label).click();
+        self.0.run_steps(3);
+    }
+
     fn shows(&self, label: &str) -> bool {
         self.0.query_all_by_label_contains(label).next().is_some()
     }

@@ -3,7 +3,10 @@
 use crate::console::Console;
 use anyhow::{Result, bail};
 use lapidary_core::environment::Environment;
-use std::path::{Path, PathBuf};
+use std::{
+    iter,
+    path::{Path, PathBuf},
+};
 
 /// Where the source tree has them.
 const IN_SOURCE_TREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
@@ -33,6 +36,12 @@ impl DataFolder {
     /// The scene.
     pub fn still_life(&self) -> PathBuf {
         self.0.join("still-life/still-life.gltf")
+    }
+
+    /// The scenes that the window offers, the still life first.
+    pub fn scenes(&self) -> Vec<PathBuf> {
+        let others = ["interior/interior.gltf", "color-box/color-box.gltf"].map(|name| self.0.join(name));
+        iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
     }
 
     /// Where the environments are.
@@ -76,7 +85,8 @@ mod tests {
 
     #[test]
     fn the_source_tree_has_the_data_and_another_folder_is_refused() {
-        assert!(DataFolder::find(None).is_ok());
+        let scenes = DataFolder::find(None).unwrap().scenes();
+        assert!(scenes.len() == 3 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
         let error = DataFolder::find(Some(Path::new("nowhere"))).err().map(|e| e.to_string());
         assert!(error.is_some_and(|e| e.contains("--data") && e.ends_with("(nowhere)")));
     }

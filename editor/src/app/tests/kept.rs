@@ -7,7 +7,7 @@ use crate::{
     document::{Document, TextureEntry, autosave, autosave::Autosave, session},
     panels::bake::BakeStatus,
 };
-use lapidary_core::{image::Image, texture::Texture, texture::TextureSlot};
+use lapidary_core::{dataset::BakeMode, image::Image, texture::Texture, texture::TextureSlot};
 use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake};
 use std::{
     path::{Path, PathBuf},
@@ -78,6 +78,31 @@ fn a_bake_of_other_settings_of_the_bundled_scene_is_not_replaced() {
     let text = std::fs::read_to_string(&scene).unwrap().replace("v 1 0 0", "v 2 0 0");
     std::fs::write(&scene, text).unwrap();
     assert!(opened(bundled(&place, &scene)).bake_now, "another scene");
+}
+
+#[test]
+fn a_bundled_scene_with_lights_waits_for_its_bake_of_bounces() {
+    let place = Place::new();
+    let scene = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf"));
+    let ready = opened(bundled(&place, scene));
+    assert!(!ready.bake_now && ready.document.bake.mode == BakeMode::All && ready.document.lights.len() == 1);
+    let dark = opened(bundled(&place, &textured(&place)));
+    assert!(dark.bake_now && dark.document.bake.mode == BakeMode::Environment, "negative control");
+}
+
+#[test]
+fn the_menu_opens_each_bundled_scene_by_its_name() {
+    let place = Place::new();
+    std::fs::copy(place.path("scene.obj"), place.path("second-scene.obj")).unwrap();
+    let mut window = place.window();
+    window.0.state_mut().bundled.scenes = ["scene.obj", "second-scene.obj"].map(|name| place.path(name)).into();
+    for label in ["File", "Bundled scenes", "Second scene"] {
+        window.click_containing(label);
+    }
+    window.wait("the scene", |s| s.document.scene.is_some());
+    assert_eq!(window.0.state().document.scene, Some(place.path("second-scene.obj")));
+    window.perform(Action::OpenBundled(7));
+    assert!(window.has_said("--data DIR"));
 }
 
 #[test]
