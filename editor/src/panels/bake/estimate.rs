@@ -18,8 +18,9 @@ const MEAN_SOURCE_CUT: f64 = 250.0;
 const FACING: f64 = 0.3;
 /// Bytes of a source beside its cut: place, normal, area, triangle.
 const SOURCE_BYTES: f64 = 40.0;
-/// Core seconds and bytes of the meshless basis of the paper's Sponza, and the triangles of that.
-const MESHLESS: (f64, f64, f64) = (4.0 * 26.0 * 60.0, 77e6, 66e3);
+/// Core seconds and bytes of the colour box's meshless basis, and its levels. Each level has about four times the functions
+/// of the one above it; their number goes with the surface in units of the coarsest distance, not with the vertices.
+const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
 
 /// Size of a scene before tessellation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +87,7 @@ impl Speed {
         let parts = [
             (mode.environment(), self.environment(settings, vertices as f64)),
             (mode.indirect(), self.sources(settings, vertices as f64)),
-            (mode.meshless(), self.meshless(vertices as f64)),
+            (mode.meshless(), self.meshless(settings.meshless.levels)),
         ];
         let wanted = || parts.iter().filter(|(wanted, _)| *wanted).map(|(_, cost)| cost);
         let bytes = wanted().map(|(_, bytes)| *bytes as u64).sum();
@@ -108,10 +109,10 @@ impl Speed {
         (pairs / self.pairs_per_second, nodes * NODE_BYTES + sources * SOURCE_BYTES)
     }
 
-    /// Those of the meshless basis, which go with the surface.
-    fn meshless(&self, vertices: f64) -> (f64, f64) {
-        let (core_secs, bytes, triangles) = MESHLESS;
-        let share = vertices / triangles;
+    /// Those of the meshless basis, which go with its levels.
+    fn meshless(&self, levels: usize) -> (f64, f64) {
+        let (core_secs, bytes, measured_levels) = MESHLESS;
+        let share = 4_f64.powf(levels as f64 - measured_levels as f64);
         (share * core_secs / self.cores as f64, share * bytes)
     }
 
@@ -129,7 +130,7 @@ impl Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::BakeMode;
+    use lapidary_core::dataset::{BakeMode, MeshlessSettings};
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -155,6 +156,15 @@ mod tests {
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
         assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
         assert_ne!(speed(None).estimate(&settings).unwrap().bytes, estimate.bytes);
+    }
+
+    #[test]
+    fn a_level_more_of_the_basis_takes_four_times_as_long() {
+        let settings = BakeSettings { mode: BakeMode::Meshless, ..Preset::Draft.settings() };
+        let finer = MeshlessSettings { levels: settings.meshless.levels + 1, ..settings.meshless };
+        let secs = |s: &BakeSettings| speed(None).estimate(s).unwrap().secs;
+        assert!((secs(&settings) - 55.0).abs() < 1e-6, "on two cores");
+        assert!((secs(&BakeSettings { meshless: finer, ..settings.clone() }) - 220.0).abs() < 1e-6);
     }
 
     #[test]
