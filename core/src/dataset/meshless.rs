@@ -50,7 +50,8 @@ impl MeshlessSettings {
 }
 
 impl Default for MeshlessSettings {
-    /// Those of the paper, whose table counts sender levels from zero: its links and shares give some 16,000 senders.
+    /// Those of the paper. Its table says 3 sender levels, but its links and their share give some 16,000 senders, which is
+    /// four levels of its sizes.
     fn default() -> Self {
         Self { levels: 6, sender_levels: 4, coarse_radius: None, rays: 512, epsilon: 0.025 }
     }
