@@ -111,7 +111,7 @@ pub struct BakeArgs {
     /// Levels of the meshless basis, 1 to 8 [default: 6]
     #[arg(long, value_name = "L")]
     pub levels: Option<usize>,
-    /// How many of its first levels send light [default: 3]
+    /// How many of its first levels send light [default: 4]
     #[arg(long, value_name = "L")]
     pub sender_levels: Option<usize>,
     /// Distance of its coarsest points in metres [default: one that gives about 300 of them]

@@ -5,7 +5,8 @@
 //!
 //! Departures from the paper: reflectance is not inside (see [`lapidary_core::meshless::Transport`]), so `ε` is compared
 //! with the link of a sender of half grey, `‖T_ij‖ / 2π`, whatever colours the scene has now. Receivers that no coarser one
-//! reaches are gathered always, and drop their links by a stricter rule (see [`refine::Criterion`]). Rays are uniform over
+//! reaches are gathered always. Coarse receivers have smaller thresholds, and links to coarse senders are merged rather than
+//! dropped (see [`refine::Criterion`]). Rays are uniform over
 //! the hemisphere and not by cosine, whose estimate of the tangential parts of vector irradiance has no finite variance;
 //! they are stratified as a Fibonacci lattice, turned and shifted at random by receiver, so that parents and children do
 //! not repeat each other's error.
@@ -46,7 +47,7 @@ pub fn transport_operator(
             crate::bake::cancelled(observer)?;
             let gather = |scratch: &mut _, &receiver: &usize| {
                 let (mut row, is_root) = gatherer.gather(scratch, receiver, level, &rows);
-                criterion.prune(&mut row, is_root);
+                criterion.prune(&mut row, is_root, level);
                 row
             };
             let found: Vec<Row> = step.par_iter().map_init(|| gatherer.scratch(), gather).collect();

@@ -13,7 +13,9 @@ pub struct Projection {
     levels: Vec<Range<usize>>,
     /// For every function: the values at its point of all functions of coarser levels.
     coarser: SparseRows,
-    /// For every function but those of the last level: its children and their shares, which sum to one.
+    /// For every function but those of the last level: its children and their shares, which sum to one. A share goes with
+    /// the area of the child as well, for points are denser at edges and on small things than elsewhere, and averages over
+    /// points would lose what is lit between: 2 to 5 % of the light in a furnished room.
     children: SparseRows,
 }
 
@@ -25,12 +27,14 @@ impl Projection {
             let point = &basis.points()[i];
             (0..level_of(i)).for_each(|level| basis.values(level, point.position, point.normal, out));
         });
-        let by_level: Vec<SparseRows> = (1..levels).map(|level| basis.children(level - 1)).collect();
+        let by_level: Vec<SparseRows> = (1..basis.levels()).map(|level| basis.children(level - 1)).collect();
+        let areas = areas(basis, &by_level);
         let children = SparseRows::build(basis.first_levels(levels - 1).len(), |i, out| {
             let level = level_of(i);
             let row = by_level[level].row(i - basis.level(level).start);
-            let sum: f32 = row.iter().map(|c| c.1).sum();
-            out.extend(row.iter().map(|&(child, value)| (child, value / sum)));
+            let part = |&(child, value): &(u32, f32)| (child, value * areas[child as usize]);
+            let sum: f32 = row.iter().map(|c| part(c).1).sum();
+            out.extend(row.iter().map(part).map(|(child, part)| (child, part / sum)));
         });
         Self { levels: (0..levels).map(|level| basis.level(level)).collect(), coarser, children }
     }
@@ -73,4 +77,15 @@ impl Projection {
     pub fn bytes(&self) -> u64 {
         self.coarser.bytes() + self.children.bytes()
     }
+}
+
+/// Integrals of all functions over the surface, in units of a function of the finest level.
+fn areas(basis: &Basis, children: &[SparseRows]) -> Vec<f32> {
+    let mut areas = vec![1.0; basis.len()];
+    for (level, children) in children.iter().enumerate().rev() {
+        for (row, i) in basis.level(level).enumerate().filter(|(row, _)| !children.row(*row).is_empty()) {
+            areas[i] = children.product(row, &areas);
+        }
+    }
+    areas
 }

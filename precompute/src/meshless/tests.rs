@@ -4,8 +4,14 @@ use super::*;
 use crate::{
     Silent,
     mesh_surface::tests::{Prepared, room},
+    sidedness::tests::cuboid,
 };
-use lapidary_core::meshless::{SolveSettings, Solver, irradiance};
+use lapidary_core::{
+    meshless::{SolveSettings, Solver, irradiance},
+    sphere::{cosine_direction, frame_around},
+    surfel::Surfel,
+};
+use rayon::prelude::*;
 
 fn settings() -> MeshlessSettings {
     MeshlessSettings { levels: 3, sender_levels: 2, rays: 256, epsilon: 0.01, ..Default::default() }
@@ -50,4 +56,59 @@ fn a_bake_is_the_same_each_time_and_a_viewpoint_without_view_is_an_error() {
     assert_eq!((a.basis.points(), &a.transport), (b.basis.points(), &b.transport));
     let outside = meshless_bake(&prepared.surface(), Vec3::splat(5.0), &small, &Silent);
     assert!(matches!(outside, Err(BakeError::Points(PointsError::SeesNothing(_)))));
+}
+
+/// Irradiance of a unit point light.
+fn direct(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
+    let to_light = light - at.position;
+    let cosine = to_light.normalize().dot(at.normal).max(0.0);
+    let lit = cosine > 0.0 && surface.sees(at.position + at.normal * surface.offset(), light);
+    if lit { cosine / to_light.length_squared() } else { 0.0 }
+}
+
+/// One bounce of it where everything is half grey, by rays.
+fn bounced(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
+    const RAYS: usize = 512;
+    let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
+    let mut random = fastrand::Rng::with_seed(at.place.triangle.into());
+    let ray = |i: usize| {
+        let direction = frame * cosine_direction((i as f32 + random.f32()) / RAYS as f32, random.f32());
+        surface.first_hit(origin, direction).map_or(0.0, |hit| 0.5 * direct(surface, light, &hit))
+    };
+    (0..RAYS).map(ray).sum::<f32>() / RAYS as f32
+}
+
+/// Relative RMSE and ratio of means of pairs of truth and estimate.
+fn compare(pairs: &[(f32, f32)]) -> (f32, f32) {
+    let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(f).sum::<f32>();
+    let square = sum(&|(truth, estimate)| (truth - estimate).powi(2)) / sum(&|p| p.0 * p.0);
+    (square.sqrt(), sum(&|p| p.1) / sum(&|p| p.0))
+}
+
+#[test]
+fn one_bounce_between_boxes_agrees_with_rays() {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(-0.4, -0.4, -0.4), Vec3::new(0.25, 0.6, 0.25)));
+    triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.4), Vec3::new(0.3, 0.3, 0.3)));
+    let prepared = Prepared::new(&triangles);
+    let (surface, light) = (prepared.surface(), Vec3::new(0.1, 0.3, 0.1));
+    let settings = MeshlessSettings { epsilon: 0.025, sender_levels: 3, ..settings() };
+    let (bake, report) = meshless_bake(&surface, light, &settings, &Silent).unwrap();
+    let senders = &bake.basis.points()[bake.basis.senders()];
+    let lit: Vec<Vec3> = senders.par_iter().map(|p| Vec3::splat(direct(&surface, light, p))).collect();
+    let grey = vec![Vec3::splat(0.5); lit.len()];
+    let once = SolveSettings { bounces: 1, threshold: 0.0 };
+    let coefficients = Solver::new(&bake).solve(&bake, &lit, &grey, once).coefficients;
+    let darts = Darts { radius: 0.05 * report.coarse_radius, open_only: false, most: 400 };
+    let points = poisson_disk(&mut Candidates::new(&surface, light, 77, &Silent).unwrap(), darts).unwrap();
+    let pair = |p: &Surfel| {
+        let vector = bake.basis.evaluate(3, p.position, p.normal, &coefficients);
+        (bounced(&surface, light, p), irradiance(&vector, p.normal).x)
+    };
+    let mut pairs: Vec<(f32, f32)> = points.par_iter().map(pair).collect();
+    let (error, ratio) = compare(&pairs);
+    assert!(error < 0.08 && (ratio - 1.0).abs() < 0.02, "error {error}, energy {ratio}: {report:?}");
+    let estimates: Vec<f32> = pairs.iter().map(|p| p.1).collect();
+    pairs.iter_mut().zip(estimates.iter().cycle().skip(7)).for_each(|(p, other)| p.1 = *other);
+    assert!(compare(&pairs).0 > 0.2, "light at the wrong points shows");
 }

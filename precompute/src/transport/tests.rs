@@ -71,7 +71,8 @@ fn a_bounce_inside_a_sphere_is_uniform_and_refinement_saves_links() {
     assert_eq!(report.functions, [100, 400, 1600]);
     assert_eq!(all.gathered, report.functions, "without a threshold every receiver is examined");
     assert_eq!(report.rays_traced, 512 * report.gathered.iter().sum::<usize>() as u64);
-    assert!(report.links_of_level[2] < report.links_of_level[0] / 10, "little is left for fine receivers: {report:?}");
+    let of_receiver = |level: usize| report.links_of_level[level] / report.functions[level];
+    assert!(of_receiver(2) < of_receiver(0) / 20, "little is left for fine receivers: {report:?}");
     let (full, refined) = (error(full, 0.5), error(refined.clone(), 0.5));
     assert!(full < 0.006 && refined < 0.03, "{full} {refined}");
     assert!(error(operator(0.0125).0, 0.55) > 0.04, "a wrong expectation shows");
