@@ -72,7 +72,7 @@ impl Features {
         }
     }
 
-    /// Features of surface sources: position in units of the scene's `diagonal` over [`PLACE_WEIGHT`], and normal.
+    /// Features of surface sources: position in units of the scene's `diagonal` over `PLACE_WEIGHT`, and normal.
     pub fn of_surfels(kind: TreeKind, beta: f32, surfels: &[Surfel], diagonal: f32, pilot: &PilotVisibility) -> Self {
         let scale = PLACE_WEIGHT / diagonal.max(f32::MIN_POSITIVE);
         let row = |s: &Surfel| -> [f32; 6] {

@@ -33,6 +33,8 @@ pub(super) struct EnvironmentArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Local lights")]
 pub struct LocalLightArgs {
+    // The brackets are of JSON, no links.
+    #[allow(rustdoc::broken_intra_doc_links)]
     /// Local lights as JSON, or none: {"lights": [{"kind": "point|spot|directional|rectangle", "position": [x,y,z],
     /// "target": [x,y,z], "intensity": [r,g,b], ...}]}; spots have cone_degrees (axis to edge) and penumbra_degrees,
     /// rectangles width and height in metres. Intensity is in W/sr; of directional lights the irradiance in W/m², of
