@@ -173,7 +173,8 @@ fn interior() -> Scene {
 
 fn indirect_job(folder: &Path, name: &str, mode: BakeMode) -> BakeJob {
     let indirect = IndirectSettings { sources: 512, ..Default::default() };
-    let settings = BakeSettings { mode, indirect, lights: 256, ..settings() };
+    let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
+    let settings = BakeSettings { mode, indirect, meshless, lights: 256, ..settings() };
     BakeJob { settings, chunks: Some(3), ..job(folder, name) }
 }
 
@@ -257,8 +258,7 @@ fn viewpoints_that_reach_nothing_are_named() {
 #[test]
 fn the_meshless_basis_is_baked_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
-    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Meshless);
-    job.settings.meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
+    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Meshless);
     let dataset = bake(interior(), &job, &Silent).unwrap();
     let (report, bake_of) = (dataset.report.meshless.clone().unwrap(), dataset.meshless.as_ref().unwrap());
     assert!(dataset.indirect.is_none() && report.links > 0 && report.functions.len() == 3, "{report:?}");
