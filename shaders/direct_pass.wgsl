@@ -4,10 +4,6 @@
 // light, which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the
 // blockers, whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
 
-@group(3) @binding(0) var geometry: texture_2d<u32>;
-@group(3) @binding(1) var rotation: texture_2d<f32>;
-@group(3) @binding(2) var color_roughness: texture_2d<f32>;
-@group(3) @binding(3) var others: texture_2d<f32>;
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 const RECTANGLE_DETAIL: u32 = 2u;
@@ -23,7 +19,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
         return sum;
     }
-    let point = receiving_point(g, pixel, ray_direction(pixel));
+    let point = surface_point(g, pixel, ray_direction(pixel));
     var received = vec3(0.0);
     for (var i = 0u; i < arrayLength(&local_lights); i++) {
         received += light_from(point, local_lights[i]);
@@ -31,39 +27,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return sum + vec4(received, 0.0);
 }
 
-struct ReceivingPoint {
-    position: vec3<f32>,
-    // Of the triangle, on the side that is seen.
-    face_normal: vec3<f32>,
-    // Interpolated, before bump and normal map: no light from below it is received.
-    smooth_normal: vec3<f32>,
-    world_from_local: mat3x3<f32>,
-    wo: vec3<f32>,
-    brdf: Brdf,
-}
-
-fn receiving_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> ReceivingPoint {
-    let corners = triangles[g.x - 1u].vertices;
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
-    let a = vertices[corners.x].position;
-    let b = vertices[corners.y].position;
-    let c = vertices[corners.z].position;
-    let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
-    let p = textureLoad(color_roughness, pixel, 0);
-    let q = textureLoad(others, pixel, 0);
-    return ReceivingPoint(
-        a * hit.barycentric.x + b * hit.barycentric.y + c * hit.barycentric.z,
-        normalize_or(cross(b - a, c - a) * hit.side, -direction),
-        smooth_normal(corners, hit, -direction),
-        local,
-        -direction * local,
-        brdf_from_parameters(g.w & MODEL_MASK, p, q),
-    );
-}
-
 // What a point reflects of a light toward the eye.
-fn light_from(point: ReceivingPoint, light: LocalLight) -> vec3<f32> {
+fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     var sum = vec3(0.0);
     if light.emission == EMISSION_RECTANGLE {
         for (var cell = 0u; cell < light.grid * light.grid; cell++) {
@@ -83,7 +48,7 @@ fn casts_shadow(light: LocalLight) -> bool {
 }
 
 // Share of a cell of a rectangle.
-fn light_from_cell(point: ReceivingPoint, light: LocalLight, cell: u32) -> vec3<f32> {
+fn light_from_cell(point: SurfacePoint, light: LocalLight, cell: u32) -> vec3<f32> {
     // Nothing arrives behind the rectangle.
     if !(dot(point.position - light.position, light.forward) > 0.0) {
         return vec3(0.0);
@@ -117,7 +82,7 @@ fn offset_in_cell(light: LocalLight, cells: vec2<f32>) -> vec3<f32> {
 }
 
 // Metres from blockers to the receiver for each metre from the light to them, the mean of those around; 0 without any.
-fn mean_blocker(point: ReceivingPoint, light: LocalLight, cell: u32) -> f32 {
+fn mean_blocker(point: SurfacePoint, light: LocalLight, cell: u32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
     for (var i = 0; i < 9; i++) {
@@ -131,7 +96,7 @@ fn mean_blocker(point: ReceivingPoint, light: LocalLight, cell: u32) -> f32 {
 }
 
 // Where the receiver's plane is seen from the middle of a cell toward the receiver less `shift`.
-fn seen_past(point: ReceivingPoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
+fn seen_past(point: SurfacePoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
     let middle = shadow_views[light.first_view + cell * light.views_per_point].origin;
     let away = point.position - middle;
     let ratio = dot(point.face_normal, away) / dot(point.face_normal, away - shift);
@@ -142,7 +107,7 @@ fn seen_past(point: ReceivingPoint, light: LocalLight, cell: u32, shift: vec3<f3
     return middle + (away - shift) * ratio;
 }
 
-fn reflected(point: ReceivingPoint, sample: LightSample) -> vec3<f32> {
+fn reflected(point: SurfacePoint, sample: LightSample) -> vec3<f32> {
     if !(dot(sample.direction, point.smooth_normal) > 0.0) {
         return vec3(0.0);
     }

@@ -5,10 +5,6 @@
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
-@group(3) @binding(0) var geometry: texture_2d<u32>;
-@group(3) @binding(1) var rotation: texture_2d<f32>;
-@group(3) @binding(2) var color_roughness: texture_2d<f32>;
-@group(3) @binding(3) var others: texture_2d<f32>;
 // What the samples and passes before have added up to.
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 @group(3) @binding(5) var previous_work: texture_2d<f32>;
@@ -85,35 +81,6 @@ fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32
 fn interpolated_cut_len(point: SurfacePoint) -> f32 {
     let v = point.vertices;
     return dot(point.weights, vec3(f32(vertices[v.x].cut_len), f32(vertices[v.y].cut_len), f32(vertices[v.z].cut_len)));
-}
-
-// Twin of SurfacePoint in render/src/surface.rs.
-struct SurfacePoint {
-    vertices: vec3<u32>,
-    weights: vec3<f32>,
-    position: vec3<f32>,
-    smooth_normal: vec3<f32>,
-    world_from_local: mat3x3<f32>,
-    wo: vec3<f32>,
-    brdf: Brdf,
-}
-
-fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
-    let corners = triangles[g.x - 1u].vertices;
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
-    let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
-    let p = textureLoad(color_roughness, pixel, 0);
-    let q = textureLoad(others, pixel, 0);
-    return SurfacePoint(
-        corners,
-        valid_weights(corners, hit.barycentric),
-        interpolated_position(corners, hit.barycentric),
-        smooth_normal(corners, hit, -direction),
-        local,
-        -direction * local,
-        brdf_from_parameters(g.w & MODEL_MASK, p, q),
-    );
 }
 
 struct Shaded {

@@ -218,6 +218,13 @@ impl Document {
         }
     }
 
+    /// The file that a texture is read from: its own, or the one beside the scene that it is named after. Nothing need be
+    /// there: pictures inside a scene's file have names too.
+    pub fn file_of(&self, entry: &TextureEntry) -> Option<PathBuf> {
+        let beside_scene = || Some(folder_of(self.scene.as_deref()?).join(&entry.texture.name));
+        entry.file.clone().or_else(beside_scene)
+    }
+
     /// A scene as it came: under its own lights, seen from its first camera or as a whole, all its cameras bookmarked.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let bounds = scene.mesh.bounds();

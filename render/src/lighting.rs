@@ -74,6 +74,14 @@ pub struct LocalLighting {
 }
 
 impl LocalLighting {
+    /// Whether both are the same light, not only equal.
+    pub fn is_same(&self, other: &Self) -> bool {
+        is_same(self.indirect.as_ref(), other.indirect.as_ref())
+            && is_same(self.vertex_irradiance.as_ref(), other.vertex_irradiance.as_ref())
+            && Arc::ptr_eq(&self.lights, &other.lights)
+            && self.components == other.components
+    }
+
     /// Local lights if their direct light is shown.
     pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
         Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
@@ -112,5 +120,13 @@ impl LightRig {
         let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
         let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
         SceneLighting::with_cones(&self.tree, self.cones.clone(), &leaves, illum_cut)
+    }
+}
+
+/// Whether both are one thing, or nothing.
+pub(crate) fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
     }
 }

@@ -3,6 +3,7 @@
 use crate::{
     Appearance, Baked, Components, LocalLighting, SceneLighting, Solution,
     indirect::{MeshlessRig, SourceLighting, SourceRig, VertexIrradiance},
+    lighting::is_same,
 };
 use glam::Vec3;
 use lapidary_core::{lights::Light, surfel::Surfel};
@@ -126,12 +127,5 @@ impl LocalRig {
             self.on_senders = self.environment.clone();
         }
         Some(rig)
-    }
-}
-
-fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (a, b) => a.is_none() && b.is_none(),
     }
 }

@@ -134,8 +134,12 @@ impl EditorState {
     fn reloaded(&mut self, path: &Path, result: Result<Loaded, String>) {
         match result {
             Ok(Loaded::Texture(texture)) => {
-                for entry in self.document.textures.iter_mut().filter(|e| e.file.as_deref() == Some(path)) {
-                    entry.texture = texture.clone();
+                let files: Vec<_> = self.document.textures.iter().map(|e| self.document.file_of(e)).collect();
+                let of_file = self.document.textures.iter_mut().zip(files).filter(|(_, f)| f.as_deref() == Some(path));
+                for (entry, _) in of_file {
+                    // The scene knows it by this name.
+                    let name = entry.texture.name.clone();
+                    entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
                 self.messages.note(format!("Loaded again ({})", path.display()));
             }
@@ -163,7 +167,7 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
 /// Files that the document's scene, materials and light are made of, each once.
 fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
-    let textures = slots.filter_map(|slot| document.textures.get(slot.texture as usize)?.file.clone());
+    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.texture as usize)?));
     let environment = document.environment.file().map(Path::to_owned);
     let mut files: Vec<PathBuf> = textures.chain(environment).chain(document.scene.clone()).collect();
     files.sort();
@@ -269,6 +273,9 @@ mod tests {
         let embedded = document(None);
         assert_eq!(material_file(&embedded.materials[0], &embedded, Path::new("a.json")).1, 1);
         assert!(files_in_use(&embedded).is_empty(), "the default light is a formula");
+        let beside = Document { scene: Some("/b/scene.gltf".into()), ..embedded };
+        let name = &beside.textures[0].texture.name;
+        assert_eq!(files_in_use(&beside), [Path::new("/b").join(name), "/b/scene.gltf".into()]);
         let mut document = document(Some("/a/wood.png".into()));
         document.environment.spec = "/a/sky.hdr".into();
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()]);

@@ -372,6 +372,26 @@ fn keys_act_and_a_failed_open_keeps_what_is_open() {
 }
 
 #[test]
+fn a_changed_texture_of_the_scene_is_loaded_again() {
+    let place = Place::new();
+    let write = |color| lapidary_core::image::Image::filled([2, 2], color).write(&place.path("paint.png")).unwrap();
+    write(glam::Vec3::X);
+    std::fs::write(place.path("scene.mtl"), "newmtl paint\nmap_Kd paint.png\n").unwrap();
+    let obj = std::fs::read_to_string(place.path("scene.obj")).unwrap();
+    std::fs::write(place.path("scene.obj"), format!("mtllib scene.mtl\nusemtl paint\n{obj}")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("the watch", |s| s.watched.contains(&place.path("paint.png")));
+    let old = window.0.state().document.textures[0].texture.clone();
+    std::thread::sleep(Duration::from_millis(700));
+    lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
+    window.wait("the new texture", |s| s.document.textures[0].texture.size == [4, 2]);
+    assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
+    assert_eq!(window.0.state().document.textures[0].texture.name, "paint.png", "as the scene has it");
+    assert!(window.has_said("Loaded again"));
+}
+
+#[test]
 fn a_changed_texture_is_loaded_again() {
     let place = Place::new();
     place.bake();

@@ -135,26 +135,12 @@ impl Station {
         rig.set_environment(self.light.as_ref().map(|light| &light.lighting));
         rig.set_lights(&request.lights);
         let local = rig.lighting(request.components, request.solution, request.illum_cut);
-        if self.local.as_ref().is_some_and(|known| is_same_local(known, &local)) {
+        if self.local.as_ref().is_some_and(|known| known.is_same(&local)) {
             return Ok(());
         }
         let remarks = self.backend()?.set_local_lighting(&local)?;
         remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
         self.local = Some(local);
         Ok(())
-    }
-}
-
-fn is_same_local(a: &LocalLighting, b: &LocalLighting) -> bool {
-    is_same(&a.indirect, &b.indirect)
-        && is_same(&a.vertex_irradiance, &b.vertex_irradiance)
-        && Arc::ptr_eq(&a.lights, &b.lights)
-        && a.components == b.components
-}
-
-fn is_same<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (a, b) => a.is_none() && b.is_none(),
     }
 }

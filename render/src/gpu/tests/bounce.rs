@@ -1,7 +1,7 @@
 //! Bounced light on the GPU and by the CPU renderer, at what the deferred pass saw: alone, over the environment, for
 //! every BRDF, and in bands and samples. Each comparison has a negative control.
 
-use super::twin::{agrees, backend, difference, on_the_cpu};
+use super::twin::{agrees, backend, difference, in_bands, on_the_cpu};
 use crate::{
     Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, Renderer, SceneLighting,
     SourceLighting, SourceRig, View, ViewMode,
@@ -127,17 +127,7 @@ fn counts_agree_and_neither_environment_nor_bounce_shows_what_needs_no_light() {
 fn bands_and_samples_of_several_passes_add_up_to_the_whole() {
     let Some(mut rig) = Rig::new(BrdfModel::Ggx, 0.5) else { return };
     let view = View { aa: 3, ..view(ViewMode::Shaded) };
-    let mut whole = |ends: &[u32]| {
-        rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
-        for sample in 0..3 {
-            let mut start = 0;
-            for &end in ends {
-                rig.gpu.render_rows(sample, start..end).unwrap();
-                start = end;
-            }
-        }
-        rig.gpu.read(3).unwrap().0
-    };
+    let mut whole = |ends: &[u32]| in_bands(&mut rig.gpu, &view, ends);
     let one = whole(&[48]);
     assert!(whole(&[1, 17, 17, 48]) == one);
     assert!(rig.gpu.read(2).unwrap().0 != one, "negative control");

@@ -3,7 +3,7 @@
 
 mod shadows;
 
-use super::twin::{agrees, appearance, backend, difference, maps, parameters, scene, view};
+use super::twin::{agrees, appearance, backend, difference, in_bands, maps, parameters, scene, view};
 use crate::{
     Backend, BrdfSampling, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
@@ -250,17 +250,7 @@ fn bands_and_jittered_samples_of_local_lights_add_up_to_the_whole() {
     let Some(mut rig) = shadow_rig() else { return };
     rig.gpu.set_local_lighting(&local(&every_kind())).unwrap();
     let view = View { aa: 3, ..shadow_view() };
-    let mut whole = |ends: &[u32]| {
-        rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
-        for sample in 0..3 {
-            let mut start = 0;
-            for &end in ends {
-                rig.gpu.render_rows(sample, start..end).unwrap();
-                start = end;
-            }
-        }
-        rig.gpu.read(3).unwrap().0
-    };
+    let mut whole = |ends: &[u32]| in_bands(&mut rig.gpu, &view, ends);
     let one = whole(&[112]);
     assert!(whole(&[1, 30, 30, 112]) == one);
     let first = rig.picture(&view);

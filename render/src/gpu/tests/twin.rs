@@ -326,21 +326,24 @@ fn the_paper_s_loop_is_told_from_the_refined_one() {
     assert!(!agrees(&refined, &once));
 }
 
+/// All samples of a view, each in bands that end at these rows.
+pub(super) fn in_bands(gpu: &mut GpuBackend, view: &View, ends: &[u32]) -> Image {
+    gpu.begin(view, BrdfSampling::Refine).unwrap();
+    for sample in 0..view.aa {
+        let mut start = 0;
+        for &end in ends {
+            gpu.render_rows(sample, start..end).unwrap();
+            start = end;
+        }
+    }
+    gpu.read(view.aa).unwrap().0
+}
+
 #[test]
 fn bands_and_jittered_samples_add_up_to_the_whole() {
     let Some(mut rig) = Rig::new(64) else { return };
     let view = View { aa: 3, ..view(ViewMode::Shaded) };
-    let mut whole = |ends: &[u32]| {
-        rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
-        for sample in 0..3 {
-            let mut start = 0;
-            for &end in ends {
-                rig.gpu.render_rows(sample, start..end).unwrap();
-                start = end;
-            }
-        }
-        (rig.gpu.read(3).unwrap().0, rig.gpu.stats().unwrap())
-    };
+    let mut whole = |ends: &[u32]| (in_bands(&mut rig.gpu, &view, ends), rig.gpu.stats().unwrap());
     let (one, stats) = whole(&[56]);
     assert!(whole(&[1, 17, 17, 56]).0 == one);
     assert!(rig.gpu.read(2).unwrap().0 != one);

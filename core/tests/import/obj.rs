@@ -1,0 +1,86 @@
+//! OBJ and MTL, and files that cannot be found.
+
+use super::*;
+
+#[test]
+fn unknown_extensions_missing_files_and_absurd_sizes_are_told_apart() {
+    let error = import_alone("a.fbx", "x").unwrap_err();
+    assert!(
+        matches!(error, ImportError::Unsupported { .. }) && error.to_string().contains(".obj, .gltf, .glb or .ply")
+    );
+    assert!(matches!(import(Path::new("/nowhere/a.obj")), Err(ImportError::Io { .. })));
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n";
+    let error = import_alone("a.ply", header).unwrap_err();
+    assert!(matches!(error, ImportError::TooLarge { count: 4_000_000_000, .. }), "{error}");
+}
+
+#[test]
+fn obj_quirks_are_understood() {
+    let obj = "mtllib my lib.mtl\r\no Left part\r\nv 0 0 0 # origin\r\nv 1 0 0\r\nv 0 0 1\r\nusemtl  red wood\r\n\
+        f 1 \\\r\n 3 2\r\no Right\r\nusemtl lost\r\nf -3 -1 -2 # again\r\n";
+    let files = Files::new();
+    files.add("My Lib.MTL", "newmtl red wood\r\nKd 1 0 0\r\nmap_Kd -s 2 2 2 Textures\\WOOD one.png\r\nd 0.5\r\n");
+    files.add_png("textures/wood One.png", [0.5; 3]);
+    let imported = import(&files.add("a.obj", obj)).unwrap();
+    check_valid(&imported);
+    let scene = &imported.scene;
+    let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["Left part", "Right"]);
+    assert_eq!((scene.materials[0].name.as_str(), scene.materials[1].name.as_str()), ("red wood", "lost"));
+    assert_eq!(scene.mesh.triangle_material, [0, 1]);
+    let slot = scene.materials[0].maps.base_color.as_ref().unwrap();
+    assert_eq!((slot.scale, slot.color_space), (Vec2::splat(2.0), ColorSpace::Srgb));
+    assert_eq!(scene.textures[0].size, [2, 2]);
+    assert!(!scene.textures[0].encoded.is_empty());
+    let warnings = imported.report.warnings.join("\n");
+    assert!(
+        warnings.contains("\"lost\" are in no material library") && warnings.contains("\"red wood\" are transparent")
+    );
+    assert_eq!(imported.report.warnings.len(), 2, "{warnings}");
+}
+
+#[test]
+fn missing_libraries_and_textures_are_visible_and_reported() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl m\nf 1 3 2\n";
+    let imported = import_alone("a.obj", format!("mtllib gone.mtl\n{triangle}")).unwrap();
+    let warnings = imported.report.warnings.join("\n");
+    assert!(warnings.contains("\"gone.mtl\"") && warnings.contains("\"m\""), "{warnings}");
+
+    let files = Files::new();
+    files.add("a.mtl", "newmtl m\nmap_Kd gone.png\nmap_Pr broken.png\n");
+    files.add("broken.png", "not a picture");
+    let imported = import(&files.add("a.obj", format!("mtllib a.mtl\n{triangle}"))).unwrap();
+    check_valid(&imported);
+    assert_eq!(imported.scene.textures.len(), 2);
+    assert!(imported.scene.textures.iter().all(|t| t.size == [8, 8] && t.encoded.is_empty()));
+    assert_eq!(imported.report.warnings.len(), 2);
+    assert!(imported.report.warnings[0].contains("\"gone.png\" was replaced"));
+}
+
+#[test]
+fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
+    let files = Files::new();
+    files.add_png("grey.png", [0.2; 3]);
+    files.add_png("blue.png", [0.214, 0.214, 1.0]);
+    files.add(
+        "a.mtl",
+        "newmtl a\nbump -bm 0.5 grey.png\nmap_Kd grey.png\nnewmtl b\nmap_Bump -bm 0.25 blue.png\nnewmtl c\nnorm blue.png\n",
+    );
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl a\nf 1 3 2\nusemtl b\nf 1 3 2\nusemtl c\nf 1 3 2\n";
+    let scene = import(&files.add("a.obj", obj)).unwrap().scene;
+    assert_eq!(scene.textures.len(), 2);
+    let strength = |slot: &Option<lapidary_core::texture::TextureSlot>| slot.as_ref().map(|s| s.strength);
+    let [a, b, c] = [0, 1, 2].map(|i| &scene.materials[i].maps);
+    assert_eq!((strength(&a.bump), strength(&a.normal)), (Some(0.005), None));
+    assert_eq!((strength(&b.bump), strength(&b.normal)), (None, Some(0.25)));
+    assert_eq!((strength(&c.bump), strength(&c.normal)), (None, Some(1.0)));
+}
+
+#[test]
+fn partly_missing_normals_are_rebuilt_with_a_warning() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nvn 0 -1 0\nf 1//1 3//1 2//1\nf 2 3 4\n";
+    let imported = import_alone("a.obj", obj).unwrap();
+    check_valid(&imported);
+    assert!(imported.scene.mesh.normals.iter().all(|n| *n == Vec3::Y));
+    assert!(imported.report.warnings[0].contains("only some faces of \"a\" have normals"));
+}

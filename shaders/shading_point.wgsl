@@ -1,0 +1,41 @@
+// A point to shade, from what the deferred passes wrote: the first inputs of the passes that shade.
+
+@group(3) @binding(0) var geometry: texture_2d<u32>;
+@group(3) @binding(1) var rotation: texture_2d<f32>;
+@group(3) @binding(2) var color_roughness: texture_2d<f32>;
+@group(3) @binding(3) var others: texture_2d<f32>;
+
+// Twin of SurfacePoint in render/src/surface.rs.
+struct SurfacePoint {
+    vertices: vec3<u32>,
+    weights: vec3<f32>,
+    position: vec3<f32>,
+    // Of the triangle, on the side that is seen.
+    face_normal: vec3<f32>,
+    // Interpolated, before bump and normal map: no light from below it is received.
+    smooth_normal: vec3<f32>,
+    world_from_local: mat3x3<f32>,
+    wo: vec3<f32>,
+    brdf: Brdf,
+}
+
+fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
+    let corners = triangles[g.x - 1u].vertices;
+    let bc = bitcast<vec2<f32>>(g.yz);
+    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let a = vertices[corners.x].position;
+    let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
+    let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
+    let p = textureLoad(color_roughness, pixel, 0);
+    let q = textureLoad(others, pixel, 0);
+    return SurfacePoint(
+        corners,
+        valid_weights(corners, hit.barycentric),
+        interpolated_position(corners, hit.barycentric),
+        normalize_or(across * hit.side, -direction),
+        smooth_normal(corners, hit, -direction),
+        local,
+        -direction * local,
+        brdf_from_parameters(g.w & MODEL_MASK, p, q),
+    );
+}
