@@ -1,34 +1,34 @@
 //! [`Backend`] on the GPU: resources by what changes them, and pictures made of passes.
 
 mod encode;
+mod groups;
+mod picture;
+mod timing;
+
+pub use timing::PassTimes;
 
 use super::{
     device::{GpuDevice, Room},
-    direct::{DirectLights, DirectPicture},
+    direct::DirectLights,
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
-    passes::{Passes, bind},
+    passes::Passes,
     readback,
     scene::GpuScene,
     shaders::ShaderSource,
-    targets::{Sums, Target, Targets},
+    targets::{Target, Targets},
 };
 use crate::{
-    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View, ViewMode,
+    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
     compare::map::magma_stops,
-    view::Background,
 };
-use glam::Vec2;
 use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
-use std::{
-    ops::Range,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use picture::Picture;
+use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
 
 /// Said where the meshless solution is asked for.
@@ -59,48 +59,6 @@ struct Loaded {
     scene: GpuScene,
     materials: GpuMaterials,
     dataset: Arc<Dataset>,
-}
-
-/// The picture that is being made.
-struct Picture {
-    view: View,
-    sampling: BrdfSampling,
-    offsets: Vec<Vec2>,
-    count_top: f32,
-    groups: Groups,
-    /// Local lights, if they are seen.
-    direct: Option<DirectPicture>,
-    /// How many samples are complete.
-    samples: u32,
-}
-
-/// Everything the passes of a picture read.
-struct Groups {
-    frame: wgpu::BindGroup,
-    scene: wgpu::BindGroup,
-    materials: wgpu::BindGroup,
-    light: wgpu::BindGroup,
-    triangle: wgpu::BindGroup,
-    geometry: wgpu::BindGroup,
-    /// Surface sources, if their light is shown.
-    sources: Option<wgpu::BindGroup>,
-    /// By which of the sums is read.
-    merge_complete: [wgpu::BindGroup; 2],
-    merge_partial: [wgpu::BindGroup; 2],
-    display: [wgpu::BindGroup; 2],
-}
-
-/// Wall-clock time of each pass of one sample.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct PassTimes {
-    /// Rasterising triangle numbers and depth.
-    pub visibility: Duration,
-    /// Barycentric weights, frames and BRDF parameters.
-    pub deferred: Duration,
-    /// Local lights, and the merge.
-    pub merge: Duration,
-    /// The post pass.
-    pub display: Duration,
 }
 
 impl GpuBackend {
@@ -157,32 +115,6 @@ impl GpuBackend {
         })
     }
 
-    /// Renders one sample pass by pass, waiting for each, and says how long each took.
-    ///
-    /// # Errors
-    /// A lost device.
-    ///
-    /// # Panics
-    /// Before [`Backend::begin`].
-    pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
-        let height = self.picture().view.size[1];
-        self.write_frame(sample);
-        self.gpu.wait()?;
-        self.write_display(post, sample + 1);
-        Ok(PassTimes {
-            visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
-            deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
-            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?,
-            display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
-        })
-    }
-
-    fn timed(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {
-        let start = Instant::now();
-        self.submit(encode)?;
-        Ok(start.elapsed())
-    }
-
     fn submit(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<(), BackendError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encode(self, &mut encoder);
@@ -202,67 +134,8 @@ impl GpuBackend {
         self.targets.as_ref().expect("a picture is begun with targets")
     }
 
-    fn groups(
-        &self,
-        loaded: &Loaded,
-        light: &GpuLight,
-        map: &wgpu::TextureView,
-        targets: &Targets,
-        direct: Option<&DirectPicture>,
-    ) -> Groups {
-        use wgpu::BindingResource::TextureView as View;
-        let layouts = &self.passes.layouts;
-        let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
-        let (scene, materials) = (&loaded.scene, &loaded.materials);
-        let merge = |from: &Sums, sum: Option<&wgpu::TextureView>| {
-            let inputs = [
-                View(&targets.geometry.view),
-                View(&targets.rotation.view),
-                View(&targets.color_roughness.view),
-                View(&targets.others.view),
-                View(sum.unwrap_or(&from.value.view)),
-                View(&from.work.view),
-                View(map),
-            ];
-            group("merge", &layouts.merge, &inputs)
-        };
-        let display = |from: &Sums| {
-            let (sum, work) = (View(&from.value.view), View(&from.work.view));
-            let inputs = [self.display.as_entire_binding(), self.magma.as_entire_binding(), sum, work];
-            group("display", &layouts.display, &inputs)
-        };
-        let geometry = [scene.vertices.as_entire_binding(), scene.triangles.as_entire_binding()];
-        let pool = View(&materials.pool.view);
-        let look = [materials.buffer.as_entire_binding(), pool, materials.linear_from_srgb.as_entire_binding()];
-        let lit = [
-            light.nodes.as_entire_binding(),
-            light.tan_half_radius.as_entire_binding(),
-            View(&scene.cuts),
-            View(&light.cut),
-        ];
-        Groups {
-            frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
-            scene: group("scene", &layouts.scene, &geometry),
-            materials: group("materials", &layouts.materials, &look),
-            light: group("light", &layouts.light, &lit),
-            triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
-            geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
-            sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
-                // Radii of sources are seen from each point: there is no table of them.
-                let tan_half_radius = light.tan_half_radius.as_entire_binding();
-                let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
-                group("sources", &layouts.light, &sent)
-            }),
-            merge_complete: [0, 1].map(|i| merge(&targets.complete[i], direct.map(|direct| &direct.sum))),
-            merge_partial: [0, 1].map(|i| merge(&targets.partial[i], None)),
-            display: [display(&targets.complete[0]), display(&targets.complete[1])],
-        }
-    }
-
-    fn prepare_direct(&mut self, mode: ViewMode) -> Option<DirectPicture> {
-        self.local.shown_lights().filter(|_| mode == ViewMode::Shaded)?;
-        let scene = &self.scene.as_ref()?.scene;
-        self.local_lights.prepare(&self.gpu, &self.passes, scene, &self.frame, self.targets.as_ref()?)
+    fn read_floats(&self, target: &Target) -> Result<Vec<[f32; 4]>, BackendError> {
+        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
     }
 
     /// Replaces the room for shadow maps, and forgets the lights.
@@ -334,31 +207,8 @@ impl Backend for GpuBackend {
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
         self.picture = None;
-        let limit = u64::from(self.gpu.limits.max_texture_dimension_2d);
-        let longest = u64::from(view.size[0].max(view.size[1]));
-        self.gpu.within("the sides of the picture", "pixels", longest, limit, "render a smaller picture")?;
-        let bytes = u64::from(view.size[0].next_multiple_of(256)) * u64::from(view.size[1]) * 16;
-        let limit = self.gpu.limits.max_buffer_size;
-        self.gpu.within("the pixels of the picture", "bytes", bytes, limit, "render a smaller picture")?;
-        if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
-            // Freed first: two sets of a large picture may not fit.
-            self.targets = None;
-            self.targets = Some(Targets::new(&self.gpu, view.size));
-        }
-        let before = self.sources.take();
-        self.sources = self.local.shown_indirect().map(|lighting| GpuSources::new(&self.gpu, lighting, before));
-        let (light, environment) = self.light_or_dark();
-        let blur = match view.background {
-            Background::Blurred(width) => Some(width),
-            _ => None,
-        };
-        self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
-        let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
-        let direct = self.prepare_direct(view.mode);
-        let groups = self.groups(self.loaded(), &light, &map, self.targets(), direct.as_ref());
-        let count_top = view.mode.count_top(light.max_nodes);
-        let offsets = view.pixel_offsets();
-        self.picture = Some(Picture { view: view.clone(), sampling, offsets, count_top, groups, direct, samples: 0 });
+        self.check_size(view.size)?;
+        self.picture = Some(self.prepared(view, sampling));
         self.submit(|s, encoder| s.clear_sums(encoder))
     }
 
@@ -405,25 +255,5 @@ impl Backend for GpuBackend {
             mean_merged_nodes: sum(0) / shaded.max(1.0),
             mean_brdf_evaluations: sum(1) / shaded.max(1.0),
         })
-    }
-}
-
-impl GpuBackend {
-    /// The environment if it is shown.
-    fn shown_environment(&self) -> Option<&(GpuLight, Arc<Environment>)> {
-        self.light.as_ref().filter(|_| self.local.components.environment)
-    }
-
-    /// The light, or none where there is none yet.
-    fn light_or_dark(&self) -> (GpuLight, Arc<Environment>) {
-        self.shown_environment().cloned().unwrap_or_else(|| {
-            let map = Image::filled([1, 1], glam::Vec3::ZERO);
-            let environment = Environment { name: String::new(), map };
-            (GpuLight::dark(&self.gpu, self.loaded().scene.tree_height), environment.into())
-        })
-    }
-
-    fn read_floats(&self, target: &Target) -> Result<Vec<[f32; 4]>, BackendError> {
-        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
     }
 }

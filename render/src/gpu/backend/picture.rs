@@ -1,0 +1,84 @@
+//! The picture that is being made: its targets, and what its passes read.
+
+use super::{GpuBackend, groups::Groups};
+use crate::{
+    BrdfSampling, View, ViewMode,
+    backend::BackendError,
+    gpu::{
+        direct::DirectPicture,
+        light::{GpuLight, GpuMap, GpuSources},
+        targets::Targets,
+    },
+    view::Background,
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{environment::Environment, image::Image};
+use std::sync::Arc;
+
+/// The picture that is being made.
+pub struct Picture {
+    pub view: View,
+    pub sampling: BrdfSampling,
+    pub offsets: Vec<Vec2>,
+    pub count_top: f32,
+    pub groups: Groups,
+    /// Local lights, if they are seen.
+    pub direct: Option<DirectPicture>,
+    /// How many samples are complete.
+    pub samples: u32,
+}
+
+impl GpuBackend {
+    /// An error for a picture that the adapter has no room for.
+    pub(super) fn check_size(&self, size: [u32; 2]) -> Result<(), BackendError> {
+        let limit = u64::from(self.gpu.limits.max_texture_dimension_2d);
+        let longest = u64::from(size[0].max(size[1]));
+        self.gpu.within("the sides of the picture", "pixels", longest, limit, "render a smaller picture")?;
+        let bytes = u64::from(size[0].next_multiple_of(256)) * u64::from(size[1]) * 16;
+        let limit = self.gpu.limits.max_buffer_size;
+        self.gpu.within("the pixels of the picture", "bytes", bytes, limit, "render a smaller picture")
+    }
+
+    /// A picture without samples. What another picture can use again is not made again.
+    pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Picture {
+        if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
+            // Freed first: two sets of a large picture may not fit.
+            self.targets = None;
+            self.targets = Some(Targets::new(&self.gpu, view.size));
+        }
+        let before = self.sources.take();
+        self.sources = self.local.shown_indirect().map(|lighting| GpuSources::new(&self.gpu, lighting, before));
+        let (light, environment) = self.light_or_dark();
+        let blur = match view.background {
+            Background::Blurred(width) => Some(width),
+            _ => None,
+        };
+        self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
+        let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
+        let direct = self.prepare_direct(view.mode);
+        let groups = self.groups(self.loaded(), &light, &map, self.targets(), direct.as_ref());
+        let count_top = view.mode.count_top(light.max_nodes);
+        let offsets = view.pixel_offsets();
+        Picture { view: view.clone(), sampling, offsets, count_top, groups, direct, samples: 0 }
+    }
+
+    /// The environment if it is shown.
+    pub(super) fn shown_environment(&self) -> Option<&(GpuLight, Arc<Environment>)> {
+        self.light.as_ref().filter(|_| self.local.components.environment)
+    }
+
+    /// The light, or none where there is none yet.
+    fn light_or_dark(&self) -> (GpuLight, Arc<Environment>) {
+        self.shown_environment().cloned().unwrap_or_else(|| {
+            let map = Image::filled([1, 1], Vec3::ZERO);
+            let environment = Environment { name: String::new(), map };
+            (GpuLight::dark(&self.gpu, self.loaded().scene.tree_height), environment.into())
+        })
+    }
+
+    fn prepare_direct(&mut self, mode: ViewMode) -> Option<DirectPicture> {
+        self.local.shown_lights().filter(|_| mode == ViewMode::Shaded)?;
+        let scene = &self.scene.as_ref()?.scene;
+        self.local_lights.prepare(&self.gpu, &self.passes, scene, &self.frame, self.targets.as_ref()?)
+    }
+}

@@ -1,0 +1,46 @@
+//! How long the passes of a sample take.
+
+use super::GpuBackend;
+use crate::{Post, backend::BackendError};
+use std::time::{Duration, Instant};
+
+/// Wall-clock time of each pass of one sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PassTimes {
+    /// Rasterising triangle numbers and depth.
+    pub visibility: Duration,
+    /// Barycentric weights, frames and BRDF parameters.
+    pub deferred: Duration,
+    /// Local lights, and the merge.
+    pub merge: Duration,
+    /// The post pass.
+    pub display: Duration,
+}
+
+impl GpuBackend {
+    /// Renders one sample pass by pass, waiting for each, and says how long each took.
+    ///
+    /// # Errors
+    /// A lost device.
+    ///
+    /// # Panics
+    /// Before [`crate::Backend::begin`].
+    pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
+        let height = self.picture().view.size[1];
+        self.write_frame(sample);
+        self.gpu.wait()?;
+        self.write_display(post, sample + 1);
+        Ok(PassTimes {
+            visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
+            deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
+            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?,
+            display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
+        })
+    }
+
+    fn timed(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {
+        let start = Instant::now();
+        self.submit(encode)?;
+        Ok(start.elapsed())
+    }
+}
