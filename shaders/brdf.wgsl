@@ -19,6 +19,10 @@ struct Brdf {
 
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
+// Of light from the normal, what is shadowed and masked of a GGX lobe: factors of the second to fourth power of alpha.
+const LOBE_LOSS_2: f32 = 1.05;
+const LOBE_LOSS_3: f32 = 1.75;
+const LOBE_LOSS_4: f32 = -0.55;
 
 // Microfacet widths along tangent and bitangent.
 fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {
@@ -50,6 +54,24 @@ fn brdf_from_parameters(model: u32, color_roughness: vec4<f32>, others: vec4<f32
         diffuse *= 1.0 - max(f0.x, max(f0.y, f0.z));
     }
     return Brdf(model, diffuse * FRAC_1_PI, f0, f90, width_sq, min(alpha.x, alpha.y));
+}
+
+// Share of light from the normal that is reflected, whereto ever; `alpha` has the widths that the BRDF was made with.
+fn albedo(brdf: Brdf, alpha: vec2<f32>) -> vec3<f32> {
+    let diffuse = brdf.diffuse / FRAC_1_PI;
+    switch brdf.model {
+        case MODEL_GGX: { return diffuse * (1.0 - brdf.f0) + ggx_lobe_albedo(brdf.f0, sqrt(alpha.x * alpha.y)); }
+        case MODEL_WARD: { return diffuse + ward_lobe_albedo(brdf.f0, 0.5 * dot(alpha, alpha)); }
+        default: { return diffuse; }
+    }
+}
+
+fn ggx_lobe_albedo(f0: vec3<f32>, alpha: f32) -> vec3<f32> {
+    return f0 / (1.0 + alpha * alpha * (LOBE_LOSS_2 + LOBE_LOSS_3 * alpha + LOBE_LOSS_4 * alpha * alpha));
+}
+
+fn ward_lobe_albedo(specular: vec3<f32>, alpha_sq: f32) -> vec3<f32> {
+    return specular * (1.0 - alpha_sq + alpha_sq * exp(-1.0 / alpha_sq));
 }
 
 // Half vector and the spread that the light gives it.

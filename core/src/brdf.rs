@@ -10,7 +10,7 @@ mod ward;
 
 pub use ggx::Ggx;
 pub use lambert::Lambert;
-pub use microfacet::LobeWidth;
+pub use microfacet::{LOBE_LOSS, LobeWidth, MIN_ALPHA};
 pub use ward::Ward;
 
 use crate::{

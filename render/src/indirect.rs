@@ -115,4 +115,6 @@ impl SourceRig {
 }
 
 #[cfg(test)]
+pub(crate) use meshless::tests as meshless_tests;
+#[cfg(test)]
 pub(crate) mod tests;

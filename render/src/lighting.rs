@@ -88,8 +88,8 @@ impl LocalLighting {
     }
 
     /// Bounced light at the vertices if it is shown.
-    pub(crate) fn shown_vertex_irradiance(&self) -> Option<&VertexIrradiance> {
-        self.vertex_irradiance.as_deref().filter(|_| self.components.indirect)
+    pub(crate) fn shown_vertex_irradiance(&self) -> Option<&Arc<VertexIrradiance>> {
+        self.vertex_irradiance.as_ref().filter(|_| self.components.indirect)
     }
 
     /// Bounced light if it is shown.

@@ -5,7 +5,10 @@ use glam::Vec3;
 use wide::f32x8;
 
 /// Narrowest lobe that is evaluated: below, `f32` half vectors are too coarse for the peak.
-const MIN_ALPHA: f32 = 1e-3;
+pub const MIN_ALPHA: f32 = 1e-3;
+
+/// What a GGX lobe loses of light from the normal to shadowing and masking: factors of the second to fourth power of alpha.
+pub const LOBE_LOSS: [f32; 3] = [1.05, 1.75, -0.55];
 
 /// Microfacet widths along the tangent and the bitangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +120,8 @@ impl Reflectance {
     /// Share of light from the normal that a GGX lobe of width `alpha` reflects. What is shadowed and masked is lost; the
     /// rational function is within 0.005 of the integral over all `alpha`.
     pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
-        self.f0 / (1.0 + alpha * alpha * (1.05 + 1.75 * alpha - 0.55 * alpha * alpha))
+        let [second, third, fourth] = LOBE_LOSS;
+        self.f0 / (1.0 + alpha * alpha * (second + third * alpha + fourth * alpha * alpha))
     }
 
     /// Schlick's Fresnel factor for eight angles.

@@ -8,6 +8,7 @@ mod timing;
 pub use timing::PassTimes;
 
 use super::{
+    bounce::VertexBounce,
     device::{GpuDevice, Room},
     direct::DirectLights,
     layout,
@@ -31,10 +32,6 @@ use picture::Picture;
 use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
 
-/// Said where the meshless solution is asked for.
-const NO_VERTEX_IRRADIANCE: &str = "the graphics adapter shows no meshless bounce; choose cuts or cuts+meshless, or the \
-                                    CPU renderer";
-
 /// The renderer on one adapter.
 pub struct GpuBackend {
     gpu: GpuDevice,
@@ -48,6 +45,9 @@ pub struct GpuBackend {
     local: LocalLighting,
     /// Bounced light as it was last shown.
     sources: Option<GpuSources>,
+    bounce: VertexBounce,
+    /// Stands in where no environment is shown; made for the scene.
+    dark: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
     local_lights: DirectLights,
     targets: Option<Targets>,
@@ -109,6 +109,8 @@ impl GpuBackend {
             light: None,
             local: LocalLighting::default(),
             sources: None,
+            bounce: VertexBounce::default(),
+            dark: None,
             map: None,
             targets: None,
             picture: None,
@@ -144,6 +146,12 @@ impl GpuBackend {
         self.local_lights = DirectLights::within(room);
     }
 
+    /// Bounced light at the vertices, to see whether it was uploaded again.
+    #[cfg(test)]
+    pub(super) fn vertex_irradiance(&self) -> Option<&wgpu::Buffer> {
+        self.bounce.buffer()
+    }
+
     /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
     #[cfg(test)]
     pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
@@ -171,8 +179,8 @@ impl Backend for GpuBackend {
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
         self.local_lights.forget_shadows();
-        (self.light, self.picture, self.sources) = (None, None, None);
-        self.local = LocalLighting::default();
+        (self.light, self.dark, self.picture, self.sources) = (None, None, None, None);
+        (self.local, self.bounce) = (LocalLighting::default(), VertexBounce::default());
         Ok(())
     }
 
@@ -201,8 +209,7 @@ impl Backend for GpuBackend {
         self.picture = None;
         let remark = self.local_lights.set(&lighting.lights);
         self.gpu.check()?;
-        let vertices = lighting.shown_vertex_irradiance().map(|_| NO_VERTEX_IRRADIANCE.to_owned());
-        Ok(remark.into_iter().chain(vertices).collect())
+        Ok(remark.into_iter().collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -1,20 +1,17 @@
 //! Direct light of local lights: shadow maps, then a pass over every pixel before the merge.
-//!
-//! The pass adds to what the samples before have added up to, in a texture between; the merge adds to that. Floats of 32
-//! bits cannot be blended without an optional feature.
 
 use super::{
+    addition::{Addition, SumTexture, Surroundings},
     device::GpuDevice,
     layout::{LocalLight, ShadowView, constants},
-    passes::{Binding, Layouts, Passes, Pipeline, bind, layout, module},
+    passes::{Binding, Layouts, Pipeline, bind, layout, module},
     scene::{GpuScene, storage},
     shaders::{DIRECT, SHADOW, ShaderSource},
-    shadows::{self, Plan, ShadowMaps, ShadowRoom, Surroundings},
-    targets::{Target, Targets, format, target},
+    shadows::{self, Plan, ShadowMaps, ShadowRoom},
+    targets::format,
 };
 use crate::backend::BackendError;
 use lapidary_core::lights::{Emission, Light, RectangleShape};
-use std::ops::Range;
 use wgpu::BindingResource::TextureView as View;
 
 /// Pipelines of shadow maps and local lights, with what they read.
@@ -23,7 +20,6 @@ pub struct DirectPasses {
     direct: wgpu::RenderPipeline,
     views: wgpu::BindGroupLayout,
     lights: wgpu::BindGroupLayout,
-    inputs: wgpu::BindGroupLayout,
 }
 
 impl DirectPasses {
@@ -32,21 +28,20 @@ impl DirectPasses {
     /// # Errors
     /// A shader that cannot be read.
     pub fn new(gpu: &GpuDevice, source: &ShaderSource, layouts: &Layouts) -> Result<Self, BackendError> {
-        use Binding::{DepthLayers, Float, Storage, Uint};
+        use Binding::{DepthLayers, Storage};
         let views = layout(gpu, "shadow views", &[Storage]);
         let lights = layout(gpu, "local lights", &[Storage, Storage, DepthLayers]);
-        let inputs = layout(gpu, "direct", &[Uint, Float, Float, Float, Float]);
         let shadow = Pipeline {
             depth: true,
             layouts: &[&layouts.frame, &layouts.scene, &views],
             ..Pipeline::new(module(gpu, source, &SHADOW)?, "shadow map")
         };
         let direct = Pipeline {
-            layouts: &[&layouts.frame, &layouts.scene, &lights, &inputs],
+            layouts: &[&layouts.frame, &layouts.scene, &lights, &layouts.addition],
             targets: &[format::FLOATS],
             ..Pipeline::new(module(gpu, source, &DIRECT)?, "direct")
         };
-        Ok(Self { shadow: shadow.build(gpu), direct: direct.build(gpu), views, lights, inputs })
+        Ok(Self { shadow: shadow.build(gpu), direct: direct.build(gpu), views, lights })
     }
 }
 
@@ -58,19 +53,7 @@ pub struct DirectLights {
     /// What was said last of lights without shadows.
     remark: Option<String>,
     maps: Option<ShadowMaps>,
-    /// Kept from picture to picture of a size.
-    sum: Option<Target>,
-}
-
-/// What the direct pass of one picture reads and writes.
-pub struct DirectPicture {
-    /// The sums of the samples before, with this one's direct light.
-    pub sum: wgpu::TextureView,
-    frame: wgpu::BindGroup,
-    scene: wgpu::BindGroup,
-    lights: wgpu::BindGroup,
-    /// By which of the sums is read.
-    inputs: [wgpu::BindGroup; 2],
+    sum: SumTexture,
 }
 
 impl DirectLights {
@@ -81,7 +64,14 @@ impl DirectLights {
 
     /// None yet, with some room for shadow maps.
     pub fn within(room: ShadowRoom) -> Self {
-        Self { lights: Vec::new(), plan: Plan::new(&[], room), room, remark: None, maps: None, sum: None }
+        Self {
+            lights: Vec::new(),
+            plan: Plan::new(&[], room),
+            room,
+            remark: None,
+            maps: None,
+            sum: SumTexture::default(),
+        }
     }
 
     /// Replaces the lights. Returns what is said of those without shadows, unless it was said before.
@@ -101,29 +91,21 @@ impl DirectLights {
     }
 
     /// Renders shadow maps that are not as they should be, and binds what a picture needs; `None` without lights.
-    pub fn prepare(
-        &mut self,
-        gpu: &GpuDevice,
-        passes: &Passes,
-        scene: &GpuScene,
-        frame: &wgpu::Buffer,
-        targets: &Targets,
-    ) -> Option<DirectPicture> {
+    pub fn prepare(&mut self, around: &Surroundings) -> Option<Addition> {
         if self.lights.is_empty() {
-            (self.maps, self.sum) = (None, None);
+            (self.maps, self.sum) = (None, SumTexture::default());
             return None;
         }
+        let Surroundings { gpu, passes, scene, .. } = *around;
         let views = self.views(scene);
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
         let views_buffer = storage(gpu, "shadow views", bytemuck::cast_slice(bound));
         let lights_buffer = storage(gpu, "local lights", bytemuck::cast_slice(&self.packed()));
-        let frame = bind(gpu, "frame", &passes.layouts.frame, &[frame.as_entire_binding()]);
-        let geometry = [scene.vertices.as_entire_binding(), scene.triangles.as_entire_binding()];
-        let geometry = bind(gpu, "scene", &passes.layouts.scene, &geometry);
         self.make_room(gpu);
-        let (sum, maps) = (self.sum_of(gpu, targets.size), self.maps.as_mut()?);
+        let maps = self.maps.as_mut()?;
         let group = bind(gpu, "shadow views", &passes.direct.views, &[views_buffer.as_entire_binding()]);
+        let (frame, geometry) = (around.frame_group(), around.scene_group());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for layer in maps.stale(&views) {
             let groups = [&frame, &geometry, &group];
@@ -132,18 +114,13 @@ impl DirectLights {
         }
         gpu.queue.submit([encoder.finish()]);
         let lights = [views_buffer.as_entire_binding(), lights_buffer.as_entire_binding(), View(&maps.array)];
-        Some(DirectPicture {
-            lights: bind(gpu, "local lights", &passes.direct.lights, &lights),
-            inputs: [0, 1].map(|from| inputs(gpu, passes, targets, from)),
-            frame,
-            scene: geometry,
-            sum,
-        })
+        let lights = bind(gpu, "local lights", &passes.direct.lights, &lights);
+        Some(Addition::new(around, ("direct", &passes.direct.direct), lights, around.sums(), &mut self.sum))
     }
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {
         let Plan { size, grid, .. } = self.plan;
-        let around = Surroundings { bounds: scene.bounds, near: scene.near, size, grid };
+        let around = shadows::Surroundings { bounds: scene.bounds, near: scene.near, size, grid };
         let casting = self.lights.iter().zip(&self.plan.first).filter(|(_, first)| **first != constants::NO_SHADOW);
         casting.flat_map(|(light, _)| shadows::views(light, &around)).collect()
     }
@@ -160,41 +137,6 @@ impl DirectLights {
             self.maps = Some(ShadowMaps::new(gpu, size, shadows::capacity(layers, size, self.room)));
         }
     }
-
-    fn sum_of(&mut self, gpu: &GpuDevice, size: [u32; 2]) -> wgpu::TextureView {
-        let fits = |t: &Target| [t.texture.width(), t.texture.height()] == size;
-        let kept = self.sum.take().filter(fits);
-        self.sum.insert(kept.unwrap_or_else(|| target(gpu, "sum with direct light", format::FLOATS, size))).view.clone()
-    }
-}
-
-impl DirectPicture {
-    /// Adds direct light to some rows of what the samples before have added up to.
-    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, passes: &DirectPasses, from: usize, rows: &Range<u32>) {
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("direct"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.sum,
-                depth_slice: None,
-                resolve_target: None,
-                ops,
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&passes.direct);
-        for (i, group) in [&self.frame, &self.scene, &self.lights, &self.inputs[from]].into_iter().enumerate() {
-            pass.set_bind_group(i as u32, group, &[]);
-        }
-        pass.set_scissor_rect(0, rows.start, self.sum.texture().width(), rows.end - rows.start);
-        pass.draw(0..3, 0..1);
-    }
-}
-
-fn inputs(gpu: &GpuDevice, passes: &Passes, targets: &Targets, from: usize) -> wgpu::BindGroup {
-    let Targets { geometry, rotation, color_roughness, others, complete, .. } = targets;
-    let inputs = [geometry, rotation, color_roughness, others, &complete[from].value].map(|t| View(&t.view));
-    bind(gpu, "direct", &passes.direct.inputs, &inputs)
 }
 
 /// A light as the shader reads it.

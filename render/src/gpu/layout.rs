@@ -147,6 +147,14 @@ pub struct LocalLight {
     pub padding: [u32; 2],
 }
 
+/// `VertexIrradiance` of `bounce_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct VertexIrradiance {
+    /// A column a colour channel, each padded to 16 bytes.
+    pub vector: [[f32; 4]; 3],
+}
+
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;

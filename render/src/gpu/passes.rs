@@ -1,6 +1,7 @@
 //! The pipelines: built once from the shaders, the merge in variants for what the scene and the mode need.
 
 use super::{
+    bounce::BouncePass,
     device::GpuDevice,
     direct::DirectPasses,
     shaders::{DISPLAY, MERGE, PARAMETERS, Program, SURFACE, ShaderSource, VISIBILITY},
@@ -19,6 +20,8 @@ pub struct Layouts {
     /// One texture of unsigned integers.
     pub ids: BindGroupLayout,
     pub merge: BindGroupLayout,
+    /// Passes before the merge.
+    pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
 }
 
@@ -42,6 +45,7 @@ pub struct Passes {
     pub parameters: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
     pub direct: DirectPasses,
+    pub bounce: BouncePass,
     merge_module: wgpu::ShaderModule,
     merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
 }
@@ -92,6 +96,7 @@ impl Passes {
             parameters: parameters.build(gpu),
             display: display.build(gpu),
             direct: DirectPasses::new(gpu, source, &layouts)?,
+            bounce: BouncePass::new(gpu, source, &layouts)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),
             layouts,
@@ -212,6 +217,7 @@ fn layouts(gpu: &GpuDevice) -> Layouts {
         light: layout("light", &[Storage, Storage, Uint, Uint]),
         ids: layout("ids", &[Uint]),
         merge: layout("merge", &[Uint, Float, Float, Float, Float, Float, Float]),
+        addition: layout("addition", &[Uint, Float, Float, Float, Float]),
         display: layout("display", &[Uniform, Uniform, Float, Float]),
     }
 }

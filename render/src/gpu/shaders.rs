@@ -12,6 +12,7 @@ macro_rules! parts {
 }
 
 parts!(
+    "bounce_pass",
     "brdf",
     "cut",
     "direct_lights",
@@ -96,12 +97,17 @@ pub const DIRECT: Program = Program {
         "direct_pass",
     ],
 };
+/// Bounced light at the vertices.
+pub const BOUNCE: Program = Program {
+    name: "bounce_pass",
+    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "shading_point", "bounce_pass"],
+};
 /// The post pass.
 pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 7] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT];
+pub const PROGRAMS: [Program; 8] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

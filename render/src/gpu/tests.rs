@@ -4,3 +4,4 @@ mod bounce;
 mod direct;
 mod reflection;
 mod twin;
+mod vertex_bounce;

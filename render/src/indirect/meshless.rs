@@ -97,7 +97,7 @@ impl MeshlessRig {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::{
         Backend, BrdfSampling, Components, CpuBackend, LocalRig, indirect::tests::floor_and_wall,
@@ -115,7 +115,7 @@ mod tests {
     const LINK: Vec3 = Vec3::new(-0.3, 0.2, 0.05);
 
     /// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
-    fn dataset() -> Dataset {
+    pub(crate) fn dataset() -> Dataset {
         let mut dataset = floor_and_wall(4);
         let sources = &dataset.indirect.as_ref().unwrap().sources;
         let on_wall = sources[sources.len() / 2].surfel;

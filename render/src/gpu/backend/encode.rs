@@ -72,13 +72,11 @@ impl GpuBackend {
         );
     }
 
-    /// All merges of a sample, one after another: each adds to what the one before it has written.
+    /// What is added before the merges of a sample, and all merges, one after another: each adds to what the one before it has written.
     pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
         let fields = self.fields();
         let complete = (sample & 1) as usize;
-        if let Some(direct) = &self.picture().direct {
-            direct.encode(encoder, &self.passes.direct, complete, &rows);
-        }
+        self.picture().additions.iter().for_each(|addition| addition.encode(encoder, complete, &rows));
         for (i, &field) in fields.iter().enumerate() {
             let variant = self.merge_variant(field, i == 0);
             let pipeline = self.passes.merge(&self.gpu, variant).clone();

@@ -2,7 +2,7 @@
 
 use super::{GpuBackend, Loaded};
 use crate::gpu::{
-    direct::DirectPicture,
+    addition::Addition,
     light::GpuLight,
     passes::bind,
     targets::{Sums, Targets},
@@ -32,7 +32,7 @@ impl GpuBackend {
         light: &GpuLight,
         map: &wgpu::TextureView,
         targets: &Targets,
-        direct: Option<&DirectPicture>,
+        last: Option<&Addition>,
     ) -> Groups {
         use wgpu::BindingResource::TextureView as View;
         let layouts = &self.passes.layouts;
@@ -77,7 +77,7 @@ impl GpuBackend {
                 let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
                 group("sources", &layouts.light, &sent)
             }),
-            merge_complete: [0, 1].map(|i| merge(&targets.complete[i], direct.map(|direct| &direct.sum))),
+            merge_complete: [0, 1].map(|i| merge(&targets.complete[i], last.map(|addition| &addition.sum))),
             merge_partial: [0, 1].map(|i| merge(&targets.partial[i], None)),
             display: [display(&targets.complete[0]), display(&targets.complete[1])],
         }

@@ -1,11 +1,11 @@
 //! The picture that is being made: its targets, and what its passes read.
 
-use super::{GpuBackend, groups::Groups};
+use super::{GpuBackend, Loaded, groups::Groups};
 use crate::{
     BrdfSampling, View, ViewMode,
     backend::BackendError,
     gpu::{
-        direct::DirectPicture,
+        addition::{Addition, Surroundings},
         light::{GpuLight, GpuMap, GpuSources},
         targets::Targets,
     },
@@ -22,8 +22,8 @@ pub struct Picture {
     pub offsets: Vec<Vec2>,
     pub count_top: f32,
     pub groups: Groups,
-    /// Local lights, if they are seen.
-    pub direct: Option<DirectPicture>,
+    /// Passes before the merge, in order.
+    pub additions: Vec<Addition>,
     /// How many samples are complete.
     pub samples: u32,
 }
@@ -55,11 +55,11 @@ impl GpuBackend {
         };
         self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
-        let direct = self.prepare_direct(view.mode);
-        let groups = self.groups(self.loaded(), &light, &map, self.targets(), direct.as_ref());
+        let additions = if view.mode == ViewMode::Shaded { self.additions() } else { Vec::new() };
+        let groups = self.groups(self.loaded(), &light, &map, self.targets(), additions.last());
         let count_top = view.mode.count_top(light.max_nodes);
         let offsets = view.pixel_offsets();
-        Picture { view: view.clone(), sampling, offsets, count_top, groups, direct, samples: 0 }
+        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions, samples: 0 }
     }
 
     /// The environment if it is shown.
@@ -68,17 +68,26 @@ impl GpuBackend {
     }
 
     /// The light, or none where there is none yet.
-    fn light_or_dark(&self) -> (GpuLight, Arc<Environment>) {
-        self.shown_environment().cloned().unwrap_or_else(|| {
+    fn light_or_dark(&mut self) -> (GpuLight, Arc<Environment>) {
+        if let Some(shown) = self.shown_environment() {
+            return shown.clone();
+        }
+        let height = self.loaded().scene.tree_height;
+        let make = || {
             let map = Image::filled([1, 1], Vec3::ZERO);
-            let environment = Environment { name: String::new(), map };
-            (GpuLight::dark(&self.gpu, self.loaded().scene.tree_height), environment.into())
-        })
+            (GpuLight::dark(&self.gpu, height), Environment { name: String::new(), map }.into())
+        };
+        self.dark.get_or_insert_with(make).clone()
     }
 
-    fn prepare_direct(&mut self, mode: ViewMode) -> Option<DirectPicture> {
-        self.local.shown_lights().filter(|_| mode == ViewMode::Shaded)?;
-        let scene = &self.scene.as_ref()?.scene;
-        self.local_lights.prepare(&self.gpu, &self.passes, scene, &self.frame, self.targets.as_ref()?)
+    /// Local lights and bounced light at the vertices, as far as they are shown.
+    fn additions(&mut self) -> Vec<Addition> {
+        let (Some(Loaded { scene, .. }), Some(targets)) = (&self.scene, &self.targets) else { return Vec::new() };
+        let around = Surroundings { gpu: &self.gpu, passes: &self.passes, scene, frame: &self.frame, targets };
+        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&around));
+        let previous = direct.as_ref().map_or(around.sums(), |direct| [&direct.sum; 2]);
+        let vertices = self.local.shown_vertex_irradiance();
+        let bounce = vertices.map(|vertices| self.bounce.prepare(&around, vertices, previous));
+        direct.into_iter().chain(bounce).collect()
     }
 }

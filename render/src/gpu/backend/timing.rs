@@ -11,7 +11,7 @@ pub struct PassTimes {
     pub visibility: Duration,
     /// Barycentric weights, frames and BRDF parameters.
     pub deferred: Duration,
-    /// Local lights, and the merge.
+    /// Local lights, bounced light at the vertices, and the merge.
     pub merge: Duration,
     /// The post pass.
     pub display: Duration,

@@ -4,6 +4,7 @@ use crate::gpu::{
     layout::{self, constants},
     shaders::{PROGRAMS, ShaderSource},
 };
+use lapidary_core::brdf::{LOBE_LOSS, MIN_ALPHA};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -166,6 +167,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 padding
             ),
         ),
+        ("VertexIrradiance", shape!(layout::VertexIrradiance, vector)),
         (
             "Display",
             shape!(layout::Display, exposure, inv_samples, count_top, tone_map, view_mode, transparent, padding),
@@ -227,6 +229,11 @@ fn shared_constants_have_the_same_values() {
         expected.push((name.into(), value.into()));
     }
     for (name, value) in [
+        ("MIN_ALPHA", MIN_ALPHA),
+        ("LOBE_LOSS_2", LOBE_LOSS[0]),
+        ("LOBE_LOSS_3", LOBE_LOSS[1]),
+        ("LOBE_LOSS_4", LOBE_LOSS[2]),
+        ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
         ("LARGEST_SOLID_ANGLE", lapidary_core::indirect::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::node_field::LEAST_DISTANCE),
         ("LINE_WIDTH", crate::wireframe::LINE_WIDTH),

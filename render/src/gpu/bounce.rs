@@ -1,0 +1,75 @@
+//! Bounced light of the meshless basis, flattened to the vertices: a buffer of vector irradiance, uploaded when the
+//! solution changes and not when the camera moves, and a pass that interpolates it at every pixel before the merge.
+
+use super::{
+    addition::{Addition, SumTexture, Surroundings},
+    device::GpuDevice,
+    layout,
+    passes::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
+    scene::storage,
+    shaders::{BOUNCE, ShaderSource},
+    targets::format,
+};
+use crate::{backend::BackendError, indirect::VertexIrradiance};
+use glam::Mat3A;
+use std::sync::Arc;
+
+/// The pipeline, with what it reads.
+pub struct BouncePass {
+    pipeline: wgpu::RenderPipeline,
+    irradiance: wgpu::BindGroupLayout,
+}
+
+impl BouncePass {
+    /// Builds the pipeline.
+    ///
+    /// # Errors
+    /// A shader that cannot be read.
+    pub fn new(gpu: &GpuDevice, source: &ShaderSource, layouts: &Layouts) -> Result<Self, BackendError> {
+        let irradiance = bind_layout(gpu, "vertex irradiance", &[Binding::Storage]);
+        let pipeline = Pipeline {
+            layouts: &[&layouts.frame, &layouts.scene, &irradiance, &layouts.addition],
+            targets: &[format::FLOATS],
+            ..Pipeline::new(module(gpu, source, &BOUNCE)?, "bounce")
+        };
+        Ok(Self { pipeline: pipeline.build(gpu), irradiance })
+    }
+}
+
+/// Bounced light at the vertices as it was last shown.
+#[derive(Default)]
+pub struct VertexBounce {
+    uploaded: Option<(Arc<VertexIrradiance>, wgpu::Buffer)>,
+    sum: SumTexture,
+}
+
+impl VertexBounce {
+    /// Uploads what is not there yet, and binds what a picture needs; the pass adds to `previous`.
+    pub fn prepare(
+        &mut self,
+        around: &Surroundings,
+        vertices: &Arc<VertexIrradiance>,
+        previous: [&wgpu::TextureView; 2],
+    ) -> Addition {
+        let known = self.uploaded.take().filter(|(known, _)| Arc::ptr_eq(known, vertices));
+        let (_, buffer) =
+            self.uploaded.insert(known.unwrap_or_else(|| (vertices.clone(), upload(around.gpu, vertices))));
+        let pass = &around.passes.bounce;
+        let light = bind(around.gpu, "vertex irradiance", &pass.irradiance, &[buffer.as_entire_binding()]);
+        Addition::new(around, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
+    }
+
+    /// What the pass reads, to see whether it was uploaded again.
+    #[cfg(test)]
+    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
+        self.uploaded.as_ref().map(|(_, buffer)| buffer)
+    }
+}
+
+/// A vertex takes less room than in the buffer of the mesh, which has been found small enough.
+fn upload(gpu: &GpuDevice, vertices: &[Mat3A]) -> wgpu::Buffer {
+    const { assert!(size_of::<layout::VertexIrradiance>() <= size_of::<layout::Vertex>()) };
+    let padded = |v: &Mat3A| layout::VertexIrradiance { vector: v.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]) };
+    let contents: Vec<_> = vertices.iter().map(padded).collect();
+    storage(gpu, "vertex irradiance", bytemuck::cast_slice(&contents))
+}

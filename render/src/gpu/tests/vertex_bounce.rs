@@ -1,0 +1,234 @@
+//! Bounced light of the meshless basis on the GPU and by the CPU renderer, at what the deferred pass saw: every BRDF, with
+//! textures, normal and bump maps, beside other light, and what is uploaded again. Each comparison has a negative control.
+
+use super::twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view};
+use crate::{
+    Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, LocalRig, Renderer,
+    SceneLighting, Solution, View, ViewMode,
+    gpu::GpuBackend,
+    indirect::{VertexIrradiance, meshless_tests, tests::point_light},
+    painter::PictureLight,
+    renderer::tests::illumination,
+};
+use glam::{Mat3A, Vec3, Vec3A};
+use lapidary_core::{
+    camera::Camera,
+    image::Image,
+    lights::Light,
+    material::{BrdfModel, MaterialMaps},
+    meshless::Transport,
+};
+use std::sync::{Arc, MutexGuard};
+
+const BOUNCE: Components = Components { indirect: true, ..Components::NONE };
+
+struct Rig {
+    renderer: Renderer,
+    gpu: GpuBackend,
+    environment: Arc<SceneLighting>,
+    vertices: Arc<VertexIrradiance>,
+    _one: MutexGuard<'static, ()>,
+}
+
+fn light() -> Illumination {
+    illumination([64, 32], |x, y| Vec3::new(0.05 * x as f32, 0.3, 0.02 * y as f32))
+}
+
+/// Over black, so that nothing but surfaces counts in differences.
+fn dark_view() -> View {
+    View { background: Background::Flat(Vec3::ZERO), ..view(ViewMode::Shaded) }
+}
+
+/// Light mostly from above, other at each vertex and in each channel, and at some of them from below.
+fn vectors(count: usize) -> VertexIrradiance {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() - 0.5)) + Vec3A::new(0.0, 0.3, 0.0);
+    (0..count).map(|_| Mat3A::from_cols(vector(), vector() * 2.0, vector() * 0.5)).collect()
+}
+
+fn picture(gpu: &mut dyn Backend, view: &View) -> Image {
+    gpu.begin(view, BrdfSampling::Refine).unwrap();
+    gpu.render_rows(0, 0..view.size[1]).unwrap();
+    gpu.read(1).unwrap().0
+}
+
+impl Rig {
+    fn new() -> Option<Self> {
+        let (one, mut gpu) = backend()?;
+        let renderer = Renderer::new(scene());
+        let environment = Arc::new(renderer.lighting(&light(), 64));
+        gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
+        gpu.set_light(&light(), &environment).unwrap();
+        let vertices = Arc::new(vectors(renderer.dataset().scene.mesh.positions.len()));
+        let mut rig = Self { renderer, gpu, environment, vertices, _one: one };
+        rig.show(BOUNCE);
+        Some(rig)
+    }
+
+    fn show(&mut self, components: Components) {
+        let lights: Arc<[Light]> = [point_light(Vec3::new(0.9, 1.4, 0.5), 4.0)].into();
+        let local =
+            LocalLighting { lights, vertex_irradiance: Some(self.vertices.clone()), components, indirect: None };
+        assert!(self.gpu.set_local_lighting(&local).unwrap().is_empty(), "nothing to remark");
+    }
+
+    fn look(&mut self, appearance: Appearance) {
+        assert!(self.gpu.set_appearance(&appearance).unwrap().is_empty());
+        self.renderer.set_appearance(appearance);
+    }
+
+    /// The bounce alone, by the CPU renderer.
+    fn on_cpu(&self, vertices: &[Mat3A]) -> Image {
+        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
+        on_the_cpu(&self.gpu, &self.renderer, &dark_view(), light, BrdfSampling::Refine)
+    }
+}
+
+#[test]
+fn every_model_agrees_and_what_is_scaled_or_turned_does_not() {
+    let Some(mut rig) = Rig::new() else { return };
+    let dataset = rig.renderer.dataset().clone();
+    for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
+        for (roughness, anisotropy) in [(1.0, 0.0), (0.6, 0.0), (0.35, 0.8), (0.02, -0.6)] {
+            rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
+            let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
+            assert!(agrees(&gpu, &cpu), "{model:?} {roughness} {anisotropy}: {:?}", difference(&gpu, &cpu));
+            let scaled: Vec<Mat3A> = rig.vertices.iter().map(|&v| v * 1.001).collect();
+            assert!(!agrees(&gpu, &rig.on_cpu(&scaled)), "{model:?}: one part in a thousand more");
+            let turned: Vec<Mat3A> = rig.vertices.iter().map(Mat3A::transpose).collect();
+            assert!(!agrees(&gpu, &rig.on_cpu(&turned)), "{model:?}: channels for axes");
+        }
+        let other = |roughness| appearance(&dataset, model, parameters(roughness, 0.0), MaterialMaps::default());
+        rig.look(other(0.7));
+        let gpu = picture(&mut rig.gpu, &dark_view());
+        rig.renderer.set_appearance(other(0.75));
+        let matters = !agrees(&gpu, &rig.on_cpu(&rig.vertices));
+        assert_eq!(matters, model != BrdfModel::Lambert, "{model:?}: its lobe is part of the albedo");
+    }
+}
+
+#[test]
+fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
+    let Some(mut rig) = Rig::new() else { return };
+    let dataset = rig.renderer.dataset().clone();
+    for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
+        let look = |maps| appearance(&dataset, model, parameters(0.8, 0.3), maps);
+        rig.look(look(maps()));
+        let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
+        assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
+        for fewer in [
+            MaterialMaps { base_color: None, ..maps() },
+            MaterialMaps { normal: None, ..maps() },
+            MaterialMaps { bump: None, ..maps() },
+        ] {
+            rig.renderer.set_appearance(look(fewer));
+            assert!(!agrees(&gpu, &rig.on_cpu(&rig.vertices)), "{model:?}: a map makes no difference");
+        }
+    }
+}
+
+#[test]
+fn it_adds_to_environment_and_lights_and_shows_where_it_is_wanted() {
+    let Some(mut rig) = Rig::new() else { return };
+    let mut shown = |components, mode| {
+        rig.show(components);
+        picture(&mut rig.gpu, &View { mode, ..dark_view() })
+    };
+    let environment = Components { environment: true, ..Components::NONE };
+    let direct = Components { direct: true, ..Components::NONE };
+    let [all, sky, lamp, bounce] =
+        [Components::ALL, environment, direct, BOUNCE].map(|components| shown(components, ViewMode::Shaded));
+    let sum = |parts: &[&Image]| {
+        let pixel = |i| parts.iter().map(|part: &&Image| part.pixels[i]).sum();
+        Image { size: all.size, pixels: (0..all.pixels.len()).map(pixel).collect() }
+    };
+    assert!(difference(&sum(&[&sky, &lamp, &bounce]), &all).0 < 1e-6);
+    for two in [[&sky, &lamp], [&lamp, &bounce], [&sky, &bounce]] {
+        assert!(difference(&sum(&two), &all).0 > 0.01, "negative control: a part is missing");
+    }
+    assert!(shown(Components::NONE, ViewMode::Shaded).pixels.iter().all(|&p| p == Vec3::ZERO));
+    assert!(shown(Components::ALL, ViewMode::Normals) == shown(Components::NONE, ViewMode::Normals));
+    rig.show(Components::ALL);
+    picture(&mut rig.gpu, &dark_view());
+    assert!(rig.gpu.stats().unwrap().mean_merged_nodes > 1.0, "the environment is merged as before");
+    let light = PictureLight { environment: Some(&rig.environment), ..Default::default() };
+    let cpu = on_the_cpu(&rig.gpu, &rig.renderer, &dark_view(), light, BrdfSampling::Refine);
+    assert!(agrees(&sky, &cpu) && !agrees(&bounce, &cpu));
+}
+
+#[test]
+fn bands_and_jittered_samples_add_up_to_the_whole() {
+    let Some(mut rig) = Rig::new() else { return };
+    rig.show(Components::ALL);
+    let view = View { aa: 3, ..dark_view() };
+    let one = in_bands(&mut rig.gpu, &view, &[56]);
+    assert!(in_bands(&mut rig.gpu, &view, &[1, 17, 17, 56]) == one);
+    let first = picture(&mut rig.gpu, &view);
+    let d = difference(&one, &first).0;
+    assert!(d > 1e-3 && d < 0.3, "the mean of three samples is near the first, but not it: {d}");
+}
+
+fn lamp(x: f32) -> Arc<[Light]> {
+    [point_light(Vec3::new(x, 1.2, 0.1), 3.0)].into()
+}
+
+fn wall_view() -> View {
+    let camera = Camera::look_at(Vec3::new(1.8, 1.2, 0.6), Vec3::new(-1.0, 0.1, 0.0), 50.0);
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [64, 48]) }
+}
+
+#[test]
+fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let renderer = Renderer::new(meshless_tests::dataset());
+    let baked = renderer.dataset().clone().into();
+    gpu.set_scene(&baked).unwrap();
+    let mut rig = LocalRig::new(&baked);
+    let mut shine = |gpu: &mut dyn Backend, lights: &Arc<[Light]>, view: &View| {
+        rig.set_lights(lights);
+        let local = rig.lighting(BOUNCE, Solution::Meshless, 64);
+        gpu.set_local_lighting(&local).unwrap();
+        (picture(gpu, view), local.vertex_irradiance.unwrap())
+    };
+    let (view, light) = (wall_view(), lamp(-1.0));
+    let (before, vertices) = shine(&mut gpu, &light, &view);
+    let uploaded = gpu.vertex_irradiance().cloned().unwrap();
+    let on_cpu = |gpu: &GpuBackend, vertices: &[Mat3A]| {
+        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
+        on_the_cpu(gpu, &renderer, &view, light, BrdfSampling::Refine)
+    };
+    let cpu = on_cpu(&gpu, &vertices);
+    assert!(agrees(&before, &cpu) && cpu.pixels.iter().any(|p| p.x > 0.0), "{:?}", difference(&before, &cpu));
+    let nearer = View { camera: Camera::look_at(Vec3::new(1.2, 1.0, 0.4), Vec3::ZERO, 50.0), ..view.clone() };
+    let (elsewhere, _) = shine(&mut gpu, &light, &nearer);
+    assert!(elsewhere != before && gpu.vertex_irradiance() == Some(&uploaded), "the camera moved");
+    let (after, moved) = shine(&mut gpu, &lamp(-1.6), &view);
+    assert!(gpu.vertex_irradiance() != Some(&uploaded), "the light moved");
+    assert!(agrees(&after, &on_cpu(&gpu, &moved)) && difference(&after, &before).0 > 0.01);
+}
+
+#[test]
+fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let mut dataset = meshless_tests::dataset();
+    // The floor lights the wall too, so that its sources have more to send.
+    let rows = [vec![(1, Vec3::new(0.3, -0.2, 0.0))], vec![(0, Vec3::new(-0.3, 0.2, 0.05))]];
+    dataset.meshless.as_mut().unwrap().transport = Transport::from_rows(&rows, 2);
+    let renderer = Renderer::new(dataset);
+    let baked = renderer.dataset().clone().into();
+    gpu.set_scene(&baked).unwrap();
+    let mut rig = LocalRig::new(&baked);
+    rig.set_lights(&lamp(-1.0));
+    let view = wall_view();
+    let mut both = |solution| {
+        let local = rig.lighting(BOUNCE, solution, 64);
+        assert!(gpu.set_local_lighting(&local).unwrap().is_empty());
+        let shown = picture(&mut gpu, &view);
+        let light = PictureLight { sources: local.indirect.as_deref(), ..Default::default() };
+        [shown, on_the_cpu(&gpu, &renderer, &view, light, BrdfSampling::Refine)]
+    };
+    let [one, _] = both(Solution::Cuts);
+    let [gpu, cpu] = both(Solution::CutsMeshless);
+    assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
+    assert!(difference(&gpu, &one).0 > 0.01, "negative control: {:?}", difference(&gpu, &one));
+}

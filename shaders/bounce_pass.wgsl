@@ -1,0 +1,33 @@
+// Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts and added to what the
+// samples and passes before have added up to. Twin of `Painter::interpolated` in render/src/painter.rs.
+
+struct VertexIrradiance {
+    // Vector irradiance in W/m2, a column a colour channel.
+    vector: mat3x3<f32>,
+}
+
+@group(2) @binding(0) var<storage, read> vertex_irradiance: array<VertexIrradiance>;
+@group(3) @binding(4) var previous_sum: texture_2d<f32>;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<u32>(position.xy);
+    let sum = textureLoad(previous_sum, pixel, 0);
+    let g = textureLoad(geometry, pixel, 0);
+    if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
+        return sum;
+    }
+    let point = surface_point(g, pixel, ray_direction(pixel));
+    let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
+    return sum + vec4(albedo(point.brdf, alpha) * irradiance_at(point) * FRAC_1_PI, 0.0);
+}
+
+// Irradiance on the surface as bump and normal map have it.
+fn irradiance_at(point: SurfacePoint) -> vec3<f32> {
+    let v = point.vertices;
+    let w = point.weights;
+    let vector = vertex_irradiance[v.x].vector * w.x
+        + vertex_irradiance[v.y].vector * w.y
+        + vertex_irradiance[v.z].vector * w.z;
+    return max(point.world_from_local[2] * vector, vec3(0.0));
+}
