@@ -4,6 +4,7 @@
 //! All steps are kept apart, so that a moved light casts rays for that light only and an edited material none.
 
 mod irradiance;
+mod light_groups;
 mod lit_points;
 mod meshless;
 

@@ -238,15 +238,15 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
     let below = point_light(Vec3::new(-1.0, -1.0, 0.0), 3.0);
     let off = Light { enabled: false, ..light.clone() };
     let before = rig.irradiance();
-    let first = rig.lit.groups[0].1.as_ptr();
+    let first = rig.lit.lights.groups[0].irradiance.as_ptr();
     rig.set_lights(&[light, behind, below, off]);
-    assert_eq!(rig.lit.groups[0].1.as_ptr(), first, "what has not changed is kept");
+    assert_eq!(rig.lit.lights.groups[0].irradiance.as_ptr(), first, "what has not changed is kept");
     assert_eq!(rig.irradiance(), before, "neither from behind, nor through the floor, nor while switched off");
     rig.set_lights(&[]);
     assert!(rig.irradiance().iter().all(|&e| e == Vec3::ZERO));
     let thousands: Vec<Light> = (0..1000).map(|i| point_light(Vec3::new(-1.0, 1.0, 1e-3 * i as f32), 1.0)).collect();
     rig.set_lights(&thousands);
-    assert!(rig.lit.groups.len() <= lit_points::LIGHT_GROUPS && rig.irradiance()[0].x > 100.0);
+    assert!(rig.lit.lights.groups.len() <= light_groups::LIGHT_GROUPS && rig.irradiance()[0].x > 100.0);
 }
 
 #[test]
