@@ -8,11 +8,14 @@ use crate::{
     painter::{Painter, PictureLight},
     picture::Picture,
 };
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
 
 /// Name of the renderer on the cores.
 pub const CPU: &str = "cpu";
+
+/// Shadow rays a pixel beyond which it is said that they take long.
+const MANY_RAYS: u32 = 256;
 
 /// Renders on all cores. Never fails.
 #[derive(Default)]
@@ -20,8 +23,23 @@ pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
     local: LocalLighting,
+    /// What was said last of too many lights.
+    remark: Option<String>,
     blur: BlurCache,
     begun: Option<Begun>,
+}
+
+/// What is said of lights that make pictures slow.
+fn remark_on_rays(lights: &[Light]) -> Option<String> {
+    let shining: Vec<&Light> = lights.iter().filter(|light| light.shines()).collect();
+    let rays: u32 = shining.iter().map(|light| light.samples_wanted()).sum();
+    (rays > MANY_RAYS).then(|| {
+        format!(
+            "{} local lights take up to {rays} shadow rays a pixel, which is slow on the CPU; switch some off, or use \
+             --backend gpu",
+            shining.len()
+        )
+    })
 }
 
 /// The picture that was begun.
@@ -69,7 +87,9 @@ impl Backend for CpuBackend {
 
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
-        Ok(Vec::new())
+        let remark = self.local.shown_lights().and_then(remark_on_rays);
+        let before = std::mem::replace(&mut self.remark, remark.clone());
+        Ok(remark.filter(|_| before != self.remark).into_iter().collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -1,11 +1,14 @@
 //! Direct light of local lights at a pixel, by shadow rays and without random numbers.
 //!
-//! One ray to a light without extent is exact. A rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel
+//! One ray to a light without extent is exact; those that are too faint to show cast none ([`brightest`]). A rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel
 //! to pixel by interleaved gradient noise (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower
 //! than a cell, more points of it are reflected behind the one ray; the lobe is filtered by the solid angle that a point
 //! stands for, as on nodes of a cut, so that highlights of rectangles are free of spots.
 
+mod brightest;
+
 use crate::{background::Backdrop, frame::Frame, renderer::Renderer, surface::SurfacePoint, view::View};
+use brightest::delta_light;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     image::Image,
@@ -52,12 +55,7 @@ pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction
 pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
     let mut arriving = Arriving::at(point);
     let received = |s: &LightSample| faces(point, s.direction) && arrives(intersector, point, s.direction, s.distance);
-    for light in lights.iter().filter(|light| light.shines()) {
-        if light.is_delta() {
-            let sample = light.sample(point.ray_origin, shift).filter(received);
-            sample.iter().for_each(|sample| arriving.add(sample, 1));
-            continue;
-        }
+    for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
         for cell in 0..CELLS * CELLS {
             let corner = Vec2::new((cell % CELLS) as f32, (cell / CELLS) as f32);
             let shift = (shift + STEP * cell as f32).fract();
@@ -65,7 +63,9 @@ pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: 
             ray.iter().for_each(|ray| arriving.add_cell(light, corner, shift, ray));
         }
     }
+    let delta = lights.iter().filter(|light| light.is_delta());
     arriving.reflected()
+        + delta_light(point, delta, |direction, distance| arrives(intersector, point, direction, distance))
 }
 
 /// Light from up to eight directions that waits to be reflected.

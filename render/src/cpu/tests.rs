@@ -215,3 +215,35 @@ fn appearances_that_do_not_fit_are_made_to() {
     assert!(backend.set_appearance(&fitting).unwrap().is_empty());
     assert!(picture(&mut backend, &view, 8) == white_floor);
 }
+
+#[test]
+fn thousands_of_lights_are_shown_and_their_cost_is_said_once() {
+    let (dataset, _) = scene();
+    let mut backend = CpuBackend::new();
+    backend.set_scene(&dataset.into()).unwrap();
+    let lamp = |i: usize| {
+        let turn = i as f32 * 2.4;
+        let position = Vec3::new(turn.sin(), 0.5 + 1e-3 * i as f32, turn.cos());
+        crate::direct::tests::light(lapidary_core::lights::Emission::Point, position, Vec3::ZERO, 0.01)
+    };
+    let lights: Vec<Light> = (0..2000).map(lamp).collect();
+    let mut show = |lights: &[Light]| {
+        let local = LocalLighting { lights: lights.into(), ..Default::default() };
+        let remarks = backend.set_local_lighting(&local).unwrap();
+        (picture(&mut backend, &from_the_side(16), 16), remarks)
+    };
+    let (all, remarks) = show(&lights);
+    assert!(remarks.len() == 1 && remarks[0].contains("2000 local lights"), "{remarks:?}");
+    assert!(all.pixels.iter().all(|p| p.is_finite()));
+    let mut sum = Image::filled(all.size, Vec3::ZERO);
+    for part in lights.chunks(250) {
+        let (image, remarks) = show(part);
+        assert!(remarks.is_empty(), "250 are not too many");
+        sum.add(&image);
+    }
+    let close = |a: &Image| {
+        a.pixels.iter().zip(&all.pixels).all(|(a, b)| (a - b).abs().max_element() <= 3e-4 * b.max_element())
+    };
+    assert!(close(&sum) && !close(&show(&lights[..1900]).0), "parts add up, and fewer do not");
+    assert!(show(&lights).1.len() == 1 && show(&lights).1.is_empty(), "said once");
+}

@@ -207,7 +207,8 @@ impl Backend for GpuBackend {
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
         self.picture = None;
-        let remark = self.local_lights.set(&lighting.lights);
+        let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
+        let remark = self.local_lights.set(&lighting.lights, radius);
         self.gpu.check()?;
         Ok(remark.into_iter().collect())
     }

@@ -66,7 +66,7 @@ impl DirectLights {
     pub fn within(room: ShadowRoom) -> Self {
         Self {
             lights: Vec::new(),
-            plan: Plan::new(&[], room),
+            plan: Plan::new(&[], room, 1.0),
             room,
             remark: None,
             maps: None,
@@ -74,10 +74,10 @@ impl DirectLights {
         }
     }
 
-    /// Replaces the lights. Returns what is said of those without shadows, unless it was said before.
-    pub fn set(&mut self, lights: &[Light]) -> Option<String> {
+    /// Replaces the lights of a scene of `radius` metres. Returns what is said of those without shadows, unless it was said before.
+    pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
-        self.plan = Plan::new(&self.lights, self.room);
+        self.plan = Plan::new(&self.lights, self.room, radius);
         let remark = self.plan.remark(&self.lights, self.room);
         let before = std::mem::replace(&mut self.remark, remark.clone());
         remark.filter(|_| before != self.remark)

@@ -38,20 +38,18 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Layers for `lights` in their order; those that do not fit go without.
-    pub fn new(lights: &[Light], room: ShadowRoom) -> Self {
+    /// Layers for `lights`; where not all fit, those with the most power a layer in a scene of `radius` metres have them.
+    pub fn new(lights: &[Light], room: ShadowRoom, radius: f32) -> Self {
         let grid = if layers_wanted(lights, FINE_GRID) <= LAYERS_FOR_FINE_GRID { FINE_GRID } else { COARSE_GRID };
+        let casts = casting(lights, room.layers, grid, radius);
         let mut layers = 0;
-        let mut place = |light: &Light| {
-            let count = view_count(light, grid);
-            let first = layers;
-            if count > room.layers - layers {
-                return NO_SHADOW;
-            }
-            layers += count;
+        let mut place = |(light, casts): (&Light, bool)| {
+            let first = if casts { layers } else { NO_SHADOW };
+            layers += if casts { view_count(light, grid) } else { 0 };
             first
         };
-        let first = lights.iter().map(&mut place).collect();
+        // In the order of the lights, so that most keep their layers while one changes.
+        let first = lights.iter().zip(casts).map(&mut place).collect();
         Self { first, layers, size: map_size(layers, room.largest), grid }
     }
 
@@ -62,10 +60,25 @@ impl Plan {
         (without > 0).then(|| {
             format!(
                 "{without} of {all} local lights shine without shadows: together they need {wanted} shadow maps, but this \
-                 adapter has room for {limit}; switch some off, prefer narrow spots, or use --backend cpu"
+                 adapter has room for {limit}, which the strongest have; switch some off, prefer narrow spots, or use --backend cpu"
             )
         })
     }
+}
+
+/// Which lights get layers.
+fn casting(lights: &[Light], room: u32, grid: u32, radius: f32) -> Vec<bool> {
+    let power = |i: usize| lights[i].power_bound(radius) / view_count(&lights[i], grid) as f32;
+    let mut order: Vec<usize> = (0..lights.len()).collect();
+    order.sort_by(|&a, &b| power(b).total_cmp(&power(a)));
+    let (mut casts, mut left) = (vec![false; lights.len()], room);
+    for i in order {
+        let count = view_count(&lights[i], grid);
+        if count <= left {
+            (casts[i], left) = (true, left - count);
+        }
+    }
+    casts
 }
 
 fn layers_wanted(lights: &[Light], grid: u32) -> u32 {
@@ -96,6 +109,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
+    const RADIUS: f32 = 1.0;
     const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
 
     fn light(emission: Emission) -> Light {
@@ -114,25 +128,43 @@ mod tests {
         let rectangle = light(Emission::Rectangle { width: 1.0, height: 1.0 });
         let spot = light(Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 });
         let point = light(Emission::Point);
-        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::Directional)], ROOM);
+        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::Directional)], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.layers, plan.size), (&[0, 6, 7][..], 8, 2048));
-        let plan = Plan::new(&[rectangle.clone(), spot.clone()], ROOM);
+        let plan = Plan::new(&[rectangle.clone(), spot.clone()], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.size, plan.grid), (&[0, 45][..], 1024, 3));
-        let plan = Plan::new(&vec![rectangle; 5], ROOM);
+        let plan = Plan::new(&vec![rectangle; 5], ROOM, RADIUS);
         assert_eq!((plan.layers, plan.size, plan.grid), (100, 512, 2));
-        assert_eq!(Plan::new(&vec![spot; 16], ROOM).size, 2048);
-        assert_eq!(Plan::new(&vec![point; 42], ROOM).size, 512);
+        assert_eq!(Plan::new(&vec![spot; 16], ROOM, RADIUS).size, 2048);
+        assert_eq!(Plan::new(&vec![point; 42], ROOM, RADIUS).size, 512);
     }
 
     #[test]
     fn lights_beyond_the_limit_go_without_and_a_remark_has_both_numbers() {
         let mut lights = vec![light(Emission::Point); 45];
         lights.push(light(Emission::Directional));
-        let plan = Plan::new(&lights, ROOM);
+        let plan = Plan::new(&lights, ROOM, RADIUS);
         assert_eq!((plan.first[41], plan.first[42], plan.first[45], plan.layers), (246, NO_SHADOW, 252, 253));
         let remark = plan.remark(&lights, ROOM).unwrap();
         assert!(["3 of 46", "271", "256"].iter().all(|n| remark.contains(n)), "{remark}");
-        assert_eq!(Plan::new(&lights[..42], ROOM).remark(&lights[..42], ROOM), None);
+        assert_eq!(Plan::new(&lights[..42], ROOM, RADIUS).remark(&lights[..42], ROOM), None);
+    }
+
+    #[test]
+    fn the_strongest_of_thousands_have_shadows() {
+        let mut lights = vec![light(Emission::Point); 2000];
+        let strong = [7, 900, 1999];
+        strong.iter().for_each(|&i| lights[i].intensity *= 10.0);
+        lights[1500] = light(Emission::Spot { cone_degrees: 80.0, penumbra_degrees: 5.0 });
+        let plan = Plan::new(&lights, ROOM, RADIUS);
+        let casting: Vec<usize> = (0..2000).filter(|&i| plan.first[i] != NO_SHADOW).collect();
+        assert_eq!((casting.len(), plan.layers, plan.size), (42, 6 * 42, 512));
+        assert!(strong.iter().all(|i| casting.contains(i)) && !casting.contains(&1500), "{casting:?}");
+        let taken: Vec<u32> = casting.iter().map(|&i| plan.first[i]).collect();
+        assert_eq!(taken, (0..42).map(|i| 6 * i).collect::<Vec<_>>(), "in the order of the lights");
+        lights[1500].intensity *= 100.0;
+        assert_ne!(Plan::new(&lights, ROOM, RADIUS).first[1500], NO_SHADOW, "negative control");
+        let remark = plan.remark(&lights, ROOM).unwrap();
+        assert!(["1958 of 2000", "11999", "256"].iter().all(|n| remark.contains(n)), "{remark}");
     }
 
     #[test]
