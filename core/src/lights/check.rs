@@ -4,7 +4,7 @@ use super::{Emission, Light};
 use glam::Vec3;
 use thiserror::Error;
 
-/// Most lights of a scene: every one casts a shadow ray for every pixel.
+/// Most lights of a scene: every one may cast a shadow ray for every pixel.
 pub const MAX_LIGHTS: usize = 4096;
 
 /// Why a light cannot shine.

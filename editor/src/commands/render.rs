@@ -16,6 +16,10 @@ use lapidary_render::{
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
+/// Rows that are rendered at once: drivers stop work that holds up a graphics adapter for seconds, as the whole of a large
+/// picture with thousands of lights may.
+const BAND_ROWS: usize = 64;
+
 /// Options of `render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
@@ -102,7 +106,10 @@ fn render_on(
     tell(backend.set_local_lighting(&local.lighting(components, solution, args.illum_cut))?, console);
     backend.begin(&shot.view, args.brdf.into())?;
     for sample in 0..shot.view.aa {
-        backend.render_rows(sample, 0..shot.view.size[1])?;
+        let height = shot.view.size[1];
+        for first in (0..height).step_by(BAND_ROWS) {
+            backend.render_rows(sample, first..height.min(first + BAND_ROWS as u32))?;
+        }
     }
     let (image, coverage) = backend.read(shot.view.aa)?;
     let seconds = start.elapsed().as_secs_f64();

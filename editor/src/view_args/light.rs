@@ -149,12 +149,22 @@ impl LocalLights {
     }
 }
 
+/// Most lights that are told one by one.
+const MOST_NAMED: usize = 5;
+
 /// Tells which lights are inside an object.
 pub fn warn_of_buried(renderer: &Renderer, lights: &[Light], console: Console) {
-    for light in renderer.buried_lights(lights) {
-        let (name, position) = (&light.name, light.position);
+    let buried = renderer.buried_lights(lights);
+    for Light { name, position, .. } in buried.iter().take(MOST_NAMED) {
         console.warning(format_args!(
             "the light \"{name}\" at {position} is inside an object and lights nothing; move it"
+        ));
+    }
+    if buried.len() > MOST_NAMED {
+        let more = buried.len() - MOST_NAMED;
+        console.warning(format_args!(
+            "{more} more of {} lights are inside objects; move them or switch them off",
+            lights.len()
         ));
     }
 }

@@ -208,7 +208,7 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        let remark = self.local_lights.set(&lighting.lights, radius);
+        let remark = self.local_lights.set(lighting.shown_lights().unwrap_or_default(), radius);
         self.gpu.check()?;
         Ok(remark.into_iter().collect())
     }

@@ -5,7 +5,7 @@ mod shadows;
 
 use super::twin::{agrees, appearance, backend, difference, in_bands, maps, parameters, scene, view};
 use crate::{
-    Backend, BrdfSampling, LocalLighting, Renderer, View, ViewMode,
+    Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
     renderer::tests::{dataset, mesh, white},
     surface::SurfacePoint,
@@ -298,6 +298,8 @@ fn thousands_of_lights_agree_with_the_loop_and_what_has_no_shadow_is_told() {
     assert!(agrees(&gpu, &expected), "{:?}", difference(&gpu, &expected));
     assert!(!agrees(&gpu, &twin(&points, &view, &lights[..1990])), "negative control: ten of them");
     rig.gpu.limit_shadows(ROOM);
+    let unseen = LocalLighting { components: Components { direct: false, ..Components::ALL }, ..local(&lights) };
+    assert!(rig.gpu.set_local_lighting(&unseen).unwrap().is_empty(), "nothing is said of what is not shown");
     let remarks = rig.gpu.set_local_lighting(&local(&lights)).unwrap();
     assert!(remarks.len() == 1 && remarks[0].contains("1958 of 2000"), "{remarks:?}");
     let shadowed = rig.picture(&view);
