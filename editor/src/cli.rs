@@ -4,6 +4,7 @@ use crate::{
     commands::{
         bake,
         bench::{self, BenchArgs},
+        bounces::{self, BouncesArgs},
         compare::{self, CompareArgs},
         edit::{self, EditArgs},
         reference::{self, ReferenceArgs},
@@ -141,6 +142,15 @@ Examples:
   lapidary reference scene.cuts --lights lamps.json --kind path --bounces 4 --spp 256 --out truth.exr
   lapidary reference scene.cuts --lights lamps.json --kind path --bounces 1 --components indirect --out bounce.exr")]
     Reference(ReferenceArgs),
+    /// Measure the dataset's solutions of bounced light against light paths
+    #[command(after_help = "\
+Takes minutes: paths are noisy, and the noise is estimated and taken off the error. Writes bounces.json and, for each
+solution, a picture of reference, solution and error side by side (PNG) and the pictures themselves (EXR).
+
+Examples:
+  lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
+  lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
+    Bounces(BouncesArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\
 rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
@@ -169,6 +179,7 @@ impl Command {
             Self::Render(args) => render::run(args, console),
             Self::Bench(args) => bench::run(args, console),
             Self::Reference(args) => reference::run(args, console),
+            Self::Bounces(args) => bounces::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }
     }

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod bench;
+pub mod bounces;
 pub mod compare;
 pub mod edit;
 pub mod reference;

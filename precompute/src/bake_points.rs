@@ -1,5 +1,7 @@
 //! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
 
+mod creases;
+
 use crate::{
     BakeError,
     bake::cancelled,
@@ -18,6 +20,10 @@ use std::collections::HashMap;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
+/// A bake point stands for a disc of that share of the length of its edges: half of the edges' squares around a corner of a
+/// grid, and no further than the crease for a point that was moved off one.
+const RADIUS: f32 = 0.3;
+
 /// A place where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakePoint {
@@ -32,6 +38,8 @@ pub struct BakePoint {
     pub horizon: f32,
     /// Sampled over the whole sphere, the lower half from the other side.
     pub two_sided: bool,
+    /// Radius in metres of the disc of surface that it stands for.
+    pub radius: f32,
 }
 
 /// The bake points of a mesh.
@@ -72,6 +80,7 @@ impl BakePoints {
                 offset: (0.02 * around.edge_length[v]).clamp(smallest, largest),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
+                radius: RADIUS * around.edge_length[v],
             };
             let key = (exact_key(position), exact_key(normal), point.two_sided);
             let id = *known.entry(key).or_insert_with(|| {

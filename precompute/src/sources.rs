@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::BakeSettings,
-    indirect::Source,
+    indirect::{Receiver, Source},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::{Intersector, SegmentBatch},
     surfel::{Surface, Surfel},
@@ -133,7 +133,9 @@ fn unhidden(point: &BakePoint, source: &Source) -> (f32, bool) {
     let direction = (source.surfel.position - point.position).normalize_or_zero();
     let upper = point.is_upper(direction);
     let faced = upper || point.two_sided;
-    (if faced { source.solid_angle_from(point.position) } else { 0.0 }, upper)
+    let normal = if upper { point.normal } else { -point.normal };
+    let receiver = Receiver { position: point.position, normal, radius: point.radius };
+    (if faced { source.mean_solid_angle(&receiver) } else { 0.0 }, upper)
 }
 
 #[cfg(test)]

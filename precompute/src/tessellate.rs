@@ -246,6 +246,7 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
         offset: a.offset.min(b.offset),
         horizon: a.horizon.min(b.horizon),
         two_sided: a.two_sided,
+        radius: 0.5 * a.radius.min(b.radius),
     }
 }
 

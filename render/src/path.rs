@@ -25,6 +25,8 @@ use tracer::Tracer;
 pub struct PathSettings {
     /// Paths a pixel; noise falls with the square root.
     pub spp: u32,
+    /// Number of the first path: pictures of other paths have other noise.
+    pub first_pass: u32,
     /// Most reflections of light between surfaces before the one toward the eye: 0 is direct light, 1 adds one indirect
     /// bounce.
     pub bounces: u32,
@@ -35,7 +37,7 @@ pub struct PathSettings {
 impl PathSettings {
     /// All direct light.
     pub fn direct(spp: u32) -> Self {
-        Self { spp, bounces: 0, components: Components::ALL }
+        Self { spp, first_pass: 0, bounces: 0, components: Components::ALL }
     }
 }
 
@@ -67,7 +69,7 @@ impl Renderer {
             let width = view.size[0] as usize;
             sum.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.iter_mut().enumerate() {
-                    let mut rng = fastrand::Rng::with_seed(seed(y * width + x, pass));
+                    let mut rng = fastrand::Rng::with_seed(seed(y * width + x, settings.first_pass + pass));
                     *pixel += frame.sample(x as u32, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
                 }
             });

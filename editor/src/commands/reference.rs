@@ -15,8 +15,8 @@ use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::{Components, PathSettings, Progress, Renderer};
-use std::{path::PathBuf, time::Instant};
+use lapidary_render::{Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, SourceLighting};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `reference`.
 #[derive(Args, Clone, Debug)]
@@ -50,6 +50,8 @@ enum Kind {
     Path,
 }
 
+/// Nodes of the environment's illumination cut by which it lights surface sources.
+const ILLUM_CUT: u32 = 256;
 /// Samples a pixel by default: noise about that of a clean preview.
 const DEFAULT_SPP: u32 = 64;
 
@@ -63,13 +65,13 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         bail!("--spp goes with --kind path; --kind samples traces every light sample once");
     }
     if args.kind == Kind::Samples && args.bounces.is_some() {
-        bail!("--bounces goes with --kind path; --kind samples shows direct light only");
+        bail!("--bounces goes with --kind path; --kind samples follows the light of the surface sources");
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
     let shot = args.view.resolve_lit(&args.local, console)?;
     if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
-        bail!("--components indirect goes with --kind path; --kind samples shows direct light only");
+        shot.local.bounces_of(&shot.dataset)?;
     }
     let start = Instant::now();
     let image = trace(args, &shot, &interrupt, console);
@@ -109,7 +111,8 @@ fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, consol
     }
 }
 
-/// All light samples of the environment, and the direct light of local lights.
+/// All light samples of the environment, the direct light of local lights, and all surface sources if bounced light is
+/// asked for.
 fn samples(renderer: &Renderer, shot: &Shot, progress: &dyn Progress) -> Image {
     let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
     let mut image = if components.environment {
@@ -120,12 +123,27 @@ fn samples(renderer: &Renderer, shot: &Shot, progress: &dyn Progress) -> Image {
     if components.direct && !shot.local.lights.is_empty() {
         image.add(&renderer.direct_light(&shot.view, &shot.local.lights));
     }
+    if let Some(sources) = components.indirect.then(|| sources(shot)).flatten() {
+        image.add(&renderer.sources_reference(&shot.view, &sources, progress));
+    }
     image
+}
+
+/// The surface sources under all lights, as they are gathered.
+fn sources(shot: &Shot) -> Option<Arc<SourceLighting>> {
+    let baked = Baked::from(shot.dataset.clone());
+    let mut rig = LocalRig::new(&baked);
+    let environment = LightRig::new(&shot.dataset.tree).lighting(&shot.light, ILLUM_CUT);
+    rig.set_environment(Some(&Arc::new(environment)));
+    rig.set_lights(&shot.local.lights.clone().into());
+    let solution = shot.local.solution.unwrap_or_default();
+    rig.lighting(Components::ALL, solution, ILLUM_CUT).indirect
 }
 
 /// Bounces where they are asked for, by their number or as a component.
 fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
     let components = shot.local.components.unwrap_or(Components::ALL);
     let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
-    PathSettings { spp: args.spp.unwrap_or(DEFAULT_SPP), bounces: args.bounces.unwrap_or(default), components }
+    let bounces = args.bounces.unwrap_or(default);
+    PathSettings { spp: args.spp.unwrap_or(DEFAULT_SPP), first_pass: 0, bounces, components }
 }

@@ -76,9 +76,10 @@ impl Stage<'_> {
     }
 
     fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
-        let points = &self.geometry.points;
+        let Geometry { points, scene, intersector, .. } = self.geometry;
+        let places = points.off_creases(&scene.mesh, intersector);
         let maker = SourceCuts {
-            points: &points.points,
+            points: &places,
             sampler: SourceSampler::new(&self.geometry.intersector, sources, self.surface.offset()),
             criterion: self.settings.indirect.criterion,
         };
@@ -112,5 +113,5 @@ impl Stage<'_> {
 /// Where a source samples its visibility of the environment.
 fn point_of(source: &Source, offset: f32) -> BakePoint {
     let surfel = source.surfel;
-    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false }
+    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false, radius: 0.0 }
 }

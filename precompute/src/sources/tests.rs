@@ -17,7 +17,14 @@ fn sources_of(prepared: &Prepared) -> Vec<Source> {
 
 /// A point of the floor of a room from -1 to 1.
 fn floor_point(x: f32, z: f32) -> BakePoint {
-    BakePoint { position: Vec3::new(x, -1.0, z), normal: Vec3::Y, offset: 1e-4, horizon: 0.0, two_sided: false }
+    BakePoint {
+        position: Vec3::new(x, -1.0, z),
+        normal: Vec3::Y,
+        offset: 1e-4,
+        horizon: 0.0,
+        two_sided: false,
+        radius: 0.0,
+    }
 }
 
 fn sample(prepared: &Prepared, sources: &[Source], point: &BakePoint) -> Vec<f32> {

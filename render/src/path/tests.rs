@@ -28,7 +28,7 @@ fn view(eye: Vec3, target: Vec3, fov: f32, size: u32) -> View {
 }
 
 fn only(components: &str, bounces: u32, spp: u32) -> PathSettings {
-    PathSettings { spp, bounces, components: components.parse().unwrap() }
+    PathSettings { spp, first_pass: 0, bounces, components: components.parse().unwrap() }
 }
 
 /// Jacquez and Kuppenheim 1955: each bounce in a sphere spreads evenly, so that irradiance follows the geometric series.

@@ -1,0 +1,84 @@
+//! Light paths as the truth, and what their noise adds to a measured error.
+
+use anyhow::Result;
+use lapidary_core::{color::luminance, image::Image};
+use lapidary_render::compare::compare;
+use serde::Serialize;
+
+/// A picture of light paths and its noise.
+pub struct Truth {
+    /// The mean of both halves.
+    pub image: Image,
+    /// Relative RMSE of [`Self::image`] against one without noise, as far as its halves tell.
+    pub noise: f64,
+}
+
+/// How far a picture is from the truth.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Figures {
+    /// Relative RMSE with the noise taken off.
+    pub error: f64,
+    /// Relative RMSE as measured.
+    pub rel_rmse: f64,
+    /// Relative RMSE of the light paths themselves.
+    pub noise: f64,
+    /// Ratio of the mean luminances.
+    pub energy: f64,
+}
+
+impl Truth {
+    /// Two halves of `spp` samples a pixel together; `trace` is given a number of samples and the first pass.
+    pub fn trace(spp: u32, trace: impl Fn(u32, u32) -> Image) -> Self {
+        let half = spp / 2;
+        let [a, b] = [0, half].map(|first| trace(half, first));
+        Self::of_halves(&a, &b)
+    }
+
+    fn of_halves(a: &Image, b: &Image) -> Self {
+        let pixels: Vec<_> = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        let differences = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a - *b).as_dvec3());
+        let squared: f64 = differences.map(|d| d.length_squared()).sum();
+        let norm: f64 = pixels.iter().map(|p| p.as_dvec3().length_squared()).sum();
+        Self { image: Image { size: a.size, pixels }, noise: if norm > 0.0 { (squared / norm).sqrt() } else { 0.0 } }
+    }
+
+    /// A picture of the same size against this one. The noise does not depend on the picture, so its square is part of the
+    /// measured square.
+    ///
+    /// # Errors
+    /// Pictures that cannot be compared.
+    pub fn against(&self, test: &Image) -> Result<Figures> {
+        let rel_rmse = compare(test, &self.image)?.rel_rmse;
+        let mean = |image: &Image| image.pixels.iter().map(|&p| f64::from(luminance(p))).sum::<f64>();
+        let error = (rel_rmse * rel_rmse - self.noise * self.noise).max(0.0).sqrt();
+        Ok(Figures { error, rel_rmse, noise: self.noise, energy: mean(test) / mean(&self.image) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A gradient with noise of `sigma` a component.
+    fn noisy(seed: u64, sigma: f32) -> Image {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        // The sum of twelve uniform numbers has a variance of one.
+        let mut normal = || (0..12).map(|_| rng.f32()).sum::<f32>() - 6.0;
+        let pixels = (0..6400).map(|i| Vec3::splat(1.0 + (i % 80) as f32 / 80.0 + sigma * normal())).collect();
+        Image { size: [80, 80], pixels }
+    }
+
+    #[test]
+    fn noise_is_found_and_taken_off() {
+        let truth = Truth::of_halves(&noisy(1, 0.3), &noisy(2, 0.3));
+        // Grey noise, averaged once: 0.3 / √2 over the root mean square of the gradient, 1.527.
+        assert!((truth.noise / 0.139 - 1.0).abs() < 0.05, "{}", truth.noise);
+        let exact = truth.against(&noisy(0, 0.0)).unwrap();
+        assert!(exact.error < 0.03 && exact.rel_rmse > 0.13, "{exact:?}");
+        let mut brighter = noisy(0, 0.0);
+        brighter.pixels.iter_mut().for_each(|p| *p *= 1.1);
+        let figures = truth.against(&brighter).unwrap();
+        assert!((figures.error - 0.1).abs() < 0.02 && (figures.energy - 1.1).abs() < 0.01, "{figures:?}");
+    }
+}
