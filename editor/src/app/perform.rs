@@ -18,7 +18,7 @@ use crate::{
 };
 use egui::{Context, ViewportCommand};
 use lapidary_core::{camera::Camera, dataset::BakeSettings, scene::Bounds};
-use lapidary_precompute::{Leftover, Preset};
+use lapidary_precompute::Leftover;
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -386,11 +386,6 @@ impl EditorState {
             let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() != Leftover::Nothing);
             self.bake_bundled(has_draft && has_chunks, !has_draft);
         }
-    }
-
-    /// A long bake of something that cannot be seen yet begins with a draft.
-    fn wants_draft(&self) -> bool {
-        self.scene.shown().is_none() && self.document.bake.lights > Preset::Draft.settings().lights
     }
 
     /// Looks for the missing files of the session that waits for it.

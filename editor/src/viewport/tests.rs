@@ -69,6 +69,9 @@ impl App {
             selected_light: self.selected_light,
             shows_lights: true,
             aiming: self.aiming,
+            baked: Some(BakeMode::Environment),
+            sources: None,
+            shows_clusters: false,
             accent: Color32::ORANGE,
             busy: Some("Rendering 40 %"),
             placeholder: self.placeholder,
@@ -398,10 +401,11 @@ fn each_count_mode_has_its_legend_and_the_lit_picture_none() {
         };
         harness.output().shapes.iter().any(is_text)
     };
-    assert!(!shown(&harness, "Merged cut size") && !shown(&harness, "1024+"));
+    let title = "Merged cut size, environment";
+    assert!(!shown(&harness, title) && !shown(&harness, "1024+"));
     harness.state_mut().document.view.mode = ViewMode::MergedCut;
     harness.step();
-    assert!(shown(&harness, "Merged cut size") && shown(&harness, "1024+"));
+    assert!(shown(&harness, title) && shown(&harness, "1024+"));
 }
 
 #[test]
