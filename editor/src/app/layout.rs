@@ -194,7 +194,12 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
         Inspector::Material => show_material(ui, state, actions),
         Inspector::Environment => {
             let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
-            scrolled(ui, |ui| environment::show(ui, &mut state.interface.environment, &context, actions));
+            let baked = state.scene.shown().map(|baked| baked.dataset.settings.mode);
+            let can_bake = state.scene.source.is_some();
+            scrolled(ui, |ui| {
+                lights::environment_hint(ui, baked, can_bake, actions);
+                environment::show(ui, &mut state.interface.environment, &context, actions);
+            });
         }
         Inspector::Lights => show_lights(ui, state, actions),
         Inspector::View => {

@@ -3,7 +3,7 @@
 use super::{Wake, guarded, spawn};
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     scene::Scene,
 };
 use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads};
@@ -168,8 +168,11 @@ pub fn first_draft(wanted: &BakeSettings) -> BakeSettings {
     let indirect = IndirectSettings { sources, viewpoint: wanted.indirect.viewpoint, ..draft.indirect };
     let coarse_radius = wanted.meshless.coarse_radius;
     let meshless = MeshlessSettings { levels: 3, sender_levels: 3, rays: 128, coarse_radius, ..draft.meshless };
+    // Bounced light is smooth; the shadows of an environment alone want more vertices.
+    let bounces = wanted.mode != BakeMode::Environment;
+    let max_vertices = if bounces { Some(15_000) } else { draft.max_vertices };
     let lights = draft.lights / 4;
-    BakeSettings { mode: wanted.mode, lights, pilot_clusters: 64, criterion, indirect, meshless, ..draft }
+    BakeSettings { mode: wanted.mode, lights, pilot_clusters: 64, criterion, max_vertices, indirect, meshless, ..draft }
 }
 
 /// The draft, if one is wanted, and then the bake itself.

@@ -7,6 +7,7 @@ mod properties;
 #[cfg(test)]
 mod tests;
 
+pub use components::environment_hint;
 pub use list::add_menu;
 
 use super::widgets::section;

@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
         ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
     }
     let left = time_left(done, total, phase_elapsed_secs);
-    ui.label(left.map_or("Time left is not known yet".into(), |left| format!("About {left} left in this step")));
+    ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
     if ui.button("Cancel").on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
         actions.push(Action::CancelBake);
@@ -111,8 +111,8 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
         Phase::SourceTree => ("Grouping surface points", "The source tree: points that send light alike."),
         Phase::SourceVisibility => ("Light between surfaces", "Tracing every vertex against the surface points."),
         Phase::SourceEnvironment => ("Outside on surfaces", "Tracing every surface point against the environment."),
-        Phase::Basis => ("Soft bounces: points", "Placing the points of the meshless basis."),
-        Phase::Transport => ("Soft bounces: light", "Light between the points of the meshless basis."),
+        Phase::Basis => ("Points for soft bounces", "Placing the points of the meshless basis."),
+        Phase::Transport => ("Soft bounces of light", "Light between the points of the meshless basis."),
         Phase::Pack => ("Writing the bake", "Packing it and writing the file."),
     }
 }
@@ -120,7 +120,8 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
 /// How long the present phase will still take, at the mean speed so far, if that is known.
 fn time_left(done: u64, total: u64, phase_elapsed_secs: f64) -> Option<String> {
     let left = || total.saturating_sub(done) as f64 * phase_elapsed_secs / done as f64;
-    (done > 0 && total > 0).then(|| duration(left()))
+    // Some steps have a little to do after all units are done.
+    (done > 0 && done < total).then(|| duration(left()))
 }
 
 #[cfg(test)]
@@ -130,8 +131,10 @@ mod tests {
     #[test]
     fn time_left_follows_from_the_speed_so_far() {
         assert_eq!(time_left(25, 100, 20.0).unwrap(), "1 min 00 s");
-        assert_eq!(time_left(100, 100, 20.0).unwrap(), "0.0 s");
-        assert_eq!((time_left(0, 100, 20.0), time_left(5, 0, 20.0)), (None, None));
+        assert_eq!(
+            [(0, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
+            [None, None, None]
+        );
         assert_ne!(time_left(50, 100, 20.0), time_left(25, 100, 20.0));
     }
 

@@ -130,7 +130,7 @@ fn a_bake_of_bounces_shows_its_own_phases() {
     let phases = ["Reading the scene", "Grouping surface points", "Light between surfaces", "Writing the bake"];
     let percent = |name: &str| percent(&format!("{name} progress"));
     assert_eq!(phases.map(percent), [Some(100.0), Some(100.0), Some(75.0), Some(0.0)]);
-    let others = ["Light from outside", "Soft bounces: points"];
+    let others = ["Light from outside", "Points for soft bounces"];
     assert!(others.iter().all(|name| panel.query_by_label(name).is_none()));
     assert!(panel.query_by_label_contains("shows the draft").is_some());
 }

@@ -37,12 +37,17 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(_) => bounce_hint(ui, "This bake has no bounce light.", context, actions),
         None => bounce_hint(ui, "Nothing is baked yet.", context, actions),
     }
-    let is_dark = context.baked.is_some_and(|mode| !mode.environment());
-    if is_dark && context.document.components.shows(Component::Environment) {
-        let mode = if context.baked.is_some_and(BakeMode::meshless) { BakeMode::All } else { BakeMode::Cuts };
-        let text = "This bake has no light of the environment.";
-        hint(ui, text, "Bake with the environment", mode, context.can_bake, actions);
+    if context.document.components.shows(Component::Environment) {
+        environment_hint(ui, context.baked, context.can_bake, actions);
     }
+}
+
+/// Says that there is no light of the environment in a bake without it, and leads to one with it.
+pub fn environment_hint(ui: &mut Ui, baked: Option<BakeMode>, can_bake: bool, actions: &mut Vec<Action>) {
+    let Some(baked) = baked.filter(|mode| !mode.environment()) else { return };
+    let mode = if baked.meshless() { BakeMode::All } else { BakeMode::Cuts };
+    let text = "This bake has no light of the environment.";
+    hint(ui, text, "Bake with the environment", mode, can_bake, actions);
 }
 
 /// How much light the bounces carry, and what to do if much is left when they end.
