@@ -70,7 +70,8 @@ impl Speed {
 
     fn from_report(report: Option<&BakeReport>, cores: usize) -> Self {
         let measured = report.map(|r| r.samples_per_second).filter(|s| *s > 0.0);
-        let cut = report.filter(|r| r.mean_cut > 0.0 && r.sigma > 0.0).map(|r| (r.mean_cut, r.lights, r.sigma));
+        let has_cuts = |r: &&BakeReport| r.mode.environment() && r.mean_cut > 0.0 && r.sigma > 0.0;
+        let cut = report.filter(has_cuts).map(|r| (r.mean_cut, r.lights, r.sigma));
         Self {
             source_vertices: None,
             pairs_per_second: measured.unwrap_or(PAIRS_PER_SECOND_AND_CORE * cores.max(1) as f64),
@@ -160,6 +161,9 @@ mod tests {
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
         assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
         assert_ne!(speed(None).estimate(&settings).unwrap().bytes, estimate.bytes);
+        let dark = BakeReport { mode: BakeMode::Indirect, mean_cut: 1.0, ..report };
+        let estimate = speed(Some(&dark)).estimate(&settings).unwrap();
+        assert_eq!(estimate.bytes, speed(None).estimate(&settings).unwrap().bytes, "its cuts are of nothing");
     }
 
     #[test]

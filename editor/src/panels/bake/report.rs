@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport) {
             ui.end_row();
         }
     });
-    if report.cut_size_histogram.iter().any(|count| *count > 0) {
+    if report.mode.environment() && report.cut_size_histogram.iter().any(|count| *count > 0) {
         ui.add_space(4.0);
         ui.label(RichText::new("Nodes of the visibility cuts").weak());
         histogram(ui, &report.cut_size_histogram);

@@ -7,6 +7,8 @@ use std::sync::{Arc, OnceLock};
 /// Samples of the studio's light, and most nodes of its cut: its lamps are large.
 const LIGHTS: usize = 4096;
 const CUT: u32 = 256;
+/// White paint stays below white under it.
+const INTENSITY: f32 = 0.6;
 
 /// The studio under which the ball stands. Made at the first use, in some hundredths of a second.
 pub fn light() -> Option<Arc<SceneLighting>> {
@@ -17,7 +19,7 @@ pub fn light() -> Option<Arc<SceneLighting>> {
 fn make() -> Option<Arc<SceneLighting>> {
     let tree = LightTree::geometric(LIGHTS).ok()?;
     let (environment, _) = Environment::from_spec("studio").ok()?;
-    let illumination = Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: 1.0 };
+    let illumination = Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: INTENSITY };
     Some(Arc::new(LightRig::new(&tree).lighting(&illumination, CUT)))
 }
 
