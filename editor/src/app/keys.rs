@@ -236,6 +236,8 @@ pub fn show_map(ctx: &Context) -> bool {
     let room = ctx.content_rect().size() - egui::vec2(80.0, 160.0);
     let modal = Modal::new(egui::Id::unique("keyboard map")).show(ctx, |ui| {
         ui.set_width(room.x.min(WIDTH));
+        // An area has room for some twenty lines at first.
+        ui.set_max_height(room.y + 80.0);
         ui.heading("Keyboard and pointer");
         ui.add_space(6.0);
         ScrollArea::both().max_height(room.y).show(ui, |ui| {
