@@ -159,7 +159,7 @@ impl Observer for Teller {
 }
 
 /// Settings of the first bake that is shown: of the same parts of the light, seen from the same place, but coarser than a
-/// draft, for it is waited for. On the colour box it takes 7 s on two cores for a bounce, and 16 s for all parts.
+/// draft, for it is waited for. On the colour box, on two cores that were busy, it took 7 s for a bounce, 20 s for all parts.
 pub fn first_draft(wanted: &BakeSettings) -> BakeSettings {
     let draft = Preset::Draft.settings();
     // A quarter of the lights at half the sigma is the same error in solid angle.
