@@ -24,7 +24,7 @@
 //! | `source_environment_cut_offsets` | u32 | S | first texel of each source's cut |
 //! | `texture.0`, ... | u8 | bytes | image files as they were imported |
 //!
-//! S surface sources are there if the bake was asked for them (`--mode indirect` or `all`), the tensors `meshless_*` of
+//! S surface sources are there if the bake was asked for them (`--mode indirect`, `cuts` or `all`), the tensors `meshless_*` of
 //! `dataset/meshless.rs` with `--mode meshless` or `all`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,

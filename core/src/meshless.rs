@@ -23,7 +23,7 @@ mod tree;
 pub use basis::{Basis, BasisError};
 pub use flatten::Flattening;
 pub use projection::Projection;
-pub use solve::{Solution, SolveSettings, Solver};
+pub use solve::{BounceEnergy, Solution, SolveSettings, Solver};
 pub use sparse::{Coefficient, SparseRows};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};
 

@@ -1,7 +1,9 @@
 //! The window. [`EditorState`] is what it knows and does, without a window, so that tests can run it; [`start`] opens one.
 
 mod baking;
+mod camera;
 mod dialogs;
+mod documents;
 mod drops;
 mod environments;
 mod files;

@@ -22,7 +22,7 @@ pub use relative::{absolute, folder_of};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeMode, BakeSettings, Dataset},
     lights::Light,
     material::Material,
     scene::Scene,
@@ -225,7 +225,7 @@ impl Document {
         entry.file.clone().or_else(beside_scene)
     }
 
-    /// A scene as it came: under its own lights, seen from its first camera or as a whole, all its cameras bookmarked.
+    /// A scene as it came: with what gives light soonest proposed for its bake, under its own lights, seen from its first camera or as a whole, all its cameras bookmarked.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let bounds = scene.mesh.bounds();
         let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
@@ -235,6 +235,7 @@ impl Document {
             materials: scene.materials.clone(),
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
+            bake: proposed_bake(scene),
             camera: scene.cameras.first().cloned().unwrap_or_else(whole),
             bookmarks: scene.cameras.clone(),
             ..Self::empty()
@@ -259,10 +260,26 @@ impl Document {
     }
 }
 
+/// What gives light soonest: a scene with lights of its own is gathered from its surfaces, other scenes are lit by the
+/// environment. More can be chosen.
+pub fn proposed_bake(scene: &Scene) -> BakeSettings {
+    let mode = if scene.lights.is_empty() { BakeMode::Environment } else { BakeMode::Indirect };
+    BakeSettings { mode, ..Preset::Normal.settings() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use test_data::{camera, dataset};
+
+    #[test]
+    fn a_scene_with_lights_is_proposed_a_bake_of_their_bounce() {
+        let mut scene = dataset(&["a"], &[]).scene;
+        assert_eq!(Document::of_scene(&scene, None).bake, Preset::Normal.settings());
+        scene.lights = vec![test_data::light()];
+        let bake = Document::of_scene(&scene, None).bake;
+        assert_eq!(bake, BakeSettings { mode: BakeMode::Indirect, ..Preset::Normal.settings() });
+    }
 
     #[test]
     fn a_dataset_opens_at_its_first_camera_with_all_of_them_bookmarked() {

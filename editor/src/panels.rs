@@ -9,7 +9,7 @@ pub mod presets;
 pub mod scene;
 #[cfg(test)]
 mod tests;
-mod units;
+pub mod units;
 pub mod view;
 pub mod widgets;
 

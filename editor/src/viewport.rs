@@ -14,6 +14,7 @@
 //! | Ctrl+Shift+C, Ctrl+Shift+V | copy, paste the camera |
 
 pub mod camera_text;
+mod clusters;
 pub mod gizmo;
 mod input;
 mod legend;
@@ -25,10 +26,12 @@ pub mod pick;
 use crate::{actions::Action, document::Document};
 use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use lapidary_core::{
+    dataset::BakeMode,
     ray::Intersector,
     scene::{Bounds, Mesh},
 };
-use std::time::Duration;
+use lapidary_render::SourceLighting;
+use std::{sync::Arc, time::Duration};
 
 /// What the viewport remembers from frame to frame.
 #[derive(Default)]
@@ -41,6 +44,7 @@ pub struct ViewportState {
     /// Scales the speed of flight.
     fly_pace: input::Pace,
     gizmo: gizmo::Gizmo,
+    clusters: clusters::Clusters,
     flash: outline::Flash,
     checker: Option<TextureHandle>,
 }
@@ -78,6 +82,12 @@ pub struct ViewportContext<'a> {
     pub shows_lights: bool,
     /// Whether the next click says what the selected light is aimed at.
     pub aiming: bool,
+    /// What the bake that is shown is of.
+    pub baked: Option<BakeMode>,
+    /// Surface sources under the light of the picture, if bounced light is gathered from them.
+    pub sources: Option<&'a Arc<SourceLighting>>,
+    /// Whether their clusters are drawn.
+    pub shows_clusters: bool,
     /// Colour of the outline.
     pub accent: Color32,
     /// Work that goes on, as "Rendering 40 %".
@@ -144,10 +154,13 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
     if let Some(text) = context.placeholder {
         paint::placeholder(ui, rect, text);
     } else {
+        let clusters = context.sources.zip(context.intersector).filter(|_| context.shows_clusters);
+        if let Some((sources, intersector)) = clusters {
+            state.clusters.paint(ui, rect, &context.document.camera, intersector, sources);
+        }
         outline(ui, rect, state, context);
         gizmo::paint(ui, rect, &state.gizmo, context);
-        let view = &context.document.view;
-        legend::paint(&ui.painter_at(rect), rect, view.mode, view.illum_cut, &context.document.camera);
+        legend::paint(&ui.painter_at(rect), rect, context);
         paint::badges(ui, rect, context);
     }
     paint::drop_hint(ui, rect, context.accent);

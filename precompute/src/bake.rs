@@ -113,9 +113,9 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     check_memory(&scene, &settings)?;
     let hash = scene_hash(&scene);
     let mut clock = Clock::new(observer, job.import_secs);
-    let geometry = clock.time(Phase::Tessellate, scene.mesh.positions.len() as u64, "vertices", || {
-        Geometry::new(scene, settings.max_vertices, observer)
-    })?;
+    let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
+    let geometry = clock
+        .time(Phase::Tessellate, vertices, "vertices", || Geometry::new(scene, settings.max_vertices, observer))?;
     cancelled(observer)?;
     let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
     let chunks = bake_environment(&geometry, &tree, &settings, &checkpoint, &mut clock)?;

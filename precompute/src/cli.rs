@@ -66,9 +66,11 @@ pub enum ModeOption {
     Environment,
     /// Surface sources, which gather a bounce of local lights.
     Indirect,
+    /// Both, and what the sources see of the environment.
+    Cuts,
     /// The meshless basis and its transport.
     Meshless,
-    /// All of these, and what the sources see of the environment.
+    /// All of these.
     All,
 }
 
@@ -77,6 +79,7 @@ impl From<ModeOption> for BakeMode {
         match option {
             ModeOption::Environment => Self::Environment,
             ModeOption::Indirect => Self::Indirect,
+            ModeOption::Cuts => Self::Cuts,
             ModeOption::Meshless => Self::Meshless,
             ModeOption::All => Self::All,
         }

@@ -3,7 +3,9 @@
 use crate::renderer::Renderer;
 use glam::Vec3;
 use lapidary_core::{
+    dataset::Dataset,
     lights::{Emission, Light},
+    ray::Intersector,
     sphere::fibonacci_directions,
 };
 
@@ -13,21 +15,20 @@ const LOOKS: usize = 64;
 impl Renderer {
     /// The lights that shine and see only the inside of closed objects.
     pub fn buried_lights<'a>(&self, lights: &'a [Light]) -> Vec<&'a Light> {
-        let looks = fibonacci_directions(LOOKS);
-        lights.iter().filter(|light| light.shines() && self.is_buried(light, &looks)).collect()
+        lights.iter().filter(|light| light.shines() && is_buried(&self.dataset, &self.intersector, light)).collect()
     }
+}
 
-    fn is_buried(&self, light: &Light, looks: &[Vec3]) -> bool {
-        let forward = light.forward().filter(|_| light.emission.is_aimed());
-        let shines_into = |look: &&Vec3| forward.is_none_or(|forward| forward.dot(**look) > 0.0);
-        light.emission != Emission::Directional
-            && looks.iter().filter(shines_into).all(|look| self.sees_an_inside(light.position, *look))
-    }
-
-    fn sees_an_inside(&self, origin: Vec3, direction: Vec3) -> bool {
-        let hit = self.intersector.closest_hit(origin, direction);
-        hit.is_some_and(|hit| hit.back_face && !self.dataset.two_sided[hit.triangle as usize])
-    }
+/// Whether a light sees only the inside of closed objects; `intersector` is made of the dataset's mesh.
+pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) -> bool {
+    let forward = light.forward().filter(|_| light.emission.is_aimed());
+    let shines_into = |look: &Vec3| forward.is_none_or(|forward| forward.dot(*look) > 0.0);
+    let sees_an_inside = |look: Vec3| {
+        let hit = intersector.closest_hit(light.position, look);
+        hit.is_some_and(|hit| hit.back_face && !dataset.two_sided[hit.triangle as usize])
+    };
+    light.emission != Emission::Directional
+        && fibonacci_directions(LOOKS).into_iter().filter(shines_into).all(sees_an_inside)
 }
 
 #[cfg(test)]

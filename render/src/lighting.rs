@@ -11,6 +11,7 @@ use lapidary_core::{
     environment::Environment,
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
     lights::Light,
+    meshless::BounceEnergy,
 };
 use std::sync::Arc;
 
@@ -71,6 +72,8 @@ pub struct LocalLighting {
     pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
     /// The parts that are shown.
     pub components: Components,
+    /// How the bounces of the meshless basis fade, if they are in the picture.
+    pub energy: Option<BounceEnergy>,
 }
 
 impl LocalLighting {

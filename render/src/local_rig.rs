@@ -83,7 +83,9 @@ impl LocalRig {
             Solution::Meshless => (None, self.interpolate()),
             Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
         };
-        LocalLighting { lights, indirect, vertex_irradiance, components }
+        let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
+        let energy = solved.and_then(MeshlessRig::energy);
+        LocalLighting { lights, indirect, vertex_irradiance, components, energy }
     }
 
     fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {

@@ -7,7 +7,7 @@ use crate::{
     node_field::SourceField,
     shade::{BrdfSampling, Shader, Work},
     surface::SurfacePoint,
-    view_mode::ViewMode,
+    view_mode::{ViewMode, visibility_cuts},
 };
 use glam::{Mat3A, Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
@@ -111,8 +111,8 @@ impl<'a> Painter<'a> {
 
     /// Sizes of the vertices' cuts, interpolated as their visibility is.
     fn visibility_nodes(&self, point: &SurfacePoint) -> f32 {
-        let height = self.dataset.tree.height();
-        let nodes = |vertex: u32| self.dataset.cuts.cut(height, vertex).len() as f32;
+        let (height, cuts) = visibility_cuts(self.dataset);
+        let nodes = |vertex: u32| cuts.cut(height, vertex).len() as f32;
         point.vertices.iter().zip(point.weights).map(|(&vertex, weight)| weight * nodes(vertex)).sum()
     }
 }

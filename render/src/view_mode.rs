@@ -1,5 +1,9 @@
 //! What the pixels of a view show: the lit picture, or one of the quantities behind it.
 
+use lapidary_core::{
+    cut::packed::PackedCuts,
+    dataset::{BakeMode, Dataset},
+};
 use serde::{Deserialize, Serialize};
 
 /// What the pixels of a view show.
@@ -15,7 +19,7 @@ pub enum ViewMode {
     Albedo,
     /// Perceptual roughness after its texture.
     Roughness,
-    /// Nodes of the visibility cuts of the triangle's vertices, interpolated.
+    /// Nodes of the visibility cuts of the triangle's vertices, interpolated: see [`visibility_cuts`].
     VisibilityCut,
     /// Nodes of the merged cut.
     MergedCut,
@@ -60,4 +64,18 @@ impl ViewMode {
             _ => (4.0 * illum_cut as f32).clamp(512.0, 4096.0),
         }
     }
+}
+
+/// The cuts whose sizes [`ViewMode::VisibilityCut`] shows, and the height of their tree: those over the environment, or
+/// over the surface sources if only these were baked.
+pub fn visibility_cuts(dataset: &Dataset) -> (u32, &PackedCuts) {
+    match dataset.indirect.as_ref().filter(|_| shows_source_cuts(dataset.settings.mode)) {
+        Some(bake) => (bake.sources.len().ilog2(), &bake.cuts),
+        None => (dataset.tree.height(), &dataset.cuts),
+    }
+}
+
+/// Whether these are cuts over the surface sources in a bake of this mode.
+pub fn shows_source_cuts(mode: BakeMode) -> bool {
+    mode.indirect() && !mode.environment()
 }

@@ -13,21 +13,23 @@ pub enum BakeMode {
     Environment,
     /// Surface sources, and what the vertices see of them.
     Indirect,
+    /// Both, and what the sources see of the environment: all that is gathered by cuts.
+    Cuts,
     /// The meshless basis and its transport operator.
     Meshless,
-    /// All of these, and what the sources see of the environment.
+    /// All of these.
     All,
 }
 
 impl BakeMode {
     /// Whether visibility of distant light is baked.
     pub fn environment(self) -> bool {
-        matches!(self, Self::Environment | Self::All)
+        matches!(self, Self::Environment | Self::Cuts | Self::All)
     }
 
     /// Whether surface sources are baked.
     pub fn indirect(self) -> bool {
-        matches!(self, Self::Indirect | Self::All)
+        matches!(self, Self::Indirect | Self::Cuts | Self::All)
     }
 
     /// Whether the meshless basis is baked.

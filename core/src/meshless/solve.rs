@@ -47,6 +47,36 @@ pub struct Solution {
     pub mean_irradiance: Vec<Vec3>,
 }
 
+/// How the light of a solution fades from bounce to bounce.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BounceEnergy {
+    /// Indirect bounces that were done.
+    pub bounces: u32,
+    /// What the last of them carries, as a share of all light.
+    pub last_share: f32,
+    /// What further bounces would carry, as a share of all light with them; 1 if bounces do not fade.
+    pub missing_share: f32,
+}
+
+impl Solution {
+    /// How its light fades. What is missing goes on from the last two bounces as a geometric series.
+    pub fn energy(&self) -> BounceEnergy {
+        let energy: Vec<f64> = self.mean_irradiance.iter().map(|e| f64::from(e.element_sum())).collect();
+        let sum: f64 = energy.iter().sum();
+        let bounces = energy.len().saturating_sub(1) as u32;
+        let [.., before, last] = energy[..] else {
+            return BounceEnergy { bounces, last_share: 0.0, missing_share: 0.0 };
+        };
+        if !(sum > 0.0 && last > 0.0) {
+            return BounceEnergy { bounces, last_share: 0.0, missing_share: 0.0 };
+        }
+        let kept = last / before;
+        let missing = if kept < 1.0 { last * kept / (1.0 - kept) } else { f64::INFINITY };
+        let missing_share = if missing.is_finite() { missing / (sum + missing) } else { 1.0 };
+        BounceEnergy { bounces, last_share: (last / sum) as f32, missing_share: missing_share as f32 }
+    }
+}
+
 /// What solving needs beside the bake, found once for it.
 #[derive(Clone, Debug)]
 pub struct Solver {
@@ -128,4 +158,32 @@ fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
 
 fn usable(v: Vec3) -> Vec3 {
     if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fading(energies: &[f32]) -> BounceEnergy {
+        let mean_irradiance = energies.iter().map(|e| Vec3::new(*e, 0.5 * e, 0.0)).collect();
+        Solution { coefficients: Vec::new(), mean_irradiance }.energy()
+    }
+
+    #[test]
+    fn what_is_missing_is_the_rest_of_the_series() {
+        let half = fading(&[16.0, 8.0, 4.0, 2.0]);
+        assert_eq!(half.bounces, 3);
+        assert!((half.last_share - 2.0 / 30.0).abs() < 1e-6 && (half.missing_share - 2.0 / 32.0).abs() < 1e-6);
+        let bright = fading(&[1.0, 0.9, 0.81]);
+        assert!((bright.missing_share - 0.729).abs() < 1e-5, "{bright:?}");
+        assert_eq!(fading(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
+    }
+
+    #[test]
+    fn darkness_misses_nothing() {
+        for dark in [&[0.0, 0.0, 0.0][..], &[1.0, 0.0], &[1.0], &[]] {
+            let energy = fading(dark);
+            assert_eq!((energy.last_share, energy.missing_share), (0.0, 0.0), "{dark:?}");
+        }
+    }
 }

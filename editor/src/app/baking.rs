@@ -5,16 +5,16 @@ use crate::{
     document::{Document, TextureEntry},
     jobs::{
         Imported,
-        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask},
+        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask, first_draft},
         spawn,
     },
-    panels::bake::{BakeStatus, stale_reasons},
+    panels::bake::{BakeStatus, Draft, line, stale_reasons},
 };
 use lapidary_core::{
     dataset::{BakeMode, BakeSettings, Dataset},
     texture::Texture,
 };
-use lapidary_precompute::{BakeJob, Leftover, Phase, leftover, resolve};
+use lapidary_precompute::{BakeJob, Leftover, Phase, Preset, leftover, resolve};
 use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
@@ -53,6 +53,8 @@ struct Run {
     phase: Option<Phase>,
     phase_since: Instant,
     cancelling: bool,
+    /// A draft of it is shown.
+    draft_shown: bool,
 }
 
 enum Ended {
@@ -66,15 +68,15 @@ impl Baking {
         self.run.as_ref().map(|run| run.job.progress())
     }
 
-    /// One line about the bake at work.
+    /// One line about the bake at work: what it does, how far that is, and what comes.
     pub fn line(&self) -> Option<String> {
-        let progress = self.progress()?;
-        let what = if progress.draft { "Baking a draft" } else { "Baking" };
-        let phase = progress.phase.map_or("", Phase::name);
-        Some(match progress.fraction() {
-            Some(fraction) => format!("{what}: {phase} {:.0} %", 100.0 * fraction),
-            None => format!("{what}: {phase}"),
-        })
+        line(&running(self.run.as_ref()?))
+    }
+
+    /// A few words about it, to lie over the picture.
+    pub fn words(&self) -> Option<&'static str> {
+        let run = self.run.as_ref()?;
+        Some(if run.draft_shown { "Draft, baking in full" } else { "Baking" })
     }
 
     /// Stops what is at work, and forgets how the last one ended: another scene was opened.
@@ -128,7 +130,21 @@ impl EditorState {
         let now = Instant::now();
         let job = BakeRun::start(task, self.wake.clone());
         self.baking.ended = None;
-        self.baking.run = Some(Run { job, mode, since: now, phase: None, phase_since: now, cancelling: false });
+        self.baking.run =
+            Some(Run { job, mode, since: now, phase: None, phase_since: now, cancelling: false, draft_shown: false });
+    }
+
+    /// A long bake begins with a draft if it brings light that cannot be seen yet.
+    pub(super) fn wants_draft(&self) -> bool {
+        let wanted = &self.document.bake;
+        let has = |part: fn(BakeMode) -> bool| {
+            !part(wanted.mode) || self.scene.shown().is_some_and(|baked| part(baked.dataset.settings.mode))
+        };
+        let has_all = [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has);
+        let bounces = wanted.mode.indirect() || wanted.mode.meshless();
+        !has_all
+            && (bounces || wanted.lights > Preset::Draft.settings().lights)
+            && first_draft(wanted).lights < wanted.lights
     }
 
     pub(super) fn cancel_bake(&mut self) {
@@ -149,6 +165,7 @@ impl EditorState {
             match message {
                 BakeMessage::Warning(text) => self.messages.warning(text),
                 BakeMessage::Draft(baked) => {
+                    self.baking.run.iter_mut().for_each(|run| run.draft_shown = true);
                     self.keep_draft(&baked.dataset);
                     self.show_baked(baked);
                 }
@@ -256,9 +273,15 @@ impl EditorState {
 }
 
 fn running(run: &Run) -> BakeStatus {
-    let BakeProgress { phase, unit, done, total, .. } = run.job.progress();
+    let BakeProgress { draft, phase, unit, done, total } = run.job.progress();
+    let draft = match (draft, run.draft_shown) {
+        (true, _) => Draft::UnderWay,
+        (false, true) => Draft::Shown,
+        (false, false) => Draft::None,
+    };
     BakeStatus::Running {
         mode: run.mode,
+        draft,
         phase: phase.unwrap_or(Phase::Import),
         done,
         total,

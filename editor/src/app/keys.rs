@@ -1,6 +1,6 @@
 //! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
 
-use egui::{Context, Event, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
+use egui::{Context, Event, Grid, Id, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 
 /// What menus and keys can ask for.
@@ -161,7 +161,7 @@ pub fn text(ctx: &Context, command: Command) -> String {
 /// The commands whose keys were pressed, which are taken out of the input. None while text is edited or
 /// a question waits; none without a modifier while the right button is held, since those keys fly then.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    if is_shut_out(ctx) {
+    if was_shut_out(ctx) {
         return Vec::new();
     }
     let flying = ctx.input(|i| i.pointer.secondary_down());
@@ -177,6 +177,15 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
         }
     }
     commands
+}
+
+/// Whether text is edited, or was in the last frame: on a slow one, what is typed and the Enter that leaves the field arrive
+/// together.
+fn was_shut_out(ctx: &Context) -> bool {
+    let (id, now) = (Id::unique("keys were shut out"), is_shut_out(ctx));
+    let before: Option<bool> = ctx.data_mut(|data| data.get_temp(id));
+    ctx.data_mut(|data| data.insert_temp(id, now));
+    now || before == Some(true)
 }
 
 /// Whether Tab asks for the picture alone. It steps through the controls unless the pointer rests on the picture and no
@@ -227,6 +236,8 @@ pub fn show_map(ctx: &Context) -> bool {
     let room = ctx.content_rect().size() - egui::vec2(80.0, 160.0);
     let modal = Modal::new(egui::Id::unique("keyboard map")).show(ctx, |ui| {
         ui.set_width(room.x.min(WIDTH));
+        // An area has room for some twenty lines at first.
+        ui.set_max_height(room.y + 80.0);
         ui.heading("Keyboard and pointer");
         ui.add_space(6.0);
         ScrollArea::both().max_height(room.y).show(ui, |ui| {

@@ -11,7 +11,8 @@ use super::{
 };
 use crate::{
     actions::Action,
-    document::{self, BackgroundKind, Bounces, Document},
+    document::{self, BackgroundKind, Bounces, Component, Document},
+    jobs::render_thread::RenderedFrame,
     panels::{
         bake::{self, BakeContext, SceneStats},
         environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
@@ -193,7 +194,12 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
         Inspector::Material => show_material(ui, state, actions),
         Inspector::Environment => {
             let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
-            scrolled(ui, |ui| environment::show(ui, &mut state.interface.environment, &context, actions));
+            let baked = state.scene.shown().map(|baked| baked.dataset.settings.mode);
+            let can_bake = state.scene.source.is_some();
+            scrolled(ui, |ui| {
+                lights::environment_hint(ui, baked, can_bake, actions);
+                environment::show(ui, &mut state.interface.environment, &context, actions);
+            });
         }
         Inspector::Lights => show_lights(ui, state, actions),
         Inspector::View => {
@@ -205,7 +211,11 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
 }
 
 fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let shown = state.pictures.shown();
+    let has_environment = state.document.components.shows(Component::Environment)
+        && state.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    // The root of the tree has the mean of all light.
+    let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
+    let shown = state.pictures.shown().filter(is_lit);
     let context = MaterialContext {
         document: &state.document,
         selected: state.selection.material,
@@ -216,11 +226,14 @@ fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 }
 
 fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let dataset = state.scene.shown().map(|baked| &*baked.dataset);
+    let scene = state.scene.shown();
     let context = LightsContext {
         document: &state.document,
         selected: state.selected_light(),
-        bounces: dataset.map(Bounces::of),
+        bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
+        baked: scene.map(|baked| baked.dataset.settings.mode),
+        energy: state.pictures.shown().and_then(|shown| shown.local.energy),
+        scene,
         can_bake: state.scene.source.is_some(),
     };
     scrolled(ui, |ui| lights::show(ui, &mut state.interface.lights, &context, actions));
@@ -275,7 +288,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let baked = state.scene.shown();
     let mesh = baked.map(|b| &b.dataset.scene.mesh);
     let selected_object = state.selection.object;
-    let busy = baked.and_then(|_| state.baking.line());
+    let busy = baked.and_then(|_| state.baking.words());
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let context = ViewportContext {
         document: &state.document,
@@ -290,8 +303,11 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         selected_light: state.selected_light(),
         shows_lights: state.interface.lights.in_viewport,
         aiming: state.interface.lights.aiming && state.selected_light().is_some(),
+        baked: baked.map(|b| b.dataset.settings.mode),
+        sources: shown.and_then(|s| s.local.indirect.as_ref()),
+        shows_clusters: state.interface.lights.shows_clusters,
         accent: ui.visuals().selection.bg_fill,
-        busy: busy.as_deref(),
+        busy,
         // What to say where there is no picture comes from the notice, which has buttons.
         placeholder: baked.is_none().then_some(""),
         stale: state.scene.is_stale(),

@@ -41,7 +41,8 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     ui.label("Visibility is traced once; light and materials can then be edited freely.");
     ui.add_space(6.0);
     ui.add(ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(WIDTH - 60.0).desired_height(6.0));
-    ui.weak(line);
+    // What it is for, and what it does.
+    line.split(": ").for_each(|part| drop(ui.weak(part)));
     ui.add_space(6.0);
     if ui.button("Cancel").clicked() {
         actions.push(Action::CancelBake);

@@ -4,6 +4,7 @@ use crate::{
     document::{
         Document,
         autosave::Recovery,
+        proposed_bake,
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
@@ -13,8 +14,8 @@ use crate::{
     },
 };
 use anyhow::Result;
-use lapidary_core::dataset::{BakeMode, BakeSettings, Dataset};
-use lapidary_precompute::{Preset, cli::error_text};
+use lapidary_core::dataset::Dataset;
+use lapidary_precompute::cli::error_text;
 use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
@@ -210,11 +211,9 @@ fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
         |path: &Path| read_if_there(path, &mut warnings).filter(|baked| baked.dataset.scene_hash == source.hash);
     // A bake of other settings is one that the user asked for.
     let whole = read(&output);
-    // Bounces take longer: a scene that has lights waits to be asked for them.
     let (bake_now, bake) = match &whole {
         Some(whole) => (false, whole.dataset.settings.clone()),
-        None if source.scene.lights.is_empty() => (true, Preset::Normal.settings()),
-        None => (false, BakeSettings { mode: BakeMode::All, ..Preset::Draft.settings() }),
+        None => (true, proposed_bake(&source.scene)),
     };
     let baked = whole.or_else(|| read(&draft_of(&output)));
     let shown = baked.as_ref().map_or(&*source.scene, |baked| &baked.dataset.scene);

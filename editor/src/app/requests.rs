@@ -9,7 +9,7 @@ use crate::{
 };
 use egui::Context;
 use lapidary_core::{environment::Environment, lights::Light, material::Material};
-use lapidary_render::{Appearance, BrdfSampling, Components, Illumination, Post, Solution, View};
+use lapidary_render::{Appearance, Baked, BrdfSampling, Components, Illumination, Post, Solution, View};
 use std::sync::Arc;
 
 /// What was asked for last.
@@ -94,7 +94,7 @@ impl EditorState {
             rotation: document.environment.rotation(),
             intensity: document.environment.intensity,
             lights: lights.as_ptr() as usize,
-            components: document.components.shown(),
+            components: shown_components(document, baked.as_ref()),
             solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
             sampling: document.view.sampling,
@@ -134,6 +134,13 @@ impl EditorState {
     }
 }
 
+/// The components that are shown: an environment that no surface is lit by would only mislead behind the scene.
+fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
+    let shown = document.components.shown();
+    let has_environment = baked.is_none_or(|baked| baked.dataset.settings.mode.environment());
+    Components { environment: shown.environment && has_environment, ..shown }
+}
+
 fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
     let settings = &document.environment;
     Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
@@ -155,7 +162,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 mod tests {
     use super::*;
     use crate::document::{TextureEntry, test_data};
-    use lapidary_core::texture::Texture;
+    use lapidary_core::{dataset::BakeMode, texture::Texture};
 
     #[test]
     fn lights_stay_where_they_are_until_what_shines_changes() {
@@ -168,6 +175,17 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &requests.lights_of(&document)), "it is switched off");
         document.lights[0].intensity *= 2.0;
         assert!(!Arc::ptr_eq(&first, &requests.lights_of(&document)));
+    }
+
+    #[test]
+    fn an_environment_that_was_not_baked_is_not_shown() {
+        let document = Document::empty();
+        let mut dataset = test_data::dataset(&["a"], &[]);
+        assert_eq!(shown_components(&document, Some(&dataset.clone().into())), Components::ALL, "negative control");
+        dataset.settings.mode = BakeMode::Indirect;
+        let shown = shown_components(&document, Some(&dataset.into()));
+        assert_eq!(shown, Components { environment: false, ..Components::ALL });
+        assert_eq!(shown_components(&document, None), Components::ALL);
     }
 
     #[test]

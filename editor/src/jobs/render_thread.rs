@@ -9,8 +9,8 @@ mod worker;
 use super::{Wake, spawn};
 use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use lapidary_render::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, Illumination, PictureStats, Post,
-    SceneLighting, Solution, View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, Illumination, LocalLighting, PictureStats,
+    Post, SceneLighting, Solution, View,
 };
 use std::{
     sync::{
@@ -78,6 +78,8 @@ pub struct RenderedFrame {
     pub lighting: Arc<SceneLighting>,
     /// Changes whenever `lighting` does.
     pub light_revision: u64,
+    /// The local lights and the bounced light that it was made with.
+    pub local: LocalLighting,
     /// Name of the renderer.
     pub backend: String,
 }

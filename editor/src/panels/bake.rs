@@ -10,6 +10,7 @@ mod stale;
 mod tests;
 
 pub use estimate::SceneStats;
+pub use progress::line;
 pub use stale::stale_reasons;
 #[cfg(test)]
 pub use tests::test_dataset;
@@ -37,6 +38,17 @@ pub struct BakeContext<'a> {
     pub cores: usize,
 }
 
+/// Where a bake is that may begin with a draft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draft {
+    /// There is none.
+    None,
+    /// It is being baked.
+    UnderWay,
+    /// It is shown while the bake goes on.
+    Shown,
+}
+
 /// How things stand with the bake.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BakeStatus {
@@ -53,6 +65,8 @@ pub enum BakeStatus {
     Running {
         /// What is baked.
         mode: BakeMode,
+        /// Whether a draft comes first.
+        draft: Draft,
         /// What it does.
         phase: Phase,
         /// Units of the phase that are complete.
@@ -89,9 +103,10 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         if let BakeStatus::Cancelled { .. } | BakeStatus::Failed { .. } = context.status {
             differences(ui, context.reasons);
         }
-        mode::show(ui, context.document.bake.mode, actions);
+        let speed = Speed::known(context);
+        mode::show(ui, &context.document.bake, &speed, actions);
         buttons(ui, context, actions);
-        settings::presets(ui, context, &Speed::known(context), actions);
+        settings::presets(ui, context, &speed, actions);
         section(ui, "Advanced", false, |ui| {
             settings::advanced(ui, &context.document.bake, actions);
             mode::advanced(ui, context.document.bake.mode, actions);

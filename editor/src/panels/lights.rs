@@ -1,11 +1,13 @@
 //! Local lights: which light is in the picture, the list of lights, and the numbers of the selected one.
 
+mod buried;
 mod components;
 mod list;
 mod properties;
 #[cfg(test)]
 mod tests;
 
+pub use components::environment_hint;
 pub use list::add_menu;
 
 use super::widgets::section;
@@ -13,7 +15,9 @@ use crate::{
     actions::Action,
     document::{Bounces, Document},
 };
-use egui::Ui;
+use egui::{RichText, Ui};
+use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
+use lapidary_render::Baked;
 
 /// What the panel shows.
 pub struct LightsContext<'a> {
@@ -23,6 +27,12 @@ pub struct LightsContext<'a> {
     pub selected: Option<usize>,
     /// What the bake that is shown has for bounced light; `None` without a bake.
     pub bounces: Option<Bounces>,
+    /// What that bake is of.
+    pub baked: Option<BakeMode>,
+    /// How the bounces in the picture fade, if that is known.
+    pub energy: Option<BounceEnergy>,
+    /// What lights may be buried in.
+    pub scene: Option<&'a Baked>,
     /// Whether there is a scene to bake.
     pub can_bake: bool,
 }
@@ -33,12 +43,16 @@ pub struct LightsPanel {
     pub aiming: bool,
     /// Whether lights are drawn in the viewport.
     pub in_viewport: bool,
+    /// Whether the clusters that bounced light is gathered from are drawn there.
+    pub shows_clusters: bool,
+    buried: buried::Buried,
     renaming: Option<list::Renaming>,
 }
 
 impl Default for LightsPanel {
     fn default() -> Self {
-        Self { aiming: false, in_viewport: true, renaming: None }
+        let buried = buried::Buried::default();
+        Self { aiming: false, in_viewport: true, shows_clusters: false, buried, renaming: None }
     }
 }
 
@@ -51,10 +65,14 @@ impl LightsPanel {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
-    section(ui, "In the picture", true, |ui| components::show(ui, context, actions));
+    section(ui, "In the picture", true, |ui| components::show(ui, state, context, actions));
     section(ui, "Lights", true, |ui| list::show(ui, state, context, actions));
     if let Some((index, light)) = context.selected.and_then(|i| Some((i, context.document.lights.get(i)?))) {
+        let is_buried = state.buried.contains(context.scene, index, light);
         section(ui, "Selected light", true, |ui| {
+            if is_buried {
+                ui.label(RichText::new(buried::NOTICE).color(ui.visuals().warn_fg_color));
+            }
             properties::show(ui, state, index, light, &context.document.camera, actions);
         });
     }

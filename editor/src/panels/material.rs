@@ -1,4 +1,4 @@
-//! The material inspector: a ball under the scene's light, the BRDF and its parameters, their maps, and the lobe.
+//! The material inspector: a ball under the environment, the BRDF and its parameters, their maps, and the lobe.
 //!
 //! The panel works on a copy of the material and asks for one edit a frame if the copy differs.
 
@@ -7,6 +7,7 @@ mod maps;
 mod parameters;
 mod preview_ball;
 mod preview_worker;
+mod studio;
 mod thumbnails;
 mod transfer;
 
@@ -20,7 +21,7 @@ use lapidary_core::{
     material::Material,
     texture::{ColorSpace, TextureSlot},
 };
-use lapidary_render::SceneLighting;
+use lapidary_render::{Post, SceneLighting};
 use lobe_plot::LobePlot;
 use preview_ball::Ball;
 use preview_worker::Preview;
@@ -40,7 +41,7 @@ pub struct MaterialContext<'a> {
     pub document: &'a Document,
     /// Which of its materials, if any.
     pub selected: Option<usize>,
-    /// The scene's light; `None` until there is a bake.
+    /// The light of the environment, if it is in the picture.
     pub lighting: Option<&'a Arc<SceneLighting>>,
     /// Another number for each change of the light.
     pub light_revision: u64,
@@ -149,21 +150,25 @@ fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     });
 }
 
-/// The material on a ball under the scene's light, or why there is none.
+/// The material on a ball under the environment, or under a studio's light if no environment is in the picture.
 fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, index: usize) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), PREVIEW_SIDE + 8.0), Sense::hover());
+    let (rect, place) = ui.allocate_exact_size(vec2(ui.available_width(), PREVIEW_SIDE + 8.0), Sense::hover());
     ui.painter().rect_filled(rect, 4.0, Color32::from_gray(52));
-    let Some(lighting) = context.lighting else {
-        state.preview.clear();
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let text = "The preview is lit by the scene: bake it first.";
-        ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, Color32::from_gray(160));
-        return;
-    };
-    let textures = context.document.textures.iter().map(|t| t.texture.clone()).collect();
-    let ball = Ball { material: context.document.materials[index].clone(), textures, lighting: lighting.clone() };
-    let size = (PREVIEW_SIDE * ui.pixels_per_point()).round().clamp(64.0, 256.0) as u32;
     let post = context.document.view.post;
+    let (lighting, post, where_) = match context.lighting {
+        Some(lighting) => (Some(lighting.clone()), post, "Under the environment"),
+        // The exposure is for lamps of some other brightness.
+        None => (
+            studio::light(),
+            Post { exposure: 0.0, ..post },
+            "Under a studio's light: no environment is in the picture",
+        ),
+    };
+    place.on_hover_text(where_);
+    let Some(lighting) = lighting else { return };
+    let textures = context.document.textures.iter().map(|t| t.texture.clone()).collect();
+    let ball = Ball { material: context.document.materials[index].clone(), textures, lighting };
+    let size = (PREVIEW_SIDE * ui.pixels_per_point()).round().clamp(64.0, 256.0) as u32;
     match state.preview.picture(ui.ctx(), index, ball, context.light_revision, post, size) {
         Some(picture) => {
             let at = Rect::from_center_size(rect.center(), vec2(PREVIEW_SIDE, PREVIEW_SIDE));

@@ -112,8 +112,12 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
         ViewMode::Normals => "Shading normals after bump and normal maps.",
         ViewMode::Albedo => "Base color after its map.",
         ViewMode::Roughness => "Roughness after its map.",
-        ViewMode::VisibilityCut => "Nodes of the baked visibility cuts: where memory goes.",
-        ViewMode::MergedCut => "Nodes after merging visibility and light: where time goes.",
+        ViewMode::VisibilityCut => {
+            "Nodes of the baked visibility cuts: where memory goes. Over bounce light if the environment was not baked."
+        }
+        ViewMode::MergedCut => {
+            "Nodes after merging visibility and light, of environment and bounce light: where time goes."
+        }
         ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
     }
 }

@@ -18,7 +18,7 @@ use glam::Vec3;
 use handles::{Constraint, Handle, Handles};
 use icons::Icon;
 use lapidary_core::lights::Light;
-use projection::Projection;
+pub use projection::Projection;
 
 /// More lights than this are drawn as lamps only.
 const MOST_SHAPES: usize = 100;

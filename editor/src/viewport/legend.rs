@@ -3,17 +3,19 @@
 //! The colours are those that the renderers display: counts by magma, base colour encoded as sRGB, normals and
 //! roughness as they are.
 
+use super::ViewportContext;
+use crate::{document::Component, panels::units::grouped};
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::{Mat3, Vec3};
-use lapidary_core::{camera::Camera, color::srgb_from_linear};
-use lapidary_render::{ViewMode, compare::map::magma};
+use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeMode};
+use lapidary_render::{ViewMode, compare::map::magma, shows_source_cuts};
 
 /// Distance to the edges of the picture, and inside of the legend.
 const MARGIN: f32 = 12.0;
 const PADDING: f32 = 10.0;
 
 /// Size of a colour bar in points, and of the ball.
-const BAR: Vec2 = vec2(200.0, 10.0);
+const BAR: Vec2 = vec2(240.0, 10.0);
 const BALL_RADIUS: f32 = 26.0;
 
 const TEXT: Color32 = Color32::from_gray(235);
@@ -21,32 +23,78 @@ const FONT: FontId = FontId::proportional(11.0);
 /// Height of a line of that font.
 const LINE: f32 = 14.0;
 
-/// Paints the legend of `mode` into `rect`; the lit picture needs none.
-pub fn paint(painter: &Painter, rect: Rect, mode: ViewMode, illum_cut: u32, camera: &Camera) {
-    match mode {
-        ViewMode::Shaded => {}
-        ViewMode::Normals => ball(painter, rect, camera),
-        _ => bar(painter, rect, &Scale::of(mode, illum_cut)),
+/// Paints the legend of the view into `rect`; the lit picture needs one only if clusters are drawn over it.
+pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
+    let view = &context.document.view;
+    let clusters = context.sources.filter(|_| context.shows_clusters);
+    match (view.mode, clusters) {
+        (ViewMode::Shaded, None) => {}
+        (ViewMode::Shaded, Some(sources)) => {
+            let (points, clusters) = (grouped(sources.tree.len() as u64), grouped(sources.cut.len() as u64));
+            words(
+                painter,
+                rect,
+                &["Bounce light: one color a cluster", &format!("{points} points in {clusters} clusters")],
+            );
+        }
+        (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
+        (mode, _) => {
+            let gathered = Gathered::of(mode, context);
+            bar(painter, rect, &Scale::of(mode, view.illum_cut, gathered));
+        }
+    }
+}
+
+/// What counts are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gathered {
+    environment: bool,
+    bounce: bool,
+}
+
+impl Gathered {
+    fn of(mode: ViewMode, context: &ViewportContext) -> Self {
+        let Some(baked) = context.baked else { return Self { environment: false, bounce: false } };
+        if mode == ViewMode::VisibilityCut {
+            return Self::baked(baked);
+        }
+        let environment = baked.environment() && context.document.components.shows(Component::Environment);
+        Self { environment, bounce: context.sources.is_some() }
+    }
+
+    /// Where the sizes of cuts are from.
+    fn baked(mode: BakeMode) -> Self {
+        Self { environment: mode.environment(), bounce: shows_source_cuts(mode) }
+    }
+
+    fn words(self) -> &'static str {
+        match (self.environment, self.bounce) {
+            (true, true) => ", environment and bounce light",
+            (true, false) => ", environment",
+            (false, true) => ", bounce light",
+            (false, false) => ": nothing is gathered by cuts",
+        }
     }
 }
 
 /// What a colour bar says.
 struct Scale {
-    title: &'static str,
+    title: String,
     color: fn(f32) -> Color32,
     /// From the left end to the right, evenly spaced.
     ticks: Vec<String>,
 }
 
 impl Scale {
-    fn of(mode: ViewMode, illum_cut: u32) -> Self {
+    fn of(mode: ViewMode, illum_cut: u32, gathered: Gathered) -> Self {
         let fractions = || ["0", "0.25", "0.5", "0.75", "1"].map(String::from).into();
         let (color, ticks): (fn(f32) -> Color32, _) = match mode {
             ViewMode::Albedo => (|x| grey(srgb_from_linear(x)), fractions()),
             ViewMode::Roughness => (grey, fractions()),
             _ => (|x| color(magma(x)), count_ticks(mode.count_top(illum_cut))),
         };
-        Self { title: mode.label(), color, ticks }
+        let of_what = if mode.is_count() { gathered.words() } else { "" };
+        Self { title: format!("{}{of_what}", mode.label()), color, ticks }
     }
 }
 
@@ -69,7 +117,7 @@ fn color(display: Vec3) -> Color32 {
 fn bar(painter: &Painter, rect: Rect, scale: &Scale) {
     let area = panel(painter, rect, BAR + vec2(2.0 * PADDING, 2.0 * LINE + 4.0));
     let top_left = pos2(area.center().x - 0.5 * BAR.x, area.top());
-    text(painter, top_left, Align2::LEFT_TOP, scale.title);
+    text(painter, top_left, Align2::LEFT_TOP, &scale.title);
     let bar = Rect::from_min_size(top_left + vec2(0.0, LINE + 2.0), BAR);
     painter.add(Shape::mesh(gradient(bar, scale.color)));
     let last = (scale.ticks.len() - 1) as f32;
@@ -77,6 +125,14 @@ fn bar(painter: &Painter, rect: Rect, scale: &Scale) {
         let x = bar.left() + bar.width() * i as f32 / last;
         painter.vline(x, bar.bottom()..=bar.bottom() + 3.0, Stroke::new(1.0, TEXT));
         text(painter, pos2(x, bar.bottom() + 3.0), Align2::CENTER_TOP, tick);
+    }
+}
+
+/// Lines of text.
+fn words(painter: &Painter, rect: Rect, lines: &[&str]) {
+    let area = panel(painter, rect, vec2(BAR.x, LINE * lines.len() as f32));
+    for (i, line) in lines.iter().enumerate() {
+        text(painter, area.left_top() + vec2(0.0, LINE * i as f32), Align2::LEFT_TOP, line);
     }
 }
 
@@ -157,9 +213,22 @@ fn text(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 mod tests {
     use super::*;
 
+    const ENVIRONMENT: Gathered = Gathered { environment: true, bounce: false };
+
+    #[test]
+    fn counts_say_what_they_are_of_and_other_views_do_not() {
+        let title = |mode, baked| Scale::of(mode, 256, Gathered::baked(baked)).title;
+        let of_cuts = |baked| title(ViewMode::VisibilityCut, baked);
+        assert_eq!(of_cuts(BakeMode::Environment), "Visibility cut size, environment");
+        assert_eq!(of_cuts(BakeMode::Indirect), "Visibility cut size, bounce light");
+        assert_eq!(of_cuts(BakeMode::All), of_cuts(BakeMode::Environment));
+        assert_eq!(of_cuts(BakeMode::Meshless), "Visibility cut size: nothing is gathered by cuts");
+        assert_eq!(title(ViewMode::Roughness, BakeMode::Indirect), "Roughness");
+    }
+
     #[test]
     fn counts_run_from_nothing_to_the_top_in_quarters() {
-        let ticks = |mode: ViewMode, illum_cut| Scale::of(mode, illum_cut).ticks;
+        let ticks = |mode: ViewMode, illum_cut| Scale::of(mode, illum_cut, ENVIRONMENT).ticks;
         assert_eq!(ticks(ViewMode::VisibilityCut, 4096), ["0", "128", "256", "384", "512+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 250), ["0", "250", "500", "750", "1000+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 1)[4], "512+", "no finer than the least range");
@@ -168,7 +237,7 @@ mod tests {
 
     #[test]
     fn ramps_have_the_colours_of_the_picture() {
-        let at = |mode, x| (Scale::of(mode, 256).color)(x);
+        let at = |mode, x| (Scale::of(mode, 256, ENVIRONMENT).color)(x);
         assert_eq!(at(ViewMode::Roughness, 0.5), Color32::from_gray(128));
         assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base colour is encoded");
         assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));

@@ -228,13 +228,15 @@ fn a_closed_room_has_a_full_hemisphere_in_every_cut() {
 #[test]
 fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |name: &str, chunks, threads| {
+    let run = |name: &str, mode, chunks, threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let job = BakeJob { chunks, ..indirect_job(folder.path(), name, BakeMode::All) };
-        indirect_contents(&pool.install(|| bake(interior(), &job, &Silent)).unwrap())
+        let job = BakeJob { chunks, ..indirect_job(folder.path(), name, mode) };
+        let dataset = pool.install(|| bake(interior(), &job, &Silent)).unwrap();
+        (indirect_contents(&dataset), dataset.meshless.is_some())
     };
-    let one = run("a.cuts", Some(1), 1);
-    assert_eq!(one, run("b.cuts", Some(4), 3));
+    let (one, has_meshless) = run("a.cuts", BakeMode::All, Some(1), 1);
+    assert!(has_meshless);
+    assert_eq!((one.clone(), false), run("b.cuts", BakeMode::Cuts, Some(4), 3), "all but the meshless basis");
     let job = indirect_job(folder.path(), "c.cuts", BakeMode::All);
     let stop = CancelIn::phase(Phase::SourceVisibility);
     assert!(matches!(bake(interior(), &job, &stop), Err(BakeError::Cancelled)));

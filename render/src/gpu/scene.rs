@@ -4,7 +4,7 @@ use super::{
     device::GpuDevice,
     layout::{Triangle, Vertex, constants::TWO_SIDED},
 };
-use crate::backend::BackendError;
+use crate::{backend::BackendError, view_mode::visibility_cuts};
 use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
@@ -66,12 +66,12 @@ fn source_cuts(gpu: &GpuDevice, bake: &IndirectBake) -> Result<SourceCuts, Backe
 
 fn vertices(dataset: &Dataset) -> Vec<Vertex> {
     let mesh = &dataset.scene.mesh;
-    let height = dataset.tree.height();
+    let (height, counted) = visibility_cuts(dataset);
     let vertex = |v: usize| Vertex {
         position: mesh.positions[v].to_array(),
         cut_offset: dataset.cuts.offsets()[v],
         normal: mesh.normals[v].to_array(),
-        cut_len: dataset.cuts.cut(height, v as u32).len() as u32,
+        cut_len: counted.cut(height, v as u32).len() as u32,
         tangent: mesh.tangents[v].truncate().to_array(),
         handedness: mesh.tangents[v].w,
         uv: mesh.uvs[v].to_array(),

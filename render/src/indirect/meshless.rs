@@ -7,7 +7,7 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
     lights::Light,
-    meshless::{Flattening, MeshlessBake, Solution, SolveSettings, Solver, irradiance},
+    meshless::{BounceEnergy, Flattening, MeshlessBake, Solution, SolveSettings, Solver, irradiance},
     surfel::Surfel,
 };
 use rayon::prelude::*;
@@ -83,6 +83,11 @@ impl MeshlessRig {
         let vectors = self.at_sources.as_ref()?.apply(&solved.coefficients);
         let received = |(vector, source): (&Mat3A, &Surfel)| irradiance(vector, source.normal).max(Vec3::ZERO);
         Some(vectors.par_iter().zip(sources).map(received).collect())
+    }
+
+    /// How the light of the last solution fades; `None` after a change that was not solved for.
+    pub fn energy(&self) -> Option<BounceEnergy> {
+        self.solved.as_ref().map(Solution::energy)
     }
 
     fn solve(&mut self) -> Option<Arc<Dataset>> {

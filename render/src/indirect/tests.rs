@@ -12,6 +12,7 @@ use lapidary_core::{
         CutCriterion, CutSelector,
         packed::{PackedCuts, pack_node},
     },
+    dataset::BakeMode,
     image::Image,
     indirect::{Source, solid_angle, solid_angle_code},
     lights::Emission,
@@ -348,4 +349,21 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     assert!(rel_rmse(&show(&bare.into(), unlit, ViewMode::Shaded), &sky) < 1e-6);
     let mut nodes = |c| show(&dataset, c, ViewMode::MergedCut).pixels[70].x;
     assert_eq!(nodes(Components::ALL), nodes(environment) + nodes(INDIRECT));
+}
+
+#[test]
+fn the_view_of_visibility_cuts_shows_those_over_sources_where_the_environment_was_not_baked() {
+    let depth = 4;
+    let mut dataset = floor_and_wall(depth);
+    for (mode, is_over_sources) in [(BakeMode::Indirect, true), (BakeMode::All, false)] {
+        dataset.settings.mode = mode;
+        let mut backend = CpuBackend::new();
+        backend.set_scene(&dataset.clone().into()).unwrap();
+        let view = View { mode: ViewMode::VisibilityCut, ..from_above(8) };
+        backend.begin(&view, BrdfSampling::Refine).unwrap();
+        backend.render_rows(0, 0..8).unwrap();
+        // Every vertex of the floor has a cut of all nodes of one depth.
+        let nodes = backend.read(1).unwrap().0.pixels[27].x;
+        assert_eq!((nodes - (1 << depth) as f32).abs() < 1e-3, is_over_sources, "{mode:?}: {nodes}");
+    }
 }

@@ -191,14 +191,15 @@ impl PathEntry {
         }
     }
 
-    /// An entry that is listed: folders and files of this purpose, without hidden ones.
+    /// An entry that is listed: folders and files of this purpose, without hidden ones and what bakes have left.
     fn entry(&self, entry: &std::fs::DirEntry) -> Option<Entry> {
         let path = entry.path();
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_folder = path.is_dir();
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let fits = self.purpose.extensions.contains(&extension.as_str()) && self.purpose.mode != Mode::Folder;
-        (!name.starts_with('.') && (is_folder || fits)).then_some(Entry { name, is_folder })
+        let is_shown = !name.starts_with('.') && !name.ends_with(".cuts.partial");
+        (is_shown && (is_folder || fits)).then_some(Entry { name, is_folder })
     }
 }
 
@@ -226,7 +227,9 @@ mod tests {
         for file in ["b.obj", "a.cuts", "notes.txt", ".hidden.obj"] {
             std::fs::write(folder.path().join(file), b"").unwrap();
         }
-        std::fs::create_dir(folder.path().join("z")).unwrap();
+        for inner in ["z", "a.cuts.partial"] {
+            std::fs::create_dir(folder.path().join(inner)).unwrap();
+        }
         let entry = entry(&Action::Open(None), folder.path(), "");
         let names: Vec<_> = entry.entries.iter().map(|e| e.name.as_str()).collect();
         assert_eq!(names, ["z", "a.cuts", "b.obj"]);

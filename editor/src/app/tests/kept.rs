@@ -81,11 +81,11 @@ fn a_bake_of_other_settings_of_the_bundled_scene_is_not_replaced() {
 }
 
 #[test]
-fn a_bundled_scene_with_lights_waits_for_its_bake_of_bounces() {
+fn a_bundled_scene_with_lights_is_baked_for_their_bounce() {
     let place = Place::new();
     let scene = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf"));
     let ready = opened(bundled(&place, scene));
-    assert!(!ready.bake_now && ready.document.bake.mode == BakeMode::All && ready.document.lights.len() == 1);
+    assert!(ready.bake_now && ready.document.bake.mode == BakeMode::Indirect && ready.document.lights.len() == 1);
     let dark = opened(bundled(&place, &textured(&place)));
     assert!(dark.bake_now && dark.document.bake.mode == BakeMode::Environment, "negative control");
 }

@@ -147,6 +147,6 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     window.0.get_by_label("Lights").click();
     window.0.run_steps(3);
     window.click("Bake with bounce light");
-    assert_eq!(window.0.state().document.bake.mode, BakeMode::All);
+    assert_eq!(window.0.state().document.bake.mode, BakeMode::Cuts);
     assert_eq!(window.0.state().interface.inspector, Inspector::Bake);
 }

@@ -2,7 +2,11 @@
 
 use super::*;
 use crate::jobs::testing::{silent, wait_for};
-use lapidary_core::{dataset::Dataset, import::import};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeMode, Dataset},
+    import::import,
+};
 
 const LIGHTS: usize = 256;
 
@@ -42,11 +46,40 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
     let mut run = BakeRun::start(task, silent());
     let messages = all(&mut run);
     let [BakeMessage::Draft(draft), BakeMessage::Done(dataset)] = &messages[..] else { panic!("{messages:?}") };
-    assert_eq!((draft.dataset.tree.len(), dataset.dataset.tree.len()), (preview_settings().lights, LIGHTS));
+    assert_eq!(
+        (draft.dataset.tree.len(), dataset.dataset.tree.len()),
+        (first_draft(&Preset::Normal.settings()).lights, LIGHTS)
+    );
     assert_eq!(Dataset::read(&output).unwrap().tree.len(), LIGHTS);
     assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
     let progress = run.progress();
     assert_eq!((progress.draft, progress.phase), (false, Some(Phase::Pack)));
+}
+
+/// A floor and a wall, which lies open to it.
+const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 0 1 1\nf 1 4 3 2\nf 1 5 6 4\n";
+
+#[test]
+fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
+    let folder = tempfile::tempdir().unwrap();
+    for (mode, parts) in [(BakeMode::Indirect, (true, false)), (BakeMode::Meshless, (false, true))] {
+        let mut task = task(folder.path(), true);
+        let obj = folder.path().join("corner.obj");
+        std::fs::write(&obj, CORNER).unwrap();
+        task.scene = import(&obj).unwrap().scene.into();
+        let normal = Preset::Draft.settings();
+        let indirect = IndirectSettings { viewpoint: Some(Vec3::new(0.6, 0.5, 0.5)), ..normal.indirect };
+        let meshless = MeshlessSettings { levels: 1, sender_levels: 1, ..normal.meshless };
+        task.job.settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
+        let messages = all(&mut BakeRun::start(task.clone(), silent()));
+        let [BakeMessage::Draft(draft), BakeMessage::Done(whole)] = &messages[..] else { panic!("{messages:?}") };
+        for dataset in [&draft.dataset, &whole.dataset] {
+            assert_eq!((dataset.indirect.is_some(), dataset.meshless.is_some()), parts, "{mode:?}");
+        }
+        let sources = |baked: &Baked| baked.dataset.indirect.as_ref().map_or(0, |bake| bake.sources.len());
+        assert!(sources(draft) <= sources(whole) / 2, "{mode:?}");
+        assert_eq!(first_draft(&task.job.settings).indirect.viewpoint, task.job.settings.indirect.viewpoint);
+    }
 }
 
 #[test]

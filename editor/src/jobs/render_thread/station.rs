@@ -73,6 +73,11 @@ impl Station {
         self.light.as_ref()
     }
 
+    /// Local lights and bounced light of the scene, if there is a scene.
+    pub fn local(&self) -> Option<&LocalLighting> {
+        self.local.as_ref()
+    }
+
     /// Gives the renderer scene, appearance and light of a request, as far as it does not have them. Returns whether it
     /// got another scene.
     pub fn update(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<bool, BackendError> {

@@ -1,114 +1,18 @@
 //! The thread over a renderer that only counts what it is asked for.
 
+mod failures;
+mod fake;
+
 use super::*;
 use crate::{
     document::test_data,
     jobs::testing::{silent, wait_for},
 };
+use fake::{Fake, Log, Shared};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment};
 use lapidary_render::{CpuBackend, LocalLighting, Renderer};
 use std::ops::Range;
-
-/// What the renderer was asked for, and how it is to behave.
-#[derive(Default)]
-struct Log {
-    made: u32,
-    scenes: u32,
-    appearances: u32,
-    lights: u32,
-    /// Size and samples of each picture.
-    begun: Vec<([u32; 2], u32)>,
-    /// Sample and rows.
-    rows: Vec<(u32, Range<u32>)>,
-    displays: u32,
-    local: Vec<LocalLighting>,
-    micros_per_pixel: u64,
-    /// So many calls to render rows lose the device.
-    losses: u32,
-    panics: u32,
-    refuse_scenes: bool,
-}
-
-type Shared = Arc<Mutex<Log>>;
-
-struct Fake {
-    log: Shared,
-    view: Option<View>,
-}
-
-fn lost() -> BackendError {
-    BackendError::DeviceLost { reason: "unplugged".into() }
-}
-
-impl Backend for Fake {
-    fn name(&self) -> String {
-        "fake".into()
-    }
-
-    fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
-        let mut log = self.log.lock().unwrap();
-        log.scenes += 1;
-        if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
-    }
-
-    fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
-        self.log.lock().unwrap().appearances += 1;
-        Ok(Vec::new())
-    }
-
-    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
-        self.log.lock().unwrap().lights += 1;
-        Ok(Vec::new())
-    }
-
-    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
-        self.log.lock().unwrap().local.push(lighting.clone());
-        Ok(Vec::new())
-    }
-
-    fn begin(&mut self, view: &View, _: BrdfSampling) -> Result<(), BackendError> {
-        self.log.lock().unwrap().begun.push((view.size, view.aa));
-        self.view = Some(view.clone());
-        Ok(())
-    }
-
-    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
-        let mut log = self.log.lock().unwrap();
-        if log.losses > 0 {
-            log.losses -= 1;
-            return Err(lost());
-        }
-        if log.panics > 0 {
-            log.panics -= 1;
-            drop(log);
-            panic!("a mistake");
-        }
-        log.rows.push((sample, rows.clone()));
-        let pixels = u64::from(rows.end - rows.start) * u64::from(self.view.as_ref().unwrap().size[0]);
-        let pause = Duration::from_micros(log.micros_per_pixel * pixels);
-        drop(log);
-        std::thread::sleep(pause);
-        Ok(())
-    }
-
-    /// The eye's x in red, the exposure in green.
-    fn display(&mut self, post: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
-        self.log.lock().unwrap().displays += 1;
-        let view = self.view.as_ref().unwrap();
-        let pixels = view.size[0] as usize * view.size[1] as usize;
-        Ok(vec![[view.camera.eye.x as u8, post.exposure as u8, 0, 255]; pixels])
-    }
-
-    fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
-        let size = self.view.as_ref().unwrap().size;
-        Ok((Image::filled(size, Vec3::ONE), vec![1.0; size[0] as usize * size[1] as usize]))
-    }
-
-    fn stats(&mut self) -> Result<PictureStats, BackendError> {
-        Ok(PictureStats::default())
-    }
-}
 
 fn dataset() -> Arc<Dataset> {
     test_data::dataset(&["a"], &[]).into()
@@ -336,48 +240,6 @@ fn the_latest_request_wins_and_interrupts() {
     let log = log.lock().unwrap();
     assert!(log.begun.len() <= 5, "most of the hundred were never begun: {:?}", log.begun);
     assert!(log.rows.iter().all(|r| r.0 == 0), "the first picture was left long before its 64 samples");
-}
-
-#[test]
-fn a_lost_device_is_made_again_three_times_and_then_reported() {
-    let (log, mut thread) = start(Log { losses: 1, ..Log::default() });
-    thread.request(request(1));
-    complete(&mut thread);
-    let made = |log: &Shared| log.lock().unwrap().made;
-    assert_eq!(made(&log), 2);
-    assert!(matches!(&thread.events()[..], [RenderEvent::Remark(text)] if text.contains("unplugged")));
-    log.lock().unwrap().losses = 100;
-    thread.request(request(2));
-    let text = failure(&mut thread);
-    assert!(text.contains("3 times") && text.contains("unplugged"), "{text}");
-    assert_eq!(made(&log), 4, "three restarts in all");
-}
-
-#[test]
-fn a_panic_is_reported_and_the_next_change_starts_anew() {
-    let (log, mut thread) = start(Log { panics: 1, ..Log::default() });
-    thread.request(request(1));
-    thread.read_picture(3);
-    assert!(failure(&mut thread).contains("a mistake"));
-    thread.request(request(2));
-    complete(&mut thread);
-    assert_eq!(log.lock().unwrap().made, 2);
-}
-
-#[test]
-fn a_refused_scene_is_reported_once() {
-    let (log, mut thread) = start(Log { refuse_scenes: true, ..Log::default() });
-    let mut refused = request(1);
-    thread.request(refused.clone());
-    assert!(failure(&mut thread).contains("too large"));
-    refused.view.camera.eye.x = 4.0;
-    thread.request(refused.clone());
-    linger();
-    assert!(thread.events().is_empty() && thread.frames().is_none());
-    log.lock().unwrap().refuse_scenes = false;
-    refused.view.camera.eye.x = 5.0;
-    thread.request(refused);
-    complete(&mut thread);
 }
 
 #[test]

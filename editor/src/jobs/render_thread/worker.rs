@@ -265,6 +265,7 @@ impl Worker {
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(light)) = (&self.begun, self.station.light().cloned()) else { return Ok(()) };
         let Some(baked) = request.baked.clone() else { return Ok(()) };
+        let local = self.station.local().cloned().unwrap_or_default();
         let backend = self.station.backend()?;
         let frame = RenderedFrame {
             dataset: baked.dataset,
@@ -277,6 +278,7 @@ impl Worker {
             millis: begun.millis,
             lighting: light.lighting,
             light_revision: light.revision,
+            local,
             backend: backend.name(),
         };
         self.reported = None;

@@ -70,7 +70,8 @@ impl Speed {
 
     fn from_report(report: Option<&BakeReport>, cores: usize) -> Self {
         let measured = report.map(|r| r.samples_per_second).filter(|s| *s > 0.0);
-        let cut = report.filter(|r| r.mean_cut > 0.0 && r.sigma > 0.0).map(|r| (r.mean_cut, r.lights, r.sigma));
+        let has_cuts = |r: &&BakeReport| r.mode.environment() && r.mean_cut > 0.0 && r.sigma > 0.0;
+        let cut = report.filter(has_cuts).map(|r| (r.mean_cut, r.lights, r.sigma));
         Self {
             source_vertices: None,
             pairs_per_second: measured.unwrap_or(PAIRS_PER_SECOND_AND_CORE * cores.max(1) as f64),
@@ -101,11 +102,15 @@ impl Speed {
         (vertices * settings.lights as f64 / self.pairs_per_second, bytes.min(most))
     }
 
-    /// Those of surface samples: the cuts of vertices over them, and their own over the environment.
+    /// Those of surface samples: the cuts of vertices over them, and their own over the environment if that is baked.
     fn sources(&self, settings: &BakeSettings, vertices: f64) -> (f64, f64) {
         let (sources, lights) = (settings.indirect.sources as f64, settings.lights as f64);
+        let (lights, own_nodes) = match settings.mode.environment() {
+            true => (lights, self.cut_size(settings)),
+            false => (0.0, 1.0),
+        };
         let pairs = FACING * vertices * sources + sources * lights;
-        let nodes = vertices * self.mean_source_cut + sources * self.cut_size(settings);
+        let nodes = vertices * self.mean_source_cut + sources * own_nodes;
         (pairs / self.pairs_per_second, nodes * NODE_BYTES + sources * SOURCE_BYTES)
     }
 
@@ -156,6 +161,9 @@ mod tests {
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
         assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
         assert_ne!(speed(None).estimate(&settings).unwrap().bytes, estimate.bytes);
+        let dark = BakeReport { mode: BakeMode::Indirect, mean_cut: 1.0, ..report };
+        let estimate = speed(Some(&dark)).estimate(&settings).unwrap();
+        assert_eq!(estimate.bytes, speed(None).estimate(&settings).unwrap().bytes, "its cuts are of nothing");
     }
 
     #[test]
@@ -188,10 +196,16 @@ mod tests {
     fn both_cost_what_their_parts_cost() {
         let settings = Preset::Normal.settings();
         let cost = |mode| speed(None).estimate(&BakeSettings { mode, ..settings.clone() }).unwrap();
-        let parts = [BakeMode::Environment, BakeMode::Indirect, BakeMode::Meshless].map(cost);
+        let parts = [BakeMode::Cuts, BakeMode::Meshless].map(cost);
         let all = cost(BakeMode::All);
         assert!((all.secs - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);
         assert!(all.bytes.abs_diff(parts.iter().map(|p| p.bytes).sum()) < 4);
         assert!(parts.iter().all(|part| part.secs < all.secs && part.bytes < all.bytes && part.bytes > 0));
+        let [environment, indirect] = [BakeMode::Environment, BakeMode::Indirect].map(cost);
+        let on_sources = 32_768.0 * 32_768.0 / 15e6;
+        assert!(
+            (parts[0].secs - environment.secs - indirect.secs - on_sources).abs() < 1e-6,
+            "sources see the sky too"
+        );
     }
 }

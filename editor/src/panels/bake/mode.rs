@@ -1,33 +1,64 @@
-//! What a bake is of: visibility of the environment, of surfaces that send light on, or both.
+//! What a bake is of: light from outside, light that surfaces send on, or both. Each choice says what it gives and costs.
 
+use super::estimate::Speed;
 use crate::{
     actions::Action,
-    panels::{entries::combo_row, widgets::check_row},
+    panels::{entries::combo_row, units::duration, widgets::check_row},
 };
-use egui::Ui;
-use lapidary_core::dataset::BakeMode;
+use egui::{RichText, Ui};
+use lapidary_core::dataset::{BakeMode, BakeSettings};
 
-/// The choice for most bakes.
-pub fn show(ui: &mut Ui, mode: BakeMode, actions: &mut Vec<Action>) {
-    let mut choices = vec![
-        (BakeMode::Environment, "Environment", "For scenes that are lit from outside. Local lights do not bounce."),
-        (BakeMode::Indirect, "Bounce light", "For rooms that are lit by local lights alone."),
-        (BakeMode::All, "Both", "Environment, local lights and the light that surfaces send on, in one picture."),
-    ];
+/// The choice for most bakes, and what the chosen one gives and costs.
+pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {
+    let mode = bake.mode;
+    let mut modes = vec![BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::All];
     if mode == BakeMode::Meshless {
-        choices.push((mode, "Meshless bounces only", "See Advanced."));
+        modes.push(mode);
     }
+    let costs: Vec<String> =
+        modes.iter().map(|&mode| gives_and_costs(&BakeSettings { mode, ..bake.clone() }, speed)).collect();
+    let choices: Vec<_> = modes.iter().zip(&costs).map(|(&mode, text)| (mode, name(mode), text.as_str())).collect();
     let mut chosen = mode;
     if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::ChooseBake(chosen));
     }
+    ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());
+}
+
+/// Name for people.
+pub fn name(mode: BakeMode) -> &'static str {
+    match mode {
+        BakeMode::Environment => "Environment",
+        BakeMode::Indirect => "Bounce light",
+        BakeMode::Cuts => "Environment and bounce light",
+        BakeMode::Meshless => "Many soft bounces only",
+        BakeMode::All => "All, with many bounces",
+    }
+}
+
+fn gives(mode: BakeMode) -> &'static str {
+    match mode {
+        BakeMode::Environment => "Light of the environment; nothing bounces. For objects lit from outside.",
+        BakeMode::Indirect => {
+            "One bounce of the lights, sharp in glossy surfaces, without the environment: the quickest for a room with lamps."
+        }
+        BakeMode::Cuts => "Light of the environment, and one bounce of it and of the lights. For a room with windows.",
+        BakeMode::Meshless => {
+            "Many soft bounces of the lights, none sharp in glossy surfaces, without the environment."
+        }
+        BakeMode::All => "Environment and bounce light, and the meshless basis for further bounces. Takes longest.",
+    }
+}
+
+fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
+    let cost = speed.estimate(bake).map_or(String::new(), |e| format!(" About {}.", duration(e.secs)));
+    gives(bake.mode).to_owned() + &cost
 }
 
 /// The choice for few: many bounces without the cuts.
 pub fn advanced(ui: &mut Ui, mode: BakeMode, actions: &mut Vec<Action>) {
     let mut is_meshless = mode == BakeMode::Meshless;
-    let help = "Bakes only the meshless basis: many soft bounces, no sharp ones. Both has it as well.";
-    if check_row(ui, "Meshless bounces only", help, &mut is_meshless).changed {
+    if check_row(ui, "Many soft bounces only", gives(BakeMode::Meshless), &mut is_meshless).changed {
         actions.push(Action::ChooseBake(if is_meshless { BakeMode::Meshless } else { BakeMode::Indirect }));
     }
 }

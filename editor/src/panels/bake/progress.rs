@@ -1,6 +1,6 @@
-//! How far a bake is: one bar a phase, and when the present one will end.
+//! How far a bake is: one bar a step, and when the present one will end. Phases have names that tell what light they are for.
 
-use super::BakeStatus;
+use super::{BakeStatus, Draft};
 use crate::{
     actions::Action,
     panels::units::{duration, grouped},
@@ -11,10 +11,18 @@ use lapidary_precompute::Phase;
 
 /// Shows a running bake, with a button to stop it.
 pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
-    let BakeStatus::Running { mode, phase, done, total, unit, elapsed_secs, phase_elapsed_secs } = *status else {
+    let BakeStatus::Running { mode, draft, phase, done, total, unit, elapsed_secs, phase_elapsed_secs } = *status
+    else {
         return;
     };
-    let shown: Vec<Phase> = Phase::ALL.into_iter().filter(|p| *p == phase || runs_in(*p, mode)).collect();
+    let title = match draft {
+        Draft::None => "Baking",
+        Draft::UnderWay => "Baking a first draft",
+        Draft::Shown => "Baking in full",
+    };
+    ui.strong(title);
+    ui.label(RichText::new(draft.meaning()).weak().small());
+    let shown = steps(phase, mode);
     let current = shown.iter().position(|p| *p == phase).unwrap_or_default();
     Grid::new("phases").num_columns(2).show(ui, |ui| {
         for (i, shown) in shown.iter().enumerate() {
@@ -34,11 +42,50 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
     if total > 0 {
         ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
     }
-    ui.label(remaining(done, total, phase_elapsed_secs));
+    let left = time_left(done, total, phase_elapsed_secs);
+    ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
     if ui.button("Cancel").on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
         actions.push(Action::CancelBake);
     }
+}
+
+impl Draft {
+    /// What is on the screen, and what comes.
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::None => "The picture stays as it is until the bake is complete.",
+            Self::UnderWay => "It is coarse, and shown as soon as it is there. The full bake follows by itself.",
+            Self::Shown => {
+                "The picture shows the draft: lights and materials can be edited. The full bake replaces it."
+            }
+        }
+    }
+}
+
+/// One line about a bake at work: what it does, how far that is, and when it ends.
+pub fn line(status: &BakeStatus) -> Option<String> {
+    let BakeStatus::Running { mode, draft, phase, done, total, phase_elapsed_secs, .. } = *status else { return None };
+    let shown = steps(phase, mode);
+    let step = shown.iter().position(|p| *p == phase).unwrap_or_default() + 1;
+    let what = match draft {
+        Draft::None => "Baking",
+        Draft::UnderWay => "Baking a draft, the full bake follows",
+        Draft::Shown => "Draft shown, baking in full",
+    };
+    let mut line = format!("{what}: {}", described(phase).0);
+    if total > 0 {
+        line += &format!(", {:.0} %", 100.0 * (done as f64 / total as f64).min(1.0));
+    }
+    if let Some(left) = time_left(done, total, phase_elapsed_secs) {
+        line += &format!(", {left} left");
+    }
+    Some(format!("{line} (step {step} of {})", shown.len()))
+}
+
+/// The phases of a bake of this mode, and the present one in any case.
+fn steps(phase: Phase, mode: BakeMode) -> Vec<Phase> {
+    Phase::ALL.into_iter().filter(|p| *p == phase || runs_in(*p, mode)).collect()
 }
 
 /// Whether a bake of this mode goes through a phase; the light tree is made for any.
@@ -55,28 +102,26 @@ fn runs_in(phase: Phase, mode: BakeMode) -> bool {
 /// A phase's name and what it does.
 pub fn described(phase: Phase) -> (&'static str, &'static str) {
     match phase {
-        Phase::Import => ("Import", "Reading the scene."),
-        Phase::Tessellate => ("Tessellate", "Splitting triangles where visibility varies."),
-        Phase::Pilot => ("Pilot", "Visibility of a few vertices, to cluster the lights by."),
-        Phase::Tree => ("Light tree", "Clustering the lights."),
-        Phase::Visibility => ("Visibility", "Tracing every vertex against every light."),
-        Phase::Points => ("Sources", "Placing surface sources where light reaches."),
-        Phase::SourceTree => ("Source tree", "Clustering the sources."),
-        Phase::SourceVisibility => ("Bounces", "Tracing every vertex against every source."),
-        Phase::SourceEnvironment => ("Sky of sources", "Tracing every source against every light."),
-        Phase::Basis => ("Basis", "Placing the points of the meshless basis."),
-        Phase::Transport => ("Transport", "Light between the functions of the meshless basis."),
-        Phase::Pack => ("Pack", "Packing and writing the dataset."),
+        Phase::Import => ("Reading the scene", "Geometry and materials."),
+        Phase::Tessellate => ("Refining the mesh", "Splitting triangles where shadows vary."),
+        Phase::Pilot => ("First look at shadows", "Visibility of a few vertices, to group directions of light by."),
+        Phase::Tree => ("Grouping directions", "The light tree: directions of the environment that are alike."),
+        Phase::Visibility => ("Light from outside", "Tracing every vertex against the environment."),
+        Phase::Points => ("Placing surface points", "The points that send bounce light, where light can reach."),
+        Phase::SourceTree => ("Grouping surface points", "The source tree: points that send light alike."),
+        Phase::SourceVisibility => ("Light between surfaces", "Tracing every vertex against the surface points."),
+        Phase::SourceEnvironment => ("Outside on surfaces", "Tracing every surface point against the environment."),
+        Phase::Basis => ("Points for soft bounces", "Placing the points of the meshless basis."),
+        Phase::Transport => ("Soft bounces of light", "Light between the points of the meshless basis."),
+        Phase::Pack => ("Writing the bake", "Packing it and writing the file."),
     }
 }
 
-/// How long the present phase will still take, at the mean speed so far.
-fn remaining(done: u64, total: u64, phase_elapsed_secs: f64) -> String {
-    if done == 0 || total == 0 {
-        return "Time left is not known yet".into();
-    }
-    let left = total.saturating_sub(done) as f64 * phase_elapsed_secs / done as f64;
-    format!("About {} left in this phase", duration(left))
+/// How long the present phase will still take, at the mean speed so far, if that is known.
+fn time_left(done: u64, total: u64, phase_elapsed_secs: f64) -> Option<String> {
+    let left = || total.saturating_sub(done) as f64 * phase_elapsed_secs / done as f64;
+    // Some steps have a little to do after all units are done.
+    (done > 0 && done < total).then(|| duration(left()))
 }
 
 #[cfg(test)]
@@ -85,17 +130,39 @@ mod tests {
 
     #[test]
     fn time_left_follows_from_the_speed_so_far() {
-        assert_eq!(remaining(25, 100, 20.0), "About 1 min 00 s left in this phase");
-        assert_eq!(remaining(100, 100, 20.0), "About 0.0 s left in this phase");
-        assert_eq!(remaining(0, 100, 20.0), remaining(5, 0, 20.0));
-        assert_ne!(remaining(50, 100, 20.0), remaining(25, 100, 20.0));
+        assert_eq!(time_left(25, 100, 20.0).unwrap(), "1 min 00 s");
+        assert_eq!(
+            [(0, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
+            [None, None, None]
+        );
+        assert_ne!(time_left(50, 100, 20.0), time_left(25, 100, 20.0));
+    }
+
+    #[test]
+    fn the_line_says_what_is_a_draft_and_what_comes() {
+        let running = |draft, phase, done| BakeStatus::Running {
+            mode: BakeMode::Indirect,
+            draft,
+            phase,
+            done,
+            total: 1000,
+            unit: "points",
+            elapsed_secs: 90.0,
+            phase_elapsed_secs: 45.0,
+        };
+        let line = |draft, phase, done| line(&running(draft, phase, done)).unwrap();
+        let drafting = line(Draft::UnderWay, Phase::Points, 0);
+        assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface points, 0 % (step 4 of 7)");
+        let shown = line(Draft::Shown, Phase::SourceVisibility, 450);
+        assert_eq!(shown, "Draft shown, baking in full: Light between surfaces, 45 %, 55 s left (step 6 of 7)");
+        assert_eq!(super::line(&BakeStatus::UpToDate), None);
     }
 
     #[test]
     fn each_mode_shows_its_phases_under_names_of_their_own() {
         let phases = |mode| Phase::ALL.into_iter().filter(|p| runs_in(*p, mode)).count();
-        let modes = [BakeMode::Environment, BakeMode::Indirect, BakeMode::Meshless, BakeMode::All];
-        assert_eq!(modes.map(phases), [6, 7, 6, 12]);
+        let modes = [BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::Meshless, BakeMode::All];
+        assert_eq!(modes.map(phases), [6, 7, 10, 6, 12]);
         let names: std::collections::BTreeSet<_> = Phase::ALL.map(|p| described(p).0).into();
         assert_eq!(names.len(), Phase::ALL.len());
         assert!(!runs_in(Phase::Points, BakeMode::Environment) && !runs_in(Phase::Visibility, BakeMode::Indirect));

@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport) {
             ui.end_row();
         }
     });
-    if report.cut_size_histogram.iter().any(|count| *count > 0) {
+    if report.mode.environment() && report.cut_size_histogram.iter().any(|count| *count > 0) {
         ui.add_space(4.0);
         ui.label(RichText::new("Nodes of the visibility cuts").weak());
         histogram(ui, &report.cut_size_histogram);
@@ -141,8 +141,8 @@ mod tests {
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
-        assert_eq!(value("Time, visibility"), Some("12 s"));
-        assert_eq!(value("Time, tree"), None);
+        assert_eq!(value("Time, light from outside"), Some("12 s"));
+        assert_eq!(value("Time, grouping directions"), None);
     }
 
     #[test]
@@ -153,7 +153,7 @@ mod tests {
         let rows = rows(&BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() });
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));
-        assert_eq!((value("Bounce error"), value("Time, bounces")), (Some("4.2 %"), Some("6.0 s")));
+        assert_eq!((value("Bounce error"), value("Time, light between surfaces")), (Some("4.2 %"), Some("6.0 s")));
         assert_eq!([value("Lights"), value("Mean cut"), value("Basis")], [None; 3]);
     }
 }

@@ -1,5 +1,6 @@
 //! Whether a bake would give another dataset than the one there is, and why.
 
+use super::mode::name as mode_name;
 use crate::{document::Document, panels::units::grouped};
 use lapidary_core::{
     dataset::{BakeMode, BakeSettings, Dataset},
@@ -59,7 +60,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Pilot clusters", grouped(*pilot_clusters as u64)),
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
         ("Bytes", limit(*max_bytes)),
-        ("Mode", format!("{mode:?}").to_lowercase()),
+        ("Bake of", mode_name(*mode).to_lowercase()),
         ("Sources", of_sources(grouped(indirect.sources as u64))),
         ("Source sigma", of_sources(indirect.criterion.sigma.to_string())),
         ("Largest solid angle", of_sources(indirect.criterion.max_solid_angle.to_string())),

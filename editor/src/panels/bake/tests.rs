@@ -94,6 +94,7 @@ fn bake_resume_and_cancel_ask_for_what_they_say() {
 fn a_running_bake_shows_progress_and_can_be_cancelled() {
     let running = BakeStatus::Running {
         mode: BakeMode::Environment,
+        draft: Draft::None,
         phase: Phase::Visibility,
         done: 250,
         total: 1000,
@@ -103,12 +104,12 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     };
     let mut panel = panel(running, document(), None);
     assert!(panel.query_by_label("250 of 1,000 points").is_some());
-    assert!(panel.query_by_label("About 1 min 00 s left in this phase").is_some());
+    assert!(panel.query_by_label("About 1 min 00 s left in this step").is_some());
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
-    let phases = ["Pilot progress", "Visibility progress", "Pack progress"];
+    let phases = ["First look at shadows progress", "Light from outside progress", "Writing the bake progress"];
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
-    assert!(panel.query_by_label("Bounces progress").is_none(), "negative control: the environment alone");
+    assert!(panel.query_by_label("Light between surfaces progress").is_none(), "negative control: no bounces");
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
 }
 
@@ -116,6 +117,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
 fn a_bake_of_bounces_shows_its_own_phases() {
     let running = BakeStatus::Running {
         mode: BakeMode::Indirect,
+        draft: Draft::Shown,
         phase: Phase::SourceVisibility,
         done: 300,
         total: 400,
@@ -125,9 +127,12 @@ fn a_bake_of_bounces_shows_its_own_phases() {
     };
     let panel = panel(running, document(), None);
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
-    let phases = ["Import progress", "Source tree progress", "Bounces progress", "Pack progress"];
+    let phases = ["Reading the scene", "Grouping surface points", "Light between surfaces", "Writing the bake"];
+    let percent = |name: &str| percent(&format!("{name} progress"));
     assert_eq!(phases.map(percent), [Some(100.0), Some(100.0), Some(75.0), Some(0.0)]);
-    assert!(panel.query_by_label("Visibility progress").is_none() && panel.query_by_label("Basis progress").is_none());
+    let others = ["Light from outside", "Points for soft bounces"];
+    assert!(others.iter().all(|name| panel.query_by_label(name).is_none()));
+    assert!(panel.query_by_label_contains("shows the draft").is_some());
 }
 
 #[test]
@@ -230,6 +235,7 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
     both.state_mut().actions.clear();
     both.get_by_label("Bake of").click();
     both.run();
+    assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
     both.get_by_label("Bounce light").click();
     both.run();
     assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeMode::Indirect)]));

@@ -1,6 +1,6 @@
 //! The list of lights: on and off, select, rename, delete, add, load and save.
 
-use super::{LightsContext, LightsPanel};
+use super::{LightsContext, LightsPanel, buried::NOTICE};
 use crate::{
     actions::Action,
     document::{Edit, lights::LightKind},
@@ -8,8 +8,8 @@ use crate::{
     viewport::gizmo::display_color,
 };
 use egui::{
-    Button, Key, Layout, Rect, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
-    vec2,
+    Align2, Button, Key, Layout, Rect, Response, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,
+    TextEdit, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lapidary_core::lights::Light;
 
@@ -65,6 +65,9 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
         state.renaming = None;
         actions.push(Action::DeleteLight(index));
     }
+    if state.buried.contains(context.scene, index, light) {
+        warning_sign(ui, &format!("{} is inside an object", light.name)).on_hover_text(NOTICE);
+    }
     ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
         eye(ui, index, light, actions);
         swatch(ui, light);
@@ -83,6 +86,14 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
         let kind = LightKind::of(light).label();
         name.on_hover_text(format!("{kind} light. Double-click to rename it"));
     });
+}
+
+fn warning_sign(ui: &mut Ui, what: &str) -> Response {
+    let (rect, sign) = ui.allocate_exact_size(vec2(SWATCH, ui.spacing().interact_size.y), Sense::hover());
+    sign.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), what));
+    let font = TextStyle::Heading.resolve(ui.style());
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, "!", font, ui.visuals().warn_fg_color);
+    sign
 }
 
 /// An open eye, or a closed one for a light that is off.

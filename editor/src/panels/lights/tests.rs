@@ -12,13 +12,17 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::BakeMode,
     lights::{Emission, Light},
+    meshless::BounceEnergy,
 };
-use lapidary_render::Solution;
+use lapidary_render::{Baked, Solution};
 
 struct Probe {
     document: Document,
     selected: Option<usize>,
     bounces: Option<Bounces>,
+    baked: Option<BakeMode>,
+    energy: Option<BounceEnergy>,
+    scene: Option<Baked>,
     panel: LightsPanel,
     actions: Vec<Action>,
 }
@@ -30,11 +34,21 @@ fn light(kind: LightKind) -> Light {
 fn panel(selected: Option<usize>, bounces: Option<Bounces>) -> Harness<'static, Probe> {
     let document = Document { lights: LightKind::ALL.map(light).into(), ..Document::empty() };
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, selected, bounces, panel, actions } = probe;
-        let context = LightsContext { document, selected: *selected, bounces: *bounces, can_bake: true };
+        let Probe { document, selected, bounces, baked, energy, scene, panel, actions } = probe;
+        let (bounces, baked, energy, scene) = (*bounces, *baked, *energy, scene.as_ref());
+        let context = LightsContext { document, selected: *selected, bounces, baked, energy, scene, can_bake: true };
         show(ui, panel, &context, actions);
     };
-    let probe = Probe { document, selected, bounces, panel: LightsPanel::default(), actions: Vec::new() };
+    let probe = Probe {
+        document,
+        selected,
+        bounces,
+        baked: None,
+        energy: None,
+        scene: None,
+        panel: LightsPanel::default(),
+        actions: Vec::new(),
+    };
     let mut panel = Harness::builder().with_size(vec2(WIDTH, 900.0)).build_ui_state(show, probe);
     panel.run();
     assert!(panel.state().actions.is_empty(), "showing asks for nothing");
@@ -164,7 +178,7 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     assert!(none.query_by_label("Bounce by").is_none());
     let mut none = none;
     let asked = click(&mut none, "Bake with bounce light");
-    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::All)]));
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Cuts)]), "the environment stays baked");
     let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
     assert!(both.query_by_label("Bake with bounce light").is_none());
     click(&mut both, "Bounce by");
@@ -174,4 +188,82 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     let mut cuts = panel(None, Some(Bounces { cuts: true, meshless: false }));
     click(&mut cuts, "Bounce by");
     assert!(cuts.query_by_label("Meshless").is_none());
+}
+
+#[test]
+fn a_bake_without_the_environment_says_so_while_it_is_wanted() {
+    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: false }));
+    let offers = |panel: &Harness<Probe>| panel.query_by_label("Bake with the environment").is_some();
+    assert!(!offers(&panel), "negative control: no bake");
+    panel.state_mut().baked = Some(BakeMode::Indirect);
+    panel.run();
+    assert_fits(&panel, WIDTH);
+    assert!(matches!(click(&mut panel, "Bake with the environment")[..], [Action::ChooseBake(BakeMode::Cuts)]));
+    panel.state_mut().document.components.environment = false;
+    panel.run();
+    assert!(!offers(&panel));
+}
+
+#[test]
+fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
+    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    let says = |panel: &Harness<Probe>, text: &str| panel.query_by_label_contains(text).is_some();
+    assert!(!says(&panel, "Bounces:"));
+    let mut show = |last_share, missing_share| {
+        panel.state_mut().energy = Some(BounceEnergy { bounces: 4, last_share, missing_share });
+        panel.run();
+        assert_fits(&panel, WIDTH);
+        (says(&panel, "Bounces: 4, the last carries"), says(&panel, "Lower the base color"), says(&panel, "33 %"))
+    };
+    assert_eq!(show(0.003, 0.002), (true, false, false));
+    assert_eq!(show(0.1, 0.33), (true, true, true));
+    assert_eq!(show(0.2, 1.0), (true, true, false), "without end");
+}
+
+/// A closed box around the origin whose triangles face outward, of which each light sees the inside.
+fn closed_box() -> Baked {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 0.2 - 0.1;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<_> = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mut dataset = test_data::dataset(&[""], &[]);
+    dataset.two_sided = vec![false; triangles.len()];
+    dataset.vertex_valid = vec![true; 8];
+    let mesh = &mut dataset.scene.mesh;
+    mesh.positions = (0..8).map(corner).collect();
+    mesh.normals = (0..8).map(|i| corner(i).normalize()).collect();
+    mesh.tangents = vec![glam::Vec4::X; 8];
+    mesh.uvs = vec![glam::Vec2::ZERO; 8];
+    (mesh.triangle_material, mesh.triangle_object) = (vec![0; triangles.len()], vec![0; triangles.len()]);
+    mesh.triangles = triangles;
+    let baked = Baked::from(dataset);
+    baked.intersector();
+    baked
+}
+
+#[test]
+fn a_light_inside_an_object_is_marked_and_told_how_to_mend() {
+    let mut panel = panel(Some(0), None);
+    panel.state_mut().scene = Some(closed_box());
+    let point = Light { position: Vec3::new(0.02, 0.01, 0.0), ..light(LightKind::Point) };
+    panel.state_mut().document.lights = vec![point.clone()];
+    panel.run();
+    let marked = |panel: &Harness<Probe>| panel.query_by_label("Point is inside an object").is_some();
+    assert!(marked(&panel) && panel.query_by_label_contains("Move it into the open").is_some());
+    assert_fits(&panel, WIDTH);
+    panel.state_mut().document.lights[0].position = Vec3::ONE;
+    panel.run();
+    assert!(!marked(&panel), "it was moved out");
+}
+
+#[test]
+fn thousands_of_lights_have_as_many_rows_as_can_be_seen() {
+    let mut panel = panel(Some(0), None);
+    panel.state_mut().scene = Some(closed_box());
+    let numbered = |i| Light { name: format!("Lamp {i}"), ..light(LightKind::Point) };
+    panel.state_mut().document.lights = (0..3000).map(numbered).collect();
+    let start = std::time::Instant::now();
+    panel.run_steps(20);
+    let rows = panel.query_all_by_label_contains("Switch off Lamp").count();
+    assert!((4..20).contains(&rows), "{rows}");
+    assert!(start.elapsed().as_secs_f32() < 2.0, "20 frames took {:?}", start.elapsed());
 }

@@ -88,11 +88,6 @@ impl Preview {
         self.shown.as_ref().filter(|(shown, _)| *shown == index).map(|(_, picture)| picture)
     }
 
-    /// Forgets the last picture: there is no light, or it was of another document.
-    pub fn clear(&mut self) {
-        (self.asked, self.shown) = (None, None);
-    }
-
     /// Whether there is a picture.
     #[cfg(test)]
     pub fn has_picture(&self) -> bool {

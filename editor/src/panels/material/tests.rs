@@ -346,13 +346,15 @@ fn nothing_selected_and_nothing_open_are_no_errors() {
 fn the_preview_arrives_and_the_panel_comes_to_rest() {
     let tree = LightTree::geometric(64).unwrap();
     let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 64], 16));
-    let mut harness = harness(|app| app.lighting = Some(lighting));
-    for _ in 0..1000 {
-        harness.step();
-        if harness.state().panel.preview.has_picture() {
-            return;
-        }
-        thread::sleep(Duration::from_millis(5));
+    for light in [Some(lighting), None] {
+        let lit_by = light.as_ref().map_or("a studio", |_| "the environment");
+        let mut harness = harness(|app| app.lighting = light);
+        let arrived = (0..1000).any(|_| {
+            harness.step();
+            thread::sleep(Duration::from_millis(5));
+            harness.state().panel.preview.has_picture()
+        });
+        assert!(arrived, "no preview under {lit_by}");
+        harness.run();
     }
-    panic!("no preview came");
 }

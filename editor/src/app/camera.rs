@@ -1,0 +1,57 @@
+//! Where the document is seen from: framed, put back, copied and pasted.
+
+use super::state::EditorState;
+use crate::viewport::{camera_text, navigation, pick};
+use egui::Context;
+use lapidary_core::{camera::Camera, scene::Bounds};
+
+impl EditorState {
+    pub(super) fn frame_selection(&mut self) {
+        if let Some(bounds) = self.light_bounds() {
+            self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
+            return;
+        }
+        let bounds = self.scene.shown().zip(self.selection.object);
+        match bounds.and_then(|(baked, object)| pick::object_bounds(&baked.dataset.scene.mesh, object)) {
+            Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
+            None => self.frame_all(),
+        }
+    }
+
+    pub(super) fn frame_all(&mut self) {
+        if let Some(bounds) = self.scene_bounds() {
+            self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
+        }
+    }
+
+    /// Goes back to where the document was first seen from.
+    pub(super) fn reset_camera(&mut self) {
+        if let Some(view) = &self.scene.first_view {
+            self.document.camera = view.fitted(self.scene_bounds(), self.aspect());
+        }
+    }
+
+    pub(super) fn scene_bounds(&self) -> Option<Bounds> {
+        let baked = self.scene.baked.as_ref().map(|baked| &baked.dataset.scene);
+        let scene = baked.or(self.scene.source.as_ref().map(|source| &*source.scene));
+        scene.map(|scene| scene.mesh.bounds())
+    }
+
+    fn aspect(&self) -> f32 {
+        let [width, height] = self.interface.viewport_size;
+        width as f32 / height.max(1) as f32
+    }
+
+    pub(super) fn copy_camera(&mut self, ctx: &Context) {
+        ctx.copy_text(camera_text::text(&self.document.camera));
+        self.messages.note("The camera is on the clipboard, as options of lapidary render");
+    }
+
+    /// Moves the camera to what a text on the clipboard says.
+    pub(super) fn paste_camera(&mut self, text: &str) {
+        match camera_text::parse(text) {
+            Ok(camera) => self.document.camera = Camera { name: self.document.camera.name.clone(), ..camera },
+            Err(error) => self.messages.error(format!("The clipboard holds no camera: {error:#}")),
+        }
+    }
+}

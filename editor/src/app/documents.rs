@@ -1,0 +1,175 @@
+//! Documents come and go: opened, saved, left after a question, and their missing files looked for.
+
+use super::{
+    first_view::FirstView,
+    opening::{Opened, Ready, Target},
+    prompts::{Prompt, Then},
+    state::{EditorState, OpenScene, Selection},
+};
+use crate::{
+    actions::Action,
+    document::{Document, History, library::maps_in, session},
+};
+use egui::{Context, ViewportCommand};
+use lapidary_precompute::Leftover;
+use std::path::{Path, PathBuf};
+
+impl EditorState {
+    /// The window closes, after changes were asked about.
+    pub(super) fn quit(&mut self, ctx: &Context) {
+        if self.history.is_modified() {
+            self.ask(Prompt::Unsaved { then: Then::Quit });
+        } else {
+            self.leave_now(ctx, Then::Quit);
+        }
+    }
+
+    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
+    pub(super) fn ask(&mut self, prompt: Prompt) {
+        if let Prompt::Unsaved { .. } = prompt {
+            self.prompts.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));
+        }
+        self.prompts.push_back(prompt);
+    }
+
+    /// Goes on without asking.
+    pub(super) fn leave_now(&mut self, ctx: &Context, then: Then) {
+        match then {
+            Then::Show(ready) => self.take_document(*ready),
+            Then::Quit => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+        }
+    }
+
+    /// Opens one of the scenes that come with the program.
+    pub fn open_bundled(&mut self, index: usize) {
+        match self.bundled.scenes.get(index).cloned() {
+            Some(scene) => self.open(Target::Bundled { scene, bakes: self.folders.cache.join("bakes") }),
+            None => self.messages.error(
+                "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
+            ),
+        }
+    }
+
+    pub(super) fn save(&mut self, ctx: &Context) {
+        match self.scene.session.clone() {
+            Some(path) => self.save_to(ctx, &path),
+            None => self.ask_for_path(Action::SaveAs(None)),
+        }
+    }
+
+    pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
+        if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
+            self.after_save = None;
+            return self.messages.error(error.to_string());
+        }
+        self.history.mark_saved();
+        self.forget_autosave();
+        self.forget_recovered();
+        self.scene.session = Some(path.to_owned());
+        self.remember(path);
+        self.messages.note(format!("Saved ({})", path.display()));
+        if let Some(then) = self.after_save.take() {
+            self.leave_now(ctx, then);
+        }
+    }
+
+    pub(super) fn remember(&mut self, path: &Path) {
+        if let Err(error) = self.recent.add(path) {
+            self.messages.warning(format!("{error:#}"));
+        }
+    }
+
+    pub(super) fn forget_recent(&mut self, path: &Path) {
+        self.messages
+            .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
+        if let Err(error) = self.recent.remove(path) {
+            self.messages.warning(format!("{error:#}"));
+        }
+    }
+
+    pub(super) fn collect_opened(&mut self) {
+        let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
+        self.opening = None;
+        match result {
+            Ok(Opened::Ready(ready)) if self.history.is_modified() => {
+                self.ask(Prompt::Unsaved { then: Then::Show(ready) });
+            }
+            Ok(Opened::Ready(ready)) => self.take_document(*ready),
+            Ok(Opened::Missing { loaded, path, recovery, found }) => {
+                if let Some(found) = found {
+                    let missing = loaded.missing.len();
+                    self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                }
+                self.ask(Prompt::Missing { loaded, path, recovery });
+            }
+            Err(error) => self.messages.error(error),
+        }
+    }
+
+    fn take_document(&mut self, ready: Ready) {
+        let Ready { document, unknown, session, recovery, baked, source, bake_output, bake_now, warnings, recent } =
+            ready;
+        self.forget_autosave();
+        self.baking.clear();
+        self.loader.forget_document();
+        self.loading.clear();
+        self.document = document;
+        self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
+        self.recovered = recovery;
+        // The cameras of sessions and of recovered work are as they were left.
+        let is_kept = session.is_some() || self.recovered.is_some();
+        let first_view = Some(FirstView::of(&self.document, is_kept));
+        self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown, first_view };
+        self.interface.lights.forget_document();
+        self.selection =
+            Selection { object: None, light: None, material: (!self.document.materials.is_empty()).then_some(0) };
+        self.reset_camera();
+        self.pictures.clear();
+        self.requests.forget();
+        let name = self.title();
+        self.messages.warnings(&name, &warnings);
+        recent.into_iter().for_each(|path| self.remember(&path));
+        if bake_now {
+            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() != Leftover::Nothing);
+            self.bake_bundled(has_draft && has_chunks, !has_draft);
+        }
+    }
+
+    /// Looks for the missing files of the session that waits for it.
+    pub(super) fn relink(&mut self, folder: PathBuf) {
+        match self.prompts.pop_front() {
+            Some(Prompt::Missing { loaded, path, recovery }) => {
+                self.open(Target::Session { loaded, path, recovery, look_in: Some(folder) });
+            }
+            other => {
+                other.into_iter().for_each(|prompt| self.prompts.push_front(prompt));
+                self.relink_library(&folder);
+            }
+        }
+    }
+
+    /// Looks for the maps of the library that are not where they were.
+    fn relink_library(&mut self, folder: &Path) {
+        let maps = maps_in(folder);
+        let mut found = 0;
+        for entry in self.library.entries().into_iter().filter(|entry| entry.missing && !entry.bundled) {
+            let Some(map) = maps.iter().find(|map| map.file_name() == entry.path.file_name()) else { continue };
+            let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
+            match moved {
+                Ok(_) => found += 1,
+                Err(error) => self.messages.error(format!("{error:#}")),
+            }
+        }
+        self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
+    }
+
+    /// What the window is called.
+    pub fn title(&self) -> String {
+        let Document { scene, dataset, .. } = &self.document;
+        let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());
+        path.and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
+    }
+}

@@ -1,0 +1,123 @@
+//! Documents are opened, saved and found again, and left only after a question.
+
+use super::*;
+
+#[test]
+fn what_was_edited_is_undone_saved_and_found_again() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    let before = window.roughness();
+    window.type_roughness("0.25");
+    assert_eq!(window.roughness(), 0.25);
+    window.perform(Action::Undo);
+    assert_eq!(window.roughness(), before);
+    assert!(!window.0.state().is_modified());
+    window.perform(Action::Redo);
+    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    assert!(!window.0.state().is_modified() && window.has_said("Saved"));
+    let mut again = place.window();
+    again.open(&place.path("look.lapidary"));
+    assert_eq!(again.roughness(), 0.25);
+    assert_eq!(again.0.state().title(), "look.lapidary");
+    again.wait("a picture", |s| s.pictures.shown().is_some());
+    assert_eq!(again.0.state().recent.entries().len(), 2);
+}
+
+#[test]
+fn changes_are_asked_about_before_they_are_lost() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::Quit);
+    assert!(window.0.state().may_close, "there is nothing to lose");
+    window.0.state_mut().may_close = false;
+    window.type_roughness("0.1");
+    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.wait("the question", |s| !s.prompts.is_empty());
+    assert!(window.shows("Save the changes?"));
+    window.click("Cancel");
+    assert!(!window.shows("Save the changes?") && window.0.state().opening.is_none());
+    assert_eq!(window.roughness(), 0.1);
+    window.perform(Action::Quit);
+    assert!(!window.0.state().may_close);
+    window.click("Discard");
+    assert!(window.0.state().may_close);
+}
+
+#[test]
+fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() {
+    let place = Place::new();
+    place.bake();
+    lapidary_core::image::Image::filled([3, 3], glam::Vec3::X).write(&place.path("red.png")).unwrap();
+    std::fs::write(place.path("broken.gltf"), b"{").unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.type_roughness("0.1");
+    for (file, said) in
+        [("red.png", "a picture and no scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
+    {
+        window.perform(Action::Open(Some(place.path(file))));
+        window.wait("the answer", |s| s.opening.is_none());
+        assert!(window.has_said(said) && window.0.state().prompts.is_empty(), "{file}");
+    }
+    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.wait("the question", |s| !s.prompts.is_empty());
+    window.click("Discard");
+    assert!(!window.0.state().is_modified() && window.0.state().title() == "scene.cuts");
+}
+
+#[test]
+fn saving_before_leaving_goes_on_with_what_was_asked_for() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.type_roughness("0.1");
+    window.perform(Action::Quit);
+    window.click("Save");
+    window.wait("the end", |s| s.may_close);
+    assert!(std::fs::read_to_string(place.path("look.lapidary")).unwrap().contains("0.1"));
+}
+
+#[test]
+fn a_foreign_file_is_refused_with_what_can_be_opened() {
+    let place = Place::new();
+    std::fs::write(place.path("notes.docx"), b"PK").unwrap();
+    let mut window = place.window();
+    window.drop_file(place.path("notes.docx"));
+    assert!(window.has_said(".gltf") && window.has_said("notes.docx"));
+    assert!(window.0.state().opening.is_none());
+    window.drop_file(place.path("scene.obj"));
+    window.wait("the scene", |s| s.scene.source.is_some());
+}
+
+#[test]
+fn a_bake_of_another_version_is_not_shown_until_it_is_asked_for() {
+    let place = Place::new();
+    place.bake();
+    std::fs::write(place.path("scene.obj"), SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    assert!(window.shows("has changed") && window.0.state().scene.shown().is_none());
+    window.click("Show anyway");
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    assert!(!window.shows("has changed") && window.0.state().scene.is_stale());
+}
+
+#[test]
+fn a_scene_without_a_bake_is_baked_from_the_notice() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    assert!(window.shows("is not baked yet"));
+    window.0.state_mut().document.bake = few_lights();
+    window.click("Bake now");
+    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    assert!(place.path("scene.cuts").is_file() && window.has_said("Baked"));
+    assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
+}

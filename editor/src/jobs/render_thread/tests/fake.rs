@@ -1,0 +1,103 @@
+//! A renderer that renders nothing and only counts what it is asked for.
+
+use super::*;
+
+/// What the renderer was asked for, and how it is to behave.
+#[derive(Default)]
+pub struct Log {
+    pub made: u32,
+    pub scenes: u32,
+    pub appearances: u32,
+    pub lights: u32,
+    /// Size and samples of each picture.
+    pub begun: Vec<([u32; 2], u32)>,
+    /// Sample and rows.
+    pub rows: Vec<(u32, Range<u32>)>,
+    pub displays: u32,
+    pub local: Vec<LocalLighting>,
+    pub micros_per_pixel: u64,
+    /// So many calls to render rows lose the device.
+    pub losses: u32,
+    pub panics: u32,
+    pub refuse_scenes: bool,
+}
+
+pub type Shared = Arc<Mutex<Log>>;
+
+pub struct Fake {
+    pub log: Shared,
+    pub view: Option<View>,
+}
+
+fn lost() -> BackendError {
+    BackendError::DeviceLost { reason: "unplugged".into() }
+}
+
+impl Backend for Fake {
+    fn name(&self) -> String {
+        "fake".into()
+    }
+
+    fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
+        let mut log = self.log.lock().unwrap();
+        log.scenes += 1;
+        if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
+    }
+
+    fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
+        self.log.lock().unwrap().appearances += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+        self.log.lock().unwrap().lights += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
+        self.log.lock().unwrap().local.push(lighting.clone());
+        Ok(Vec::new())
+    }
+
+    fn begin(&mut self, view: &View, _: BrdfSampling) -> Result<(), BackendError> {
+        self.log.lock().unwrap().begun.push((view.size, view.aa));
+        self.view = Some(view.clone());
+        Ok(())
+    }
+
+    fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
+        let mut log = self.log.lock().unwrap();
+        if log.losses > 0 {
+            log.losses -= 1;
+            return Err(lost());
+        }
+        if log.panics > 0 {
+            log.panics -= 1;
+            drop(log);
+            panic!("a mistake");
+        }
+        log.rows.push((sample, rows.clone()));
+        let pixels = u64::from(rows.end - rows.start) * u64::from(self.view.as_ref().unwrap().size[0]);
+        let pause = Duration::from_micros(log.micros_per_pixel * pixels);
+        drop(log);
+        std::thread::sleep(pause);
+        Ok(())
+    }
+
+    /// The eye's x in red, the exposure in green.
+    fn display(&mut self, post: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        self.log.lock().unwrap().displays += 1;
+        let view = self.view.as_ref().unwrap();
+        let pixels = view.size[0] as usize * view.size[1] as usize;
+        Ok(vec![[view.camera.eye.x as u8, post.exposure as u8, 0, 255]; pixels])
+    }
+
+    fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        let size = self.view.as_ref().unwrap().size;
+        Ok((Image::filled(size, Vec3::ONE), vec![1.0; size[0] as usize * size[1] as usize]))
+    }
+
+    fn stats(&mut self) -> Result<PictureStats, BackendError> {
+        Ok(PictureStats::default())
+    }
+}

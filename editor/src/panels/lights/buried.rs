@@ -1,0 +1,35 @@
+//! Which lights stand inside an object, where they light nothing that is seen. Looked up for the rows that are shown only,
+//! and again only when a light or the scene has changed.
+
+use lapidary_core::lights::Light;
+use lapidary_render::{Baked, is_buried};
+use std::collections::HashMap;
+
+/// What is said of such a light.
+pub const NOTICE: &str =
+    "This light is inside an object or a wall, and lights nothing that is seen. Move it into the open.";
+
+/// What was found, by the place of the light in the list.
+#[derive(Default)]
+pub struct Buried {
+    scene: Option<Baked>,
+    found: HashMap<usize, (Light, bool)>,
+}
+
+impl Buried {
+    /// Whether the light at `index` is inside an object. Not, while that cannot be told yet.
+    pub fn contains(&mut self, scene: Option<&Baked>, index: usize, light: &Light) -> bool {
+        let Some((scene, intersector)) = scene.and_then(|s| Some((s, s.intersector_if_ready()?))) else { return false };
+        if !self.scene.as_ref().is_some_and(|known| known.is_same(scene)) {
+            *self = Self { scene: Some(scene.clone()), found: HashMap::new() };
+        }
+        match self.found.get(&index) {
+            Some((known, found)) if known == light => *found,
+            _ => {
+                let found = light.shines() && is_buried(&scene.dataset, intersector, light);
+                self.found.insert(index, (light.clone(), found));
+                found
+            }
+        }
+    }
+}
