@@ -12,7 +12,7 @@ use wgpu::BindingResource::TextureView as View;
 
 /// What such passes read of a picture, whatever light they add.
 #[derive(Clone, Copy)]
-pub struct Surroundings<'a> {
+pub struct PictureInputs<'a> {
     pub gpu: &'a GpuDevice,
     pub passes: &'a Passes,
     pub scene: &'a GpuScene,
@@ -20,7 +20,7 @@ pub struct Surroundings<'a> {
     pub targets: &'a Targets,
 }
 
-impl Surroundings<'_> {
+impl PictureInputs<'_> {
     /// The group of the frame.
     pub fn frame_group(&self) -> wgpu::BindGroup {
         bind(self.gpu, "frame", &self.passes.layouts.frame, &[self.frame.as_entire_binding()])
@@ -54,24 +54,24 @@ pub struct Addition {
 impl Addition {
     /// The pass of `pipeline`, which reads `light` and adds to `previous` (by which of the sums is complete).
     pub fn new(
-        around: &Surroundings,
+        picture: &PictureInputs,
         (label, pipeline): (&'static str, &wgpu::RenderPipeline),
         light: wgpu::BindGroup,
         previous: [&wgpu::TextureView; 2],
         sum: &mut SumTexture,
     ) -> Self {
-        let Targets { geometry, rotation, color_roughness, others, size, .. } = around.targets;
+        let Targets { geometry, rotation, color_roughness, others, size, .. } = picture.targets;
         let inputs = |previous: &wgpu::TextureView| {
             let [geometry, rotation, color, others] = [geometry, rotation, color_roughness, others].map(|t| &t.view);
             let inputs = [geometry, rotation, color, others, previous].map(View);
-            bind(around.gpu, label, &around.passes.layouts.addition, &inputs)
+            bind(picture.gpu, label, &picture.passes.layouts.addition, &inputs)
         };
         Self {
-            sum: sum.of_size(around.gpu, *size),
+            sum: sum.of_size(picture.gpu, *size),
             label,
             pipeline: pipeline.clone(),
-            frame: around.frame_group(),
-            scene: around.scene_group(),
+            frame: picture.frame_group(),
+            scene: picture.scene_group(),
             light,
             inputs: previous.map(inputs),
         }

@@ -2,7 +2,7 @@
 //! solution changes and not when the camera moves, and a pass that interpolates it at every pixel before the merge.
 
 use super::{
-    addition::{Addition, SumTexture, Surroundings},
+    addition::{Addition, PictureInputs, SumTexture},
     device::GpuDevice,
     layout,
     passes::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
@@ -47,16 +47,16 @@ impl VertexBounce {
     /// Uploads what is not there yet, and binds what a picture needs; the pass adds to `previous`.
     pub fn prepare(
         &mut self,
-        around: &Surroundings,
+        picture: &PictureInputs,
         vertices: &Arc<VertexIrradiance>,
         previous: [&wgpu::TextureView; 2],
     ) -> Addition {
         let known = self.uploaded.take().filter(|(known, _)| Arc::ptr_eq(known, vertices));
         let (_, buffer) =
-            self.uploaded.insert(known.unwrap_or_else(|| (vertices.clone(), upload(around.gpu, vertices))));
-        let pass = &around.passes.bounce;
-        let light = bind(around.gpu, "vertex irradiance", &pass.irradiance, &[buffer.as_entire_binding()]);
-        Addition::new(around, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
+            self.uploaded.insert(known.unwrap_or_else(|| (vertices.clone(), upload(picture.gpu, vertices))));
+        let pass = &picture.passes.bounce;
+        let light = bind(picture.gpu, "vertex irradiance", &pass.irradiance, &[buffer.as_entire_binding()]);
+        Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
     }
 
     /// What the pass reads, to see whether it was uploaded again.

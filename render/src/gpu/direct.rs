@@ -1,7 +1,7 @@
 //! Direct light of local lights: shadow maps, then a pass over every pixel before the merge.
 
 use super::{
-    addition::{Addition, SumTexture, Surroundings},
+    addition::{Addition, PictureInputs, SumTexture},
     device::GpuDevice,
     layout::{LocalLight, ShadowView, constants},
     passes::{Binding, Layouts, Pipeline, bind, layout, module},
@@ -91,12 +91,12 @@ impl DirectLights {
     }
 
     /// Renders shadow maps that are not as they should be, and binds what a picture needs; `None` without lights.
-    pub fn prepare(&mut self, around: &Surroundings) -> Option<Addition> {
+    pub fn prepare(&mut self, picture: &PictureInputs) -> Option<Addition> {
         if self.lights.is_empty() {
             (self.maps, self.sum) = (None, SumTexture::default());
             return None;
         }
-        let Surroundings { gpu, passes, scene, .. } = *around;
+        let PictureInputs { gpu, passes, scene, .. } = *picture;
         let views = self.views(scene);
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
@@ -105,7 +105,7 @@ impl DirectLights {
         self.make_room(gpu);
         let maps = self.maps.as_mut()?;
         let group = bind(gpu, "shadow views", &passes.direct.views, &[views_buffer.as_entire_binding()]);
-        let (frame, geometry) = (around.frame_group(), around.scene_group());
+        let (frame, geometry) = (picture.frame_group(), picture.scene_group());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for layer in maps.stale(&views) {
             let groups = [&frame, &geometry, &group];
@@ -115,7 +115,7 @@ impl DirectLights {
         gpu.queue.submit([encoder.finish()]);
         let lights = [views_buffer.as_entire_binding(), lights_buffer.as_entire_binding(), View(&maps.array)];
         let lights = bind(gpu, "local lights", &passes.direct.lights, &lights);
-        Some(Addition::new(around, ("direct", &passes.direct.direct), lights, around.sums(), &mut self.sum))
+        Some(Addition::new(picture, ("direct", &passes.direct.direct), lights, picture.sums(), &mut self.sum))
     }
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {

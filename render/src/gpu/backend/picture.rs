@@ -5,7 +5,7 @@ use crate::{
     BrdfSampling, View, ViewMode,
     backend::BackendError,
     gpu::{
-        addition::{Addition, Surroundings},
+        addition::{Addition, PictureInputs},
         light::{GpuLight, GpuMap, GpuSources},
         targets::Targets,
     },
@@ -83,11 +83,11 @@ impl GpuBackend {
     /// Local lights and bounced light at the vertices, as far as they are shown.
     fn additions(&mut self) -> Vec<Addition> {
         let (Some(Loaded { scene, .. }), Some(targets)) = (&self.scene, &self.targets) else { return Vec::new() };
-        let around = Surroundings { gpu: &self.gpu, passes: &self.passes, scene, frame: &self.frame, targets };
-        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&around));
-        let previous = direct.as_ref().map_or(around.sums(), |direct| [&direct.sum; 2]);
+        let picture = PictureInputs { gpu: &self.gpu, passes: &self.passes, scene, frame: &self.frame, targets };
+        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&picture));
+        let previous = direct.as_ref().map_or(picture.sums(), |direct| [&direct.sum; 2]);
         let vertices = self.local.shown_vertex_irradiance();
-        let bounce = vertices.map(|vertices| self.bounce.prepare(&around, vertices, previous));
+        let bounce = vertices.map(|vertices| self.bounce.prepare(&picture, vertices, previous));
         direct.into_iter().chain(bounce).collect()
     }
 }
