@@ -68,7 +68,7 @@ impl Rig {
     fn show(&mut self, components: Components) {
         let lights: Arc<[Light]> = [point_light(Vec3::new(0.9, 1.4, 0.5), 4.0)].into();
         let local =
-            LocalLighting { lights, vertex_irradiance: Some(self.vertices.clone()), components, indirect: None };
+            LocalLighting { lights, vertex_irradiance: Some(self.vertices.clone()), components, ..Default::default() };
         assert!(self.gpu.set_local_lighting(&local).unwrap().is_empty(), "nothing to remark");
     }
 
