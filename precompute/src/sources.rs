@@ -129,11 +129,15 @@ impl<'a> SourceSampler<'a> {
 }
 
 /// Solid angle of a source if nothing lies between, and whether it is on the point's upper side.
+#[inline]
 fn unhidden(point: &BakePoint, source: &Source) -> (f32, bool) {
+    let solid_angle = source.solid_angle_from(point.position);
+    if solid_angle == 0.0 {
+        return (0.0, true);
+    }
     let direction = (source.surfel.position - point.position).normalize_or_zero();
     let upper = point.is_upper(direction);
-    let faced = upper || point.two_sided;
-    (if faced { source.solid_angle_from(point.position) } else { 0.0 }, upper)
+    (if upper || point.two_sided { solid_angle } else { 0.0 }, upper)
 }
 
 #[cfg(test)]
