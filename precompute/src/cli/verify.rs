@@ -41,7 +41,7 @@ impl VerifyArgs {
 
 fn verification_text(v: &Verification) -> String {
     let mut text = String::new();
-    if v.vertices > 0 || v.source_vertices == 0 {
+    if v.vertices > 0 || (v.source_vertices == 0 && v.meshless.is_none()) {
         text += &format!(
             "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
             v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
@@ -51,6 +51,17 @@ fn verification_text(v: &Verification) -> String {
         text += &format!(
             "traced the sources from {} vertices again: {} cuts differ\n",
             v.source_vertices, v.different_source_cuts
+        );
+    }
+    if let Some(m) = &v.meshless {
+        text += &format!(
+            "made the links of {} functions again: {} differ; a smooth light at {} points: {:.1} % error against rays, \
+             {:.3} of the energy\n",
+            m.functions,
+            m.different_functions,
+            m.points,
+            100.0 * m.error,
+            m.energy
         );
     }
     text
