@@ -49,12 +49,7 @@ struct OneBounce<'a> {
 }
 
 impl<'a> OneBounce<'a> {
-    fn new(
-        bake: &'a MeshlessBake,
-        solver: &Solver,
-        lit: &[Surfel],
-        direct: impl Fn(&Surfel) -> f32 + Sync + Send,
-    ) -> Self {
+    fn new(bake: &'a MeshlessBake, solver: &Solver, direct: impl Fn(&Surfel) -> f32 + Sync + Send) -> Self {
         let senders = &bake.basis.points()[bake.basis.senders()];
         let direct: Vec<f32> = senders.par_iter().map(direct).collect();
         let outgoing: Vec<f32> = direct.iter().map(|e| e * GREY * FRAC_1_PI).collect();

@@ -54,7 +54,7 @@ struct Args {
     #[arg(long, value_name = "BOUNCES")]
     series: Option<u32>,
     /// Least link of the series
-    #[arg(long, default_value_t = 1e-4)]
+    #[arg(long, default_value_t = 1e-5)]
     series_epsilon: f32,
 }
 
