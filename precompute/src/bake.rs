@@ -1,41 +1,40 @@
 //! The bake, phase by phase.
 
+mod bounces;
 mod chunks;
 mod clock;
+mod error;
 mod indirect;
 mod meshless;
 mod pack;
 
+pub use error::BakeError;
+
 use self::{
+    bounces::bake_bounces,
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
-    indirect::Stage,
-    meshless::bake_meshless,
     pack::{Packed, concatenate, fit_budget, pack, unbaked},
 };
 use crate::{
-    CheckpointError, MeshSurface, PointsError, SettingsError,
+    SettingsError,
     bake_points::BakePoints,
     checkpoint::{Checkpoint, Chunk, Series},
-    find_viewpoint, memory,
+    memory,
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
     sidedness::{Sidedness, classify},
     tessellate::tessellate,
     visibility::VisibilitySampler,
 };
-use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings, Dataset, DatasetError, IndirectReport, MeshlessReport, scene_hash},
-    indirect::IndirectBake,
+    dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
-    meshless::MeshlessBake,
     ray::Intersector,
     scene::Scene,
     sphere::fibonacci_directions,
 };
 use std::{path::PathBuf, time::Instant};
-use thiserror::Error;
 
 /// Bake points of one chunk unless asked for otherwise: a second or two of work to lose.
 const POINTS_PER_CHUNK: usize = 4096;
@@ -55,53 +54,6 @@ pub struct BakeJob {
     pub import_secs: f64,
     /// What the import remarked, for the report.
     pub warnings: Vec<String>,
-}
-
-/// Why a bake did not finish.
-#[derive(Debug, Error)]
-pub enum BakeError {
-    /// The observer asked for it.
-    #[error("the bake was cancelled; run the same command with --resume to go on from the last finished chunk")]
-    Cancelled,
-    /// No surface for sources, or no viewpoint to find it from.
-    #[error(transparent)]
-    Points(PointsError),
-    /// Settings out of range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// The checkpoint cannot be used or written.
-    #[error(transparent)]
-    Checkpoint(#[from] CheckpointError),
-    /// The dataset cannot be written.
-    #[error(transparent)]
-    Dataset(#[from] DatasetError),
-    /// More memory than there is.
-    #[error(
-        "the bake needs about {needed} MB of memory, {available} MB are free; lower --max-vertices or close other programs"
-    )]
-    Memory {
-        /// Estimated need.
-        needed: u64,
-        /// Free now.
-        available: u64,
-    },
-    /// More texels than a texture holds.
-    #[error("the cuts take {texels} texels, a texture holds {limit}; raise --sigma or set --max-cut")]
-    TooManyTexels {
-        /// Texels needed.
-        texels: usize,
-        /// Texels of an 8192 x 8192 texture.
-        limit: usize,
-    },
-}
-
-impl From<PointsError> for BakeError {
-    fn from(error: PointsError) -> Self {
-        match error {
-            PointsError::Cancelled => Self::Cancelled,
-            error => Self::Points(error),
-        }
-    }
 }
 
 /// Bakes a scene and writes the dataset to the job's output.
@@ -169,43 +121,6 @@ fn bake_environment(
     clock.time(Phase::Visibility, points.len() as u64, "points", || {
         bake_chunks(&maker, Series::Environment, checkpoint, observer)
     })
-}
-
-/// The parts that bounce light.
-#[derive(Default)]
-struct Bounces {
-    indirect: Option<IndirectBake>,
-    report: Option<IndirectReport>,
-    meshless: Option<MeshlessBake>,
-    meshless_report: Option<MeshlessReport>,
-}
-
-/// Bakes what the mode asks for beyond the environment.
-fn bake_bounces(
-    geometry: &Geometry,
-    tree: &LightTree,
-    settings: &BakeSettings,
-    checkpoint: &Checkpoint,
-    clock: &mut Clock,
-) -> Result<Bounces, BakeError> {
-    let mut bounces = Bounces::default();
-    if !(settings.mode.indirect() || settings.mode.meshless()) {
-        return Ok(bounces);
-    }
-    // Reflectance stays out of everything baked, so that materials remain free to change.
-    let black = |_: &_| Vec3::ZERO;
-    let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
-    let viewpoint = find_viewpoint(&surface, settings.indirect.viewpoint, &geometry.scene.cameras)?;
-    if settings.mode.indirect() {
-        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
-        let (indirect, report) = stage.bake_indirect(clock)?;
-        (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
-    }
-    if settings.mode.meshless() {
-        let (meshless, report) = bake_meshless(&surface, viewpoint, &settings.meshless, clock)?;
-        (bounces.meshless, bounces.meshless_report) = (Some(meshless), Some(report));
-    }
-    Ok(bounces)
 }
 
 fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError> {

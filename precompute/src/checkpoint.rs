@@ -4,6 +4,8 @@
 //! tree) and one file a finished chunk. A chunk's file is written under a temporary name and renamed, and carries a
 //! checksum: a chunk either counts whole or is baked again.
 
+mod rows;
+
 use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -98,7 +100,7 @@ pub struct Checkpoint {
 }
 
 /// Changes whenever the same settings would give other chunks.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl Checkpoint {
     /// The folder beside an output file.
@@ -220,14 +222,22 @@ fn encode(chunk: &Chunk) -> Vec<u8> {
     body.extend((chunk.lengths.len() as u64).to_le_bytes());
     body.extend_from_slice(bytemuck::cast_slice(&chunk.lengths));
     body.extend_from_slice(bytemuck::cast_slice(&chunk.nodes));
-    [blake3::hash(&body).as_bytes().as_slice(), &body].concat()
+    sealed(&body)
+}
+
+/// A body after its checksum.
+fn sealed(body: &[u8]) -> Vec<u8> {
+    [blake3::hash(body).as_bytes().as_slice(), body].concat()
+}
+
+/// The body if it fits its checksum.
+fn unsealed(bytes: &[u8]) -> Option<&[u8]> {
+    let (hash, body) = bytes.split_at_checked(32)?;
+    (blake3::hash(body).as_bytes() == hash).then_some(body)
 }
 
 fn decode(bytes: &[u8]) -> Option<Chunk> {
-    let (hash, body) = bytes.split_at_checked(32)?;
-    if blake3::hash(body).as_bytes() != hash {
-        return None;
-    }
+    let body = unsealed(bytes)?;
     let (head, rest) = body.split_at_checked(24)?;
     let word = |i: usize| head[8 * i..8 * i + 8].try_into().map(u64::from_le_bytes).ok();
     let (lengths, nodes) = rest.split_at_checked(4 * usize::try_from(word(2)?).ok()?)?;

@@ -30,10 +30,11 @@ pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
+pub use sidedness::{Sidedness, classify};
 pub use surface_points::{
     Candidates, Darts, PointsError, check_viewpoint, find_viewpoint, poisson_count, poisson_disk, poisson_levels,
     sample_areas,
 };
 pub use threads::on_threads;
 pub use transport::transport_operator;
-pub use verify::{Verification, verify};
+pub use verify::{MeshlessVerification, Verification, verify};

@@ -36,6 +36,17 @@ impl<'a> MeshSurface<'a> {
         self.intersector.occluded(origin, direction)
     }
 
+    /// Whether a point of the mesh is seen from the side that its triangle faces.
+    pub fn is_front(&self, at: &Surfel) -> bool {
+        self.mesh.area_vector(at.place.triangle as usize).dot(at.normal) >= 0.0
+    }
+
+    /// Object and material that a point of the mesh belongs to.
+    pub fn part(&self, at: &Surfel) -> (u32, u32) {
+        let triangle = at.place.triangle as usize;
+        (self.mesh.triangle_object[triangle], self.mesh.triangle_material[triangle])
+    }
+
     /// Points spread uniformly over all sides of the mesh, and the area in m² that each stands for.
     ///
     /// They are stratified: one in each stretch of equal area along the list of triangles.
@@ -55,6 +66,14 @@ impl<'a> MeshSurface<'a> {
             }
         }
         (points, step as f32)
+    }
+
+    /// Points of random triangles, each as likely as any other: most of them lie where there is detail.
+    pub fn points_of_random_triangles(&self, count: usize, seed: u64) -> Vec<Surfel> {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let triangles = self.mesh.triangles.len();
+        let count = if triangles == 0 { 0 } else { count };
+        (0..count).map(|_| self.random_point(rng.usize(0..triangles), &mut rng)).collect()
     }
 
     /// A uniformly distributed point of a triangle, on either side if it has two.

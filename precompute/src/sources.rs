@@ -129,13 +129,16 @@ impl<'a> SourceSampler<'a> {
 }
 
 /// Solid angle of a source if nothing lies between, and whether it is on the point's upper side.
+#[inline]
 fn unhidden(point: &BakePoint, source: &Source) -> (f32, bool) {
+    if source.solid_angle_from(point.position) == 0.0 {
+        return (0.0, true);
+    }
     let direction = (source.surfel.position - point.position).normalize_or_zero();
     let upper = point.is_upper(direction);
-    let faced = upper || point.two_sided;
     let normal = if upper { point.normal } else { -point.normal };
     let receiver = Receiver { position: point.position, normal, radius: point.radius };
-    (if faced { source.mean_solid_angle(&receiver) } else { 0.0 }, upper)
+    (if upper || point.two_sided { source.mean_solid_angle(&receiver) } else { 0.0 }, upper)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ mod viewpoint;
 pub use areas::sample_areas;
 pub use candidates::Candidates;
 pub use disk::{Darts, poisson_count, poisson_disk, poisson_levels};
-pub use viewpoint::{check_viewpoint, find_viewpoint};
+pub use viewpoint::{check_viewpoint, enclosure, find_viewpoint};
 
 use glam::Vec3;
 use thiserror::Error;

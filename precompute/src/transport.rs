@@ -11,11 +11,17 @@
 //! they are stratified as a Fibonacci lattice, turned and shifted at random by receiver, so that parents and children do
 //! not repeat each other's error.
 
+mod again;
 mod gather;
 mod refine;
+mod steps;
+
+pub(crate) use again::links_again;
+pub(crate) use gather::Row;
+pub(crate) use steps::{Forget, KeepsRows};
 
 use crate::{BakeError, Event, Observer};
-use gather::{Gatherer, Row};
+use gather::Gatherer;
 use lapidary_core::{
     dataset::{MeshlessReport, MeshlessSettings},
     meshless::{Basis, Transport},
@@ -37,20 +43,36 @@ pub fn transport_operator(
     settings: &MeshlessSettings,
     observer: &dyn Observer,
 ) -> Result<(Transport, MeshlessReport), BakeError> {
+    resumable_operator(surface, basis, settings, &Forget, observer)
+}
+
+/// The same; steps that `kept` holds are not made again.
+pub(crate) fn resumable_operator(
+    surface: &dyn Surface,
+    basis: &Basis,
+    settings: &MeshlessSettings,
+    kept: &dyn KeepsRows,
+    observer: &dyn Observer,
+) -> Result<(Transport, MeshlessReport), BakeError> {
     let gatherer = Gatherer::new(surface, basis, settings.rays);
     let criterion = Criterion::new(basis, settings.epsilon);
     let mut rows: Vec<Row> = vec![Row::new(); basis.len()];
     let mut report = MeshlessReport { senders: basis.senders().len(), ..Default::default() };
     let mut receivers: Vec<usize> = basis.level(0).collect();
+    let mut steps_done = 0;
     for level in 0..basis.levels() {
         for step in receivers.chunks(RECEIVERS_PER_STEP) {
             crate::bake::cancelled(observer)?;
-            let gather = |scratch: &mut _, &receiver: &usize| {
-                let (mut row, is_root) = gatherer.gather(scratch, receiver, level, &rows);
-                criterion.prune(&mut row, is_root, level);
-                row
+            let make = || {
+                let gather = |scratch: &mut _, &receiver: &usize| {
+                    let (mut row, is_root) = gatherer.gather(scratch, receiver, level, &rows);
+                    criterion.prune(&mut row, is_root, level);
+                    row
+                };
+                step.par_iter().map_init(|| gatherer.scratch(), gather).collect()
             };
-            let found: Vec<Row> = step.par_iter().map_init(|| gatherer.scratch(), gather).collect();
+            let found = steps::kept_or_made(kept, steps_done, step.len(), make)?;
+            steps_done += 1;
             step.iter().zip(found).for_each(|(&receiver, row)| rows[receiver] = row);
             observer.event(Event::Advanced { done: step.last().map_or(0, |&r| r as u64) });
         }

@@ -1,4 +1,9 @@
-//! Verification: traces a random set of vertices again, ray by ray, and compares with the stored cuts.
+//! Verification: traces a random set of vertices again, ray by ray, and compares with the stored cuts; makes the links of
+//! some functions of the meshless basis again.
+
+mod meshless;
+
+pub use meshless::MeshlessVerification;
 
 use crate::{
     MeshSurface, bake_points::BakePoints, sidedness::Sidedness, sources::SourceSampler, visibility::VisibilitySampler,
@@ -36,7 +41,10 @@ pub struct Verification {
     pub source_vertices: usize,
     /// Those of them whose cut differs from the stored one.
     pub different_source_cuts: usize,
-    /// Whether all cuts agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
+    /// Of the meshless basis, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub meshless: Option<MeshlessVerification>,
+    /// Whether all cuts and links agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
     pub passed: bool,
 }
 
@@ -55,6 +63,8 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let results: Vec<(f64, bool)> = environment.par_iter().map(check).collect();
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
     let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
+    let meshless = meshless::verify(dataset, &intersector, count);
+    let different_links = meshless.as_ref().is_some_and(|m| m.different_functions > 0);
     let lights = dataset.tree.len() as f64;
     let total = results.iter().fold(0.0, |sum, r| sum + r.0);
     let worst = results.iter().map(|r| r.0).fold(0.0, f64::max);
@@ -69,7 +79,9 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
         expected_rms: dataset.report.rms_visibility,
         different_cuts,
         worst_rms: (worst / lights).sqrt(),
+        meshless,
         passed: different_source_cuts == 0
+            && !different_links
             && if coarsened { rms < 4.0 * dataset.report.rms_visibility.max(0.02) } else { different_cuts == 0 },
     }
 }
@@ -97,8 +109,12 @@ fn check_sources(
 }
 
 fn picked_vertices(dataset: &Dataset, count: usize) -> Vec<usize> {
-    let seed = u64::from_str_radix(dataset.scene_hash.get(..16).unwrap_or("0"), 16).unwrap_or(0);
-    fastrand::Rng::with_seed(seed).choose_multiple(0..dataset.scene.mesh.positions.len(), count)
+    fastrand::Rng::with_seed(seed(dataset)).choose_multiple(0..dataset.scene.mesh.positions.len(), count)
+}
+
+/// From the scene's hash: the same scene is verified at the same places.
+fn seed(dataset: &Dataset) -> u64 {
+    u64::from_str_radix(dataset.scene_hash.get(..16).unwrap_or("0"), 16).unwrap_or(0)
 }
 
 /// Sum of squared differences over the lights, and whether selecting again gives the stored cut.

@@ -62,6 +62,12 @@ impl Series {
     pub fn links(&self) -> usize {
         self.rows.iter().map(Vec::len).sum()
     }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> u64 {
+        let links = self.links() * size_of::<(u32, Mat3A)>();
+        (links + size_of_val(&self.rows[..])) as u64
+    }
 }
 
 /// What unit irradiance at one sender brings to the coarsest receivers in the second and later bounces.

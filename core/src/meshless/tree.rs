@@ -1,6 +1,6 @@
 //! Which functions of a level reach a point: a tree over the boxes of their supports.
 
-use super::distance::{SQUASH, alignment, squashed_distance};
+use super::distance::SQUASH;
 use crate::surfel::Surfel;
 use glam::{Vec3, Vec3A};
 use obvhs::{
@@ -8,6 +8,9 @@ use obvhs::{
     aabb::Aabb,
     bvh2::{Bvh2, builder::build_bvh2},
 };
+
+/// What the square of the height above a point's plane adds to its squared distance.
+const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 
 /// Range queries over the functions of one level.
 #[derive(Clone)]
@@ -48,9 +51,12 @@ impl LevelTree {
             let node = &bvh.nodes[node as usize];
             let first = node.first_index as usize;
             for function in &self.functions[first..first + node.prim_count as usize] {
-                let distance = squashed_distance(function.position, function.normal, position);
-                if distance < self.radius {
-                    let weight = kernel(distance / self.radius) * alignment(normal, function.normal);
+                let (facing, offset) = (normal.dot(function.normal), position - function.position);
+                let height = offset.dot(function.normal);
+                // Eq. 10, squared: most functions of a leaf end here, without a root.
+                let distance_sq = offset.length_squared() + STRETCH * height * height;
+                if facing > 0.0 && distance_sq < self.radius * self.radius {
+                    let weight = kernel(distance_sq.sqrt() / self.radius) * facing * facing;
                     if weight > 0.0 {
                         out.push((function.index, weight));
                     }

@@ -1,7 +1,9 @@
 //! Visibility of many points from one: batches of segments with a common origin.
 //!
-//! The packets of `ray::batch` serve again, made anew for every origin, of the segments that are asked for. These come in
-//! the order of a tree, so that neighbours in order mostly are neighbours in direction.
+//! The packets of `ray::batch` serve again, made anew for every origin of the segments that are asked for. These are sorted
+//! by direction first, so that near and far ends in one direction share a packet: all of them meet the same triangles, and
+//! the far ones mostly end at a near one. In the order of a tree over the ends, packets in one direction each walk
+//! the hierarchy on their own.
 
 use super::{
     Intersector,
@@ -10,21 +12,24 @@ use super::{
 };
 use glam::Vec3;
 
-/// Points of one aligned block share packets with each other alone, lest a packet straddle distant clusters.
-const BLOCK: u32 = 256;
+/// Cells along each side of the square that the sphere of directions is unfolded to; a power of two.
+const CELLS: u32 = 64;
 
 /// Segments from one origin, and buffers that are kept from origin to origin.
 #[derive(Default)]
 pub struct SegmentBatch {
-    members: Vec<u32>,
     segments: Vec<Vec3>,
     directions: Vec<Vec3>,
+    cells: Vec<u16>,
+    /// Where the segments of each cell begin in `order`.
+    starts: Vec<u32>,
+    order: Vec<u32>,
     stack: Vec<(u32, u8)>,
 }
 
 impl SegmentBatch {
-    /// Calls `hidden(i)` for each of `wanted` (ascending indices into `ends`) that something lies before. Both ends of a
-    /// segment lie off any surface.
+    /// Calls `hidden(i)` for each of `wanted` (indices into `ends`) that something lies before, in any order. Both ends of
+    /// a segment lie off any surface.
     ///
     /// The result is that of [`Intersector::occluded_between`], to the bit.
     pub fn trace(
@@ -35,42 +40,60 @@ impl SegmentBatch {
         wanted: &[u32],
         mut hidden: impl FnMut(u32),
     ) {
-        let mut rest = wanted;
-        while let Some(&first) = rest.first() {
-            let block_end = first - first % BLOCK + BLOCK;
-            let count = rest.iter().take(PACKET).take_while(|&&i| i < block_end).count();
-            let (chunk, after) = rest.split_at(count);
-            self.trace_packet(scene, origin, ends, chunk, &mut hidden);
-            rest = after;
+        self.segments.clear();
+        self.segments.extend(wanted.iter().map(|&i| ends[i as usize] - origin));
+        self.directions.clear();
+        self.directions.extend(self.segments.iter().map(|s| s.normalize_or(Vec3::Y)));
+        self.sort_by_direction();
+        for members in self.order.chunks(PACKET) {
+            let packet = Packet::of_segments(members, &self.segments, &self.directions);
+            let active: Active = std::array::from_fn(|g| {
+                let used = packet.count.saturating_sub(g * GROUP).min(GROUP);
+                ((1_u32 << used) - 1) as u8
+            });
+            let open = trace_segments(scene, &packet, origin, active, &mut self.stack);
+            for (i, &member) in members.iter().enumerate() {
+                if open[i / GROUP] >> (i % GROUP) & 1 == 0 {
+                    hidden(wanted[member as usize]);
+                }
+            }
         }
     }
 
-    fn trace_packet(
-        &mut self,
-        scene: &Intersector,
-        origin: Vec3,
-        ends: &[Vec3],
-        chunk: &[u32],
-        hidden: &mut impl FnMut(u32),
-    ) {
-        self.members.clear();
-        self.members.extend(0..chunk.len() as u32);
-        self.segments.clear();
-        self.segments.extend(chunk.iter().map(|&i| ends[i as usize] - origin));
-        self.directions.clear();
-        self.directions.extend(self.segments.iter().map(|s| s.normalize_or(Vec3::Y)));
-        let packet = Packet::of_segments(&self.members, &self.segments, &self.directions);
-        let active: Active = std::array::from_fn(|g| {
-            let used = packet.count.saturating_sub(g * GROUP).min(GROUP);
-            ((1_u32 << used) - 1) as u8
-        });
-        let open = trace_segments(scene, &packet, origin, active, &mut self.stack);
-        for (i, &index) in chunk.iter().enumerate() {
-            if open[i / GROUP] >> (i % GROUP) & 1 == 0 {
-                hidden(index);
-            }
+    /// Fills `order` with all segments, neighbours in direction next to each other.
+    fn sort_by_direction(&mut self) {
+        self.cells.clear();
+        self.cells.extend(self.directions.iter().map(|&d| cell(d)));
+        self.starts.clear();
+        self.starts.resize((CELLS * CELLS + 1) as usize, 0);
+        self.cells.iter().for_each(|&cell| self.starts[usize::from(cell) + 1] += 1);
+        (1..self.starts.len()).for_each(|i| self.starts[i] += self.starts[i - 1]);
+        self.order.clear();
+        self.order.resize(self.cells.len(), 0);
+        for (i, &cell) in self.cells.iter().enumerate() {
+            let place = &mut self.starts[usize::from(cell)];
+            self.order[*place as usize] = i as u32;
+            *place += 1;
         }
     }
 }
 
-const _: () = assert!(GROUPS * GROUP == PACKET);
+/// The cell of a direction, along a Z-curve through the octahedron unfolded to a square.
+#[inline(always)]
+fn cell(d: Vec3) -> u16 {
+    let sum = d.abs().element_sum();
+    let (x, y) = (d.x / sum, d.y / sum);
+    let (x, y) = if d.z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
+    let step = |v: f32| (((0.5 * v + 0.5) * CELLS as f32) as u32).min(CELLS - 1);
+    (spread(step(x)) | spread(step(y)) << 1) as u16
+}
+
+/// The bits of a number below 256 with a zero after each.
+#[inline(always)]
+fn spread(v: u32) -> u32 {
+    let v = (v | v << 4) & 0x0f0f;
+    let v = (v | v << 2) & 0x3333;
+    (v | v << 1) & 0x5555
+}
+
+const _: () = assert!(GROUPS * GROUP == PACKET && CELLS.is_power_of_two() && CELLS <= 256);

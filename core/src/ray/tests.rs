@@ -153,6 +153,7 @@ fn batches_of_segments_and_single_ones_agree_to_the_bit() {
     for origin in [Vec3::ZERO, Vec3::new(2.0, 1.0, -3.0), Vec3::new(0.0, 9.0, 0.0)] {
         let mut hidden = Vec::new();
         batch.trace(&scene, origin, &ends, &wanted, |i| hidden.push(i));
+        hidden.sort_unstable();
         let expected: Vec<u32> =
             wanted.iter().copied().filter(|&i| scene.occluded_between(origin, ends[i as usize])).collect();
         assert_eq!(hidden, expected);

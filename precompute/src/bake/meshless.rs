@@ -2,9 +2,10 @@
 
 use super::{BakeError, clock::Clock};
 use crate::{
+    checkpoint::Checkpoint,
     meshless::place_basis,
     observer::{Event, Phase},
-    transport::transport_operator,
+    transport::resumable_operator,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -13,11 +14,13 @@ use lapidary_core::{
     surfel::Surface,
 };
 
-/// Both phases, each timed.
+/// Both phases, each timed. When a bake is resumed the points are placed again, which depends on the settings alone, and
+/// the finished links are taken from the checkpoint.
 pub(super) fn bake_meshless(
     surface: &dyn Surface,
     viewpoint: Vec3,
     settings: &MeshlessSettings,
+    checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<(MeshlessBake, MeshlessReport), BakeError> {
     let observer = clock.observer;
@@ -31,7 +34,7 @@ pub(super) fn bake_meshless(
         observer.event(Event::Warning { message });
     }
     let (transport, report) = clock.time(Phase::Transport, basis.len() as u64, "functions", || {
-        transport_operator(surface, &basis, settings, observer)
+        resumable_operator(surface, &basis, settings, checkpoint, observer)
     })?;
     let report = MeshlessReport { viewpoint: viewpoint.into(), coarse_radius: radius, ..report };
     Ok((MeshlessBake { basis, transport }, report))

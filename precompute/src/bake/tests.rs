@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::{
-    Preset,
+    CheckpointError, PointsError, Preset,
     mesh_surface::tests::room,
     observer::Silent,
     sidedness::tests::{cuboid, floor, scene_of},
+    transport::KeepsRows,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -270,4 +271,59 @@ fn the_meshless_basis_is_baked_and_read_back() {
     }
     let read = Dataset::read(&job.output).unwrap().meshless.unwrap();
     assert_eq!((read.basis.points(), read.transport), (bake_of.basis.points(), bake_of.transport.clone()));
+}
+
+#[test]
+fn the_operator_resumes_within_its_steps_to_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let parts = |dataset: &Dataset| {
+        let bake = dataset.meshless.clone().unwrap();
+        (bake.basis.points().to_vec(), bake.transport)
+    };
+    let job = |name| {
+        let mut job = indirect_job(folder.path(), name, BakeMode::Meshless);
+        job.settings.meshless.coarse_radius = Some(0.6);
+        job
+    };
+    let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
+    let job = job("b.cuts");
+    let interrupted = || {
+        assert!(matches!(bake(interior(), &job, &CancelIn::phase(Phase::Transport)), Err(BakeError::Cancelled)));
+        let partial = Checkpoint::folder_of(&job.output);
+        assert!(partial.join("transport-00000.bin").exists() && !partial.join("transport-00001.bin").exists());
+    };
+    interrupted();
+    let resume = BakeJob { resume: true, ..job.clone() };
+    assert_eq!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
+
+    // Negative control: what was kept is used.
+    interrupted();
+    let settings = crate::resolve(job.settings.clone()).unwrap();
+    let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &settings).unwrap().unwrap();
+    let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
+    let mut rows = checkpoint.load_rows(0, coarsest).unwrap();
+    rows[0].clear();
+    checkpoint.store_rows(0, &rows).unwrap();
+    assert_ne!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
+}
+
+#[test]
+fn a_scene_without_a_closed_space_is_remarked_upon() {
+    struct Remarks(std::sync::Mutex<Vec<String>>);
+    impl Observer for Remarks {
+        fn event(&self, event: Event) {
+            if let Event::Warning { message } = event {
+                self.0.lock().unwrap().push(message);
+            }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let remarks = |scene, name| {
+        let observer = Remarks(Default::default());
+        bake(scene, &indirect_job(folder.path(), name, BakeMode::Meshless), &observer).unwrap();
+        observer.0.into_inner().unwrap().join("\n")
+    };
+    let open = remarks(scene(), "a.cuts");
+    assert!(open.contains("meet no surface") && open.contains("--viewpoint"), "{open}");
+    assert_eq!(remarks(interior(), "b.cuts"), "");
 }

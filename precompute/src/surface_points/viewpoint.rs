@@ -1,97 +1,206 @@
 //! The one valid viewpoint that tells reachable surfaces from enclosed ones.
+//!
+//! A viewpoint should lie in the largest space that is closed or nearly so: there light stays, and nothing outside matters
+//! much to it. Places are judged by how many directions meet a surface, by how much surface particles from there reach and
+//! of how many parts of the scene, and by the size of the space around. Judged by directions alone the hollow of a column,
+//! or a gap between two leaves, beats any room. Spaces between walls and under roofs may be large and closed as well, but
+//! show the backs of what they lie behind, or few things: what is meant to be seen is furnished.
 
-use super::PointsError;
+use super::{PointsError, candidates::landings};
 use crate::MeshSurface;
 use glam::Vec3;
-use lapidary_core::{camera::Camera, sphere::fibonacci_directions, surfel::Surface};
+use lapidary_core::{
+    camera::Camera,
+    lights::{Emission, Light},
+    sphere::{cosine_direction, fibonacci_directions, frame_around},
+    surfel::{Surface, Surfel},
+};
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// Rays that judge a viewpoint.
 const RAYS: usize = 256;
-/// Places along each axis of the search.
-const PLACES: usize = 10;
-/// The search goes this far beyond the bounds, as a share of their extent: over a model on a plane, all within is too close.
+/// Of so many rays one goes on as a particle, and lands so often at most.
+const RAYS_PER_PARTICLE: usize = 4;
+const LANDINGS: usize = 12;
+/// Cells along the diagonal of the scene; the surface in one of them counts once for each of six directions that it faces.
+const CELLS: f32 = 24.0;
+/// Places of a grid along each axis of the search.
+const PLACES: usize = 8;
+/// The grid goes this far beyond the bounds, as a share of their extent: over a model on a plane, all within is too close.
 const BEYOND: f32 = 0.25;
+/// Places halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is detail.
+const CHORDS: usize = 512;
+/// A camera or light serves if it is at least so good as the best place, as a share: it need not lie in the middle.
+const GOOD_HINT: f32 = 0.3;
+/// Power of the share of landings that are on fronts: a few leaves and curtains are seen from behind in any room, but of
+/// what lies around a space between walls a quarter or more.
+const FRONTS_POWER: i32 = 6;
+/// What a place is worth that sees backs of two-sided surfaces alone, as a share: the sides of a mesh may be wrong.
+const BACKS_ONLY: f32 = 0.01;
+const SEED: u64 = 0x7669_6577_706f_696e;
 
 /// Whether particles from a viewpoint land at all.
 ///
 /// # Errors
 /// [`PointsError::SeesNothing`].
 pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), PointsError> {
-    let sees = |&d: &Vec3| surface.first_hit(viewpoint, d).is_some();
-    let finite = viewpoint.is_finite();
-    if finite && fibonacci_directions(RAYS).iter().any(sees) {
+    if viewpoint.is_finite() && enclosure(surface, viewpoint) > 0.0 {
         Ok(())
     } else {
         Err(PointsError::SeesNothing(viewpoint))
     }
 }
 
-/// The viewpoint asked for, or that of the first camera that has a valid one, or the best of a grid of places: one that is
-/// surrounded by fronts of surfaces, not too close.
+/// Share of all directions from a place in which the front of a surface is seen: 1 in a closed space, about a half over a
+/// plane.
+pub fn enclosure(surface: &dyn Surface, place: Vec3) -> f32 {
+    let sees = |&&d: &&Vec3| surface.first_hit(place, d).is_some();
+    fibonacci_directions(RAYS).iter().filter(sees).count() as f32 / RAYS as f32
+}
+
+/// The viewpoint asked for, or that of the first camera or local light that is nearly as good as the best place found, or
+/// that place.
 ///
 /// # Errors
 /// A viewpoint asked for that lies inside a solid or sees nothing; a scene without any valid one.
-pub fn find_viewpoint(surface: &MeshSurface, asked: Option<Vec3>, cameras: &[Camera]) -> Result<Vec3, PointsError> {
-    let valid = |viewpoint: Vec3| {
+pub fn find_viewpoint(
+    surface: &MeshSurface,
+    asked: Option<Vec3>,
+    cameras: &[Camera],
+    lights: &[Light],
+) -> Result<Vec3, PointsError> {
+    if let Some(viewpoint) = asked {
         if viewpoint.is_finite() && View::from(surface, viewpoint).inside_solid() {
             return Err(PointsError::InsideSolid(viewpoint));
         }
-        check_viewpoint(surface, viewpoint)
-    };
-    if let Some(viewpoint) = asked {
-        return valid(viewpoint).map(|()| viewpoint);
+        return check_viewpoint(surface, viewpoint).map(|()| viewpoint);
     }
-    match cameras.iter().map(|c| c.eye).find(|&eye| valid(eye).is_ok()) {
-        Some(eye) => Ok(eye),
-        None => search(surface).ok_or(PointsError::NoViewpoint),
+    let mut places: Vec<Vec3> = cameras.iter().map(|c| c.eye).collect();
+    places.extend(lights.iter().filter_map(|light| place_of(light, surface.offset())));
+    let hints = places.len();
+    places.extend(grid(surface));
+    places.extend(middles_of_chords(surface));
+    let scores: Vec<f32> = places.par_iter().map(|&place| score(surface, place)).collect();
+    let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a)));
+    let best = best.filter(|&best| scores[best] > 0.0).ok_or(PointsError::NoViewpoint)?;
+    let hint = (0..hints).find(|&hint| scores[hint] >= GOOD_HINT * scores[best]);
+    Ok(places[hint.unwrap_or(best)])
+}
+
+/// Where a light shines from, off the surface that it may lie on.
+fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
+    match light.emission {
+        Emission::Directional => None,
+        Emission::Point => Some(light.position),
+        Emission::Spot { .. } | Emission::Rectangle { .. } => {
+            Some(light.position + light.forward().unwrap_or(Vec3::ZERO) * (4.0 * offset))
+        }
     }
 }
 
-fn search(surface: &MeshSurface) -> Option<Vec3> {
+/// A grid over the bounds and somewhat beyond.
+fn grid(surface: &MeshSurface) -> impl Iterator<Item = Vec3> {
     let bounds = surface.bounds();
+    let extent = (bounds.max - bounds.min).max(Vec3::splat(0.02 * bounds.diagonal()));
     let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * BEYOND) - BEYOND;
-    let place = |i: usize| {
+    (0..PLACES.pow(3)).map(move |i| {
         let at = Vec3::new(share(i % PLACES), share(i / PLACES % PLACES), share(i / (PLACES * PLACES)));
         // Off the planes of symmetry, where edges and corners tend to lie.
-        bounds.min
-            + (bounds.max - bounds.min).max(Vec3::splat(0.02 * bounds.diagonal()))
-                * (at + Vec3::new(0.011, 0.013, 0.017))
+        bounds.min + extent * (at + Vec3::new(0.011, 0.013, 0.017))
+    })
+}
+
+/// The middles between random points of surfaces and what lies before them, however small the rooms of a scene are.
+fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
+    let mut rng = fastrand::Rng::with_seed(SEED);
+    let mut points = surface.uniform_points(CHORDS / 2, SEED).0;
+    points.extend(surface.points_of_random_triangles(CHORDS / 2, SEED));
+    let middle = |p: Surfel| {
+        let origin = p.position + p.normal * surface.offset();
+        let hit = surface.first_hit(origin, frame_around(p.normal) * cosine_direction(rng.f32(), rng.f32()))?;
+        Some(0.5 * (origin + hit.position))
     };
-    let score = |i: usize| View::from(surface, place(i)).score(bounds.diagonal());
-    let scores: Vec<f32> = (0..PLACES.pow(3)).into_par_iter().map(score).collect();
-    let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a)))?;
-    (scores[best] > 0.0).then(|| place(best))
+    points.into_iter().filter_map(middle).collect()
+}
+
+/// How good a viewpoint is: the surface that particles reach, times the root of the number of its parts, the share of
+/// directions that see surfaces and the size of the space around, less if many of these are backs. 0 inside solids and
+/// where nothing is seen.
+fn score(surface: &MeshSurface, place: Vec3) -> f32 {
+    if !place.is_finite() {
+        return 0.0;
+    }
+    let view = View::from(surface, place);
+    if view.inside_solid() {
+        return 0.0;
+    }
+    let enclosure = view.seen.len() as f32 / RAYS as f32;
+    let reached = view.reached(surface, place);
+    let size = view.size(place) / surface.bounds().diagonal();
+    let fronts = reached.fronts.powi(FRONTS_POWER).max(BACKS_ONLY);
+    reached.cells as f32 * (reached.parts as f32).sqrt() * fronts * enclosure * size
 }
 
 /// What is seen around a place.
 struct View {
     /// Rays that meet something, from either side.
     hits: usize,
-    /// Distances of what is seen from a side that exists.
-    distances: Vec<f32>,
+    /// Directions that meet a side that exists, and where.
+    seen: Vec<(Vec3, Surfel)>,
 }
 
 impl View {
     fn from(surface: &MeshSurface, place: Vec3) -> Self {
         let directions = fibonacci_directions(RAYS);
         let hits = directions.iter().filter(|&&d| surface.meets_anything(place, d)).count();
-        let distance = |&d: &Vec3| surface.first_hit(place, d).map(|s| s.position.distance(place));
-        let mut distances: Vec<f32> = directions.iter().filter_map(distance).collect();
-        distances.sort_unstable_by(f32::total_cmp);
-        Self { hits, distances }
+        let seen = directions.iter().filter_map(|&d| Some((d, surface.first_hit(place, d)?))).collect();
+        Self { hits, seen }
     }
 
     fn inside_solid(&self) -> bool {
-        self.hits > 0 && 2 * self.distances.len() < self.hits
+        self.hits > 0 && 2 * self.seen.len() < self.hits
     }
 
-    /// Share of directions that see surfaces, more for medium distances; 0 inside solids and where nothing is seen.
-    fn score(&self, diagonal: f32) -> f32 {
-        if self.inside_solid() || self.distances.is_empty() {
-            return 0.0;
+    /// Radius in metres of a ball of the volume that is seen. Attics are low.
+    fn size(&self, place: Vec3) -> f32 {
+        let cubes: f32 = self.seen.iter().map(|s| s.1.position.distance(place).powi(3)).sum();
+        (cubes / RAYS as f32).cbrt()
+    }
+
+    /// Where particles from the place land.
+    fn reached(&self, surface: &MeshSurface, place: Vec3) -> Reached {
+        let inverse_cell = CELLS / surface.bounds().diagonal();
+        let mut rng = fastrand::Rng::with_seed(SEED);
+        let mut landed: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
+        for (direction, _) in self.seen.iter().step_by(RAYS_PER_PARTICLE) {
+            landed.extend(landings(surface, place, *direction, LANDINGS, &mut rng).skip(1));
         }
-        let quartile = self.distances[self.distances.len() / 4] / diagonal;
-        self.distances.len() as f32 / RAYS as f32 + (10.0 * quartile).min(1.0) * 0.5 + 1e-3
+        let fronts = landed.iter().filter(|at| surface.is_front(at)).count();
+        Reached {
+            cells: landed.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
+            parts: landed.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
+            fronts: fronts as f32 / landed.len().max(1) as f32,
+        }
     }
 }
+
+/// What particles from a place reach.
+struct Reached {
+    /// Cells that they land in: the area.
+    cells: usize,
+    /// Parts of the scene.
+    parts: usize,
+    /// Share of landings on fronts.
+    fronts: f32,
+}
+
+/// The cell of a point, and which of six directions it faces most.
+fn cell(point: &Surfel, inverse_cell: f32) -> ([i32; 3], usize) {
+    let axis = point.normal.abs().max_position();
+    let faces = 2 * axis + usize::from(point.normal[axis] < 0.0);
+    ((point.position * inverse_cell).floor().to_array().map(|x| x as i32), faces)
+}
+
+#[cfg(test)]
+mod tests;

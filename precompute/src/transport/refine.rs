@@ -99,17 +99,21 @@ impl Criterion {
     }
 }
 
-/// The receivers of the next level that lie under one of `level` with links, or under none at all, in ascending order.
+/// The receivers of the next level that are examined, in ascending order.
 pub fn children_of(basis: &Basis, level: usize, rows: &[Row]) -> Vec<usize> {
     if level + 1 == basis.levels() {
         return Vec::new();
     }
-    let is_child = |&receiver: &usize| {
-        let (point, mut parents) = (&basis.points()[receiver], Vec::new());
-        basis.values(level, point.position, point.normal, &mut parents);
-        parents.is_empty() || parents.iter().any(|p| !rows[p.0 as usize].is_empty())
-    };
+    let is_child = |&receiver: &usize| is_examined(basis, receiver, level + 1, rows);
     basis.level(level + 1).into_par_iter().filter(is_child).collect()
+}
+
+/// Whether a receiver lies under one of the level before with links, or under none at all.
+pub fn is_examined(basis: &Basis, receiver: usize, level: usize, rows: &[Row]) -> bool {
+    let Some(coarser) = level.checked_sub(1) else { return true };
+    let (point, mut parents) = (&basis.points()[receiver], Vec::new());
+    basis.values(coarser, point.position, point.normal, &mut parents);
+    parents.is_empty() || parents.iter().any(|p| !rows[p.0 as usize].is_empty())
 }
 
 /// Places of points along a Z-curve through the cube around them.

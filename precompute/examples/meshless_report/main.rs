@@ -1,0 +1,122 @@
+//! The figures of the meshless light transport in `docs/measurements.md`: size of the operator, error of one bounce against
+//! rays, times of a light that moves, and the Neumann series beside iterating.
+//!
+//! ```sh
+//! cargo run --release -p lapidary-precompute --example meshless_report -- SCENE --levels 6 --sender-levels 4 --gather-rays 300 --epsilon 0.025
+//! ```
+//!
+//! `SCENE` is a file that the program can import, or `boxes`: a closed room of 2 m with two boxes. Everything is half grey
+//! and lit by one point light.
+
+mod errors;
+mod prepared;
+mod series;
+mod times;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use glam::Vec3;
+use lapidary_core::{dataset::MeshlessSettings, meshless::Solver, surfel::Surface};
+use lapidary_precompute::{Silent, find_viewpoint, meshless_bake};
+use prepared::{Lamp, Prepared};
+use std::time::Instant;
+
+/// Size, error and speed of the meshless light transport in a scene
+#[derive(Parser)]
+struct Args {
+    /// Scene file, or `boxes`
+    scene: String,
+    /// Levels of the basis
+    #[arg(long, default_value_t = 6)]
+    levels: usize,
+    /// How many of the first levels send
+    #[arg(long, default_value_t = 4)]
+    sender_levels: usize,
+    /// Rays of a gather
+    #[arg(long, default_value_t = 512)]
+    gather_rays: usize,
+    /// Least significant link
+    #[arg(long, default_value_t = 0.025)]
+    epsilon: f32,
+    /// Distance of the coarsest points in metres [default: one that gives about 300 of them]
+    #[arg(long)]
+    coarse_radius: Option<f32>,
+    /// Where the light is [default: the middle of the scene's bounds]
+    #[arg(long, value_parser = place, allow_hyphen_values = true)]
+    light: Option<Vec3>,
+    /// From where surfaces are reached [default: searched for]
+    #[arg(long, value_parser = place, allow_hyphen_values = true)]
+    viewpoint: Option<Vec3>,
+    /// Points at which light is compared with rays
+    #[arg(long, default_value_t = 600)]
+    points: usize,
+    /// Also the Neumann series of so many bounces: minutes for thousands of senders
+    #[arg(long, value_name = "BOUNCES")]
+    series: Option<u32>,
+    /// Least link of the series
+    #[arg(long, default_value_t = 1e-5)]
+    series_epsilon: f32,
+}
+
+fn main() -> Result<()> {
+    let args = Args::parse();
+    let prepared = Prepared::load(&args.scene)?;
+    let surface = prepared.surface();
+    let scene = &prepared.scene;
+    let viewpoint = find_viewpoint(&surface, args.viewpoint, &scene.cameras, &scene.lights)?;
+    let lamp = Lamp { position: args.light.unwrap_or_else(|| surface.bounds().center()) };
+    println!(
+        "{}: {} triangles, viewpoint {viewpoint}, light {}",
+        args.scene,
+        scene.mesh.triangles.len(),
+        lamp.position
+    );
+    let settings = MeshlessSettings {
+        levels: args.levels,
+        sender_levels: args.sender_levels,
+        coarse_radius: args.coarse_radius,
+        rays: args.gather_rays,
+        epsilon: args.epsilon,
+    };
+    let start = Instant::now();
+    let (bake, report) = meshless_bake(&surface, viewpoint, &settings, &Silent)
+        .context("cannot bake; give a place inside with --viewpoint x,y,z")?;
+    let seconds = start.elapsed().as_secs_f32();
+    let solver = Solver::new(&bake);
+    println!("functions {:?}, {} of them send", report.functions, report.senders);
+    println!("links {}, {:.4} % of the possible ones", report.links, 100.0 * report.share);
+    println!(
+        "bytes of links {:.1} MB, of points {:.1} MB",
+        megabytes(report.bytes_links),
+        megabytes(report.bytes_points)
+    );
+    println!("bake {seconds:.1} s");
+    errors::print(&bake, &solver, &surface, &lamp, viewpoint, args.points);
+    times::print(&bake, &solver, &prepared, &lamp);
+    if let Some(bounces) = args.series {
+        series::print(&bake, &solver, &surface, &lamp, bounces, args.series_epsilon);
+    }
+    Ok(())
+}
+
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
+}
+
+/// Median time of nine runs in milliseconds.
+fn median_ms(mut work: impl FnMut()) -> f32 {
+    let mut times: Vec<f32> = (0..9)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f32() * 1e3
+        })
+        .collect();
+    times.sort_unstable_by(f32::total_cmp);
+    times[times.len() / 2]
+}
+
+fn place(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
+    <[f32; 3]>::try_from(numbers).map(Vec3::from).map_err(|_| "give three numbers with commas between".into())
+}

@@ -1,0 +1,101 @@
+//! The parts of a bake that bounce light, from one viewpoint.
+
+use super::{BakeError, Geometry, clock::Clock, indirect::Stage, meshless::bake_meshless};
+use crate::{
+    MeshSurface,
+    checkpoint::Checkpoint,
+    find_viewpoint,
+    observer::{Event, Observer},
+    surface_points::enclosure,
+};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeSettings, IndirectReport, MeshlessReport},
+    indirect::IndirectBake,
+    light_tree::LightTree,
+    meshless::MeshlessBake,
+    scene::Scene,
+};
+
+/// Share of directions that may miss the scene around a viewpoint without a warning: a court without a roof has a third.
+const MOST_OPEN: f32 = 0.4;
+
+/// Mean reflectance of a closed space above which its bounces are remarked upon: of 0.95 the fourteenth holds half.
+const MOST_REFLECTANCE: f32 = 0.95;
+
+/// The parts that bounce light.
+#[derive(Default)]
+pub(super) struct Bounces {
+    pub indirect: Option<IndirectBake>,
+    pub report: Option<IndirectReport>,
+    pub meshless: Option<MeshlessBake>,
+    pub meshless_report: Option<MeshlessReport>,
+}
+
+/// Bakes what the mode asks for beyond the environment.
+pub(super) fn bake_bounces(
+    geometry: &Geometry,
+    tree: &LightTree,
+    settings: &BakeSettings,
+    checkpoint: &Checkpoint,
+    clock: &mut Clock,
+) -> Result<Bounces, BakeError> {
+    let mut bounces = Bounces::default();
+    if !(settings.mode.indirect() || settings.mode.meshless()) {
+        return Ok(bounces);
+    }
+    // Reflectance stays out of everything baked, so that materials remain free to change.
+    let black = |_: &_| Vec3::ZERO;
+    let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
+    let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
+    if settings.mode.indirect() {
+        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let (indirect, report) = stage.bake_indirect(clock)?;
+        (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
+    }
+    if settings.mode.meshless() {
+        let (meshless, report) = bake_meshless(&surface, viewpoint, &settings.meshless, checkpoint, clock)?;
+        (bounces.meshless, bounces.meshless_report) = (Some(meshless), Some(report));
+    }
+    Ok(bounces)
+}
+
+/// The viewpoint asked for or found, and a warning if light is lost around it.
+fn viewpoint(
+    surface: &MeshSurface,
+    scene: &Scene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+) -> Result<Vec3, BakeError> {
+    let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &scene.cameras, &scene.lights)?;
+    let open = 1.0 - enclosure(surface, viewpoint);
+    if open > MOST_OPEN {
+        let Vec3 { x, y, z } = viewpoint;
+        let message = format!(
+            "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced light \
+             leaves the scene; if there is a closed space that should be lit, give a place in it with --viewpoint x,y,z",
+            100.0 * open
+        );
+        observer.event(Event::Warning { message });
+    }
+    if open == 0.0 && mean_reflectance(scene) > MOST_REFLECTANCE {
+        let message =
+            "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not fade, and \
+                       solutions end after their last one; lower the base colors to 0.9 or less"
+                .into();
+        observer.event(Event::Warning { message });
+    }
+    Ok(viewpoint)
+}
+
+/// Largest channel of the mean diffuse reflectance over all surfaces, textures left aside.
+fn mean_reflectance(scene: &Scene) -> f32 {
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+    for (t, &material) in scene.mesh.triangle_material.iter().enumerate() {
+        let area = scene.mesh.area_vector(t).length();
+        let parameters = &scene.materials[material as usize].parameters;
+        sum += parameters.base_color * ((1.0 - parameters.metalness) * area);
+        total += area;
+    }
+    sum.max_element() / total.max(f32::MIN_POSITIVE)
+}

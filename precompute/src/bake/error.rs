@@ -1,0 +1,52 @@
+//! Why a bake did not finish.
+
+use crate::{CheckpointError, PointsError, SettingsError};
+use lapidary_core::dataset::DatasetError;
+use thiserror::Error;
+
+/// Why a bake did not finish.
+#[derive(Debug, Error)]
+pub enum BakeError {
+    /// The observer asked for it.
+    #[error("the bake was cancelled; run the same command with --resume to go on from the last finished chunk")]
+    Cancelled,
+    /// No surface for sources, or no viewpoint to find it from.
+    #[error(transparent)]
+    Points(PointsError),
+    /// Settings out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The checkpoint cannot be used or written.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The dataset cannot be written.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// More memory than there is.
+    #[error(
+        "the bake needs about {needed} MB of memory, {available} MB are free; lower --max-vertices or close other programs"
+    )]
+    Memory {
+        /// Estimated need.
+        needed: u64,
+        /// Free now.
+        available: u64,
+    },
+    /// More texels than a texture holds.
+    #[error("the cuts take {texels} texels, a texture holds {limit}; raise --sigma or set --max-cut")]
+    TooManyTexels {
+        /// Texels needed.
+        texels: usize,
+        /// Texels of an 8192 x 8192 texture.
+        limit: usize,
+    },
+}
+
+impl From<PointsError> for BakeError {
+    fn from(error: PointsError) -> Self {
+        match error {
+            PointsError::Cancelled => Self::Cancelled,
+            error => Self::Points(error),
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Whole tessellations of a box over a floor.
+
+use super::{edges::end_vertices, split::midpoint_vertex, *};
+use crate::{
+    observer::Silent,
+    sidedness::{
+        classify,
+        tests::{cuboid, floor, scene_of},
+    },
+};
+use glam::Vec3;
+use lapidary_core::scene::Scene;
+use std::{
+    collections::{HashMap, HashSet},
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+fn box_over_floor() -> Scene {
+    let mut triangles = floor(2.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+    scene_of(&triangles)
+}
+
+fn tessellated(budget: usize) -> Scene {
+    let mut scene = box_over_floor();
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    tessellate(&mut scene.mesh, &mut sides, &intersector, budget, &Silent).unwrap();
+    assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
+    scene
+}
+
+fn area(mesh: &Mesh) -> f32 {
+    (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum()
+}
+
+/// No vertex lies inside an edge of a triangle that does not have it as a corner.
+fn is_conforming(mesh: &Mesh) -> bool {
+    let edges = Edges::new(mesh);
+    let positions: HashSet<[u32; 3]> = mesh.positions.iter().map(|p| p.to_array().map(f32::to_bits)).collect();
+    edges.ends.iter().all(|&(a, b)| {
+        let middle = 0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]);
+        !positions.contains(&middle.to_array().map(f32::to_bits))
+    })
+}
+
+#[test]
+fn the_result_is_valid_conforming_and_has_the_same_surface() {
+    let (before, after) = (box_over_floor(), tessellated(3000));
+    assert_eq!(after.mesh.validate(1, 1), Ok(()));
+    assert!(after.mesh.positions.len() > 1000 && after.mesh.positions.len() <= 3000);
+    assert!((area(&after.mesh) / area(&before.mesh) - 1.0).abs() < 1e-4);
+    assert!(is_conforming(&after.mesh));
+    let mut cracked = after.mesh.clone();
+    let edges = Edges::new(&cracked);
+    let [a, b] = end_vertices(&cracked, &edges, 0);
+    midpoint_vertex(&mut cracked, &mut HashMap::new(), a, b);
+    assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
+}
+
+#[test]
+fn vertices_gather_where_the_shadow_changes() {
+    let mesh = tessellated(3000).mesh;
+    let on_floor = |near: f32, far: f32| {
+        let ring = |p: &&Vec3| {
+            let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();
+            p.y == 0.0 && r >= near && r < far
+        };
+        let area = std::f32::consts::PI * (far * far - near * near);
+        mesh.positions.iter().filter(ring).count() as f32 / area
+    };
+    assert!(on_floor(0.0, 0.8) > 3.0 * on_floor(1.2, 1.7), "{} and {}", on_floor(0.0, 0.8), on_floor(1.2, 1.7));
+}
+
+#[test]
+fn no_budget_leaves_the_mesh_alone() {
+    assert_eq!(tessellated(3).mesh, box_over_floor().mesh);
+}
+/// Asks to stop when it has been asked `limit` times.
+struct Impatient {
+    asked: AtomicUsize,
+    limit: usize,
+}
+
+impl Observer for Impatient {
+    fn event(&self, _event: Event) {}
+
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.limit
+    }
+}
+
+/// Whether tessellation was cancelled, how often it asked, and the vertices that there were then.
+fn asked_until(limit: usize) -> (bool, usize, usize) {
+    let mut scene = box_over_floor();
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    let observer = Impatient { asked: AtomicUsize::new(0), limit };
+    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, 3000, &observer);
+    (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
+}
+
+#[test]
+fn cancelling_stops_within_a_round() {
+    let (cancelled, all, vertices) = asked_until(usize::MAX);
+    assert!(!cancelled && all > 10 * ROUNDS, "points are asked about, not rounds: {all}");
+    let (cancelled, asked, fewer) = asked_until(all / 2);
+    assert!(cancelled && fewer < vertices, "{fewer} of {vertices} vertices");
+    assert!(asked < all * 3 / 4, "asked {asked} times, half of all is {}", all / 2);
+}

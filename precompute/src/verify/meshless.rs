@@ -1,0 +1,170 @@
+//! The meshless operator: links of some functions made again, and the light that it carries against rays.
+
+use crate::{MeshSurface, transport::links_again};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::Dataset,
+    meshless::{MeshlessBake, Projection, Transport, irradiance},
+    ray::Intersector,
+    sphere::{cosine_direction, frame_around},
+    surfel::{Surface, Surfel},
+};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f32::consts::{PI, TAU};
+
+/// Functions whose links are made again at most: each needs those of about a hundred coarser ones.
+const FUNCTIONS: usize = 64;
+/// Points at which light is compared, and rays from each.
+const POINTS: usize = 128;
+const RAYS: usize = 512;
+
+/// What a verification of the meshless basis found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshlessVerification {
+    /// Functions whose links were made again with fresh rays, those that these depend on included.
+    pub functions: usize,
+    /// Those of them whose links differ from the stored ones by more than their rounding.
+    pub different_functions: usize,
+    /// Points at which a bounce of light was compared with rays.
+    pub points: usize,
+    /// Relative root mean square error of its irradiance. The light varies smoothly over the scene.
+    pub error: f64,
+    /// Its mean irradiance, as a share of that by rays.
+    pub energy: f64,
+}
+
+/// Verifies at most `count` functions; `None` without a meshless basis.
+pub(super) fn verify(dataset: &Dataset, intersector: &Intersector, count: usize) -> Option<MeshlessVerification> {
+    let bake = dataset.meshless.as_ref()?;
+    let black = |_: &_| Vec3::ZERO;
+    let surface = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &black);
+    let mut random = fastrand::Rng::with_seed(super::seed(dataset));
+    let picked = picked_functions(bake, count.min(FUNCTIONS), &mut random);
+    let again = links_again(&surface, &bake.basis, &dataset.settings.meshless, &picked);
+    let stored = rows_of(&bake.transport);
+    let differs = |(receiver, row): &&(usize, Vec<_>)| !agree(row, &stored[*receiver], bake.transport.scale());
+    let pairs = compare_light(bake, &surface, &mut random);
+    let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(|pair| f64::from(f(pair))).sum::<f64>();
+    let squares = sum(&|(rays, _)| rays * rays).max(f64::MIN_POSITIVE);
+    Some(MeshlessVerification {
+        functions: again.len(),
+        different_functions: again.iter().filter(differs).count(),
+        points: pairs.len(),
+        error: (sum(&|(rays, links)| (rays - links).powi(2)) / squares).sqrt(),
+        energy: sum(&|p| p.1) / sum(&|p| p.0).max(f64::MIN_POSITIVE),
+    })
+}
+
+/// As many of each level.
+fn picked_functions(bake: &MeshlessBake, count: usize, random: &mut fastrand::Rng) -> Vec<usize> {
+    let levels = bake.basis.levels();
+    (0..levels).flat_map(|level| random.choose_multiple(bake.basis.level(level), count.div_ceil(levels))).collect()
+}
+
+/// The stored links by receiver, in ascending order of senders.
+fn rows_of(transport: &Transport) -> Vec<Vec<(u32, Vec3)>> {
+    let mut rows = vec![Vec::new(); transport.receivers()];
+    transport.links().for_each(|(sender, receiver, vector)| rows[receiver].push((sender as u32, vector)));
+    rows
+}
+
+/// Whether two rows have the same senders, and vectors that differ by half a packed step at most.
+fn agree(made: &[(u32, Vec3)], stored: &[(u32, Vec3)], scale: f32) -> bool {
+    let same = |(a, b): (&(u32, Vec3), &(u32, Vec3))| a.0 == b.0 && (a.1 - b.1).abs().max_element() <= 0.51 * scale;
+    made.len() == stored.len() && made.iter().zip(stored).all(same)
+}
+
+/// Irradiance by rays and by the operator at points of random functions of the finest level, of surfaces whose radiance
+/// is a wave of the scene's size.
+fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastrand::Rng) -> Vec<(f32, f32)> {
+    let (basis, levels) = (&bake.basis, bake.basis.levels());
+    let wave = Vec3::new(1.0, 0.7, 0.4) * (TAU / surface.bounds().diagonal());
+    let radiance = |at: Vec3| 1.0 + 0.9 * at.dot(wave).cos();
+    let sent: Vec<Vec3> = basis.points()[basis.senders()].iter().map(|p| Vec3::splat(radiance(p.position))).collect();
+    let sent = Projection::new(basis, basis.sender_levels()).pull_push(&sent);
+    let received = bake.transport.apply(&sent, 0.0, basis.len());
+    let seeds: Vec<(usize, u64)> =
+        random.choose_multiple(basis.level(levels - 1), POINTS).into_iter().map(|i| (i, i as u64)).collect();
+    let pair = |&(function, seed): &(usize, u64)| {
+        let point = &basis.points()[function];
+        let vector = basis.evaluate(levels, point.position, point.normal, &received);
+        (by_rays(surface, point, &radiance, seed), irradiance(&vector, point.normal).x)
+    };
+    seeds.par_iter().map(pair).collect()
+}
+
+fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: &(impl Fn(Vec3) -> f32 + Sync), seed: u64) -> f32 {
+    let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
+    let mut random = fastrand::Rng::with_seed(!seed);
+    let ray = |i: usize| {
+        let direction = frame * cosine_direction((i as f32 + random.f32()) / RAYS as f32, random.f32());
+        surface.first_hit(origin, direction).map_or(0.0, |hit| radiance(hit.position))
+    };
+    (0..RAYS).map(ray).sum::<f32>() * (PI / RAYS as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        BakeJob, Preset, Silent, bake,
+        mesh_surface::tests::room,
+        sidedness::tests::{cuboid, scene_of},
+        verify,
+    };
+    use lapidary_core::{
+        dataset::{BakeMode, BakeSettings, MeshlessSettings},
+        meshless::PackedLink,
+    };
+
+    fn baked() -> Dataset {
+        let folder = tempfile::tempdir().unwrap();
+        let mut triangles = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
+        triangles.extend(cuboid(Vec3::new(0.3, -0.4, 0.2), Vec3::splat(0.2)));
+        let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 128, ..Default::default() };
+        let settings = BakeSettings { mode: BakeMode::Meshless, meshless, lights: 256, ..Preset::Draft.settings() };
+        let job = BakeJob {
+            settings: BakeSettings { max_vertices: None, ..settings },
+            output: folder.path().join("a.cuts"),
+            chunks: None,
+            resume: false,
+            import_secs: 0.0,
+            warnings: Vec::new(),
+        };
+        bake(scene_of(&triangles), &job, &Silent).unwrap();
+        Dataset::read(&job.output).unwrap()
+    }
+
+    /// With other links of the same layout.
+    fn damaged(dataset: &Dataset, damage: impl Fn(usize, PackedLink) -> PackedLink) -> Dataset {
+        let mut damaged = dataset.clone();
+        let transport = &mut damaged.meshless.as_mut().unwrap().transport;
+        let links = transport.packed().iter().enumerate().map(|(i, &link)| damage(i, link)).collect();
+        let size = [transport.receivers(), transport.senders()];
+        *transport = Transport::from_parts(size, transport.scale(), transport.offsets().to_vec(), links).unwrap();
+        damaged
+    }
+
+    #[test]
+    fn fresh_links_agree_and_damaged_ones_do_not() {
+        let dataset = baked();
+        let good = verify(&dataset, 64);
+        let found = good.meshless.clone().unwrap();
+        assert!(good.passed && found.functions > 64 && found.points == POINTS, "{good:?}");
+        assert!(found.error < 0.06 && (found.energy - 1.0).abs() < 0.03, "{found:?}");
+
+        let dimmed = damaged(&dataset, |_, link| PackedLink { vector: link.vector.map(|v| v / 2), ..link });
+        let dimmed = verify(&dimmed, 64);
+        let of = dimmed.meshless.unwrap();
+        assert!(!dimmed.passed && of.energy < 0.6 && of.error > 0.3, "{of:?}");
+
+        let nudge = |v: i16| if v > i16::MAX - 3 { v - 3 } else { v + 3 };
+        let nudged = damaged(&dataset, |_, link| PackedLink { vector: link.vector.map(nudge), ..link });
+        assert!(!verify(&nudged, 64).passed, "three steps are noticed");
+
+        let mut moved = dataset.clone();
+        moved.settings.meshless.epsilon *= 1.5;
+        assert!(!verify(&moved, 64).passed, "links of another epsilon");
+    }
+}
