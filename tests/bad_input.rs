@@ -160,10 +160,14 @@ fn lights_that_cannot_shine_are_refused_by_name() {
         let message = stage.fail(&format!("render a.cuts {options} --size 8x6 --out a.png"));
         assert!(message.contains(mode), "{options}: {message}");
     }
-    for options in ["--bounces 1", "--components indirect", "--spp 4"] {
+    for (options, remedy) in
+        [("--bounces 1", "--kind path"), ("--components indirect", "--mode indirect"), ("--spp 4", "--kind path")]
+    {
         let message = stage.fail(&format!("reference a.cuts {options} --size 8x6 --out a.png"));
-        assert!(message.contains("--kind path"), "{options}: {message}");
+        assert!(message.contains(remedy), "{options}: {message}");
     }
+    let message = stage.fail("bounces a.cuts --size 8x6 --out bounces");
+    assert!(message.contains("--mode indirect"), "{message}");
     for options in ["--components sun", "--components", "--solution magic", "--kind path --bounces -1"] {
         let output = stage.run(&format!("reference a.cuts {options} --size 8x6 --out a.png"));
         assert_eq!(output.status.code(), Some(2), "{options}");

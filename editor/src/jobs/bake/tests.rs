@@ -71,7 +71,8 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         let indirect = IndirectSettings { viewpoint: Some(Vec3::new(0.6, 0.5, 0.5)), ..normal.indirect };
         let meshless = MeshlessSettings { levels: 1, sender_levels: 1, ..normal.meshless };
         task.job.settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
-        let messages = all(&mut BakeRun::start(task.clone(), silent()));
+        let mut messages = all(&mut BakeRun::start(task.clone(), silent()));
+        messages.retain(|m| !matches!(m, BakeMessage::Warning(_))); // two walls are no closed space
         let [BakeMessage::Draft(draft), BakeMessage::Done(whole)] = &messages[..] else { panic!("{messages:?}") };
         for dataset in [&draft.dataset, &whole.dataset] {
             assert_eq!((dataset.indirect.is_some(), dataset.meshless.is_some()), parts, "{mode:?}");
