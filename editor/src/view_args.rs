@@ -119,28 +119,16 @@ pub struct Shot {
 }
 
 impl ViewArgs {
-    /// Reads the files and settles all defaults, without local lights; warnings go to `console`.
+    /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
     ///
     /// # Errors
     /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
-    pub fn resolve(&self, console: Console) -> Result<Shot> {
-        self.resolve_with(None, console)
-    }
-
-    /// [`Self::resolve`] with the local lights that `local` asks for.
-    ///
-    /// # Errors
-    /// As [`Self::resolve`].
-    pub fn resolve_lit(&self, local: &LocalLightArgs, console: Console) -> Result<Shot> {
-        self.resolve_with(Some(local), console)
-    }
-
-    fn resolve_with(&self, local: Option<&LocalLightArgs>, console: Console) -> Result<Shot> {
+    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Shot> {
         self.camera.check_memory()?;
         let light = self.light.resolve(local, console)?;
-        let lights = local.map(LocalLightArgs::read).transpose()?.flatten();
+        let lights = local.read()?;
         let mut dataset = Dataset::read(&self.file)?;
-        let local = local.map(|args| args.resolve(lights, &dataset, &self.file)).transpose()?.unwrap_or_default();
+        let local = local.resolve(lights, &dataset, &self.file)?;
         self.material.apply(&mut dataset.scene)?;
         let camera = self.camera.resolve(&dataset.scene)?;
         let view = View {

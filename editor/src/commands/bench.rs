@@ -4,13 +4,14 @@ use crate::{
     backend_option::BackendOption,
     console::Console,
     outcome::Outcome,
-    view_args::{Shot, ViewArgs},
+    view_args::{LocalLightArgs, Shot, ViewArgs},
 };
 use anyhow::Result;
 use clap::Args;
+use lapidary_core::lights::Light;
 use lapidary_precompute::cli::print_out;
 use lapidary_render::{
-    Backend, BrdfSampling, LightRig, Post, Renderer,
+    Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, LightRig, LocalRig, Post, Solution,
     gpu::{GpuBackend, PassTimes},
 };
 use serde::Serialize;
@@ -37,6 +38,8 @@ pub struct BenchArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
     view: ViewArgs,
 }
 
@@ -49,10 +52,16 @@ struct Bench {
     vertices: usize,
     triangles: usize,
     mean_cut: f64,
+    /// Of the cuts over surface sources; nil without.
+    mean_source_cut: f64,
     lights: usize,
+    sources: usize,
     frames: u32,
     /// From a turned environment to a new illumination cut of 256: leaf radiance, tree and cut, on one thread.
     rotation_milliseconds: f64,
+    /// From a moved local light to all that its bounces need in a picture, with an illumination cut of 256; absent without
+    /// a light or bounced light.
+    light_moved_milliseconds: Option<f64>,
     runs: Vec<Run>,
 }
 
@@ -71,22 +80,28 @@ struct Run {
 /// # Errors
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
-    let shot = args.view.resolve(console)?;
+    let shot = args.view.resolve(&args.local, console)?;
+    let stage = Stage::new(args, &shot)?;
     let gpu = args.backend.gpu()?;
     let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);
     let runs = match gpu {
-        Some(gpu) => gpu_runs(args, &shot, gpu)?,
-        None => args.illum_cuts.iter().map(|&k| cpu_run(args, &shot, k)).collect(),
+        Some(gpu) => stage.gpu_runs(gpu)?,
+        None => stage.cpu_runs()?,
     };
+    let report = &shot.dataset.report;
+    let indirect = report.indirect.as_ref();
     let bench = Bench {
         adapter,
         size: shot.view.size,
         vertices: shot.dataset.scene.mesh.positions.len(),
         triangles: shot.dataset.scene.mesh.triangles.len(),
-        mean_cut: shot.dataset.report.mean_cut,
+        mean_cut: report.mean_cut,
+        mean_source_cut: indirect.map_or(0.0, |r| r.mean_cut),
         lights: shot.dataset.tree.len(),
+        sources: indirect.map_or(0, |r| r.sources),
         frames: args.frames,
         rotation_milliseconds: rotation(&shot, args.frames),
+        light_moved_milliseconds: stage.light_moved(),
         runs,
     };
     if args.json {
@@ -97,57 +112,104 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn gpu_runs(args: &BenchArgs, shot: &Shot, mut gpu: GpuBackend) -> Result<Vec<Run>> {
-    let mut rig = LightRig::new(&shot.dataset.tree);
-    gpu.set_scene(&shot.dataset.clone().into())?;
-    let mut runs = Vec::new();
-    for &illum_cut in &args.illum_cuts {
-        let lighting = Arc::new(rig.lighting(&shot.light, illum_cut));
-        gpu.set_light(&shot.light, &lighting)?;
-        gpu.begin(&shot.view, BrdfSampling::Refine)?;
-        gpu.timed_sample(0, &Post::default())?;
-        let times = (0..args.frames).map(|_| gpu.timed_sample(0, &Post::default()));
-        let times = times.collect::<Result<Vec<_>, _>>()?;
-        gpu.begin(&shot.view, BrdfSampling::Refine)?;
-        gpu.render_rows(0, 0..shot.view.size[1])?;
-        let stats = gpu.stats()?;
-        runs.push(Run {
-            illum_cut,
-            milliseconds: medians(&times),
-            mean_merged_nodes: stats.mean_merged_nodes,
-            mean_brdf_evaluations: stats.mean_brdf_evaluations,
-        });
-    }
-    Ok(runs)
+/// What is shown, and how often.
+struct Stage<'a> {
+    args: &'a BenchArgs,
+    shot: &'a Shot,
+    baked: Baked,
+    components: Components,
+    solution: Solution,
 }
 
-fn medians(times: &[PassTimes]) -> BTreeMap<&'static str, f64> {
-    let pass = |of: fn(&PassTimes) -> Duration| median(times.iter().map(of).collect());
+impl<'a> Stage<'a> {
+    fn new(args: &'a BenchArgs, shot: &'a Shot) -> Result<Self> {
+        let (components, solution) = shot.local.bounces_of(&shot.dataset)?;
+        Ok(Self { args, shot, baked: shot.dataset.clone().into(), components, solution })
+    }
+
+    fn gpu_runs(&self, mut gpu: GpuBackend) -> Result<Vec<Run>> {
+        self.runs(&mut gpu, |gpu| Ok(passes(gpu.timed_sample(0, &Post::default())?)))
+    }
+
+    fn cpu_runs(&self) -> Result<Vec<Run>> {
+        let height = self.shot.view.size[1];
+        self.runs(&mut CpuBackend::new(), |cpu| {
+            let start = Instant::now();
+            cpu.render_rows(0, 0..height)?;
+            Ok(BTreeMap::from([("total", start.elapsed())]))
+        })
+    }
+
+    /// One run an illumination cut; `frame` renders one and says how long its passes took.
+    fn runs<B: Backend>(
+        &self,
+        backend: &mut B,
+        frame: impl Fn(&mut B) -> Result<Times, BackendError>,
+    ) -> Result<Vec<Run>> {
+        let Self { args, shot, baked, .. } = self;
+        let (mut rig, mut local) = (LightRig::new(&shot.dataset.tree), LocalRig::new(baked));
+        local.set_lights(&shot.local.lights.clone().into());
+        backend.set_scene(baked)?;
+        let mut runs = Vec::new();
+        for &illum_cut in &args.illum_cuts {
+            let lighting = Arc::new(rig.lighting(&shot.light, illum_cut));
+            backend.set_light(&shot.light, &lighting)?;
+            local.set_environment(Some(&lighting));
+            backend.set_local_lighting(&local.lighting(self.components, self.solution, illum_cut))?;
+            backend.begin(&shot.view, BrdfSampling::Refine)?;
+            frame(backend)?;
+            let times = (0..args.frames).map(|_| frame(backend)).collect::<Result<Vec<_>, _>>()?;
+            backend.begin(&shot.view, BrdfSampling::Refine)?;
+            backend.render_rows(0, 0..shot.view.size[1])?;
+            let stats = backend.stats()?;
+            runs.push(Run {
+                illum_cut,
+                milliseconds: medians(&times),
+                mean_merged_nodes: stats.mean_merged_nodes,
+                mean_brdf_evaluations: stats.mean_brdf_evaluations,
+            });
+        }
+        Ok(runs)
+    }
+
+    /// Median milliseconds from a moved light to its bounces.
+    fn light_moved(&self) -> Option<f64> {
+        let bounces = self.components.indirect
+            && (self.baked.dataset.indirect.is_some() || self.baked.dataset.meshless.is_some());
+        let lights = Some(&self.shot.local.lights).filter(|lights| bounces && !lights.is_empty())?;
+        let mut rig = LocalRig::new(&self.baked);
+        let mut redo = |lights: &[Light]| {
+            rig.set_lights(&lights.into());
+            let start = Instant::now();
+            rig.lighting(self.components, self.solution, 256);
+            start.elapsed()
+        };
+        redo(lights);
+        let mut lights = lights.clone();
+        let times = (0..self.args.frames).map(|_| {
+            lights[0].position.x += 1e-3;
+            redo(&lights)
+        });
+        Some(median(times.collect()))
+    }
+}
+
+/// Time of each pass of a frame.
+type Times = BTreeMap<&'static str, Duration>;
+
+fn passes(t: PassTimes) -> Times {
     BTreeMap::from([
-        ("visibility", pass(|t| t.visibility)),
-        ("deferred", pass(|t| t.deferred)),
-        ("merge", pass(|t| t.merge)),
-        ("display", pass(|t| t.display)),
-        ("total", pass(|t| t.visibility + t.deferred + t.merge + t.display)),
+        ("visibility", t.visibility),
+        ("deferred", t.deferred),
+        ("merge", t.merge),
+        ("display", t.display),
+        ("total", t.visibility + t.deferred + t.merge + t.display),
     ])
 }
 
-fn cpu_run(args: &BenchArgs, shot: &Shot, illum_cut: u32) -> Run {
-    let renderer = Renderer::new(shot.dataset.clone());
-    let lighting = renderer.lighting(&shot.light, illum_cut);
-    let frame = || {
-        let start = Instant::now();
-        let (_, stats) = renderer.render_lit(&shot.view, &shot.light, &lighting, BrdfSampling::Refine);
-        (start.elapsed(), stats)
-    };
-    let (_, stats) = frame();
-    let total = median((0..args.frames).map(|_| frame().0).collect());
-    Run {
-        illum_cut,
-        milliseconds: BTreeMap::from([("total", total)]),
-        mean_merged_nodes: stats.mean_merged_nodes,
-        mean_brdf_evaluations: stats.mean_brdf_evaluations,
-    }
+fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
+    let of = |pass: &'static str| median(times.iter().map(|t| t[pass]).collect());
+    times[0].keys().map(|&pass| (pass, of(pass))).collect()
 }
 
 /// Median milliseconds from a turned environment to nodes and illumination cut.
@@ -176,6 +238,10 @@ fn table(bench: &Bench) -> String {
         "{}: {width} x {height}, {} triangles, mean visibility cut {:.0}, {} lights; environment turned in {:.1} ms\n",
         bench.adapter, bench.triangles, bench.mean_cut, bench.lights, bench.rotation_milliseconds
     );
+    if bench.sources > 0 {
+        text += &format!("{} sources, mean cut {:.0}", bench.sources, bench.mean_source_cut);
+        text += &bench.light_moved_milliseconds.map_or("\n".into(), |ms| format!("; light moved in {ms:.1} ms\n"));
+    }
     for run in &bench.runs {
         let passes: Vec<String> = run.milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2} ms")).collect();
         text += &format!(

@@ -94,7 +94,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.out)?;
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve_lit(&args.local, console)?;
+    let shot = args.view.resolve(&args.local, console)?;
     let solutions = solutions(&shot)?;
     let stage = Stage::new(args, shot, &interrupt, console);
     let mut report =

@@ -69,7 +69,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve_lit(&args.local, console)?;
+    let shot = args.view.resolve(&args.local, console)?;
     if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
         shot.local.bounces_of(&shot.dataset)?;
     }

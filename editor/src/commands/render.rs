@@ -69,7 +69,7 @@ impl From<BrdfOption> for BrdfSampling {
 pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
-    let shot = args.view.resolve_lit(&args.local, console)?;
+    let shot = args.view.resolve(&args.local, console)?;
     let bounces = shot.local.bounces_of(&shot.dataset)?;
     let mut backend = args.backend.open()?;
     let (image, coverage, stats) = render_on(&mut *backend, &shot, bounces, args, console)?;

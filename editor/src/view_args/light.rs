@@ -84,8 +84,8 @@ pub struct LocalLights {
 
 impl EnvironmentArgs {
     /// `studio` where no environment is named, unless that is for `local` lights to do.
-    pub fn resolve(&self, local: Option<&LocalLightArgs>, console: Console) -> Result<Illumination> {
-        let default = if local.is_some_and(LocalLightArgs::has_file) { NONE } else { "studio" };
+    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Illumination> {
+        let default = if local.has_file() { NONE } else { "studio" };
         let spec = match self.env.as_deref().unwrap_or(default) {
             NONE => "constant:0,0,0",
             spec => spec,
@@ -190,7 +190,7 @@ mod tests {
     fn there_is_no_environment_beside_local_lights_unless_it_is_named() {
         let dark = |text: &str| {
             let Options { environment, local } = options(text).unwrap();
-            let light = environment.resolve(Some(&local), Console { quiet: true }).unwrap();
+            let light = environment.resolve(&local, Console { quiet: true }).unwrap();
             light.environment.map.pixels.iter().all(|p| *p == glam::Vec3::ZERO)
         };
         assert!(dark("--lights a.json") && dark("--env none") && dark("--env none --lights a.json"));
