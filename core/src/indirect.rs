@@ -34,11 +34,16 @@ impl Source {
         self.area * cosine / (distance_sq + self.area * (1.0 / LARGEST_SOLID_ANGLE))
     }
 
+    /// Radius in metres of a disc of its area.
+    pub fn radius(&self) -> f32 {
+        (self.area * (1.0 / PI)).sqrt()
+    }
+
     /// Mean solid angle in steradians over the points of a disc that receives. From afar it is that seen from the disc's
     /// centre; near by the parts of both count one by one, lest a floor seen edge on from the foot of a wall vanish.
     pub fn mean_solid_angle(&self, receiver: &Receiver) -> f32 {
         let Surfel { position, normal, .. } = self.surfel;
-        let radius = (self.area * (1.0 / PI)).sqrt();
+        let radius = self.radius();
         if position.distance(receiver.position) > NEAR * (radius + receiver.radius) {
             return self.solid_angle_from(receiver.position);
         }

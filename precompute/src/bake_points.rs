@@ -20,8 +20,8 @@ use std::collections::HashMap;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
-/// A bake point stands for a disc of that share of the length of its edges: half of the edges' squares around a corner of a
-/// grid, and no further than the crease for a point that was moved off one.
+/// A bake point stands for a disc whose radius is that share of the length of its edges: about a quarter of the square of an
+/// edge, and no further than the crease for a point that was moved off one.
 const RADIUS: f32 = 0.3;
 
 /// A place where visibility is sampled.

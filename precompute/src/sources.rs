@@ -106,14 +106,17 @@ impl<'a> SourceSampler<'a> {
         let SourceScratch { batch, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
         for (i, (source, seen)) in self.sources.iter().zip(seen.iter_mut()).enumerate() {
-            let (solid_angle, upper) = unhidden(point, source);
-            *seen = solid_angle;
-            if solid_angle > 0.0 {
-                wanted[usize::from(!upper)].push(i as u32);
-            }
+            let side = facing_side(point, source);
+            *seen = if side.is_some() { 1.0 } else { 0.0 };
+            side.iter().for_each(|&upper| wanted[usize::from(!upper)].push(i as u32));
         }
         for (wanted, upper) in wanted.iter().zip([true, false]) {
             batch.trace(self.scene, point.origin(upper), &self.ends, wanted, |i| seen[i as usize] = 0.0);
+            for i in wanted.iter().map(|&i| i as usize) {
+                if seen[i] > 0.0 {
+                    seen[i] = open_solid_angle(point, upper, &self.sources[i]);
+                }
+            }
         }
         wanted.iter().map(|w| w.len() as u64).sum()
     }
@@ -121,24 +124,30 @@ impl<'a> SourceSampler<'a> {
     /// [`Self::sample`] segment by segment and without packets, for verification.
     pub fn sample_singly(&self, point: &BakePoint, seen: &mut [f32]) {
         for ((source, &end), seen) in self.sources.iter().zip(&self.ends).zip(seen) {
-            let (solid_angle, upper) = unhidden(point, source);
-            let hidden = solid_angle > 0.0 && self.scene.occluded_between(point.origin(upper), end);
-            *seen = if hidden { 0.0 } else { solid_angle };
+            let open = facing_side(point, source).filter(|&u| !self.scene.occluded_between(point.origin(u), end));
+            *seen = open.map_or(0.0, |upper| open_solid_angle(point, upper, source));
         }
     }
 }
 
-/// Solid angle of a source if nothing lies between, and whether it is on the point's upper side.
+/// Whether a source lies on the upper side of a point (or on the lower), if both face each other.
 #[inline]
-fn unhidden(point: &BakePoint, source: &Source) -> (f32, bool) {
+fn facing_side(point: &BakePoint, source: &Source) -> Option<bool> {
     if source.solid_angle_from(point.position) == 0.0 {
-        return (0.0, true);
+        return None;
     }
-    let direction = (source.surfel.position - point.position).normalize_or_zero();
-    let upper = point.is_upper(direction);
+    let upper = point.is_upper((source.surfel.position - point.position).normalize_or_zero());
+    (upper || point.two_sided).then_some(upper)
+}
+
+/// A point stands for no more surface than so many radii of the source: where edges are long, light varies along them.
+const LARGEST_RECEIVER: f32 = 3.0;
+
+/// Solid angle of a source with nothing between.
+fn open_solid_angle(point: &BakePoint, upper: bool, source: &Source) -> f32 {
     let normal = if upper { point.normal } else { -point.normal };
-    let receiver = Receiver { position: point.position, normal, radius: point.radius };
-    (if upper || point.two_sided { source.mean_solid_angle(&receiver) } else { 0.0 }, upper)
+    let radius = point.radius.min(LARGEST_RECEIVER * source.radius());
+    source.mean_solid_angle(&Receiver { position: point.position, normal, radius })
 }
 
 #[cfg(test)]

@@ -16,7 +16,9 @@ impl BakePoints {
     pub fn off_creases(&self, mesh: &Mesh, scene: &Intersector) -> Vec<BakePoint> {
         let centroids = self.hat_centroids(mesh);
         let moved = |(point, &centroid): (&BakePoint, &Vec3)| {
-            let inside = BakePoint { position: centroid, ..*point };
+            // Around a vertex of a ball it lies inside the ball.
+            let below = (centroid - point.position).dot(point.normal).min(0.0);
+            let inside = BakePoint { position: centroid - point.normal * below, ..*point };
             if is_in_crease(point, &inside, scene) { inside } else { *point }
         };
         self.points.par_iter().zip(&centroids).map(moved).collect()
@@ -44,12 +46,9 @@ impl BakePoints {
 /// Whether another surface rises just behind the point, seen from further inside its own.
 fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector) -> bool {
     let back = point.position - inside.position;
-    let distance = back.length();
-    let rises = |upper: bool| {
-        let origin = inside.origin(upper);
-        scene.occluded_between(origin, origin + 2.0 * back)
-    };
-    distance > LEAST_SHIFT * point.offset && (rises(true) || (point.two_sided && rises(false)))
+    // On the lower side of a sheet what curves away above comes closer.
+    let origin = inside.origin(true);
+    back.length() > LEAST_SHIFT * point.offset && scene.occluded_between(origin, origin + 2.0 * back)
 }
 
 #[cfg(test)]
@@ -59,6 +58,7 @@ mod tests {
         classify,
         tests::{cuboid, floor, scene_of},
     };
+    use std::f32::consts::{PI, TAU};
 
     #[test]
     fn points_at_the_foot_of_a_box_move_up_and_others_stay() {
@@ -74,6 +74,31 @@ mod tests {
             let height = after.position.y;
             assert!(!at_foot || (0.24..0.38).contains(&height), "{height}");
             assert!((after.position - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
+        }
+    }
+
+    #[test]
+    fn points_of_a_coarse_ball_stay_outside_it() {
+        let (rings, sides) = (8, 12);
+        let at = |ring: usize, side: usize| {
+            let (polar, turn) = (PI * ring as f32 / rings as f32, TAU * side as f32 / sides as f32);
+            Vec3::new(polar.sin() * turn.sin(), polar.cos(), polar.sin() * turn.cos())
+        };
+        let mut triangles = Vec::new();
+        for (ring, side) in (0..rings).flat_map(|ring| (0..sides).map(move |side| (ring, side))) {
+            let [a, b, c, d] = [at(ring, side), at(ring + 1, side), at(ring + 1, side + 1), at(ring, side + 1)];
+            triangles.extend(
+                [[a, b, c], [a, c, d]].into_iter().filter(|t| (t[1] - t[0]).cross(t[2] - t[0]).length() > 1e-4),
+            );
+        }
+        let mut scene = scene_of(&triangles);
+        let mesh = &mut scene.mesh;
+        mesh.normals = mesh.positions.iter().map(|p| p.normalize()).collect();
+        let points = BakePoints::new(&scene.mesh, &classify(&scene));
+        let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
+        assert!(points.points.len() > 80);
+        for (before, after) in points.points.iter().zip(&moved) {
+            assert_eq!(before, after);
         }
     }
 }

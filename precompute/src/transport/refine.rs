@@ -83,6 +83,10 @@ impl Criterion {
                 (sum, largest) = (Vec3::ZERO, (0, Vec3::ZERO));
             }
         }
+        // The rest is near the last one on the curve.
+        if let Some(last) = kept.last_mut() {
+            last.1 += sum;
+        }
         kept
     }
 
