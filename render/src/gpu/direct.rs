@@ -74,8 +74,8 @@ impl DirectLights {
         }
     }
 
-    /// Replaces the lights of a scene of `radius` metres; without any, what they took up is free. Returns what is said of
-    /// those without shadows, unless it was said before.
+    /// Replaces the lights of a scene of `radius` metres; without any, what they took up is free. Returns what is said
+    /// of those without shadows, unless it was said before.
     pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
         if self.lights.is_empty() {
