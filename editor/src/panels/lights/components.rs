@@ -28,12 +28,8 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(bounces) if bounces.any() => {
             let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            fading(
-                ui,
-                context
-                    .energy
-                    .map(|energy| if now == Some(Solution::CutsMeshless) { gathered(energy) } else { energy }),
-            );
+            let has_gathered = now == Some(Solution::CutsMeshless);
+            fading(ui, context.energy.map(|energy| if has_gathered { gathered(energy) } else { energy }));
             if bounces.cuts {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
