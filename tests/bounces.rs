@@ -5,6 +5,7 @@ mod common;
 use common::Stage;
 use glam::{DVec3, Vec3};
 use lapidary_core::image::Image;
+use serde_json::Value;
 
 /// Few sources, but fine cuts over them.
 const BAKE: &str = "--mode indirect --sources 4096 --source-sigma 1 --lights 256 --pilot-clusters 64 \
@@ -66,6 +67,37 @@ fn the_bounce_of_the_colour_box_is_that_of_traced_paths() {
     stage.write("lamp.json", LAMP.into());
     let (error, means) = against_paths("box.cuts", "--lights lamp.json");
     assert!(error > 0.3 && means.x < 0.8, "{error} {means}");
+}
+
+#[test]
+fn solutions_are_measured_and_timed_by_command() {
+    let stage = colour_box();
+    let options = "--env none --size 48x36 --spp 128 --no-samples --out truth --quiet";
+    stage.succeed(&format!("bounces box.cuts {options}"));
+    let report = stage.json("truth/bounces.json");
+    let solutions = report["solutions"].as_array().expect("a list");
+    let [row] = &solutions[..] else { panic!("{report}") };
+    let figure = |row: &Value, name: &str| row[name].as_f64().expect("a number");
+    assert_eq!((row["solution"].as_str(), row["bounces"].as_u64()), (Some("cuts"), Some(1)));
+    assert!(figure(row, "noise") > 0.05 && figure(row, "rel_rmse") > figure(row, "error"), "{row}");
+    assert!(figure(row, "error") < 0.2 && (figure(row, "energy") - 1.0).abs() < 0.05, "{row}");
+    assert!(stage.path("truth/cuts.png").exists() && stage.path("truth/cuts-paths.exr").exists());
+    // Negative control: paths of another lamp would be far off, as few nodes are.
+    stage.succeed(&format!("bounces box.cuts {options} --illum-cut 1"));
+    let coarse = &stage.json("truth/bounces.json")["solutions"][0];
+    assert!(figure(coarse, "error") > figure(row, "error") + 0.1, "{coarse}");
+
+    let bench = stage.succeed("bench box.cuts --env none --backend cpu --size 48x36 --frames 2 --illum-cuts 64 --json");
+    let bench: Value = serde_json::from_str(&bench).expect("JSON");
+    assert!(figure(&bench, "light_moved_milliseconds") > 0.0 && figure(&bench, "mean_source_cut") > 10.0, "{bench}");
+    assert!(figure(&bench["runs"][0], "mean_merged_nodes") > 64.0, "the merge over the sources counts: {bench}");
+    for (options, message) in
+        [("--components direct", "--components"), ("--spp 7", "multiple of 2"), ("--aa 8 --spp 8", "16")]
+    {
+        let found = stage.fail(&format!("bounces box.cuts {options} --out bad"));
+        assert!(found.contains(message), "{found}");
+    }
+    assert!(!stage.path("bad").exists());
 }
 
 /// The spot of the box, aimed at the green wall.

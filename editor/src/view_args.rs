@@ -1,4 +1,4 @@
-//! The options that `render` and `reference` share, and what they resolve to.
+//! The options about what is shown, which all commands that make pictures share, and what they resolve to.
 
 mod light;
 

@@ -1,5 +1,6 @@
 //! Which light is in a picture, and how bounced light is computed.
 
+use lapidary_core::meshless::SolveSettings;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -69,6 +70,28 @@ pub enum Solution {
     /// Meshless bounces added to the sources, whose light the cuts gather.
     #[serde(rename = "cuts+meshless")]
     CutsMeshless,
+}
+
+impl Solution {
+    /// Bounces between surfaces that a picture by this solution holds.
+    pub fn bounces(self) -> u32 {
+        let solved = SolveSettings::default().bounces;
+        match self {
+            Self::Cuts => 1,
+            Self::Meshless => solved,
+            Self::CutsMeshless => solved + 1,
+        }
+    }
+}
+
+impl fmt::Display for Solution {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Cuts => "cuts",
+            Self::Meshless => "meshless",
+            Self::CutsMeshless => "cuts+meshless",
+        })
+    }
 }
 
 #[cfg(test)]

@@ -62,7 +62,8 @@ impl Renderer {
         let mut sum = Image::filled(view.size, Vec3::ZERO);
         let mut passes = 0_u32;
         // At least one sample for each position of the pixel pattern.
-        for pass in 0..settings.spp.max(view.aa).max(1) {
+        let wanted = settings.spp.max(view.aa).max(1);
+        for pass in 0..wanted {
             if progress.cancelled() && passes > 0 {
                 break;
             }
@@ -74,7 +75,7 @@ impl Renderer {
                 }
             });
             passes += 1;
-            progress.advanced(u64::from(pass) + 1, u64::from(settings.spp));
+            progress.advanced(u64::from(pass) + 1, u64::from(wanted));
             if passes.is_power_of_two() {
                 progress.preview(&scaled(&sum, passes));
             }

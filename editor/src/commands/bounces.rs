@@ -32,11 +32,11 @@ pub struct BouncesArgs {
     /// Folder for bounces.json and the pictures
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Samples a pixel of the light paths, an even number
+    /// Samples a pixel of the light paths, a multiple of twice --aa; the noise is what their halves differ by
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
     /// Nodes of the illumination cut
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// Leave out the pictures with a ray from every pixel to every source, which take longest
     #[arg(long)]
@@ -74,28 +74,22 @@ struct Row {
 /// Bounced light only: of what else is in a picture, other figures tell.
 const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
 
-/// Indirect bounces that a solution contains.
-const fn bounces_of(solution: Solution) -> u32 {
-    match solution {
-        Solution::Cuts => 1,
-        Solution::Meshless => 4,
-        Solution::CutsMeshless => 5,
-    }
-}
-
 /// Renders, traces, compares, and writes what was found.
 ///
 /// # Errors
 /// Files that cannot be read or written, a dataset without bounced light, and interruption.
 pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
-    if !args.spp.is_multiple_of(2) {
-        bail!("--spp must be even: the noise is what its halves differ by");
+    if args.local.names_components() {
+        bail!("bounces shows bounced light only; leave --components out");
     }
-    create_folder(&args.out)?;
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
     let shot = args.view.resolve(&args.local, console)?;
     let solutions = solutions(&shot)?;
+    if !args.spp.is_multiple_of(2 * shot.view.aa) {
+        bail!("--spp must be a multiple of {}: both of its halves sample all of a pixel", 2 * shot.view.aa);
+    }
+    create_folder(&args.out)?;
     let stage = Stage::new(args, shot, &interrupt, console);
     let mut report =
         Report { size: stage.shot.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
@@ -140,7 +134,7 @@ impl<'a> Stage<'a> {
 
     /// `None` if interrupted.
     fn measure(&self, solution: Solution) -> Result<Option<Row>> {
-        let bounces = bounces_of(solution);
+        let bounces = solution.bounces();
         let lighting = self.lighting(solution);
         let start = Instant::now();
         let (image, stats) = self.picture(&lighting)?;
@@ -198,8 +192,7 @@ impl<'a> Stage<'a> {
     }
 
     fn write(&self, solution: Solution, truth: &Image, image: &Image, samples: Option<&Image>) -> Result<()> {
-        let name = name(solution);
-        let file = |what: &str| self.args.out.join(format!("{name}{what}"));
+        let file = |what: &str| self.args.out.join(format!("{solution}{what}"));
         truth.write(&file("-paths.exr"))?;
         image.write(&file(".exr"))?;
         samples.map_or(Ok(()), |samples| samples.write(&file("-every-source.exr")))?;
@@ -208,20 +201,12 @@ impl<'a> Stage<'a> {
     }
 }
 
-fn name(solution: Solution) -> &'static str {
-    match solution {
-        Solution::Cuts => "cuts",
-        Solution::Meshless => "meshless",
-        Solution::CutsMeshless => "cuts+meshless",
-    }
-}
-
 fn line(row: &Row) -> String {
     let Figures { error, noise, energy, .. } = row.figures;
     let every = row.every_source.map_or(String::new(), |f| format!("; every source {:.4}, {:.3}", f.error, f.energy));
     format!(
         "{:<14} error {error:.4} beside noise of {noise:.4}, energy {energy:.3}, {:.0} nodes, {:.2} s{every}",
-        name(row.solution),
+        row.solution.to_string(),
         row.mean_merged_nodes,
         row.seconds
     )

@@ -15,7 +15,9 @@ use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::{Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, SourceLighting};
+use lapidary_render::{
+    Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, Solution, SourceLighting,
+};
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// Options of `reference`.
@@ -65,13 +67,18 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         bail!("--spp goes with --kind path; --kind samples traces every light sample once");
     }
     if args.kind == Kind::Samples && args.bounces.is_some() {
-        bail!("--bounces goes with --kind path; --kind samples follows the light of the surface sources");
+        bail!("--bounces goes with --kind path; --kind samples traces no light paths");
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
     let shot = args.view.resolve(&args.local, console)?;
     if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
-        shot.local.bounces_of(&shot.dataset)?;
+        let (_, solution) = shot.local.bounces_of(&shot.dataset)?;
+        if solution == Solution::Meshless {
+            bail!(
+                "--kind samples shows bounced light of surface sources only; use --kind path, or bake with --mode all"
+            );
+        }
     }
     let start = Instant::now();
     let image = trace(args, &shot, &interrupt, console);

@@ -42,10 +42,12 @@ pub struct LocalLightArgs {
     #[arg(long, value_name = "FILE.json")]
     lights: Option<PathBuf>,
     /// What of the light is in the picture, a comma list of environment (its direct light, and itself behind the scene),
-    /// direct (direct light of local lights) and indirect (all that bounced) [default: what there is]
+    /// direct (direct light of local lights) and indirect (all that bounced) [default: what there is; without indirect in a
+    /// reference]
     #[arg(long, value_name = "LIST")]
     components: Option<Components>,
-    /// How bounced light is computed from the dataset; light paths need none of it [default: cuts]
+    /// How bounced light is computed from the dataset; light paths need none of it [default: cuts if they are baked, else
+    /// meshless; all of them with bounces]
     #[arg(long, value_enum)]
     solution: Option<SolutionOption>,
 }
@@ -119,6 +121,11 @@ impl LocalLightArgs {
             components: self.components,
             solution: self.solution.map(Solution::from),
         })
+    }
+
+    /// Whether the parts of the light are asked for by name.
+    pub fn names_components(&self) -> bool {
+        self.components.is_some()
     }
 
     fn has_file(&self) -> bool {
