@@ -225,7 +225,8 @@ impl Document {
         entry.file.clone().or_else(beside_scene)
     }
 
-    /// A scene as it came: with what gives light soonest proposed for its bake, under its own lights, seen from its first camera or as a whole, all its cameras bookmarked.
+    /// A scene as it came: with what gives light soonest proposed for its bake, under its own lights, seen from its
+    /// first camera or as a whole, all its cameras bookmarked.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let bounds = scene.mesh.bounds();
         let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());

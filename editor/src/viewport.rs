@@ -9,7 +9,8 @@
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
 //! | drag of a handle of the selected light | move it (Escape: put it back) |
-//! | F, Home or A | frame the selection, everything |
+//! | F, A | frame the selection, everything |
+//! | Home | put the camera back to the first view |
 //! | Ctrl+1, Ctrl+3, Ctrl+7 | view from the front, right, top |
 //! | Ctrl+Shift+C, Ctrl+Shift+V | copy, paste the camera |
 
@@ -30,7 +31,7 @@ use lapidary_core::{
     ray::Intersector,
     scene::{Bounds, Mesh},
 };
-use lapidary_render::SourceLighting;
+use lapidary_render::{SourceLighting, ViewMode};
 use std::{sync::Arc, time::Duration};
 
 /// What the viewport remembers from frame to frame.
@@ -86,7 +87,7 @@ pub struct ViewportContext<'a> {
     pub baked: Option<BakeMode>,
     /// Surface sources under the light of the picture, if bounced light is gathered from them.
     pub sources: Option<&'a Arc<SourceLighting>>,
-    /// Whether their clusters are drawn.
+    /// Whether their clusters are drawn over the lit picture.
     pub shows_clusters: bool,
     /// Colour of the outline.
     pub accent: Color32,
@@ -96,6 +97,13 @@ pub struct ViewportContext<'a> {
     pub placeholder: Option<&'a str>,
     /// Whether the picture is of a bake that no longer matches.
     pub stale: bool,
+}
+
+impl ViewportContext<'_> {
+    /// The sources whose clusters are drawn: over the lit picture, for other views say something else.
+    fn clusters(&self) -> Option<&Arc<SourceLighting>> {
+        self.sources.filter(|_| self.shows_clusters && self.document.view.mode == ViewMode::Shaded)
+    }
 }
 
 /// What the viewport wants of the window.
@@ -154,7 +162,7 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
     if let Some(text) = context.placeholder {
         paint::placeholder(ui, rect, text);
     } else {
-        let clusters = context.sources.zip(context.intersector).filter(|_| context.shows_clusters);
+        let clusters = context.clusters().zip(context.intersector);
         if let Some((sources, intersector)) = clusters {
             state.clusters.paint(ui, rect, &context.document.camera, intersector, sources);
         }

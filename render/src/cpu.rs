@@ -35,8 +35,7 @@ fn remark_on_rays(lights: &[Light]) -> Option<String> {
     let rays: u32 = shining.iter().map(|light| light.samples_wanted()).sum();
     (rays > MANY_RAYS).then(|| {
         format!(
-            "{} local lights take up to {rays} shadow rays a pixel, which is slow on the CPU; switch some off, or use \
-             --backend gpu",
+            "{} local lights take up to {rays} shadow rays a pixel, which is slow on the CPU; switch some off",
             shining.len()
         )
     })
@@ -70,6 +69,7 @@ impl Backend for CpuBackend {
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         self.renderer = Some(Renderer::new(baked.clone()));
         (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
+        self.remark = None;
         Ok(())
     }
 

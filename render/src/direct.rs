@@ -1,9 +1,10 @@
 //! Direct light of local lights at a pixel, by shadow rays and without random numbers.
 //!
-//! One ray to a light without extent is exact; those that are too faint to show cast none ([`brightest`]). A rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel
-//! to pixel by interleaved gradient noise (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower
-//! than a cell, more points of it are reflected behind the one ray; the lobe is filtered by the solid angle that a point
-//! stands for, as on nodes of a cut, so that highlights of rectangles are free of spots.
+//! One ray to a light without extent is exact; those that are too faint to show cast none ([`brightest`]). A
+//! rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel to pixel by interleaved gradient noise
+//! (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower than a cell, more points of it
+//! are reflected behind the one ray; the lobe is filtered by the solid angle that a point stands for, as on nodes of
+//! a cut, so that highlights of rectangles are free of spots.
 
 mod brightest;
 

@@ -26,6 +26,8 @@ pub struct LocalRig {
     gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
     /// What arrived at the vertices last; `None` after anything has changed.
     interpolated: Option<Arc<VertexIrradiance>>,
+    /// Bounces on the sources beyond the direct light, as they were last; `None` after anything has changed.
+    further: Option<Vec<Vec3>>,
 }
 
 impl LocalRig {
@@ -44,6 +46,7 @@ impl LocalRig {
             on_senders: None,
             gathered: None,
             interpolated: None,
+            further: None,
         }
     }
 
@@ -71,7 +74,7 @@ impl LocalRig {
     }
 
     fn forget(&mut self) {
-        (self.gathered, self.interpolated) = (None, None);
+        (self.gathered, self.interpolated, self.further) = (None, None, None);
     }
 
     /// What lights a picture that shows `components`, its bounced light by `solution` as far as the dataset has it. The
@@ -115,10 +118,12 @@ impl LocalRig {
 
     /// Bounces on the sources beyond the direct light.
     fn further(&mut self) -> Option<Vec<Vec3>> {
-        let surfels = std::mem::take(&mut self.surfels);
-        let further = self.lit_meshless().and_then(|rig| rig.at_sources(&surfels));
-        self.surfels = surfels;
-        further
+        if self.further.is_none() {
+            let surfels = std::mem::take(&mut self.surfels);
+            self.further = self.lit_meshless().and_then(|rig| rig.at_sources(&surfels));
+            self.surfels = surfels;
+        }
+        self.further.clone()
     }
 
     fn lit_meshless(&mut self) -> Option<&mut MeshlessRig> {
@@ -129,5 +134,32 @@ impl LocalRig {
             self.on_senders = self.environment.clone();
         }
         Some(rig)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indirect::{meshless_tests::dataset, tests::point_light};
+
+    #[test]
+    fn another_cut_or_solution_takes_no_other_bounces_and_another_light_does() {
+        let mut rig = LocalRig::new(&Baked::from(dataset()));
+        rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into());
+        let place = |rig: &mut LocalRig, solution, illum_cut| {
+            let lighting = rig.lighting(Components::ALL, solution, illum_cut);
+            let place = rig.further.as_ref().map(|further| further.as_ptr());
+            (place, lighting.indirect, lighting.energy)
+        };
+        let (further, first, _) = place(&mut rig, Solution::CutsMeshless, 64);
+        let (kept, coarser, energy) = place(&mut rig, Solution::CutsMeshless, 16);
+        assert!(further.is_some() && further == kept && energy.is_some());
+        assert_eq!((first.unwrap().max_nodes, coarser.unwrap().max_nodes), (64, 16));
+        let (kept, _, energy) = place(&mut rig, Solution::Meshless, 16);
+        assert!(kept == further && energy.is_some());
+        place(&mut rig, Solution::Cuts, 16);
+        assert!(place(&mut rig, Solution::CutsMeshless, 16).0 == further, "and back");
+        rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 6.0)].into());
+        assert!(rig.further.is_none(), "negative control");
     }
 }

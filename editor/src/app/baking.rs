@@ -5,7 +5,7 @@ use crate::{
     document::{Document, TextureEntry},
     jobs::{
         Imported,
-        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask, first_draft},
+        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask, draft_is_sooner},
         spawn,
     },
     panels::bake::{BakeStatus, Draft, line, stale_reasons},
@@ -142,9 +142,7 @@ impl EditorState {
         };
         let has_all = [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has);
         let bounces = wanted.mode.indirect() || wanted.mode.meshless();
-        !has_all
-            && (bounces || wanted.lights > Preset::Draft.settings().lights)
-            && first_draft(wanted).lights < wanted.lights
+        !has_all && (bounces || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
     }
 
     pub(super) fn cancel_bake(&mut self) {
@@ -285,7 +283,8 @@ fn running(run: &Run) -> BakeStatus {
         phase: phase.unwrap_or(Phase::Import),
         done,
         total,
-        unit: if run.cancelling { "cancelling" } else { unit },
+        unit,
+        cancelling: run.cancelling,
         elapsed_secs: run.since.elapsed().as_secs_f64(),
         phase_elapsed_secs: run.phase_since.elapsed().as_secs_f64(),
     }

@@ -124,6 +124,7 @@ impl EditorState {
         let first_view = Some(FirstView::of(&self.document, is_kept));
         self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown, first_view };
         self.interface.lights.forget_document();
+        self.interface.material.forget_document();
         self.selection =
             Selection { object: None, light: None, material: (!self.document.materials.is_empty()).then_some(0) };
         self.reset_camera();

@@ -86,8 +86,9 @@ pub struct Interface {
     pub panel_widths: Option<[f32; 2]>,
     /// The panel of local lights.
     pub lights: LightsPanel,
+    /// The panel of materials.
+    pub material: MaterialPanel,
     viewport: ViewportState,
-    material: MaterialPanel,
     environment: EnvironmentPanel,
     scene: ScenePanel,
 }
@@ -104,8 +105,8 @@ impl Default for Interface {
             pasting_camera: 0,
             panel_widths: None,
             lights: LightsPanel::default(),
-            viewport: ViewportState::default(),
             material: MaterialPanel::default(),
+            viewport: ViewportState::default(),
             environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
         }
@@ -197,7 +198,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
             let baked = state.scene.shown().map(|baked| baked.dataset.settings.mode);
             let can_bake = state.scene.source.is_some();
             scrolled(ui, |ui| {
-                lights::environment_hint(ui, baked, can_bake, actions);
+                lights::environment_hint(ui, baked, state.document.bake.mode, can_bake, actions);
                 environment::show(ui, &mut state.interface.environment, &context, actions);
             });
         }

@@ -9,7 +9,7 @@ use crate::{
     preferences::{FileUse, Preferences},
 };
 use egui::{Context, ViewportCommand};
-use lapidary_core::dataset::BakeSettings;
+use lapidary_core::dataset::{BakeMode, BakeSettings};
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -25,12 +25,7 @@ impl EditorState {
             Action::FrameAll => self.frame_all(),
             Action::ResetCamera => self.reset_camera(),
             Action::SelectObject(object) => self.select_object(object),
-            Action::SelectMaterial(material) => {
-                self.selection.material = material;
-                if material.is_some() {
-                    self.interface.inspector = Inspector::Material;
-                }
-            }
+            Action::SelectMaterial(material) => self.select_material(material),
             Action::SelectLight(light) => self.select_light(light),
             Action::AddLight(kind) => self.add_light(kind),
             Action::DuplicateLight(index) => self.duplicate_light(index),
@@ -38,15 +33,9 @@ impl EditorState {
             Action::AimLight(place) => self.aim_light(place),
             Action::LoadLights(Some(path)) => self.load_lights(&path),
             Action::SaveLights(Some(path)) => self.save_lights(&path),
-            Action::ChooseBake(mode) => {
-                self.interface.inspector = Inspector::Bake;
-                self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
-            }
+            Action::ChooseBake(mode) => self.choose_bake(mode),
             Action::CopyCamera => self.copy_camera(ctx),
-            Action::PasteCamera => {
-                self.interface.pasting_camera = 2;
-                ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
-            }
+            Action::PasteCamera => self.ask_for_camera(ctx),
             Action::Preferences(preferences) => self.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
             Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
@@ -61,10 +50,7 @@ impl EditorState {
             Action::LoadTexture { material, map, path: Some(path) } => {
                 self.load(Topic::Map { material, map }, Source::Texture(path.clone()), path);
             }
-            Action::LoadMaterial { material, path: Some(path) } => {
-                let textures = self.document.textures.iter().map(|t| t.texture.clone()).collect();
-                self.load(Topic::Material(material), Source::Material { path: path.clone(), textures }, path);
-            }
+            Action::LoadMaterial { material, path: Some(path) } => self.load_material(material, path),
             Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
             Action::AddToLibrary(Some(path)) => self.add_to_library(path),
             Action::Relink(Some(folder)) => self.relink(folder),
@@ -80,6 +66,29 @@ impl EditorState {
             | Action::AddToLibrary(None)
             | Action::Relink(None) => self.ask_for_path(action),
         }
+    }
+
+    fn select_material(&mut self, material: Option<usize>) {
+        self.selection.material = material;
+        if material.is_some() {
+            self.interface.inspector = Inspector::Material;
+        }
+    }
+
+    fn choose_bake(&mut self, mode: BakeMode) {
+        self.interface.inspector = Inspector::Bake;
+        self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
+    }
+
+    /// The clipboard comes as an event, some frames later.
+    fn ask_for_camera(&mut self, ctx: &Context) {
+        self.interface.pasting_camera = 2;
+        ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
+    }
+
+    fn load_material(&mut self, material: usize, path: PathBuf) {
+        let textures = self.document.textures.iter().map(|t| t.texture.clone()).collect();
+        self.load(Topic::Material(material), Source::Material { path: path.clone(), textures }, path);
     }
 
     /// Does what a menu or key asks for.

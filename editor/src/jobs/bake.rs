@@ -2,7 +2,7 @@
 
 use super::{Wake, guarded, spawn};
 use lapidary_core::{
-    cut::CutCriterion,
+    cut::{CutCriterion, SourceCriterion},
     dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     scene::Scene,
 };
@@ -158,21 +158,46 @@ impl Observer for Teller {
     }
 }
 
-/// Settings of the first bake that is shown: of the same parts of the light, seen from the same place, but coarser than a
-/// draft, for it is waited for. On the colour box, on two cores that were busy, it took 7 s for a bounce, 20 s for all parts.
+/// Settings of the first bake that is shown: of the same parts of the light, seen from the same place, but coarser than
+/// a draft, for it is waited for; in nothing finer than what is wanted. On the colour box, on two cores that were busy, it
+/// took 7 s for a bounce, 20 s for all parts.
 pub fn first_draft(wanted: &BakeSettings) -> BakeSettings {
     let draft = Preset::Draft.settings();
+    let lights = (draft.lights / 4).min(wanted.lights);
     // A quarter of the lights at half the sigma is the same error in solid angle.
-    let criterion = CutCriterion { sigma: 0.5 * draft.criterion.sigma, ..draft.criterion };
-    let sources = draft.indirect.sources / 4;
-    let indirect = IndirectSettings { sources, viewpoint: wanted.indirect.viewpoint, ..draft.indirect };
-    let coarse_radius = wanted.meshless.coarse_radius;
-    let meshless = MeshlessSettings { levels: 3, sender_levels: 3, rays: 128, coarse_radius, ..draft.meshless };
+    let of_wanted = wanted.criterion.sigma * (lights as f32 / wanted.lights as f32).sqrt();
+    let sigma = (0.5 * draft.criterion.sigma).max(of_wanted);
+    let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
     // Bounced light is smooth; the shadows of an environment alone want more vertices.
     let bounces = wanted.mode != BakeMode::Environment;
-    let max_vertices = if bounces { Some(15_000) } else { draft.max_vertices };
-    let lights = draft.lights / 4;
-    BakeSettings { mode: wanted.mode, lights, pilot_clusters: 64, criterion, max_vertices, indirect, meshless, ..draft }
+    let most = if bounces { Some(15_000) } else { draft.max_vertices };
+    // A mesh that is to stay as it is does so in the draft.
+    let max_vertices = most.min(wanted.max_vertices);
+    let (indirect, meshless) = (draft_of_sources(&wanted.indirect), draft_of_basis(&wanted.meshless));
+    let pilot_clusters = wanted.pilot_clusters.min(64);
+    BakeSettings { mode: wanted.mode, lights, pilot_clusters, criterion, max_vertices, indirect, meshless, ..draft }
+}
+
+fn draft_of_sources(wanted: &IndirectSettings) -> IndirectSettings {
+    let draft = Preset::Draft.settings().indirect;
+    let sources = (draft.sources / 4).min(wanted.sources);
+    let sigma = draft.criterion.sigma.max(wanted.criterion.sigma * (sources as f32 / wanted.sources as f32).sqrt());
+    IndirectSettings { sources, criterion: SourceCriterion { sigma, ..draft.criterion }, viewpoint: wanted.viewpoint }
+}
+
+fn draft_of_basis(wanted: &MeshlessSettings) -> MeshlessSettings {
+    let (levels, sender_levels) = (wanted.levels.min(3), wanted.sender_levels.min(3));
+    let (rays, epsilon) = (wanted.rays.min(128), wanted.epsilon.max(MeshlessSettings::default().epsilon));
+    MeshlessSettings { levels, sender_levels, rays, epsilon, coarse_radius: wanted.coarse_radius }
+}
+
+/// Whether a draft is there sooner than the bake itself: for one of its parts it has less to do.
+pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
+    let (draft, mode) = (first_draft(wanted), wanted.mode);
+    let (few, many) = (draft.meshless, wanted.meshless);
+    (mode.environment() && draft.lights < wanted.lights)
+        || (mode.indirect() && draft.indirect.sources < wanted.indirect.sources)
+        || (mode.meshless() && (few.levels < many.levels || few.rays < many.rays))
 }
 
 /// The draft, if one is wanted, and then the bake itself.

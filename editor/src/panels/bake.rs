@@ -75,6 +75,8 @@ pub enum BakeStatus {
         total: u64,
         /// What a unit is.
         unit: &'static str,
+        /// Whether it was asked to stop, and has not noticed yet.
+        cancelling: bool,
         /// Seconds since the bake began.
         elapsed_secs: f64,
         /// Seconds since the phase began.

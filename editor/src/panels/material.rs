@@ -59,6 +59,14 @@ pub struct MaterialPanel {
     plot: LobePlot,
 }
 
+impl MaterialPanel {
+    /// Another document is open.
+    pub fn forget_document(&mut self) {
+        self.unlinked.clear();
+        self.preview.forget();
+    }
+}
+
 /// The material as edited in this frame.
 struct Changes {
     material: Material,

@@ -79,7 +79,7 @@ fn node_color(number: usize) -> Color32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use egui::{Pos2, pos2};
     use glam::{Vec2, Vec3};
@@ -91,7 +91,7 @@ mod tests {
     };
 
     /// Four sources in a row on the plane z = 0 that face the eye, the first two much brighter than the others.
-    fn lighting(illum_cut: u32) -> SourceLighting {
+    pub fn lighting(illum_cut: u32) -> SourceLighting {
         let source = |i: usize| {
             let place = MeshPlace { triangle: 0, barycentric: Vec2::ZERO };
             let surfel = Surfel { position: Vec3::new(i as f32 - 1.5, 0.0, 0.0), normal: Vec3::Z, place };

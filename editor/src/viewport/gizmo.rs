@@ -140,7 +140,8 @@ impl Pass<'_> {
             self.ui.input(|i| (i.pointer.latest_pos(), i.pointer.delta() != egui::Vec2::ZERO, i.modifiers.command));
         let (Some(pointer), Some(drag)) = (pointer, &self.gizmo.drag) else { return };
         let Some(now) = self.context.document.lights.get(drag.light) else {
-            self.gizmo.drag = None;
+            // The light is gone: what the drag has done so far is a step of its own.
+            self.gizmo.is_given_up = self.end_drag();
             return;
         };
         if !moves {

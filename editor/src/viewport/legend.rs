@@ -26,8 +26,7 @@ const LINE: f32 = 14.0;
 /// Paints the legend of the view into `rect`; the lit picture needs one only if clusters are drawn over it.
 pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
     let view = &context.document.view;
-    let clusters = context.sources.filter(|_| context.shows_clusters);
-    match (view.mode, clusters) {
+    match (view.mode, context.clusters()) {
         (ViewMode::Shaded, None) => {}
         (ViewMode::Shaded, Some(sources)) => {
             let (points, clusters) = (grouped(sources.tree.len() as u64), grouped(sources.cut.len() as u64));

@@ -8,7 +8,6 @@ use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TextEdit,
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
 use lapidary_core::camera::Camera;
-use lapidary_render::ViewMode;
 
 /// Two squares that face +Z: object 0 of material 1 on the left, object 1 of material 0 on the right.
 pub(super) fn two_squares() -> Mesh {
@@ -30,6 +29,8 @@ pub(super) struct App {
     selected: Option<u32>,
     pub(super) selected_light: Option<usize>,
     pub(super) aiming: bool,
+    sources: Option<Arc<SourceLighting>>,
+    shows_clusters: bool,
     placeholder: Option<&'static str>,
     text: String,
     pub(super) log: Vec<Action>,
@@ -48,6 +49,8 @@ impl App {
             selected: None,
             selected_light: None,
             aiming: false,
+            sources: None,
+            shows_clusters: false,
             placeholder: None,
             text: String::new(),
             log: Vec::new(),
@@ -55,10 +58,9 @@ impl App {
         }
     }
 
-    fn ui(&mut self, ui: &mut Ui) {
-        ui.add(TextEdit::singleline(&mut self.text).hint_text("Search"));
+    fn context(&self) -> ViewportContext<'_> {
         let bounds = self.mesh.bounds();
-        let context = ViewportContext {
+        ViewportContext {
             document: &self.document,
             picture: Some(TextureId::default()),
             picture_size: [800, 600],
@@ -72,15 +74,20 @@ impl App {
             shows_lights: true,
             aiming: self.aiming,
             baked: Some(BakeMode::Environment),
-            sources: None,
-            shows_clusters: false,
+            sources: self.sources.as_ref(),
+            shows_clusters: self.shows_clusters,
             accent: Color32::ORANGE,
             busy: Some("Rendering 40 %"),
             placeholder: self.placeholder,
             stale: true,
-        };
-        let mut actions = Vec::new();
-        let response = show(ui, &mut self.state, &context, &mut actions);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui) {
+        ui.add(TextEdit::singleline(&mut self.text).hint_text("Search"));
+        let (mut state, mut actions) = (std::mem::take(&mut self.state), Vec::new());
+        let response = show(ui, &mut state, &self.context(), &mut actions);
+        self.state = state;
         self.last = Some(response);
         for action in actions {
             self.apply(&action, response);
@@ -280,4 +287,16 @@ fn the_size_asked_for_is_in_physical_pixels_and_idling_asks_for_nothing() {
     assert_eq!(response.size_px, expected);
     assert!(harness.run() <= 2, "an idle viewport settles at once");
     assert_eq!(pixels(Rect::from_min_max(pos2(5.0, 5.0), pos2(0.0, f32::NAN)), 1.0), [1, 1]);
+}
+
+#[test]
+fn clusters_lie_over_the_lit_picture_only() {
+    let mut app = App::new();
+    app.sources = Some(Arc::new(clusters::tests::lighting(4)));
+    assert!(app.context().clusters().is_none(), "they are not asked for");
+    app.shows_clusters = true;
+    for mode in ViewMode::ALL {
+        app.document.view.mode = mode;
+        assert_eq!(app.context().clusters().is_some(), mode == ViewMode::Shaded, "{mode:?}");
+    }
 }

@@ -220,7 +220,8 @@ fn appearances_that_do_not_fit_are_made_to() {
 fn thousands_of_lights_are_shown_and_their_cost_is_said_once() {
     let (dataset, _) = scene();
     let mut backend = CpuBackend::new();
-    backend.set_scene(&dataset.into()).unwrap();
+    let baked = dataset.into();
+    backend.set_scene(&baked).unwrap();
     let lamp = |i: usize| {
         let turn = i as f32 * 2.4;
         let position = Vec3::new(turn.sin(), 0.5 + 1e-3 * i as f32, turn.cos());
@@ -246,4 +247,7 @@ fn thousands_of_lights_are_shown_and_their_cost_is_said_once() {
     };
     assert!(close(&sum) && !close(&show(&lights[..1900]).0), "parts add up, and fewer do not");
     assert!(show(&lights).1.len() == 1 && show(&lights).1.is_empty(), "said once");
+    backend.set_scene(&baked).unwrap();
+    let local = LocalLighting { lights: lights.into(), ..Default::default() };
+    assert_eq!(backend.set_local_lighting(&local).unwrap().len(), 1, "and of another scene");
 }

@@ -104,6 +104,12 @@ impl Addition {
 pub struct SumTexture(Option<Target>);
 
 impl SumTexture {
+    /// Whether there is one.
+    #[cfg(test)]
+    pub fn takes_room(&self) -> bool {
+        self.0.is_some()
+    }
+
     fn of_size(&mut self, gpu: &GpuDevice, size: [u32; 2]) -> wgpu::TextureView {
         let fits = |t: &Target| [t.texture.width(), t.texture.height()] == size;
         let kept = self.0.take().filter(fits);

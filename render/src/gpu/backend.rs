@@ -152,6 +152,12 @@ impl GpuBackend {
         self.bounce.buffer()
     }
 
+    /// Whether local lights take up textures.
+    #[cfg(test)]
+    pub(super) fn lights_take_room(&self) -> bool {
+        self.local_lights.takes_room()
+    }
+
     /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
     #[cfg(test)]
     pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
@@ -178,7 +184,8 @@ impl Backend for GpuBackend {
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
         self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
-        self.local_lights.forget_shadows();
+        // The lights go with their scene, and with them what was said of them.
+        self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources) = (None, None, None, None);
         (self.local, self.bounce) = (LocalLighting::default(), VertexBounce::default());
         Ok(())
@@ -208,6 +215,9 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
+        if lighting.shown_vertex_irradiance().is_none() {
+            self.bounce = VertexBounce::default();
+        }
         let remark = self.local_lights.set(lighting.shown_lights().unwrap_or_default(), radius);
         self.gpu.check()?;
         Ok(remark.into_iter().collect())

@@ -74,16 +74,20 @@ impl DirectLights {
         }
     }
 
-    /// Replaces the lights of a scene of `radius` metres. Returns what is said of those without shadows, unless it was said before.
+    /// Replaces the lights of a scene of `radius` metres; without any, what they took up is free. Returns what is said
+    /// of those without shadows, unless it was said before.
     pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
+        if self.lights.is_empty() {
+            (self.maps, self.sum) = (None, SumTexture::default());
+        }
         self.plan = Plan::new(&self.lights, self.room, radius);
         let remark = self.plan.remark(&self.lights, self.room);
         let before = std::mem::replace(&mut self.remark, remark.clone());
         remark.filter(|_| before != self.remark)
     }
 
-    /// What shadow maps show is no longer so: the scene or the shader is another one.
+    /// What shadow maps show is no longer so: the shader is another one.
     pub fn forget_shadows(&mut self) {
         if let Some(maps) = &mut self.maps {
             maps.forget();
@@ -93,7 +97,6 @@ impl DirectLights {
     /// Renders shadow maps that are not as they should be, and binds what a picture needs; `None` without lights.
     pub fn prepare(&mut self, picture: &PictureInputs) -> Option<Addition> {
         if self.lights.is_empty() {
-            (self.maps, self.sum) = (None, SumTexture::default());
             return None;
         }
         let PictureInputs { gpu, passes, scene, .. } = *picture;
@@ -116,6 +119,12 @@ impl DirectLights {
         let lights = [views_buffer.as_entire_binding(), lights_buffer.as_entire_binding(), View(&maps.array)];
         let lights = bind(gpu, "local lights", &passes.direct.lights, &lights);
         Some(Addition::new(picture, ("direct", &passes.direct.direct), lights, picture.sums(), &mut self.sum))
+    }
+
+    /// Whether there are textures of lights.
+    #[cfg(test)]
+    pub fn takes_room(&self) -> bool {
+        self.maps.is_some() || self.sum.takes_room()
     }
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {

@@ -44,10 +44,11 @@ impl LitPoints {
         self.albedo = self.points.par_iter().map(|p| fitted.albedo(&scene.mesh, p.place)).collect();
     }
 
-    /// Shines local lights on the points, by rays; only for those that are not as before.
-    pub fn set_lights(&mut self, lights: &[Light]) {
+    /// Shines local lights on the points, by rays; only for those that are not as before. Returns whether there are
+    /// such.
+    pub fn set_lights(&mut self, lights: &[Light]) -> bool {
         let offset = self.ray_offset();
-        self.lights.update(lights, |lights| light_irradiance(&self.points, lights, &self.intersector, offset));
+        self.lights.update(lights, |lights| light_irradiance(&self.points, lights, &self.intersector, offset))
     }
 
     /// Shines an environment on the points that gives each of them so much, or none.

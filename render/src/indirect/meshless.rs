@@ -45,8 +45,9 @@ impl MeshlessRig {
 
     /// Shines local lights on the senders, by rays; only for those that are not as before.
     pub fn set_lights(&mut self, lights: &[Light]) {
-        self.senders.set_lights(lights);
-        self.solved = None;
+        if self.senders.set_lights(lights) {
+            self.solved = None;
+        }
     }
 
     /// Shines the environment on the senders, or none.
@@ -155,7 +156,10 @@ pub(crate) mod tests {
             let received = super::irradiance(vector, *normal);
             assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
         }
+        rig.set_lights(&lamp(3.0));
+        assert!(rig.energy().is_some(), "the same light needs no other solution");
         rig.set_lights(&[]);
+        assert!(rig.energy().is_none());
         assert!(rig.at_vertices().unwrap().iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
     }
 

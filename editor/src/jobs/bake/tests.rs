@@ -9,6 +9,8 @@ use lapidary_core::{
 };
 
 const LIGHTS: usize = 256;
+/// More than a draft has.
+const MANY_LIGHTS: usize = 4096;
 
 /// A task in a folder of its own.
 fn task(folder: &Path, progressive: bool) -> BakeTask {
@@ -41,16 +43,17 @@ fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
 #[test]
 fn a_draft_comes_first_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
-    let task = task(folder.path(), true);
+    let mut task = task(folder.path(), true);
+    task.job.settings.lights = MANY_LIGHTS;
     let (output, cache) = (task.job.output.clone(), task.cache.clone());
     let mut run = BakeRun::start(task, silent());
     let messages = all(&mut run);
     let [BakeMessage::Draft(draft), BakeMessage::Done(dataset)] = &messages[..] else { panic!("{messages:?}") };
     assert_eq!(
         (draft.dataset.tree.len(), dataset.dataset.tree.len()),
-        (first_draft(&Preset::Normal.settings()).lights, LIGHTS)
+        (first_draft(&Preset::Normal.settings()).lights, MANY_LIGHTS)
     );
-    assert_eq!(Dataset::read(&output).unwrap().tree.len(), LIGHTS);
+    assert_eq!(Dataset::read(&output).unwrap().tree.len(), MANY_LIGHTS);
     assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
     let progress = run.progress();
     assert_eq!((progress.draft, progress.phase), (false, Some(Phase::Pack)));
@@ -80,6 +83,44 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         let sources = |baked: &Baked| baked.dataset.indirect.as_ref().map_or(0, |bake| bake.sources.len());
         assert!(sources(draft) <= sources(whole) / 2, "{mode:?}");
         assert_eq!(first_draft(&task.job.settings).indirect.viewpoint, task.job.settings.indirect.viewpoint);
+    }
+}
+
+#[test]
+fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_sooner() {
+    let normal = Preset::Normal.settings();
+    let criterion = CutCriterion { sigma: 5.0, max_nodes: 40, ..normal.criterion };
+    let sources = IndirectSettings {
+        sources: 512,
+        criterion: SourceCriterion { sigma: 9.0, ..normal.indirect.criterion },
+        ..normal.indirect
+    };
+    let meshless = MeshlessSettings { levels: 2, sender_levels: 1, rays: 32, ..normal.meshless };
+    let few = BakeSettings {
+        mode: BakeMode::All,
+        lights: 512,
+        pilot_clusters: 3,
+        max_vertices: Some(700),
+        criterion,
+        indirect: sources,
+        meshless,
+        ..normal.clone()
+    };
+    let draft = first_draft(&few);
+    assert_eq!(draft, BakeSettings { tree: draft.tree, beta: draft.beta, ..few.clone() });
+    assert_eq!(first_draft(&BakeSettings { max_vertices: None, ..few.clone() }).max_vertices, None);
+    assert_eq!(first_draft(&normal).criterion.sigma, 0.75, "negative control");
+    assert!(!draft_is_sooner(&few));
+    for (mode, [lights, sources, basis]) in [
+        (BakeMode::Environment, [true, false, false]),
+        (BakeMode::Indirect, [false, true, false]),
+        (BakeMode::Meshless, [false, false, true]),
+        (BakeMode::All, [true; 3]),
+    ] {
+        let few = BakeSettings { mode, ..few.clone() };
+        assert_eq!(draft_is_sooner(&BakeSettings { lights: 32_768, ..few.clone() }), lights, "{mode:?}");
+        assert_eq!(draft_is_sooner(&BakeSettings { indirect: normal.indirect, ..few.clone() }), sources, "{mode:?}");
+        assert_eq!(draft_is_sooner(&BakeSettings { meshless: normal.meshless, ..few }), basis, "{mode:?}");
     }
 }
 

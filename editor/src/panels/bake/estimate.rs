@@ -1,7 +1,8 @@
 //! What a bake will cost, from what the last one did.
 
 use super::BakeContext;
-use lapidary_core::dataset::{BakeReport, BakeSettings};
+use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings};
+use lapidary_precompute::Phase;
 
 /// (vertex, light) pairs a second of one core, where no bake has measured it: half of what two cores were measured to do.
 const PAIRS_PER_SECOND_AND_CORE: f64 = 7.5e6;
@@ -12,10 +13,19 @@ const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
 /// Bytes of a packed node.
 const NODE_BYTES: f64 = 2.0;
 
-/// Mean nodes of a cut over them, as the paper has it for its interiors.
-const MEAN_SOURCE_CUT: f64 = 250.0;
-/// Share of the (vertex, source) pairs that face each other, and so take a ray.
-const FACING: f64 = 0.3;
+/// Segments between vertices and sources a second of one core, where no bake has measured them: 3.3 to 3.9 million in
+/// Sponza.
+const SEGMENTS_PER_SECOND_AND_CORE: f64 = 3.6e6;
+/// Share of the (vertex, source) pairs that face each other, and so take a segment: 0.52 in Sponza, 0.53 in a living
+/// room.
+const FACING: f64 = 0.5;
+/// Mean nodes of a cut over surface samples: between the 500 of the colour box and the 1,340 of the Cornell box.
+const MEAN_SOURCE_CUT: f64 = 800.0;
+/// The samples and sigma that it holds for.
+const MEAN_SOURCE_CUT_AT: (usize, f32) = (32_768, 2.0);
+/// How it grows with their number; it goes with one over sigma. In the colour box 330 nodes for 8,192 samples at sigma 1,
+/// 100 at sigma 4; in the Cornell box 1,336 at sigma 2, 650 at sigma 4, 328 at sigma 8.
+const SOURCE_CUT_POWER: f64 = 0.7;
 /// Bytes of a source beside its cut: place, normal, area, triangle.
 const SOURCE_BYTES: f64 = 40.0;
 /// Core seconds and bytes of the colour box's meshless basis, and its levels. Each level has about four times the functions
@@ -40,8 +50,10 @@ pub struct Speed {
     pub pairs_per_second: f64,
     /// A mean cut size, and the lights and sigma that it came from.
     pub mean_cut: (f64, usize, f32),
-    /// Mean nodes of a cut over surface samples.
-    pub mean_source_cut: f64,
+    /// Segments between vertices and surface samples a second.
+    pub segments_per_second: f64,
+    /// A mean cut over surface samples, and the samples and sigma that it came from.
+    pub mean_source_cut: (f64, usize, f32),
     /// Cores that a bake may use.
     pub cores: usize,
 }
@@ -62,9 +74,11 @@ impl Speed {
     pub fn known(context: &BakeContext) -> Self {
         let report = context.dataset.map(|d| &d.report);
         let scene = context.scene_stats.map(|s| s.vertices);
+        let known = Self::from_report(report, context.cores);
         Self {
             source_vertices: scene.or(report.map(|r| r.source_vertices)).filter(|v| *v > 0),
-            ..Self::from_report(report, context.cores)
+            mean_source_cut: context.dataset.and_then(mean_source_cut).unwrap_or(known.mean_source_cut),
+            ..known
         }
     }
 
@@ -75,7 +89,10 @@ impl Speed {
         Self {
             source_vertices: None,
             pairs_per_second: measured.unwrap_or(PAIRS_PER_SECOND_AND_CORE * cores.max(1) as f64),
-            mean_source_cut: report.and_then(|r| r.indirect.as_ref()).map_or(MEAN_SOURCE_CUT, |r| r.mean_cut),
+            segments_per_second: report
+                .and_then(segments_per_second)
+                .unwrap_or(SEGMENTS_PER_SECOND_AND_CORE * cores.max(1) as f64),
+            mean_source_cut: (MEAN_SOURCE_CUT, MEAN_SOURCE_CUT_AT.0, MEAN_SOURCE_CUT_AT.1),
             cores: cores.max(1),
             mean_cut: cut.unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
         }
@@ -109,9 +126,9 @@ impl Speed {
             true => (lights, self.cut_size(settings)),
             false => (0.0, 1.0),
         };
-        let pairs = FACING * vertices * sources + sources * lights;
-        let nodes = vertices * self.mean_source_cut + sources * own_nodes;
-        (pairs / self.pairs_per_second, nodes * NODE_BYTES + sources * SOURCE_BYTES)
+        let secs = FACING * vertices * sources / self.segments_per_second + sources * lights / self.pairs_per_second;
+        let nodes = vertices * self.source_cut_size(&settings.indirect) + sources * own_nodes;
+        (secs, nodes * NODE_BYTES + sources * SOURCE_BYTES)
     }
 
     /// Those of the meshless basis, which go with its levels.
@@ -130,12 +147,32 @@ impl Speed {
         let most = f64::from(settings.criterion.max_nodes).min(settings.lights as f64);
         (size * finer / coarser).clamp(1.0, most.max(1.0))
     }
+
+    /// Mean cut over surface samples.
+    fn source_cut_size(&self, settings: &IndirectSettings) -> f64 {
+        let (size, sources, sigma) = self.mean_source_cut;
+        let finer = (settings.sources as f64 / sources as f64).powf(SOURCE_CUT_POWER);
+        let coarser = f64::from(settings.criterion.sigma.max(0.1) / sigma.max(0.1));
+        (size * finer / coarser).clamp(1.0, settings.sources as f64)
+    }
+}
+
+/// What the last bake has measured, if it had surface samples.
+fn segments_per_second(report: &BakeReport) -> Option<f64> {
+    let secs = report.seconds.get(Phase::SourceVisibility.name())?;
+    let rays = report.indirect.as_ref()?.rays_traced as f64;
+    (rays > 0.0 && *secs > 0.0).then(|| rays / secs)
+}
+
+fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
+    let report = dataset.report.indirect.as_ref().filter(|report| report.mean_cut > 0.0 && report.sources > 0)?;
+    Some((report.mean_cut, report.sources, dataset.settings.indirect.criterion.sigma))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeMode, MeshlessSettings};
+    use lapidary_core::dataset::{BakeMode, IndirectReport, MeshlessSettings};
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -164,6 +201,46 @@ mod tests {
         let dark = BakeReport { mode: BakeMode::Indirect, mean_cut: 1.0, ..report };
         let estimate = speed(Some(&dark)).estimate(&settings).unwrap();
         assert_eq!(estimate.bytes, speed(None).estimate(&settings).unwrap().bytes, "its cuts are of nothing");
+    }
+
+    /// Of a bounce: what its segments take, and its size.
+    fn bounce(speed: &Speed, sources: usize, sigma: f32) -> Estimate {
+        let mut settings = BakeSettings { mode: BakeMode::Indirect, max_vertices: None, ..Preset::Normal.settings() };
+        (settings.indirect.sources, settings.indirect.criterion.sigma) = (sources, sigma);
+        speed.estimate(&settings).unwrap()
+    }
+
+    #[test]
+    fn segments_have_a_rate_of_their_own() {
+        let pairs = 0.5 * 5000.0 * 32_768.0;
+        let secs = |report: Option<&BakeReport>| bounce(&speed(report), 32_768, 2.0).secs;
+        assert!((secs(None) - pairs / 7.2e6).abs() < 1e-6);
+        let environment = BakeReport { samples_per_second: 90e6, ..Default::default() };
+        assert_eq!(secs(Some(&environment)), secs(None), "those of an environment are other rays");
+        let seconds = [(Phase::SourceVisibility.name().to_owned(), 4.0)].into();
+        let indirect = Some(IndirectReport { rays_traced: 8_000_000, ..Default::default() });
+        let measured = BakeReport { seconds, indirect, ..environment };
+        assert!((secs(Some(&measured)) - pairs / 2e6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn cuts_over_sources_follow_their_number_and_sigma() {
+        let nodes = |speed: &Speed, sources, sigma| {
+            let own = sources as f64 * (SOURCE_BYTES + NODE_BYTES);
+            (bounce(speed, sources, sigma).bytes as f64 - own) / (5000.0 * NODE_BYTES)
+        };
+        let (any, colour_box) = (speed(None), Speed { mean_source_cut: (500.0, 32_768, 2.0), ..speed(None) });
+        assert!((nodes(&any, 32_768, 2.0) - 800.0).abs() < 1.0);
+        for (sources, sigma, measured) in [(8192, 1.0, 330.0), (8192, 4.0, 100.0)] {
+            let found = nodes(&colour_box, sources, sigma);
+            assert!((found / measured).ln().abs() < 0.2, "{found} of {measured}");
+        }
+        assert!(nodes(&any, 64, 0.01) <= 64.5, "no more than there are");
+        let mut dataset = crate::panels::bake::test_dataset();
+        assert_eq!(mean_source_cut(&dataset), None);
+        dataset.report.indirect = Some(IndirectReport { mean_cut: 70.0, sources: 1024, ..Default::default() });
+        dataset.settings.indirect.criterion.sigma = 3.0;
+        assert_eq!(mean_source_cut(&dataset), Some((70.0, 1024, 3.0)));
     }
 
     #[test]

@@ -46,7 +46,9 @@ fn gives(mode: BakeMode) -> &'static str {
         BakeMode::Meshless => {
             "Many soft bounces of the lights, none sharp in glossy surfaces, without the environment."
         }
-        BakeMode::All => "Environment and bounce light, and the meshless basis for further bounces. Takes longest.",
+        BakeMode::All => {
+            "Light of the environment, and many bounces: the first sharp in glossy surfaces, those after it soft. Takes longest."
+        }
     }
 }
 

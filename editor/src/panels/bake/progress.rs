@@ -5,13 +5,14 @@ use crate::{
     actions::Action,
     panels::units::{duration, grouped},
 };
-use egui::{Grid, ProgressBar, RichText, Ui};
+use egui::{Button, Grid, ProgressBar, RichText, Ui};
 use lapidary_core::dataset::BakeMode;
 use lapidary_precompute::Phase;
 
 /// Shows a running bake, with a button to stop it.
 pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
-    let BakeStatus::Running { mode, draft, phase, done, total, unit, elapsed_secs, phase_elapsed_secs } = *status
+    let BakeStatus::Running { mode, draft, phase, done, total, unit, cancelling, elapsed_secs, phase_elapsed_secs } =
+        *status
     else {
         return;
     };
@@ -42,10 +43,15 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
     if total > 0 {
         ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
     }
-    let left = time_left(done, total, phase_elapsed_secs);
-    ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
+    if cancelling {
+        ui.label("Cancelling: it stops at the next point");
+    } else {
+        let left = time_left(done, total, phase_elapsed_secs);
+        ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
+    }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
-    if ui.button("Cancel").on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
+    let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
+    if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
         actions.push(Action::CancelBake);
     }
 }
@@ -147,6 +153,7 @@ mod tests {
             done,
             total: 1000,
             unit: "points",
+            cancelling: false,
             elapsed_secs: 90.0,
             phase_elapsed_secs: 45.0,
         };

@@ -99,6 +99,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
         done: 250,
         total: 1000,
         unit: "points",
+        cancelling: false,
         elapsed_secs: 30.0,
         phase_elapsed_secs: 20.0,
     };
@@ -110,7 +111,15 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
     assert!(panel.query_by_label("Light between surfaces progress").is_none(), "negative control: no bounces");
+    assert!(panel.query_by_label_contains("Cancelling").is_none());
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
+    let BakeStatus::Running { cancelling, .. } = &mut panel.state_mut().status else { panic!("it runs") };
+    *cancelling = true;
+    panel.run();
+    assert!(
+        panel.query_by_label("250 of 1,000 points").is_some() && panel.query_by_label_contains("Cancelling").is_some()
+    );
+    assert!(clicked(&mut panel, "Cancel").is_empty(), "once is enough");
 }
 
 #[test]
@@ -122,6 +131,7 @@ fn a_bake_of_bounces_shows_its_own_phases() {
         done: 300,
         total: 400,
         unit: "points",
+        cancelling: false,
         elapsed_secs: 9.0,
         phase_elapsed_secs: 3.0,
     };

@@ -3,7 +3,7 @@
 use super::{LightsContext, LightsPanel};
 use crate::{
     actions::Action,
-    document::{Bounces, Component, ComponentSettings, Edit},
+    document::{Bounces, Component, ComponentSettings, Document, Edit},
     panels::{
         edit_row,
         entries::combo_row,
@@ -12,7 +12,7 @@ use crate::{
 };
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
-use lapidary_render::Solution;
+use lapidary_render::{Solution, ViewMode};
 
 /// Share of the light above which it is said that bounces are missing: a few percent are not seen.
 const MUCH_MISSING: f32 = 0.1;
@@ -26,26 +26,54 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     }
     match context.bounces {
         Some(bounces) if bounces.any() => {
+            let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            fading(ui, context.energy);
+            let has_gathered = now == Some(Solution::CutsMeshless);
+            fading(ui, context.energy.map(|energy| if has_gathered { gathered(energy) } else { energy }));
             if bounces.cuts {
-                let help = "Draws the surface points that send light on, in the color of the cluster that each is in: \
-                            light is gathered from one cluster at a time";
-                check_box(ui, &mut state.shows_clusters, "Show clusters in the viewport").on_hover_text(help);
+                clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
         }
         Some(_) => bounce_hint(ui, "This bake has no bounce light.", context, actions),
         None => bounce_hint(ui, "Nothing is baked yet.", context, actions),
     }
     if context.document.components.shows(Component::Environment) {
-        environment_hint(ui, context.baked, context.can_bake, actions);
+        environment_hint(ui, context.baked, context.document.bake.mode, context.can_bake, actions);
+    }
+}
+
+/// The switch of the clusters, or why it can do nothing now.
+fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
+    let help = "Draws the surface points that send light on, in the color of the cluster that each is in: light is \
+                gathered from one cluster at a time";
+    ui.add_enabled_ui(obstacle.is_none(), |ui| {
+        let switch = check_box(ui, shown, "Show clusters in the viewport").on_hover_text(help);
+        switch.on_disabled_hover_text(obstacle.unwrap_or_default());
+    });
+}
+
+fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
+    if !document.components.shows(Component::Indirect) {
+        Some("Bounce light is not in the picture: switch it on above")
+    } else if solution == Some(Solution::Meshless) {
+        Some("Only cuts gather light from clusters: choose another solution above")
+    } else if document.view.mode != ViewMode::Shaded {
+        Some("Clusters lie over the lit picture: choose the view mode Shaded")
+    } else {
+        None
     }
 }
 
 /// Says that there is no light of the environment in a bake without it, and leads to one with it.
-pub fn environment_hint(ui: &mut Ui, baked: Option<BakeMode>, can_bake: bool, actions: &mut Vec<Action>) {
+pub fn environment_hint(
+    ui: &mut Ui,
+    baked: Option<BakeMode>,
+    wanted: BakeMode,
+    can_bake: bool,
+    actions: &mut Vec<Action>,
+) {
     let Some(baked) = baked.filter(|mode| !mode.environment()) else { return };
-    let mode = if baked.meshless() { BakeMode::All } else { BakeMode::Cuts };
+    let mode = union(&[baked, wanted, BakeMode::Environment]);
     let text = "This bake has no light of the environment.";
     hint(ui, text, "Bake with the environment", mode, can_bake, actions);
 }
@@ -64,6 +92,19 @@ fn fading(ui: &mut Ui, energy: Option<BounceEnergy>) {
         let remedy = "Lower the base color of the brightest materials, below 0.8, to see it all.";
         ui.label(RichText::new(format!("{text} {remedy}")).color(ui.visuals().warn_fg_color));
     }
+}
+
+/// With the bounce that the cuts gather, one more than the basis has: the next of the same series.
+fn gathered(energy: BounceEnergy) -> BounceEnergy {
+    let BounceEnergy { bounces, last_share: last, missing_share } = energy;
+    let bounces = bounces + 1;
+    if last <= 0.0 || missing_share >= 1.0 {
+        return BounceEnergy { bounces, ..energy };
+    }
+    // Of the light so far: what is missing is last * kept / (1 - kept).
+    let missing = missing_share / (1.0 - missing_share);
+    let next = last * missing / (last + missing);
+    BounceEnergy { bounces, last_share: next / (1.0 + next), missing_share: (missing - next) / (1.0 + missing) }
 }
 
 fn percent(share: f32) -> String {
@@ -129,12 +170,23 @@ fn meaning(solution: Solution) -> &'static str {
     }
 }
 
+/// The least bake with all parts of these.
+fn union(modes: &[BakeMode]) -> BakeMode {
+    let any = |part: fn(BakeMode) -> bool| modes.iter().any(|&mode| part(mode));
+    match [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].map(any) {
+        [true, false, false] => BakeMode::Environment,
+        [true, _, false] => BakeMode::Cuts,
+        [false, _, false] => BakeMode::Indirect,
+        [false, false, true] => BakeMode::Meshless,
+        [_, _, true] => BakeMode::All,
+    }
+}
+
 /// Leads to a bake of bounce light that loses nothing of what is baked.
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
-    let mode = match context.document.bake.mode {
-        BakeMode::Environment => BakeMode::Cuts,
-        with_bounces => with_bounces,
-    };
+    let wanted = union(&[context.document.bake.mode, context.baked.unwrap_or(context.document.bake.mode)]);
+    let has_bounces = wanted.indirect() || wanted.meshless();
+    let mode = if has_bounces { wanted } else { union(&[wanted, BakeMode::Indirect]) };
     hint(ui, text, "Bake with bounce light", mode, context.can_bake, actions);
 }
 
@@ -147,4 +199,36 @@ fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeMode, can_bake: bool, a
             actions.push(Action::ChooseBake(mode));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_union_has_all_parts_and_no_more_than_a_bake_must() {
+        const MODES: [BakeMode; 5] =
+            [BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::Meshless, BakeMode::All];
+        for mode in MODES {
+            assert_eq!((union(&[mode]), union(&[mode, mode])), (mode, mode));
+            for other in MODES {
+                let both = union(&[mode, other]);
+                let has = |part: fn(BakeMode) -> bool| part(both) || !(part(mode) || part(other));
+                assert!([BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has));
+            }
+        }
+        assert_eq!(union(&[BakeMode::Environment, BakeMode::Indirect]), BakeMode::Cuts);
+        assert_eq!(union(&[BakeMode::Meshless, BakeMode::Indirect]), BakeMode::All);
+    }
+
+    #[test]
+    fn the_gathered_bounce_goes_on_with_the_series() {
+        // 16, 8, 4, and then 2, 1 and so on.
+        let energy = BounceEnergy { bounces: 2, last_share: 4.0 / 28.0, missing_share: 4.0 / 32.0 };
+        let BounceEnergy { bounces, last_share, missing_share } = gathered(energy);
+        assert_eq!(bounces, 3);
+        assert!((last_share - 2.0 / 30.0).abs() < 1e-6 && (missing_share - 2.0 / 32.0).abs() < 1e-6);
+        let endless = BounceEnergy { bounces: 4, last_share: 0.2, missing_share: 1.0 };
+        assert_eq!(gathered(endless), BounceEnergy { bounces: 5, ..endless });
+    }
 }

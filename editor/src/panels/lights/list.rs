@@ -23,14 +23,32 @@ const EYE: f32 = 17.0;
 /// A light's name while it is typed.
 pub struct Renaming {
     index: usize,
+    /// The name that it had, and how many lights there were: if these change, others have moved to its index.
+    before: String,
+    count: usize,
     name: String,
     focused: bool,
 }
 
 impl Renaming {
     /// Begins with the name as it is.
-    pub fn of(index: usize, light: &Light) -> Self {
-        Self { index, name: light.name.clone(), focused: false }
+    pub fn of(index: usize, lights: &[Light]) -> Self {
+        let before = lights[index].name.clone();
+        Self { index, name: before.clone(), before, count: lights.len(), focused: false }
+    }
+
+    /// Whether the light is still that of before.
+    fn fits(&self, lights: &[Light]) -> bool {
+        lights.len() == self.count && lights.get(self.index).is_some_and(|light| light.name == self.before)
+    }
+
+    /// Asks for the name that was typed, if it is one and another.
+    fn take(&self, light: &Light, actions: &mut Vec<Action>) {
+        let name = self.name.trim();
+        if !name.is_empty() && name != light.name {
+            let light = Box::new(Light { name: name.to_owned(), ..light.clone() });
+            ask(actions, Edit::Light { index: self.index, light }, "Rename light");
+        }
     }
 }
 
@@ -40,10 +58,15 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     if lights.is_empty() {
         ui.weak("No lights yet");
     }
+    state.renaming = state.renaming.take().filter(|renaming| renaming.fits(lights));
     let height = ui.spacing().interact_size.y;
     let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
     let area = ScrollArea::vertical().id_salt("lights").max_height(limit).auto_shrink([false, true]);
     area.show_rows(ui, height, lights.len(), |ui, rows| {
+        // As a click elsewhere, for a field that is out of sight cannot end by itself.
+        if let Some(hidden) = state.renaming.take_if(|renaming| !rows.contains(&renaming.index)) {
+            hidden.take(&lights[hidden.index], actions);
+        }
         for index in rows {
             ui.push_id(index, |ui| {
                 let layout = Layout::right_to_left(egui::Align::Center);
@@ -79,7 +102,7 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
         let button = Button::selectable(context.selected == Some(index), "").left_text(text).truncate();
         let name = ui.add(button.min_size(ui.available_size())).accessible_name(&light.name);
         if name.double_clicked() {
-            state.renaming = Some(Renaming::of(index, light));
+            state.renaming = Some(Renaming::of(index, &context.document.lights));
         } else if name.clicked() {
             actions.push(Action::SelectLight(Some(index)));
         }
@@ -133,20 +156,20 @@ fn swatch(ui: &mut Ui, light: &Light) {
 
 /// The name as a text field: Enter or a click elsewhere takes it, Escape does not.
 fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, light: &Light, actions: &mut Vec<Action>) {
-    let Some(Renaming { index, name, focused }) = renaming else { return };
-    let field = ui.add(TextEdit::singleline(name).desired_width(ui.available_width())).accessible_name("Light name");
-    if !*focused {
+    let Some(typed) = renaming else { return };
+    let field = TextEdit::singleline(&mut typed.name).desired_width(ui.available_width());
+    let field = ui.add(field).accessible_name("Light name");
+    if !typed.focused {
         field.request_focus();
-        *focused = true;
+        typed.focused = true;
         return;
     }
-    if !field.lost_focus() {
+    // Without the focus also after the list was out of sight.
+    if field.has_focus() {
         return;
     }
-    let typed = name.trim().to_owned();
-    if !ui.input(|i| i.key_pressed(Key::Escape)) && !typed.is_empty() && typed != light.name {
-        let light = Box::new(Light { name: typed, ..light.clone() });
-        ask(actions, Edit::Light { index: *index, light }, "Rename light");
+    if !ui.input(|i| i.key_pressed(Key::Escape)) {
+        typed.take(light, actions);
     }
     *renaming = None;
 }

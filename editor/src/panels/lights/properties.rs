@@ -86,7 +86,7 @@ impl Rows<'_> {
         let decades = Decades {
             decimals: 2,
             note: Some(kind.unit().into()),
-            ..Decades::count("Intensity", &help, 0.0..=f64::from(MOST_INTENSITY.min(1e5)), f64::from(intensity))
+            ..Decades::count("Intensity", &help, 0.0..=f64::from(MOST_INTENSITY), f64::from(intensity))
         };
         self.row("Light intensity", |ui, light| {
             let mut value = intensity;

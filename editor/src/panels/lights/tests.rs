@@ -14,7 +14,7 @@ use lapidary_core::{
     lights::{Emission, Light},
     meshless::BounceEnergy,
 };
-use lapidary_render::{Baked, Solution};
+use lapidary_render::{Baked, Solution, ViewMode};
 
 struct Probe {
     document: Document,
@@ -135,12 +135,89 @@ fn lights_are_switched_selected_renamed_and_deleted_in_the_list() {
     assert!(!edited(&off)[0].enabled && matches!(off.last(), Some(Action::EndGesture)));
     assert!(matches!(click(&mut panel, "Delete Point")[..], [Action::DeleteLight(0)]));
     assert!(matches!(click(&mut panel, "Duplicate")[..], [Action::DuplicateLight(1)]));
-    panel.state_mut().panel.renaming = Some(list::Renaming::of(1, &light(LightKind::Spot)));
+    panel.state_mut().panel.renaming = Some(list::Renaming::of(1, &LightKind::ALL.map(light)));
     panel.run();
     assert_eq!(typed(&mut panel, "Light name", "Key").last().unwrap().name, "Key");
     click(&mut panel, "Add");
     let add = click_last(&mut panel, "Directional");
     assert!(matches!(add[..], [Action::AddLight(LightKind::Directional)]), "{add:?}");
+}
+
+#[test]
+fn a_rename_ends_when_its_row_is_out_of_sight_or_the_list_is_another() {
+    let begun = |panel: &mut Harness<Probe>| {
+        panel.state_mut().document.lights = (0..100).map(|_| light(LightKind::Spot)).collect();
+        panel.state_mut().panel.renaming = Some(list::Renaming::of(1, &panel.state().document.lights.clone()));
+        panel.run();
+        panel.get_by_label("Light name").type_text("Key ");
+        panel.run();
+        panel.state_mut().actions.clear();
+    };
+    let mut panel = panel(None, None);
+    begun(&mut panel);
+    panel.run();
+    assert!(panel.state().panel.renaming.is_some(), "negative control");
+    panel.state_mut().document.lights.remove(0);
+    panel.run();
+    assert!(panel.state().panel.renaming.is_none() && panel.state().actions.is_empty(), "another light is there now");
+    begun(&mut panel);
+    panel.state_mut().document.lights[1].name = "Renamed elsewhere".into();
+    panel.run();
+    assert!(panel.state().panel.renaming.is_none() && panel.state().actions.is_empty());
+    begun(&mut panel);
+    panel.get_all_by_label("Switch off Spot").nth(3).unwrap().hover();
+    panel.run();
+    panel.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, -1500.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
+        modifiers: egui::Modifiers::NONE,
+    });
+    panel.run_steps(30);
+    assert!(panel.state().panel.renaming.is_none() && panel.query_by_label("Light name").is_none());
+    assert!(edited(&panel.state().actions).last().unwrap().name.contains("Key"), "as by a click elsewhere");
+}
+
+#[test]
+fn a_touch_leaves_a_large_intensity_large() {
+    let mut panel = panel(Some(0), None);
+    panel.state_mut().document.lights[0].intensity = Vec3::splat(3e6);
+    panel.run();
+    panel.get_by_label("Intensity").focus();
+    panel.run();
+    panel.key_press(Key::ArrowLeft);
+    panel.run();
+    let light = edited(&panel.state().actions).last().cloned().unwrap();
+    assert!((1e6..3e6).contains(&light.intensity.x), "{light:?}");
+    assert_eq!(typed(&mut panel, "Intensity value", "1000000000").last().unwrap().intensity, Vec3::splat(1e9));
+    panel.state_mut().document.lights[0].intensity = Vec3::splat(1e9);
+    panel.run();
+    assert_fits(&panel, WIDTH);
+}
+
+#[test]
+fn clusters_can_be_switched_where_they_show() {
+    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    let works = |panel: &mut Harness<Probe>| {
+        panel.run();
+        let before = panel.state().panel.shows_clusters;
+        click(panel, "Show clusters in the viewport");
+        panel.state().panel.shows_clusters != before
+    };
+    assert!(works(&mut panel), "by cuts");
+    let changes: [fn(&mut Document); 3] = [
+        |document| document.solution = Solution::Meshless,
+        |document| document.components.indirect = false,
+        |document| document.view.mode = ViewMode::Normals,
+    ];
+    for change in changes {
+        let before = panel.state().document.clone();
+        change(&mut panel.state_mut().document);
+        assert!(!works(&mut panel));
+        panel.state_mut().document = before;
+        assert!(works(&mut panel), "negative control");
+    }
 }
 
 /// Clicks the last of several with this label: a menu lies over the list.
@@ -179,6 +256,14 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     let mut none = none;
     let asked = click(&mut none, "Bake with bounce light");
     assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Cuts)]), "the environment stays baked");
+    none.state_mut().document.bake.mode = BakeMode::Indirect;
+    none.run();
+    let asked = click(&mut none, "Bake with bounce light");
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Indirect)]), "there is nothing to lose");
+    none.state_mut().baked = Some(BakeMode::Environment);
+    none.run();
+    let asked = click(&mut none, "Bake with bounce light");
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Cuts)]), "the environment is baked");
     let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
     assert!(both.query_by_label("Bake with bounce light").is_none());
     click(&mut both, "Bounce by");
@@ -218,6 +303,9 @@ fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
     assert_eq!(show(0.003, 0.002), (true, false, false));
     assert_eq!(show(0.1, 0.33), (true, true, true));
     assert_eq!(show(0.2, 1.0), (true, true, false), "without end");
+    panel.state_mut().document.solution = Solution::CutsMeshless;
+    panel.run();
+    assert!(panel.query_by_label_contains("Bounces: 5, the last carries").is_some(), "the one that is gathered counts");
 }
 
 /// A closed box around the origin whose triangles face outward, of which each light sees the inside.

@@ -15,6 +15,8 @@ use std::{
 
 /// A picture to make.
 struct Request {
+    /// Counts the documents that were open.
+    document: u64,
     /// Which of the document's materials.
     index: usize,
     ball: Ball,
@@ -26,10 +28,18 @@ struct Request {
 /// The worker and its last picture.
 pub struct Preview {
     requests: Sender<Request>,
-    pictures: Receiver<(usize, ColorImage)>,
+    pictures: Receiver<Made>,
+    document: u64,
     asked: Option<Asked>,
     /// The last picture, and of which material it is.
     shown: Option<(usize, TextureHandle)>,
+}
+
+/// A picture, and of which material of which document it is.
+struct Made {
+    document: u64,
+    index: usize,
+    image: ColorImage,
 }
 
 /// What the last request was for.
@@ -60,7 +70,7 @@ impl Default for Preview {
         let (outgoing, pictures) = channel();
         // It ends when the panel is dropped and the channel with it.
         thread::spawn(move || work(&incoming, &outgoing));
-        Self { requests, pictures, asked: None, shown: None }
+        Self { requests, pictures, document: 0, asked: None, shown: None }
     }
 }
 
@@ -80,12 +90,20 @@ impl Preview {
         if self.asked.as_ref() != Some(&wanted) {
             self.asked = Some(wanted);
             // A worker that is gone leaves the last picture.
-            let _ = self.requests.send(Request { index, ball, post, size, context: context.clone() });
+            let (document, context) = (self.document, context.clone());
+            let _ = self.requests.send(Request { document, index, ball, post, size, context });
         }
-        if let Some((index, image)) = self.pictures.try_iter().last() {
+        let made = self.pictures.try_iter().last().filter(|made| made.document == self.document);
+        if let Some(Made { index, image, .. }) = made {
             self.shown = Some((index, context.load_texture("material preview", image, TextureOptions::LINEAR)));
         }
         self.shown.as_ref().filter(|(shown, _)| *shown == index).map(|(_, picture)| picture)
+    }
+
+    /// Another document is open: no picture is of its materials, not even the one that is being made.
+    pub fn forget(&mut self) {
+        self.document += 1;
+        (self.asked, self.shown) = (None, None);
     }
 
     /// Whether there is a picture.
@@ -95,11 +113,11 @@ impl Preview {
     }
 }
 
-fn work(requests: &Receiver<Request>, pictures: &Sender<(usize, ColorImage)>) {
+fn work(requests: &Receiver<Request>, pictures: &Sender<Made>) {
     while let Ok(first) = requests.recv() {
         let request = requests.try_iter().last().unwrap_or(first);
         let image = displayed(&request.ball.render(request.size), &request.post, request.size);
-        if pictures.send((request.index, image)).is_err() {
+        if pictures.send(Made { document: request.document, index: request.index, image }).is_err() {
             return;
         }
         request.context.request_repaint();
@@ -158,6 +176,23 @@ mod tests {
             assert!(start.elapsed() < Duration::from_secs(20), "no picture of the other came");
             thread::sleep(Duration::from_millis(2));
         }
+    }
+
+    #[test]
+    fn another_document_shows_no_picture_of_the_one_before() {
+        let (mut preview, context, ball) = (Preview::default(), Context::default(), ball());
+        let (outgoing, pictures) = channel();
+        preview.pictures = pictures;
+        let made = |document| Made { document, index: 0, image: ColorImage::filled([8, 8], Color32::RED) };
+        let shows = |preview: &mut Preview| preview.picture(&context, 0, ball.clone(), 1, Post::default(), 8).is_some();
+        outgoing.send(made(0)).unwrap();
+        assert!(shows(&mut preview), "negative control");
+        preview.forget();
+        assert!(!shows(&mut preview));
+        outgoing.send(made(0)).unwrap();
+        assert!(!shows(&mut preview), "it was under way");
+        outgoing.send(made(1)).unwrap();
+        assert!(shows(&mut preview));
     }
 
     #[test]

@@ -145,6 +145,25 @@ fn escape_puts_the_light_back_and_the_rest_of_the_drag_does_nothing() {
 }
 
 #[test]
+fn a_drag_whose_light_vanishes_ends_and_the_rest_of_it_does_nothing() {
+    let mut harness = lit();
+    select(&mut harness);
+    let camera = harness.state().document.camera.clone();
+    let lamp = at(&harness, spot().position);
+    press(&mut harness, lamp);
+    harness.hover_at(lamp + vec2(40.0, 0.0));
+    harness.step();
+    assert_eq!(gestures(&harness), 0, "negative control");
+    harness.state_mut().document.lights.clear();
+    harness.step();
+    assert_eq!(gestures(&harness), 1);
+    harness.hover_at(lamp + vec2(90.0, 30.0));
+    harness.step();
+    release(&mut harness, lamp + vec2(90.0, 30.0));
+    assert_eq!((gestures(&harness), &harness.state().document.camera), (1, &camera));
+}
+
+#[test]
 fn the_target_follows_the_surface_under_the_pointer() {
     let mut harness = lit();
     select(&mut harness);

@@ -72,7 +72,8 @@ impl GpuBackend {
         );
     }
 
-    /// What is added before the merges of a sample, and all merges, one after another: each adds to what the one before it has written.
+    /// What is added before the merges of a sample, and all merges, one after another: each adds to what the one
+    /// before it has written.
     pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
         let fields = self.fields();
         let complete = (sample & 1) as usize;

@@ -57,7 +57,9 @@ impl GpuBackend {
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
         let additions = if view.mode == ViewMode::Shaded { self.additions() } else { Vec::new() };
         let groups = self.groups(self.loaded(), &light, &map, self.targets(), additions.last());
-        let count_top = view.mode.count_top(light.max_nodes);
+        // As on the CPU and in the legend, whether the environment is shown or not.
+        let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
+        let count_top = view.mode.count_top(illum_cut);
         let offsets = view.pixel_offsets();
         Picture { view: view.clone(), sampling, offsets, count_top, groups, additions, samples: 0 }
     }

@@ -60,7 +60,7 @@ impl Plan {
         (without > 0).then(|| {
             format!(
                 "{without} of {all} local lights shine without shadows: together they need {wanted} shadow maps, but this \
-                 adapter has room for {limit}, which the strongest have; switch some off, prefer narrow spots, or use --backend cpu"
+                 adapter has room for {limit}, which the strongest have; switch some off, or make them narrow spots"
             )
         })
     }

@@ -6,7 +6,7 @@ mod thousands;
 
 use super::twin::{agrees, appearance, backend, difference, in_bands, maps, parameters, scene, view};
 use crate::{
-    Backend, BrdfSampling, LocalLighting, Renderer, View, ViewMode,
+    Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
     renderer::tests::{dataset, mesh, white},
     surface::SurfacePoint,
@@ -247,6 +247,18 @@ fn lights_add_up_move_and_go_out_and_other_views_do_not_show_them() {
 }
 
 #[test]
+fn what_lights_take_up_is_free_when_they_are_gone_or_not_shown() {
+    let Some(mut rig) = shadow_rig() else { return };
+    let hidden = LocalLighting { components: Components::NONE, ..local(&every_kind()) };
+    for without in [local(&[]), hidden] {
+        rig.lit_by(&shadow_view(), &every_kind(), ROOM);
+        assert!(rig.gpu.lights_take_room(), "negative control");
+        rig.gpu.set_local_lighting(&without).unwrap();
+        assert!(!rig.gpu.lights_take_room());
+    }
+}
+
+#[test]
 fn bands_and_jittered_samples_of_local_lights_add_up_to_the_whole() {
     let Some(mut rig) = shadow_rig() else { return };
     rig.gpu.set_local_lighting(&local(&every_kind())).unwrap();
@@ -279,5 +291,11 @@ fn another_scene_has_other_shadows_and_lights_beyond_the_limit_are_told() {
     let sum = after.pixels.iter().zip(&shadowless.pixels).map(|(a, b)| *a + *b).collect();
     assert!(agrees(&half, &Image { size: view.size, pixels: sum }), "one of them with shadows, one without");
     rig.gpu.limit_shadows(ROOM);
-    assert!(rig.gpu.set_local_lighting(&local(&[lamp])).unwrap().is_empty());
+    assert!(rig.gpu.set_local_lighting(&local(std::slice::from_ref(&lamp))).unwrap().is_empty());
+    rig.gpu.limit_shadows(ShadowRoom { layers: 1, ..ROOM });
+    for _ in 0..2 {
+        let remarks = rig.gpu.set_local_lighting(&local(std::slice::from_ref(&lamp))).unwrap();
+        assert_eq!(remarks.len(), 1, "it is said anew of another scene");
+        rig.gpu.set_scene(&plain.dataset().clone().into()).unwrap();
+    }
 }

@@ -3,10 +3,13 @@
 
 use super::twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view};
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, LocalRig, Renderer,
-    SceneLighting, Solution, View, ViewMode,
+    Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Post,
+    Renderer, SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
-    indirect::{VertexIrradiance, meshless_tests, tests::point_light},
+    indirect::{
+        VertexIrradiance, meshless_tests,
+        tests::{floor_and_wall, point_light},
+    },
     painter::PictureLight,
     renderer::tests::illumination,
 };
@@ -205,6 +208,8 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
     let (after, moved) = shine(&mut gpu, &lamp(-1.6), &view);
     assert!(gpu.vertex_irradiance() != Some(&uploaded), "the light moved");
     assert!(agrees(&after, &on_cpu(&gpu, &moved)) && difference(&after, &before).0 > 0.01);
+    gpu.set_local_lighting(&rig.lighting(BOUNCE, Solution::Cuts, 64)).unwrap();
+    assert!(gpu.vertex_irradiance().is_none(), "another solution needs none of it");
 }
 
 #[test]
@@ -231,4 +236,31 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     let [gpu, cpu] = both(Solution::CutsMeshless);
     assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
     assert!(difference(&gpu, &one).0 > 0.01, "negative control: {:?}", difference(&gpu, &one));
+}
+
+#[test]
+fn counts_have_the_colours_of_the_cpu_also_where_no_environment_is_shown() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let dataset = Arc::new(floor_and_wall(8));
+    let baked = dataset.clone().into();
+    let mut rig = LocalRig::new(&baked);
+    rig.set_lights(&lamp(-1.0));
+    let local = rig.lighting(BOUNCE, Solution::Cuts, 512);
+    let view = View { mode: ViewMode::MergedCut, ..wall_view() };
+    let shown = |backend: &mut dyn Backend, illum_cut| {
+        let lighting = Renderer::new(dataset.clone()).lighting(&light(), illum_cut);
+        backend.set_scene(&baked).unwrap();
+        backend.set_light(&light(), &lighting.into()).unwrap();
+        backend.set_local_lighting(&local).unwrap();
+        picture(backend, &view);
+        backend.display(&Post::default(), 1).unwrap()
+    };
+    let differing = |a: &[[u8; 4]], b: &[[u8; 4]]| {
+        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| (0..4).any(|c| a[c].abs_diff(b[c]) > 2);
+        a.iter().zip(b).filter(differs).count() as f32 / a.len() as f32
+    };
+    let [on_gpu, on_cpu] = [&mut gpu as &mut dyn Backend, &mut CpuBackend::new()].map(|backend| shown(backend, 1024));
+    assert!(differing(&on_gpu, &on_cpu) < 0.02, "{}", differing(&on_gpu, &on_cpu));
+    let other_top = shown(&mut gpu, 128);
+    assert!(differing(&on_gpu, &other_top) > 0.2, "{}", differing(&on_gpu, &other_top));
 }
