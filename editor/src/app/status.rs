@@ -42,7 +42,7 @@ fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
     let stats = &shown.stats;
     figure(ui, format!("{:>4.0} BRDFs", stats.mean_brdf_evaluations), "BRDF evaluations a pixel");
     figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut a pixel");
-    figure(ui, format!("{:>5.0} ms", shown.millis), "Time that the picture took");
+    figure(ui, time_text(shown.millis), "Time that the picture took");
     let size = format!("{} x {}", shown.size[0], shown.size[1]);
     let reduced = if shown.full_size { "" } else { " (preview)" };
     let samples = format!("{:>3}/{}", shown.samples, shown.of_samples);
@@ -62,9 +62,19 @@ fn resident_bytes() -> Option<u64> {
     line.split_whitespace().next()?.parse::<u64>().ok().map(|kb| kb << 10)
 }
 
+/// Milliseconds as long as they fit into four digits.
+fn time_text(millis: f64) -> String {
+    if millis < 1e4 { format!("{millis:>5.0} ms") } else { format!("{:>5.1} s", 1e-3 * millis) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_times_are_in_seconds() {
+        assert_eq!([720.0, 9999.0, 78_562.0].map(time_text), ["  720 ms", " 9999 ms", " 78.6 s"]);
+    }
 
     #[test]
     #[cfg(target_os = "linux")]
