@@ -54,7 +54,7 @@ use std::collections::BTreeMap;
 
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
-/// Version 3 added lights, modes and surface sources.
+/// Version 3 added lights, modes, surface sources and the meshless basis.
 pub const FORMAT_VERSION: u32 = 3;
 
 /// A baked scene.
@@ -110,7 +110,8 @@ pub struct BakeSettings {
     pub pilot_clusters: usize,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
-    /// Most bytes for all cuts; cuts are coarsened by a common `sigma` until they fit.
+    /// Most bytes for the vertices' cuts over the environment, which are coarsened by a common `sigma` until they fit. Surface
+    /// sources and the meshless basis are not bounded by it.
     pub max_bytes: Option<u64>,
     /// Which parts are baked.
     #[serde(default)]
@@ -137,7 +138,7 @@ pub struct BakeReport {
     pub tree: TreeKind,
     /// Weight of the geometric metric.
     pub beta: f32,
-    /// Error bound of a cluster; larger than asked for if a byte budget forced it.
+    /// Error bound of a cluster over the environment; larger than asked for if a byte budget forced it.
     pub sigma: f32,
     /// Mean number of nodes of a vertex's cut.
     pub mean_cut: f64,
@@ -178,7 +179,9 @@ pub struct BakeReport {
     pub warnings: Vec<String>,
 }
 
-/// Hash of everything in a scene that a bake depends on, and of its materials, as hexadecimal.
+/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on. Objects,
+/// cameras and local lights, which are hints for the viewpoint of surface sources and meshless basis, are left out, so that
+/// moving a light makes no bake stale; a checkpoint knows by itself which places it is about.
 pub fn scene_hash(scene: &Scene) -> String {
     let mesh = &scene.mesh;
     let mut hasher = blake3::Hasher::new();

@@ -7,20 +7,24 @@ mod error;
 mod indirect;
 mod meshless;
 mod pack;
+mod remarks;
 
 pub use error::BakeError;
+pub(crate) use indirect::point_of;
 
 use self::{
     bounces::bake_bounces,
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
     pack::{Packed, concatenate, fit_budget, pack, unbaked},
+    remarks::Remarks,
 };
 use crate::{
     SettingsError,
     bake_points::BakePoints,
     checkpoint::{Checkpoint, Chunk, Series},
     memory,
+    meshless::check_coarse_radius,
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
     sidedness::{Sidedness, classify},
@@ -62,7 +66,12 @@ pub struct BakeJob {
 /// See [`BakeError`]. Whatever stood at the output is kept unless the bake succeeds.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     let settings = crate::resolve(job.settings.clone())?;
+    let remarks = Remarks::before(observer);
+    let observer: &dyn Observer = &remarks;
     check_memory(&scene, &settings)?;
+    if settings.mode.meshless() {
+        check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
+    }
     let hash = scene_hash(&scene);
     let mut clock = Clock::new(observer, job.import_secs);
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
@@ -75,7 +84,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
     let packing = Instant::now();
     let (cuts, sigma) = fit_budget(concatenate(&chunks), tree.height(), settings.max_bytes, settings.criterion.sigma);
-    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied())?;
+    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), Series::Environment)?;
     let report = report(&geometry, &settings, &packed, job);
     let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
@@ -94,6 +103,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     };
     clock.add(Phase::Pack, packing.elapsed());
     finish_report(&mut dataset, clock);
+    dataset.report.warnings.extend(remarks.warnings());
     dataset.write(&job.output)?;
     checkpoint.remove()?;
     Ok(dataset)
@@ -127,10 +137,11 @@ fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError>
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0));
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
-    let needed = memory::estimate(vertices, triangles, settings.lights, settings.pilot_clusters, threads);
+    let needed = memory::estimate(vertices, triangles, settings, threads);
     match memory::available() {
         Some(available) if needed > available => {
-            Err(BakeError::Memory { needed: needed >> 20, available: available >> 20 })
+            let remedy = memory::remedy(settings.mode);
+            Err(BakeError::Memory { remedy, needed: needed >> 20, available: available >> 20 })
         }
         _ => Ok(()),
     }
@@ -180,10 +191,15 @@ fn prepare(
     let points = geometry.points.points.len();
     if job.resume
         && let Some(checkpoint) = Checkpoint::open(&job.output, hash, settings)?
-        && checkpoint.points() == points
-        && let Ok(tree) = LightTree::from_order(checkpoint.tree_order().to_vec())
     {
-        return Ok((checkpoint, tree));
+        if checkpoint.points() == points
+            && let Ok(tree) = LightTree::from_order(checkpoint.tree_order().to_vec())
+        {
+            return Ok((checkpoint, tree));
+        }
+        let message = "the checkpoint has other bake points or another light tree than this bake and is discarded: all is \
+                       baked again";
+        clock.observer.event(Event::Warning { message: message.into() });
     }
     if !job.resume && Checkpoint::folder_of(&job.output).exists() {
         let message = "an unfinished bake of this output is discarded; pass --resume to go on with it instead".into();

@@ -2,9 +2,13 @@
 //!
 //! `FILE.cuts.partial/` holds `bake.json` (a fingerprint of scene and settings, the number of chunks, the order of the light
 //! tree) and one file a finished chunk. A chunk's file is written under a temporary name and renamed, and carries a
-//! checksum: a chunk either counts whole or is baked again.
+//! checksum: a chunk either counts whole or is baked again. Chunks about places that depend on more than that (cameras and
+//! lights are hints for the viewpoint) count only for those places, see `checkpoint/places.rs`.
 
+mod places;
 mod rows;
+
+pub use places::Part;
 
 use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
 use serde::{Deserialize, Serialize};
@@ -100,7 +104,7 @@ pub struct Checkpoint {
 }
 
 /// Changes whenever the same settings would give other chunks.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 impl Checkpoint {
     /// The folder beside an output file.

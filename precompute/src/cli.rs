@@ -6,7 +6,7 @@ mod options;
 mod progress;
 mod verify;
 
-pub use bake::BakeArgs;
+pub use bake::{BakeArgs, place};
 pub use info::InfoArgs;
 pub use options::{ModeOption, PresetOption, TreeOption};
 pub use progress::{ProgressReporter, ProgressStyle, phase_bar};

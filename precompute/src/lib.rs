@@ -1,8 +1,11 @@
-//! Scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1).
+//! Scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1; meshless paper, 3.1).
 //!
 //! [`bake()`] runs the phases in order: tessellate where visibility varies, sample pilot visibility, build the light tree,
-//! trace every bake point against every light and select its cut, pack. It reports through an [`Observer`], can be
-//! cancelled at any time, leaves a checkpoint, and gives the same bits for any number of threads and chunks.
+//! trace every bake point against every light and select its cut. Then, if bounced light is asked for: place surface sources
+//! and cluster them, trace every bake point against every source and every source against the environment; place the points
+//! of the meshless basis and compute the light transport between its functions. Last, pack. It reports through an
+//! [`Observer`], can be cancelled at any time, leaves a checkpoint, and gives the same bits for any number of threads and
+//! chunks.
 
 mod bake;
 mod bake_points;
@@ -31,10 +34,6 @@ pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use settings::{Preset, SettingsError, resolve};
 pub use sidedness::{Sidedness, classify};
-pub use surface_points::{
-    Candidates, Darts, PointsError, check_viewpoint, find_viewpoint, poisson_count, poisson_disk, poisson_levels,
-    sample_areas,
-};
+pub use surface_points::{Candidates, Darts, PointsError, find_viewpoint, poisson_disk};
 pub use threads::on_threads;
-pub use transport::transport_operator;
 pub use verify::{MeshlessVerification, Verification, verify};

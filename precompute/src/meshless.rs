@@ -1,6 +1,10 @@
 //! The meshless bake: points of all levels, then the operator between them (meshless paper, 2.3 and 3.2).
 
-use crate::{BakeError, Candidates, Darts, Observer, PointsError, poisson_disk, poisson_levels, transport_operator};
+use crate::{
+    BakeError, Candidates, Darts, Observer, PointsError, poisson_disk,
+    surface_points::{LEAST_COARSE_RADIUS, poisson_levels},
+    transport::transport_operator,
+};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{MeshlessReport, MeshlessSettings},
@@ -15,7 +19,8 @@ const SEED: u64 = 1;
 /// around them. The surface may be of any kind.
 ///
 /// # Errors
-/// [`BakeError::Points`] for a viewpoint that sees nothing, [`BakeError::Cancelled`].
+/// [`BakeError::Points`] for a viewpoint that sees nothing or a coarse radius that is too small, [`BakeError::Basis`] for
+/// settings that contradict each other, [`BakeError::Cancelled`].
 pub fn meshless_bake(
     surface: &dyn Surface,
     viewpoint: Vec3,
@@ -35,13 +40,24 @@ pub(crate) fn place_basis(
     settings: &MeshlessSettings,
     observer: &dyn Observer,
 ) -> Result<(Basis, f32), BakeError> {
+    check_coarse_radius(settings, surface.bounds().diagonal())?;
     let radius = match settings.coarse_radius {
         Some(radius) => radius,
         None => coarse_radius(surface, viewpoint, observer)?,
     };
     let levels = poisson_levels(surface, viewpoint, radius, settings.levels, SEED, observer)?;
     let basis = Basis::new(&levels, radius, settings.sender_levels);
-    Ok((basis.map_err(|_| PointsError::SeesNothing(viewpoint))?, radius))
+    Ok((basis?, radius))
+}
+
+/// An error if a radius is asked for that is too small for a scene of this diagonal.
+pub(crate) fn check_coarse_radius(settings: &MeshlessSettings, diagonal: f32) -> Result<(), PointsError> {
+    match settings.coarse_radius {
+        Some(radius) if !(radius >= LEAST_COARSE_RADIUS * diagonal) => {
+            Err(PointsError::RadiusTooSmall { radius, diagonal })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The radius at which about [`MeshlessSettings::COARSEST_FUNCTIONS`] disks fit. Their number goes with its inverse square,

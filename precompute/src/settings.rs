@@ -12,12 +12,14 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// A quarter of the lights and few vertices: seconds, for setting up a scene.
+    /// A quarter of the lights and of the surface sources, few vertices, and a meshless basis of four levels and half the
+    /// rays: for setting up a scene. Seconds for the environment alone.
     Draft,
-    /// The paper's 32,768 lights and sigma 2.
+    /// The paper's 32,768 lights and sigma 2, as many surface sources, and the meshless paper's six levels.
     #[default]
     Normal,
-    /// Finer cuts and three times the vertices, for final pictures.
+    /// Finer cuts over the environment and three times the vertices, for final pictures; sources and meshless basis as in
+    /// [`Self::Normal`].
     High,
 }
 
@@ -45,6 +47,7 @@ impl Preset {
                 pilot_clusters: 256,
                 max_vertices: Some(30_000),
                 indirect: IndirectSettings { sources: 8192, ..normal.indirect },
+                meshless: MeshlessSettings { levels: 4, sender_levels: 3, rays: 256, ..normal.meshless },
                 ..normal
             },
             Self::Normal => normal,

@@ -5,7 +5,7 @@ use crate::{
     BakeError, MeshSurface, Observer, PointsError,
     bake_points::{BakePoint, BakePoints},
     pilot::pilot_of,
-    poisson_count, sample_areas,
+    surface_points::{poisson_count, sample_areas},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -32,7 +32,7 @@ pub fn place_sources(
     observer: &dyn Observer,
 ) -> Result<(Vec<Source>, f32), PointsError> {
     let (surfels, radius) = poisson_count(surface, viewpoint, count, POINTS_SEED, observer)?;
-    let areas = sample_areas(surface, &surfels, radius, AREAS_SEED);
+    let areas = sample_areas(surface, &surfels, radius, AREAS_SEED, observer)?;
     let sources = surfels.into_iter().zip(areas).map(|(surfel, area)| Source { surfel, area }).collect();
     Ok((sources, radius))
 }

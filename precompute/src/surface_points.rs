@@ -10,10 +10,14 @@ mod viewpoint;
 pub use areas::sample_areas;
 pub use candidates::Candidates;
 pub use disk::{Darts, poisson_count, poisson_disk, poisson_levels};
-pub use viewpoint::{check_viewpoint, enclosure, find_viewpoint};
+pub use viewpoint::{Surroundings, check_viewpoint, find_viewpoint};
 
 use glam::Vec3;
 use thiserror::Error;
+
+/// Least distance of the coarsest points of the meshless basis, as a share of the scene's diagonal: ten times as far as rays
+/// start off a surface.
+pub const LEAST_COARSE_RADIUS: f32 = 1e-4;
 
 /// Why points cannot be placed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -43,6 +47,17 @@ pub enum PointsError {
     TooLittleSurface {
         /// Points asked for.
         wanted: usize,
+    },
+    /// Points so close that there would be no end of them.
+    #[error(
+        "the coarsest points of the meshless basis would be {radius} m apart in a scene of {diagonal} m; give a \
+         --coarse-radius of {} or more, or leave it out", LEAST_COARSE_RADIUS * diagonal
+    )]
+    RadiusTooSmall {
+        /// Asked for, in metres.
+        radius: f32,
+        /// Diagonal of the scene's bounds in metres.
+        diagonal: f32,
     },
     /// The observer asked for it.
     #[error("the placing of points was cancelled")]

@@ -1,12 +1,13 @@
-//! Verification: traces a random set of vertices again, ray by ray, and compares with the stored cuts; makes the links of
-//! some functions of the meshless basis again.
+//! Verification: traces a random set of vertices and surface sources again, ray by ray, and compares with the stored cuts;
+//! makes the links of some functions of the meshless basis again.
 
 mod meshless;
 
 pub use meshless::MeshlessVerification;
 
 use crate::{
-    MeshSurface, bake_points::BakePoints, sidedness::Sidedness, sources::SourceSampler, visibility::VisibilitySampler,
+    MeshSurface, bake::point_of, bake_points::BakePoints, sidedness::Sidedness, sources::SourceSampler,
+    visibility::VisibilitySampler,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -23,6 +24,8 @@ use serde::Serialize;
 
 /// Vertices whose cuts over the sources are made again at most: each takes some 30 ms.
 const SOURCE_VERTICES: usize = 64;
+/// Sources whose cuts over the environment are made again at most.
+const SOURCES: usize = 64;
 
 /// What a verification found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,14 +44,19 @@ pub struct Verification {
     pub source_vertices: usize,
     /// Those of them whose cut differs from the stored one.
     pub different_source_cuts: usize,
+    /// Surface sources whose cut over the environment was traced and selected again.
+    pub sources: usize,
+    /// Those of them whose cut differs from the stored one.
+    pub different_source_environment_cuts: usize,
     /// Of the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
-    /// Whether all cuts and links agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
+    /// Whether anything was made again and all cuts and links agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
     pub passed: bool,
 }
 
-/// Traces `count` vertices, picked by a seed from the scene's hash, without packets.
+/// Traces `count` vertices, picked by a seed from the scene's hash, without packets, and at most as many surface sources;
+/// makes the links of at most as many functions again.
 pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
     let closed = vec![true; mesh.triangles.len()]; // only burial needs it, and that is stored
@@ -56,14 +64,16 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let points = BakePoints::new(mesh, &sides);
     let intersector = Intersector::new(mesh);
     let sampler = VisibilitySampler::new(&intersector, &dataset.tree);
-    let count = count.min(mesh.positions.len());
     let check = |vertex: &usize| check_vertex(dataset, &points, &sampler, *vertex);
-    let picked = picked_vertices(dataset, count);
+    let picked = picked_vertices(dataset, count.min(mesh.positions.len()));
     let environment = if dataset.settings.mode.environment() { &picked[..] } else { &[] };
     let results: Vec<(f64, bool)> = environment.par_iter().map(check).collect();
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
     let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
+    let (sources, different_source_environment_cuts) =
+        check_source_environments(dataset, &intersector, &sampler, count);
     let meshless = meshless::verify(dataset, &intersector, count);
+    let made = results.len() + source_vertices + sources + meshless.as_ref().map_or(0, |m| m.functions);
     let different_links = meshless.as_ref().is_some_and(|m| m.different_functions > 0);
     let lights = dataset.tree.len() as f64;
     let total = results.iter().fold(0.0, |sum, r| sum + r.0);
@@ -75,12 +85,16 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
         vertices: results.len(),
         source_vertices,
         different_source_cuts,
+        sources,
+        different_source_environment_cuts,
         rms_visibility: rms,
         expected_rms: dataset.report.rms_visibility,
         different_cuts,
         worst_rms: (worst / lights).sqrt(),
         meshless,
-        passed: different_source_cuts == 0
+        passed: made > 0
+            && different_source_cuts == 0
+            && different_source_environment_cuts == 0
             && !different_links
             && if coarsened { rms < 4.0 * dataset.report.rms_visibility.max(0.02) } else { different_cuts == 0 },
     }
@@ -106,6 +120,30 @@ fn check_sources(
         again != indirect.cuts.cut(height, **vertex as u32)
     };
     (vertices.len(), vertices.par_iter().filter(differs).count())
+}
+
+/// How many of the sources' cuts over the environment were made again, and how many of these differ.
+fn check_source_environments(
+    dataset: &Dataset,
+    intersector: &Intersector,
+    sampler: &VisibilitySampler,
+    count: usize,
+) -> (usize, usize) {
+    let Some(indirect) = dataset.indirect.as_ref().filter(|_| dataset.settings.mode.environment()) else {
+        return (0, 0);
+    };
+    let height = dataset.tree.height();
+    let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
+    let differs = |source: &&usize| {
+        let mut visible = vec![0; dataset.tree.len()];
+        sampler.sample_singly(&dataset.tree, &point_of(&indirect.sources[**source], offset), &mut visible);
+        let mut again = Vec::new();
+        CutSelector::new(height, dataset.settings.criterion).select(&visible, &mut again);
+        again != indirect.environment_cuts.cut(height, **source as u32)
+    };
+    let count = count.min(SOURCES).min(indirect.sources.len());
+    let picked = fastrand::Rng::with_seed(seed(dataset)).choose_multiple(0..indirect.sources.len(), count);
+    (picked.len(), picked.par_iter().filter(differs).count())
 }
 
 fn picked_vertices(dataset: &Dataset, count: usize) -> Vec<usize> {
@@ -144,7 +182,10 @@ mod tests {
         BakeJob, Preset, Silent, bake,
         sidedness::tests::{cuboid, floor, scene_of},
     };
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeSettings};
+    use lapidary_core::{
+        cut::packed::PackedCuts,
+        dataset::{BakeMode, BakeSettings, IndirectSettings},
+    };
 
     #[test]
     fn a_fresh_bake_passes_and_a_swapped_cut_does_not() {
@@ -169,5 +210,33 @@ mod tests {
         dataset.cuts = PackedCuts::from_parts(8, dataset.cuts.nodes().to_vec(), offsets).unwrap();
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.rms_visibility > 1.7 * good.rms_visibility, "{bad:?}");
+        assert!(!verify(&dataset, 0).passed, "nothing was checked");
+    }
+
+    #[test]
+    fn what_sources_see_of_the_environment_is_traced_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut triangles = floor(2.0, 0.0).to_vec();
+        triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+        let indirect = IndirectSettings { sources: 256, ..Default::default() };
+        let settings = BakeSettings { mode: BakeMode::Cuts, indirect, lights: 256, ..Preset::Draft.settings() };
+        let job = BakeJob {
+            settings: BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings },
+            output: folder.path().join("a.cuts"),
+            chunks: None,
+            resume: false,
+            import_secs: 0.0,
+            warnings: Vec::new(),
+        };
+        let mut dataset = bake(scene_of(&triangles), &job, &Silent).unwrap();
+        let good = verify(&dataset, 64);
+        assert!(good.passed && good.sources == 64, "{good:?}");
+        let indirect = dataset.indirect.as_mut().unwrap();
+        let mut offsets = indirect.environment_cuts.offsets().to_vec();
+        offsets.rotate_left(1);
+        let nodes = indirect.environment_cuts.nodes().to_vec();
+        indirect.environment_cuts = PackedCuts::from_parts(8, nodes, offsets).unwrap();
+        let bad = verify(&dataset, 64);
+        assert!(!bad.passed && bad.different_source_environment_cuts > 8 && bad.different_cuts == 0, "{bad:?}");
     }
 }

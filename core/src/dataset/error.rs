@@ -2,6 +2,7 @@
 
 use crate::{
     cut::CutError,
+    lights::LightProblem,
     meshless::{BasisError, TransportError},
     scene::MeshError,
 };
@@ -100,6 +101,24 @@ pub enum Damage {
         /// Number of textures.
         count: usize,
     },
+    /// A local light that cannot shine.
+    #[error("light {index} (`{name}`) is invalid: {source}")]
+    Light {
+        /// Which of the scene's lights, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Why.
+        source: LightProblem,
+    },
+    /// A camera that looks nowhere.
+    #[error("camera {index} (`{name}`) has a place, a direction or a field of view that is no finite number")]
+    Camera {
+        /// Which of the scene's cameras, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+    },
     /// The metadata cannot be read.
     #[error("the metadata cannot be read ({0})")]
     Metadata(String),
@@ -135,6 +154,12 @@ pub enum MeshlessDamage {
     /// Its links.
     #[error(transparent)]
     Transport(TransportError),
+    /// A place on its triangle that is no number.
+    #[error("function {function} of the meshless basis has a place that is no finite number")]
+    Place {
+        /// Which function.
+        function: usize,
+    },
     /// A triangle that is not there.
     #[error("function {function} of the meshless basis lies on triangle {triangle}, but there are {count}")]
     Triangle {

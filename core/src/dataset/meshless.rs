@@ -132,6 +132,9 @@ impl Reader<'_> {
         let normals: Vec<Vec3> = self.array("meshless_normals", Dtype::F32, &[3], n)?;
         let of_triangle: Vec<u32> = self.array("meshless_triangles", Dtype::U32, &[], n)?;
         let barycentrics: Vec<Vec2> = self.array("meshless_barycentrics", Dtype::F32, &[2], n)?;
+        if let Some(function) = barycentrics.iter().position(|b| !b.is_finite()) {
+            return Err(MeshlessDamage::Place { function }.into());
+        }
         if let Some(function) = of_triangle.iter().position(|&t| t as usize >= triangles) {
             let triangle = of_triangle[function];
             return Err(MeshlessDamage::Triangle { function, triangle, count: triangles }.into());

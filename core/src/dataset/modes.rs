@@ -46,7 +46,8 @@ pub struct IndirectSettings {
     pub sources: usize,
     /// How fine the vertices' cuts over the sources are.
     pub criterion: SourceCriterion,
-    /// A place in the open that tells reachable surfaces from enclosed ones; `None` for that of a camera, or a search.
+    /// A place in the open that tells reachable surfaces from enclosed ones; `None` for that of a camera or
+    /// a local light, or a search.
     pub viewpoint: Option<Vec3>,
 }
 
@@ -68,11 +69,14 @@ pub struct IndirectReport {
     pub radius: f32,
     /// Area in m² that they stand for together: the surface that light reaches.
     pub area: f64,
-    /// Mean number of nodes of a vertex's cut over the sources.
+    /// How many of the sources stand for no area, so that nothing bounces off them.
+    pub without_area: usize,
+    /// Mean number of nodes of a bake point's cut over the sources.
     pub mean_cut: f64,
     /// Largest of these cuts.
     pub max_cut: usize,
-    /// Root mean square over the vertices of `||stored - traced|| / ||traced||`, of solid angles.
+    /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`, of
+    /// solid angles.
     pub relative_error: f64,
     /// Mean number of nodes of a source's cut over the environment.
     pub mean_environment_cut: f64,

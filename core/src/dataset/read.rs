@@ -6,9 +6,11 @@ use super::{
     write::{Header, METADATA_KEY},
 };
 use crate::{
+    camera::Camera,
     cut::packed::PackedCuts,
     image::decode,
     light_tree::LightTree,
+    lights::Light,
     scene::{Mesh, Object, Scene},
     texture::Texture,
 };
@@ -108,6 +110,8 @@ impl Reader<'_> {
             lights: header.lights.clone(),
         };
         check_texture_indices(&scene)?;
+        check_cameras(&scene)?;
+        check_lights(&scene)?;
         Ok(scene)
     }
 
@@ -176,6 +180,22 @@ impl Reader<'_> {
         // Copied one by one: the file's bytes need not be aligned.
         Ok(tensor.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
     }
+}
+
+/// Numbers above those of an f32 are read as infinite.
+fn check_cameras(scene: &Scene) -> Result<(), Damage> {
+    let finite = |c: &Camera| (c.eye.is_finite() && c.target.is_finite() && c.up.is_finite()) && c.fov_y.is_finite();
+    match scene.cameras.iter().position(|c| !finite(c)) {
+        Some(index) => Err(Damage::Camera { index, name: scene.cameras[index].name.clone() }),
+        None => Ok(()),
+    }
+}
+
+fn check_lights(scene: &Scene) -> Result<(), Damage> {
+    let check = |(index, light): (usize, &Light)| {
+        light.validate().map_err(|source| Damage::Light { index, name: light.name.clone(), source })
+    };
+    scene.lights.iter().enumerate().try_for_each(check)
 }
 
 fn check_texture_indices(scene: &Scene) -> Result<(), Damage> {

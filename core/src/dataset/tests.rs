@@ -13,6 +13,8 @@ use crate::{
 use glam::{Vec2, Vec3, Vec4};
 use std::path::PathBuf;
 
+mod damage;
+
 fn dataset() -> Dataset {
     let mesh = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
@@ -273,25 +275,4 @@ fn the_meshless_basis_and_its_links_survive_the_disk() {
     assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
     dataset().write(&path).unwrap();
     assert!(Dataset::read(&path).unwrap().meshless.is_none(), "a dataset without it");
-}
-
-#[test]
-fn a_damaged_meshless_basis_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.cuts");
-    let error_of = |change: &dyn Fn(&mut MeshlessBake)| {
-        let mut dataset = with_meshless();
-        change(dataset.meshless.as_mut().unwrap());
-        dataset.write(&path).unwrap();
-        Dataset::read(&path).unwrap_err().to_string()
-    };
-    let changed = |bake: &MeshlessBake, change: &dyn Fn(&mut Surfel)| {
-        let mut points = bake.basis.points().to_vec();
-        change(&mut points[3]);
-        Basis::from_parts(points, bake.basis.offsets().to_vec(), bake.basis.radii().to_vec(), 1).unwrap()
-    };
-    let triangle = error_of(&|b| b.basis = changed(b, &|p| p.place.triangle = 1));
-    assert!(triangle.contains("function 3") && triangle.contains("but there are 1"), "{triangle}");
-    let links = error_of(&|b| b.transport = Transport::from_rows(&vec![vec![(0, Vec3::X)]; 5], 3));
-    assert!(links.contains("5 receivers and 2 senders"), "{links}");
 }

@@ -13,17 +13,33 @@ use thiserror::Error;
 /// Why points make no basis.
 #[derive(Debug, Error, PartialEq)]
 pub enum BasisError {
-    /// Offsets that do not partition the points, or too many or too few sender levels.
+    /// Offsets that do not partition the points.
     #[error("the levels of the basis do not match its {points} points; bake it again")]
     Levels {
         /// Number of points.
         points: usize,
     },
-    /// A position, normal or radius that is no number, or a radius that is not positive.
-    #[error("point {point} of the basis is not usable; bake it again")]
+    /// Too many or too few sender levels.
+    #[error("{sender_levels} of {levels} levels of the basis cannot send; bake it with 1 to {levels} sender levels")]
+    SenderLevels {
+        /// How many were to send.
+        sender_levels: usize,
+        /// Number of levels.
+        levels: usize,
+    },
+    /// A position or normal that is no number.
+    #[error("point {point} of the basis has a position or normal that is no finite number; bake it again")]
     Point {
-        /// Which point, or the number of points if a radius is at fault.
+        /// Which point.
         point: usize,
+    },
+    /// A radius that is no number, or not positive.
+    #[error("the radius of level {level} of the basis is {radius}, not a positive number; bake it again")]
+    Radius {
+        /// Which level, from 0.
+        level: usize,
+        /// Radius of support in metres.
+        radius: f32,
     },
 }
 
@@ -76,16 +92,19 @@ impl Basis {
         let whole = offsets.first() == Some(&0)
             && offsets.last().is_some_and(|&end| end as usize == points.len())
             && offsets.is_sorted()
-            && offsets.len() == radii.len() + 1
-            && (1..=radii.len()).contains(&sender_levels);
+            && offsets.len() == radii.len() + 1;
         if !whole {
             return Err(BasisError::Levels { points: points.len() });
         }
+        if !(1..=radii.len()).contains(&sender_levels) {
+            return Err(BasisError::SenderLevels { sender_levels, levels: radii.len() });
+        }
         let usable = |p: &Surfel| p.position.is_finite() && p.normal.is_finite();
-        let unusable = points.iter().position(|p| !usable(p));
-        let unusable = unusable.or_else(|| radii.iter().any(|&r| !(r > 0.0 && r < f32::MAX)).then_some(points.len()));
-        if let Some(point) = unusable {
+        if let Some(point) = points.iter().position(|p| !usable(p)) {
             return Err(BasisError::Point { point });
+        }
+        if let Some(level) = radii.iter().position(|&r| !(r > 0.0 && r < f32::MAX)) {
+            return Err(BasisError::Radius { level, radius: radii[level] });
         }
         let level = |l: usize| LevelTree::new(&points[range(&offsets, l)], offsets[l], radii[l]);
         let trees = (0..radii.len()).into_par_iter().map(level).collect();

@@ -3,8 +3,16 @@
 //! Unlike the bake and the [`Solver`] it holds the reflectance of the moment: an edited colour needs a new series. The
 //! second and later bounces end at the coarsest level, and negligible links are dropped after each bounce, as in the
 //! paper.
+//!
+//! The solver projects radiosity, what is reflected at the points. The series knows projected irradiance alone and multiplies
+//! the coefficients by the reflectance at each sender's point. For the bounce of direct light this is exact only where
+//! reflectance does not vary within a function.
 
-use super::{MeshlessBake, Solver, solve::sender_points, transport::signed_irradiance};
+use super::{
+    MeshlessBake, Solver,
+    solve::{sender_points, usable_reflectance},
+    transport::signed_irradiance,
+};
 use glam::{Mat3A, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -17,7 +25,8 @@ pub struct Series {
 }
 
 impl Series {
-    /// Sums `bounces` bounces with this reflectance at the points of the senders. Links of a bounce are dropped whose
+    /// Sums `bounces` bounces with this reflectance at the points of the senders; what is not finite or negative counts as
+    /// zero, and above one as one, as in [`Solver::solve`]. Links of a bounce are dropped whose
     /// norm is at most `epsilon` in every channel. `None` if `cancelled` became true.
     ///
     /// # Panics
@@ -31,6 +40,7 @@ impl Series {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         assert_eq!(reflectance.len(), bake.basis.senders().len(), "one reflectance a sender");
+        let reflectance: Vec<Vec3> = reflectance.iter().copied().map(usable_reflectance).collect();
         let mut rows: Vec<Vec<(u32, Mat3A)>> = vec![Vec::new(); bake.basis.len()];
         for (sender, receiver, vector) in bake.transport.links() {
             let link = channels(vector, reflectance[sender] * FRAC_1_PI);
@@ -40,7 +50,7 @@ impl Series {
         }
         let column = |sender: usize| match cancelled() {
             true => None,
-            false => Some(later_bounces(bake, solver, reflectance, sender, bounces, epsilon)),
+            false => Some(later_bounces(bake, solver, &reflectance, sender, bounces, epsilon)),
         };
         let columns: Option<Vec<_>> = (0..reflectance.len()).into_par_iter().map(column).collect();
         for (sender, column) in columns?.into_iter().enumerate() {

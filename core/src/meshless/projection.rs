@@ -17,6 +17,8 @@ pub struct Projection {
     /// the area of the child as well, for points are denser at edges and on small things than elsewhere, and averages over
     /// points would lose what is lit between: 2 to 5 % of the light in a furnished room.
     children: SparseRows,
+    /// Integrals of the functions over the surface, in units of a function of the basis's finest level.
+    areas: Vec<f32>,
 }
 
 impl Projection {
@@ -28,7 +30,7 @@ impl Projection {
             (0..level_of(i)).for_each(|level| basis.values(level, point.position, point.normal, out));
         });
         let by_level: Vec<SparseRows> = (1..basis.levels()).map(|level| basis.children(level - 1)).collect();
-        let areas = areas(basis, &by_level);
+        let mut areas = areas(basis, &by_level);
         let children = SparseRows::build(basis.first_levels(levels - 1).len(), |i, out| {
             let level = level_of(i);
             let row = by_level[level].row(i - basis.level(level).start);
@@ -36,7 +38,8 @@ impl Projection {
             let sum: f32 = row.iter().map(|c| part(c).1).sum();
             out.extend(row.iter().map(part).map(|(child, part)| (child, part / sum)));
         });
-        Self { levels: (0..levels).map(|level| basis.level(level)).collect(), coarser, children }
+        areas.truncate(basis.first_levels(levels).len());
+        Self { levels: (0..levels).map(|level| basis.level(level)).collect(), coarser, children, areas }
     }
 
     /// Coefficients from coarse to fine (meshless paper, Eq. 7): each is what all coarser levels leave of the sample at its
@@ -73,9 +76,14 @@ impl Projection {
         self.coarse_to_fine(&averages)
     }
 
+    /// Integrals of the functions over the surface, in units of a function of the basis's finest level.
+    pub(super) fn areas(&self) -> &[f32] {
+        &self.areas
+    }
+
     /// Bytes in memory.
     pub fn bytes(&self) -> u64 {
-        self.coarser.bytes() + self.children.bytes()
+        self.coarser.bytes() + self.children.bytes() + size_of_val(&self.areas[..]) as u64
     }
 }
 

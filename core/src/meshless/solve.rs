@@ -42,8 +42,9 @@ impl Default for SolveSettings {
 pub struct Solution {
     /// Vector irradiance in W/m², one a function, a column a colour channel.
     pub coefficients: Vec<Mat3A>,
-    /// Mean irradiance over the points of the finest senders, W/m² a channel: of direct light, then of each bounce. The
-    /// points lie evenly, so these are proportional to the energy that arrives.
+    /// Mean irradiance over the surface, W/m² a channel: of direct light, then of each bounce. It is that of the points of
+    /// the finest senders, each weighted by the area of its function, since points are denser at edges and on small things
+    /// than elsewhere; so these are proportional to the energy that arrives.
     pub mean_irradiance: Vec<Vec3>,
 }
 
@@ -125,7 +126,7 @@ impl Solver {
 
     /// Coefficients of outgoing radiance, `ρ E / π`, averaged from fine to coarse.
     fn radiance(&self, irradiance: &[Vec3], reflectance: &[Vec3]) -> Vec<Vec3> {
-        let outgoing = |(e, rho): (&Vec3, &Vec3)| *e * usable(*rho).min(Vec3::ONE) * FRAC_1_PI;
+        let outgoing = |(e, rho): (&Vec3, &Vec3)| *e * usable_reflectance(*rho) * FRAC_1_PI;
         let samples: Vec<Vec3> = irradiance.iter().zip(reflectance).map(outgoing).collect();
         self.projection.pull_push(&samples)
     }
@@ -137,8 +138,10 @@ impl Solver {
     }
 
     fn mean(&self, bake: &MeshlessBake, irradiance: &[Vec3]) -> Vec3 {
-        let finest = &irradiance[bake.basis.level(bake.basis.sender_levels() - 1)];
-        finest.iter().sum::<Vec3>() / finest.len().max(1) as f32
+        let finest = bake.basis.level(bake.basis.sender_levels() - 1);
+        let areas = &self.projection.areas()[finest.clone()];
+        let energy: Vec3 = irradiance[finest].iter().zip(areas).map(|(e, &area)| *e * area).sum();
+        energy / areas.iter().sum::<f32>().max(f32::MIN_POSITIVE)
     }
 
     /// Bytes in memory.
@@ -156,6 +159,11 @@ fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
     settings.threshold * sum / radiance.len().max(1) as f32
 }
 
+/// 0 to 1 a channel.
+pub(super) fn usable_reflectance(rho: Vec3) -> Vec3 {
+    usable(rho).min(Vec3::ONE)
+}
+
 fn usable(v: Vec3) -> Vec3 {
     if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
@@ -163,6 +171,10 @@ fn usable(v: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        meshless::{Basis, Transport},
+        surfel::MeshPlace,
+    };
 
     fn fading(energies: &[f32]) -> BounceEnergy {
         let mean_irradiance = energies.iter().map(|e| Vec3::new(*e, 0.5 * e, 0.0)).collect();
@@ -177,6 +189,27 @@ mod tests {
         let bright = fading(&[1.0, 0.9, 0.81]);
         assert!((bright.missing_share - 0.729).abs() < 1e-5, "{bright:?}");
         assert_eq!(fading(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
+    }
+
+    #[test]
+    fn means_are_over_area_and_not_over_points() {
+        let at =
+            |x: f32, z: f32| Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: MeshPlace::default() };
+        // One coarse function with nine finer ones under it, and another with one.
+        let mut fine: Vec<Surfel> =
+            (0..9).map(|i| at(0.1 * (i % 3) as f32 - 0.1, 0.1 * (i / 3) as f32 - 0.1)).collect();
+        fine.push(at(10.0, 0.0));
+        let points = [vec![at(0.0, 0.0), at(10.0, 0.0)], fine].concat();
+        let basis = Basis::from_parts(points, vec![0, 2, 12], vec![1.0, 0.15], 1).unwrap();
+        let transport = Transport::from_rows(&vec![Vec::new(); 12], 2);
+        let bake = MeshlessBake { basis, transport };
+        let solver = Solver::new(&bake);
+        let mean = |direct: [Vec3; 2]| {
+            solver.solve(&bake, &direct, &[Vec3::ONE; 2], SolveSettings::default()).mean_irradiance[0]
+        };
+        assert!((mean([Vec3::ONE, Vec3::ZERO]) - 0.9).abs().max_element() < 1e-5);
+        assert!((mean([Vec3::ZERO, Vec3::X]) - Vec3::X * 0.1).abs().max_element() < 1e-5);
+        assert!((mean([Vec3::ONE; 2]) - 1.0).abs().max_element() < 1e-6);
     }
 
     #[test]

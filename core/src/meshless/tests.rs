@@ -152,8 +152,10 @@ fn points_that_are_no_basis_are_refused() {
     assert!(parts(vec![0, 4, 9], vec![1.0, 0.5], 2).is_err(), "points left over");
     assert!(parts(vec![0, 11, 10], vec![1.0, 0.5], 2).is_err(), "out of order");
     assert!(parts(vec![0, 4, 10], vec![1.0], 1).is_err(), "a radius too few");
-    assert!(parts(vec![0, 4, 10], vec![1.0, 0.5], 3).is_err(), "more senders than levels");
-    assert_eq!(parts(vec![0, 4, 10], vec![1.0, f32::NAN], 2).unwrap_err(), BasisError::Point { point: 10 });
+    let senders = BasisError::SenderLevels { sender_levels: 3, levels: 2 };
+    assert_eq!(parts(vec![0, 4, 10], vec![1.0, 0.5], 3).unwrap_err(), senders, "more senders than levels");
+    let radius = parts(vec![0, 4, 10], vec![1.0, f32::NAN], 2).unwrap_err();
+    assert!(matches!(radius, BasisError::Radius { level: 1, .. }), "{radius}");
 }
 
 /// The operator of the inside of a sphere, by brute force, with links to and from the coarsest level only.
@@ -238,6 +240,15 @@ fn the_series_agrees_with_bounce_by_bounce() {
     let truncated = neumann::Series::new(&bake, &solver, &reflectance, 3, 0.02, &|| false).unwrap();
     assert!(truncated.links() < series.links() / 2);
     assert!(neumann::Series::new(&bake, &solver, &reflectance, 3, 0.0, &|| true).is_none(), "cancelled");
+    let white = |rho| {
+        let series =
+            neumann::Series::new(&bake, &solver, &vec![Vec3::new(rho, 0.5, -rho); direct.len()], 1, 0.0, &|| false);
+        series.unwrap().apply(&solver.projection.pull_push(&direct))
+    };
+    assert_eq!(
+        white(7.0),
+        white(1.0).iter().map(|m| Mat3A::from_cols(m.x_axis, m.y_axis, Default::default())).collect::<Vec<_>>()
+    );
 }
 
 #[test]

@@ -17,7 +17,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use glam::Vec3;
 use lapidary_core::{dataset::MeshlessSettings, meshless::Solver, surfel::Surface};
-use lapidary_precompute::{Silent, find_viewpoint, meshless_bake};
+use lapidary_precompute::{Silent, cli::place, find_viewpoint, meshless_bake};
 use prepared::{Lamp, Prepared};
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ struct Args {
     /// Levels of the basis
     #[arg(long, default_value_t = 6)]
     levels: usize,
-    /// How many of the first levels send
+    /// How many of the first levels send; no more than there are
     #[arg(long, default_value_t = 4)]
     sender_levels: usize,
     /// Rays of a gather
@@ -73,14 +73,14 @@ fn main() -> Result<()> {
     );
     let settings = MeshlessSettings {
         levels: args.levels,
-        sender_levels: args.sender_levels,
+        sender_levels: args.sender_levels.clamp(1, args.levels.max(1)),
         coarse_radius: args.coarse_radius,
         rays: args.gather_rays,
         epsilon: args.epsilon,
     };
     let start = Instant::now();
-    let (bake, report) = meshless_bake(&surface, viewpoint, &settings, &Silent)
-        .context("cannot bake; give a place inside with --viewpoint x,y,z")?;
+    let (bake, report) =
+        meshless_bake(&surface, viewpoint, &settings, &Silent).context("cannot bake the meshless basis")?;
     let seconds = start.elapsed().as_secs_f32();
     let solver = Solver::new(&bake);
     println!("functions {:?}, {} of them send", report.functions, report.senders);
@@ -114,9 +114,4 @@ fn median_ms(mut work: impl FnMut()) -> f32 {
         .collect();
     times.sort_unstable_by(f32::total_cmp);
     times[times.len() / 2]
-}
-
-fn place(text: &str) -> Result<Vec3, String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
-    <[f32; 3]>::try_from(numbers).map(Vec3::from).map_err(|_| "give three numbers with commas between".into())
 }

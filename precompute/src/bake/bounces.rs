@@ -6,7 +6,7 @@ use crate::{
     checkpoint::Checkpoint,
     find_viewpoint,
     observer::{Event, Observer},
-    surface_points::enclosure,
+    surface_points::Surroundings,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -15,6 +15,7 @@ use lapidary_core::{
     light_tree::LightTree,
     meshless::MeshlessBake,
     scene::Scene,
+    surfel::Surfel,
 };
 
 /// Share of directions that may miss the scene around a viewpoint without a warning: a court without a roof has a third.
@@ -68,7 +69,7 @@ fn viewpoint(
     observer: &dyn Observer,
 ) -> Result<Vec3, BakeError> {
     let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &scene.cameras, &scene.lights)?;
-    let open = 1.0 - enclosure(surface, viewpoint);
+    let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
     if open > MOST_OPEN {
         let Vec3 { x, y, z } = viewpoint;
         let message = format!(
@@ -78,7 +79,7 @@ fn viewpoint(
         );
         observer.event(Event::Warning { message });
     }
-    if open == 0.0 && mean_reflectance(scene) > MOST_REFLECTANCE {
+    if closed && mean_reflectance(scene, &seen) > MOST_REFLECTANCE {
         let message =
             "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not fade, and \
                        solutions end after their last one; lower the base colors to 0.9 or less"
@@ -88,14 +89,12 @@ fn viewpoint(
     Ok(viewpoint)
 }
 
-/// Largest channel of the mean diffuse reflectance over all surfaces, textures left aside.
-fn mean_reflectance(scene: &Scene) -> f32 {
-    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-    for (t, &material) in scene.mesh.triangle_material.iter().enumerate() {
-        let area = scene.mesh.area_vector(t).length();
+/// Largest channel of the mean diffuse reflectance of what is seen, textures left aside.
+fn mean_reflectance(scene: &Scene, seen: &[Surfel]) -> f32 {
+    let reflectance = |at: &Surfel| {
+        let material = scene.mesh.triangle_material[at.place.triangle as usize];
         let parameters = &scene.materials[material as usize].parameters;
-        sum += parameters.base_color * ((1.0 - parameters.metalness) * area);
-        total += area;
-    }
-    sum.max_element() / total.max(f32::MIN_POSITIVE)
+        parameters.base_color * (1.0 - parameters.metalness)
+    };
+    seen.iter().map(reflectance).sum::<Vec3>().max_element() / seen.len().max(1) as f32
 }

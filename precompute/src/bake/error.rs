@@ -1,7 +1,7 @@
 //! Why a bake did not finish.
 
 use crate::{CheckpointError, PointsError, SettingsError};
-use lapidary_core::dataset::DatasetError;
+use lapidary_core::{dataset::DatasetError, meshless::BasisError};
 use thiserror::Error;
 
 /// Why a bake did not finish.
@@ -13,6 +13,9 @@ pub enum BakeError {
     /// No surface for sources, or no viewpoint to find it from.
     #[error(transparent)]
     Points(PointsError),
+    /// The points that were placed make no meshless basis.
+    #[error("the points on the surfaces make no meshless basis: {0}")]
+    Basis(#[from] BasisError),
     /// Settings out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
@@ -23,18 +26,22 @@ pub enum BakeError {
     #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// More memory than there is.
-    #[error(
-        "the bake needs about {needed} MB of memory, {available} MB are free; lower --max-vertices or close other programs"
-    )]
+    #[error("the bake needs about {needed} MB of memory, {available} MB are free; {remedy}, or close other programs")]
     Memory {
+        /// What to do.
+        remedy: &'static str,
         /// Estimated need.
         needed: u64,
         /// Free now.
         available: u64,
     },
     /// More texels than a texture holds.
-    #[error("the cuts take {texels} texels, a texture holds {limit}; raise --sigma or set --max-cut")]
+    #[error("{cuts} take {texels} texels, a texture holds {limit}; {remedy}")]
     TooManyTexels {
+        /// Which cuts.
+        cuts: &'static str,
+        /// What to do.
+        remedy: &'static str,
         /// Texels needed.
         texels: usize,
         /// Texels of an 8192 x 8192 texture.

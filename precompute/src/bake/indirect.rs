@@ -1,6 +1,6 @@
 //! The phases of the surface sources: points, their tree, what the bake points see of them, what they see of the environment.
 //!
-//! Sources and tree are made again when a bake is resumed: they depend on the settings alone.
+//! Sources and tree are made again when a bake is resumed; if they are others than before, their chunks are discarded.
 
 use super::{
     BakeError, Geometry,
@@ -11,8 +11,8 @@ use super::{
 use crate::{
     MeshSurface,
     bake_points::BakePoint,
-    checkpoint::{Checkpoint, Series},
-    observer::Phase,
+    checkpoint::{Checkpoint, Part, Series},
+    observer::{Event, Phase},
     sources::{SourceSampler, order_sources, place_sources},
     visibility::VisibilitySampler,
 };
@@ -21,7 +21,7 @@ use lapidary_core::{
     dataset::{BakeSettings, IndirectReport},
     indirect::{IndirectBake, Source},
     light_tree::LightTree,
-    surfel::Surface,
+    surfel::{Surface, Surfel},
 };
 
 /// What the phases work on.
@@ -38,6 +38,7 @@ impl Stage<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let (sources, radius) = self.sources(clock)?;
+        self.bind(&sources, clock)?;
         let seen = self.source_cuts(&sources, clock)?;
         let environment = self.environment_cuts(&sources, clock)?;
         let report = IndirectReport {
@@ -45,6 +46,7 @@ impl Stage<'_> {
             sources: sources.len(),
             radius,
             area: sources.iter().map(|s| f64::from(s.area)).sum(),
+            without_area: sources.iter().filter(|s| s.area == 0.0).count(),
             mean_cut: seen.mean_cut(),
             max_cut: seen.max_cut,
             relative_error: (seen.squared_error / seen.points.max(1) as f64).sqrt(),
@@ -75,6 +77,17 @@ impl Stage<'_> {
         Ok((sources, radius))
     }
 
+    /// Chunks about other sources do not count.
+    fn bind(&self, sources: &[Source], clock: &Clock) -> Result<(), BakeError> {
+        let (places, areas): (Vec<Surfel>, Vec<f32>) = sources.iter().map(|s| (s.surfel, s.area)).unzip();
+        if self.checkpoint.bind(Part::Sources, &places, &areas)? {
+            let message = "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or objects have \
+                           changed: what was finished of their cuts is baked again";
+            clock.observer.event(Event::Warning { message: message.into() });
+        }
+        Ok(())
+    }
+
     fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let places = points.off_creases(&scene.mesh, intersector);
@@ -87,7 +100,7 @@ impl Stage<'_> {
         let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
             bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
         })?;
-        pack(concatenate(&chunks), &chunks, points.of_vertex.iter().copied())
+        pack(concatenate(&chunks), &chunks, points.of_vertex.iter().copied(), Series::Sources)
     }
 
     fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
@@ -106,12 +119,12 @@ impl Stage<'_> {
         } else {
             unbaked(sources.len())
         };
-        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32)
+        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, Series::SourceEnvironment)
     }
 }
 
 /// Where a source samples its visibility of the environment.
-fn point_of(source: &Source, offset: f32) -> BakePoint {
+pub(crate) fn point_of(source: &Source, offset: f32) -> BakePoint {
     let surfel = source.surfel;
     BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false, radius: 0.0 }
 }

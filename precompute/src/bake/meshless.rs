@@ -2,7 +2,7 @@
 
 use super::{BakeError, clock::Clock};
 use crate::{
-    checkpoint::Checkpoint,
+    checkpoint::{Checkpoint, Part},
     meshless::place_basis,
     observer::{Event, Phase},
     transport::resumable_operator,
@@ -14,8 +14,8 @@ use lapidary_core::{
     surfel::Surface,
 };
 
-/// Both phases, each timed. When a bake is resumed the points are placed again, which depends on the settings alone, and
-/// the finished links are taken from the checkpoint.
+/// Both phases, each timed. When a bake is resumed the points are placed again, and if they are those of before, the
+/// finished links are taken from the checkpoint.
 pub(super) fn bake_meshless(
     surface: &dyn Surface,
     viewpoint: Vec3,
@@ -32,6 +32,11 @@ pub(super) fn bake_meshless(
                        the scene with --viewpoint x,y,z"
                 .into();
         observer.event(Event::Warning { message });
+    }
+    if checkpoint.bind(Part::Transport, basis.points(), basis.radii())? {
+        let message = "the points of the meshless basis lie elsewhere than in the interrupted bake, for cameras, lights or \
+                       objects have changed: what was finished of its links is made again";
+        observer.event(Event::Warning { message: message.into() });
     }
     let (transport, report) = clock.time(Phase::Transport, basis.len() as u64, "functions", || {
         resumable_operator(surface, &basis, settings, checkpoint, observer)

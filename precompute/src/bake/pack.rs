@@ -1,7 +1,7 @@
-//! Chunks to packed cuts, within what a texture and the byte budget hold.
+//! Chunks to packed cuts, within what a texture holds, and for the environment what the byte budget holds.
 
 use super::BakeError;
-use crate::checkpoint::Chunk;
+use crate::checkpoint::{Chunk, Series};
 use lapidary_core::cut::{
     packed::{NODES_PER_TEXEL, PackedCuts, TEXTURE_WIDTH},
     prune,
@@ -56,12 +56,10 @@ pub(super) fn pack(
     cuts: Vec<Vec<u16>>,
     chunks: &[Chunk],
     of_vertex: impl Iterator<Item = u32>,
+    series: Series,
 ) -> Result<Packed, BakeError> {
     let texels: usize = cuts.iter().map(|c| c.len().div_ceil(NODES_PER_TEXEL)).sum();
-    let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
-    if texels > limit {
-        return Err(BakeError::TooManyTexels { texels, limit });
-    }
+    check_texels(texels, series)?;
     let mut packed = PackedCuts::default();
     let offsets: Vec<u32> = cuts.iter().map(|cut| packed.push_cut(cut)).collect();
     of_vertex.for_each(|p| packed.push_vertex(offsets[p as usize]));
@@ -75,6 +73,21 @@ pub(super) fn pack(
         rays: chunks.iter().map(|c| c.rays).sum(),
         histogram: histogram(&cuts),
     })
+}
+
+/// An error that names the options which make these cuts smaller.
+fn check_texels(texels: usize, series: Series) -> Result<(), BakeError> {
+    let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
+    let (cuts, remedy) = match series {
+        Series::Environment => {
+            ("the cuts over the environment", "raise --sigma, set --max-cut or lower --max-vertices")
+        }
+        Series::Sources => ("the cuts over the surface sources", "raise --source-sigma or lower --max-vertices"),
+        Series::SourceEnvironment => {
+            ("the sources' cuts over the environment", "raise --sigma, set --max-cut or lower --sources")
+        }
+    };
+    if texels > limit { Err(BakeError::TooManyTexels { cuts, remedy, texels, limit }) } else { Ok(()) }
 }
 
 fn histogram(cuts: &[Vec<u16>]) -> Vec<u64> {
@@ -99,4 +112,23 @@ pub(super) fn fit_budget(cuts: Vec<Vec<u16>>, height: u32, max_bytes: Option<u64
         fitted = fitted.par_iter().map(|cut| prune(height, coarser, cut)).collect();
     }
     (fitted, coarser)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_texels_are_told_with_the_options_of_their_series() {
+        let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
+        for (series, option, foreign) in [
+            (Series::Environment, "--max-cut", "--source-sigma"),
+            (Series::Sources, "--source-sigma", "--max-cut"),
+            (Series::SourceEnvironment, "--sources", "--source-sigma"),
+        ] {
+            assert!(check_texels(limit, series).is_ok());
+            let text = check_texels(limit + 1, series).unwrap_err().to_string();
+            assert!(text.contains(option) && !text.contains(foreign), "{text}");
+        }
+    }
 }

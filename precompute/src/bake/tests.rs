@@ -6,7 +6,6 @@ use crate::{
     mesh_surface::tests::room,
     observer::Silent,
     sidedness::tests::{cuboid, floor, scene_of},
-    transport::KeepsRows,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -16,8 +15,13 @@ use lapidary_core::{
 };
 use std::{
     path::Path,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
 };
+
+mod resumed;
 
 fn scene() -> Scene {
     let mut triangles = floor(2.0, 0.0).to_vec();
@@ -80,6 +84,24 @@ impl Observer for CancelIn {
     }
 }
 
+/// Keeps warnings.
+#[derive(Default)]
+struct Told(Mutex<Vec<String>>);
+
+impl Told {
+    fn all(&self) -> Vec<String> {
+        self.0.lock().unwrap().clone()
+    }
+}
+
+impl Observer for Told {
+    fn event(&self, event: Event) {
+        if let Event::Warning { message } = event {
+            self.0.lock().unwrap().push(message);
+        }
+    }
+}
+
 #[test]
 fn chunks_and_threads_do_not_change_a_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,24 +115,6 @@ fn chunks_and_threads_do_not_change_a_bit() {
     assert_eq!(one, run("c.cuts", None, 2));
     let other = BakeJob { settings: BakeSettings { beta: 0.1, ..settings() }, ..job(folder.path(), "d.cuts") };
     assert_ne!(one, contents(&bake(scene(), &other, &Silent).unwrap()), "negative control");
-}
-
-#[test]
-fn a_cancelled_bake_resumes_to_the_same_bits() {
-    let folder = tempfile::tempdir().unwrap();
-    let job = BakeJob { chunks: Some(5), ..job(folder.path(), "a.cuts") };
-    let whole = contents(
-        &bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job.clone() }, &Silent).unwrap(),
-    );
-    let interrupted = bake(scene(), &job, &CancelIn::phase(Phase::Visibility));
-    assert!(matches!(interrupted, Err(BakeError::Cancelled)));
-    assert!(!job.output.exists());
-    let partial = Checkpoint::folder_of(&job.output);
-    assert!(partial.join("chunk-00000.bin").exists(), "what was finished is kept");
-    let resumed = bake(scene(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
-    assert_eq!(contents(&resumed), whole);
-    assert!(!partial.exists());
-    assert_eq!(contents(&Dataset::read(&job.output).unwrap()), whole);
 }
 
 #[test]
@@ -274,56 +278,42 @@ fn the_meshless_basis_is_baked_and_read_back() {
 }
 
 #[test]
-fn the_operator_resumes_within_its_steps_to_the_same_bits() {
-    let folder = tempfile::tempdir().unwrap();
-    let parts = |dataset: &Dataset| {
-        let bake = dataset.meshless.clone().unwrap();
-        (bake.basis.points().to_vec(), bake.transport)
-    };
-    let job = |name| {
-        let mut job = indirect_job(folder.path(), name, BakeMode::Meshless);
-        job.settings.meshless.coarse_radius = Some(0.6);
-        job
-    };
-    let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
-    let job = job("b.cuts");
-    let interrupted = || {
-        assert!(matches!(bake(interior(), &job, &CancelIn::phase(Phase::Transport)), Err(BakeError::Cancelled)));
-        let partial = Checkpoint::folder_of(&job.output);
-        assert!(partial.join("transport-00000.bin").exists() && !partial.join("transport-00001.bin").exists());
-    };
-    interrupted();
-    let resume = BakeJob { resume: true, ..job.clone() };
-    assert_eq!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
-
-    // Negative control: what was kept is used.
-    interrupted();
-    let settings = crate::resolve(job.settings.clone()).unwrap();
-    let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &settings).unwrap().unwrap();
-    let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
-    let mut rows = checkpoint.load_rows(0, coarsest).unwrap();
-    rows[0].clear();
-    checkpoint.store_rows(0, &rows).unwrap();
-    assert_ne!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
-}
-
-#[test]
 fn a_scene_without_a_closed_space_is_remarked_upon() {
-    struct Remarks(std::sync::Mutex<Vec<String>>);
-    impl Observer for Remarks {
-        fn event(&self, event: Event) {
-            if let Event::Warning { message } = event {
-                self.0.lock().unwrap().push(message);
-            }
-        }
-    }
     let folder = tempfile::tempdir().unwrap();
     let remarks = |scene, name| {
-        let observer = Remarks(Default::default());
-        bake(scene, &indirect_job(folder.path(), name, BakeMode::Meshless), &observer).unwrap();
-        observer.0.into_inner().unwrap().join("\n")
+        let told = Told::default();
+        let dataset = bake(scene, &indirect_job(folder.path(), name, BakeMode::Meshless), &told).unwrap();
+        assert_eq!(dataset.report.warnings, told.all(), "the report has them as well");
+        told.all().join("\n")
     };
     let open = remarks(scene(), "a.cuts");
     assert!(open.contains("meet no surface") && open.contains("--viewpoint"), "{open}");
     assert_eq!(remarks(interior(), "b.cuts"), "");
+}
+
+#[test]
+fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
+    let folder = tempfile::tempdir().unwrap();
+    let remarks = |scene: Scene, name| {
+        let mut job = indirect_job(folder.path(), name, BakeMode::Indirect);
+        job.settings.indirect.viewpoint = Some(Vec3::new(0.0, 0.1, -0.2));
+        bake(scene, &job, &Silent).unwrap().report.warnings.join("\n")
+    };
+    // Half of the walls are turned about: their backs are seen, and nothing of the outside.
+    let mut turned = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
+    turned.iter_mut().filter(|t| t.iter().all(|p| p.x > 0.9 || p.y > 0.6)).for_each(|t| t.swap(1, 2));
+    let mut scene = scene_of(&turned);
+    scene.materials[0].parameters.base_color = Vec3::ONE;
+    assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so it fades");
+    // A white room beside a large grey one.
+    let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
+    scene.materials.push(scene.materials[0].clone());
+    let grey = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);
+    scene.mesh.triangle_material = scene.mesh.triangles.iter().map(|t| grey(&scene.mesh.positions, t)).collect();
+    scene.materials[0].parameters.base_color = Vec3::ONE;
+    scene.materials[1].parameters.base_color = Vec3::splat(0.3);
+    let white = remarks(scene.clone(), "b.cuts");
+    assert!(white.contains("do not fade"), "{white}");
+    scene.materials[0].parameters.base_color = Vec3::splat(0.9);
+    assert_eq!(remarks(scene, "c.cuts"), "");
 }

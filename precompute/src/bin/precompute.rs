@@ -4,7 +4,7 @@ use clap::{Parser, Subcommand};
 use lapidary_precompute::cli::{BakeArgs, InfoArgs, VerifyArgs, error_text};
 use std::process::ExitCode;
 
-/// Bake scenes into visibility cuts, and inspect and verify the result
+/// Bake what surfaces see of the environment and of each other, and inspect and verify the result
 #[derive(Parser)]
 #[command(name = "precompute", version, arg_required_else_help = true)]
 struct Cli {
@@ -17,11 +17,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Bake a scene's visibility
+    /// Bake a scene's visibility, and its bounced light with --mode
     Bake(Box<BakeArgs>),
     /// Describe a dataset
     Info(InfoArgs),
-    /// Trace random vertices of a dataset again and compare
+    /// Trace random vertices and surface sources of a dataset and make random links again, and compare
     Verify(VerifyArgs),
 }
 

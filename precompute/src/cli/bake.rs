@@ -36,16 +36,17 @@ pub struct BakeArgs {
     /// reach get no sources [default: in the largest closed space, at a camera or light if one is there]
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub viewpoint: Option<Vec3>,
-    /// Levels of the meshless basis, 1 to 8 [default: 6]
+    /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
     #[arg(long, value_name = "L")]
     pub levels: Option<usize>,
-    /// How many of its first levels send light [default: 4]
+    /// How many of its first levels send light [default: that of the preset]
     #[arg(long, value_name = "L")]
     pub sender_levels: Option<usize>,
-    /// Distance of its coarsest points in metres [default: one that gives about 300 of them]
+    /// Distance of its coarsest points in metres, a ten-thousandth of the scene's diagonal or more [default: one
+    /// that gives about 300 of them]
     #[arg(long, value_name = "R")]
     pub coarse_radius: Option<f32>,
-    /// Rays by which each of its points gathers light, 16 to 65536 [default: 512]
+    /// Rays by which each of its points gathers light, 16 to 65536 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub gather_rays: Option<usize>,
     /// Links between its functions are kept above this share of the light of a half grey sender, 0 to 1; smaller
@@ -71,7 +72,8 @@ pub struct BakeArgs {
     /// Bound the error of each whole cut instead of each cluster, 0 to 1000 [default: off]
     #[arg(long, value_name = "E")]
     pub total_error: Option<f32>,
-    /// Most bytes for all cuts together, 1024 or more; they are coarsened until they fit [default: no limit]
+    /// Most bytes for the vertices' cuts over the environment, 1024 or more; they are coarsened until they fit.
+    /// Surface sources and the meshless basis have no such bound [default: no limit]
     #[arg(long, value_name = "BYTES")]
     pub max_bytes: Option<u64>,
     /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
@@ -157,7 +159,10 @@ impl BakeArgs {
 }
 
 /// A place from three numbers with commas between.
-fn place(text: &str) -> Result<Vec3, String> {
+///
+/// # Errors
+/// What to give, if the text is no place.
+pub fn place(text: &str) -> Result<Vec3, String> {
     let numbers: Vec<f32> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
     match numbers[..] {
         [x, y, z] if text.split(',').count() == 3 && Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),

@@ -81,8 +81,9 @@ fn info_text(dataset: &Dataset) -> String {
 
 fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
     let [x, y, z] = r.viewpoint;
+    let without = if r.without_area > 0 { format!(" ({} of them on none)", r.without_area) } else { String::new() };
     format!(
-        "sources    {} on {:.1} m², {:.3} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
+        "sources    {} on {:.1} m²{without}, {:.3} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
          seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB\n",
         r.sources,
         r.area,

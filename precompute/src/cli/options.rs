@@ -28,12 +28,13 @@ impl From<TreeOption> for TreeKind {
 /// Preset, as an option.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PresetOption {
-    /// 8,192 lights and surface sources, up to 30,000 vertices: seconds.
+    /// 8,192 lights and surface sources, up to 30,000 vertices, a meshless basis of 4 levels: seconds for the
+    /// environment alone.
     Draft,
-    /// 32,768 lights, sigma 2, up to 100,000 vertices.
+    /// 32,768 lights and surface sources, sigma 2, up to 100,000 vertices, a meshless basis of 6 levels.
     #[default]
     Normal,
-    /// 32,768 lights, sigma 1.5, up to 300,000 vertices.
+    /// Sigma 1.5 for the environment and up to 300,000 vertices, the rest as normal.
     High,
 }
 

@@ -3,9 +3,12 @@
 use crate::observer::{Event, Observer, Phase};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle as BarStyle};
-use std::sync::{
-    Arc, Mutex, PoisonError,
-    atomic::{AtomicBool, Ordering},
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
 };
 
 /// How progress is shown.
@@ -87,6 +90,10 @@ pub fn phase_bar(name: &str, total: u64, unit: &str) -> ProgressBar {
     };
     if let Ok(style) = BarStyle::with_template(&template) {
         bar.set_style(style.progress_chars("=> "));
+    }
+    if total == 0 {
+        // Nothing advances it, but its seconds should.
+        bar.enable_steady_tick(Duration::from_millis(250));
     }
     bar
 }

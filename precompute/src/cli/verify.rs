@@ -3,7 +3,7 @@
 use super::{json_text, print_out};
 use crate::Verification;
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, builder::RangedU64ValueParser};
 use lapidary_core::dataset::Dataset;
 use std::path::PathBuf;
 
@@ -12,8 +12,9 @@ use std::path::PathBuf;
 pub struct VerifyArgs {
     /// Dataset to verify
     pub file: PathBuf,
-    /// Vertices to trace again, and most functions of the meshless basis, picked at random but always the same
-    #[arg(long, value_name = "K", default_value_t = 256)]
+    /// Vertices to trace again, and most surface sources and functions of the meshless basis (64 at most), 1 or more,
+    /// picked at random but always the same
+    #[arg(long, value_name = "K", default_value_t = 256, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     pub vertices: usize,
     /// Print JSON
     #[arg(long)]
@@ -51,6 +52,12 @@ fn verification_text(v: &Verification) -> String {
         text += &format!(
             "traced the sources from {} vertices again: {} cuts differ\n",
             v.source_vertices, v.different_source_cuts
+        );
+    }
+    if v.sources > 0 {
+        text += &format!(
+            "traced the environment from {} sources again: {} cuts differ\n",
+            v.sources, v.different_source_environment_cuts
         );
     }
     if let Some(m) = &v.meshless {

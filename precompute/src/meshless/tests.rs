@@ -58,6 +58,20 @@ fn a_bake_is_the_same_each_time_and_a_viewpoint_without_view_is_an_error() {
     assert!(matches!(outside, Err(BakeError::Points(PointsError::SeesNothing(_)))));
 }
 
+#[test]
+fn settings_that_no_basis_can_have_are_named_at_once() {
+    let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
+    let error = |settings| meshless_bake(&prepared.surface(), Vec3::ZERO, &settings, &Silent).unwrap_err();
+    for radius in [1e-6, 0.0, -1.0, f32::NAN] {
+        let tiny = error(MeshlessSettings { coarse_radius: Some(radius), ..settings() });
+        assert!(matches!(tiny, BakeError::Points(PointsError::RadiusTooSmall { .. })), "{tiny}");
+    }
+    let text = error(MeshlessSettings { coarse_radius: Some(1e-6), ..settings() }).to_string();
+    assert!(text.contains("0.000001") && text.contains("3.46") && text.contains("--coarse-radius"), "{text}");
+    let senders = error(MeshlessSettings { sender_levels: 4, coarse_radius: Some(0.5), ..settings() });
+    assert!(matches!(senders, BakeError::Basis(_)) && !senders.to_string().contains("viewpoint"), "{senders}");
+}
+
 /// Irradiance of a unit point light.
 fn direct(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     let to_light = light - at.position;

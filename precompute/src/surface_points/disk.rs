@@ -1,7 +1,7 @@
 //! Poisson-disk sets by dart throwing (meshless basis paper, 2.3).
 
 use super::{Candidates, PointsError, grid::Grid};
-use crate::Observer;
+use crate::{Event, Observer};
 use glam::Vec3;
 use lapidary_core::{
     meshless::distance::distance,
@@ -13,7 +13,7 @@ use lapidary_core::{
 const FAILURES: usize = 2000;
 /// Rays of the openness test; half the directions of a sphere.
 const OPENNESS_RAYS: usize = 32;
-/// No set is larger: a bound for surfaces too large for their radius.
+/// No set is larger: a bound for surfaces too large for their radius. It is told when a level ends there.
 const MOST_POINTS: usize = 4_000_000;
 
 /// What dart throwing accepts.
@@ -75,13 +75,37 @@ pub fn poisson_levels(
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<Vec<Vec<Surfel>>, PointsError> {
+    levels_of_at_most(MOST_POINTS, surface, viewpoint, coarse_radius, levels, seed, observer)
+}
+
+pub(super) fn levels_of_at_most(
+    most: usize,
+    surface: &dyn Surface,
+    viewpoint: Vec3,
+    coarse_radius: f32,
+    levels: usize,
+    seed: u64,
+    observer: &dyn Observer,
+) -> Result<Vec<Vec<Surfel>>, PointsError> {
     let mut candidates = Candidates::new(surface, viewpoint, seed, observer)?;
     let radius = |level: usize| coarse_radius * (-(level as f32)).exp2();
     // Coarse functions in narrow places would reach through to what lies outside; the finest hardly can, and nothing finer
     // stands in for them there.
     let open_only = |level| level + 1 < levels;
-    let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most: MOST_POINTS };
-    (0..levels).map(|level| poisson_disk(&mut candidates, darts(level))).collect()
+    let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most };
+    let set = |level: usize| {
+        let points = poisson_disk(&mut candidates, darts(level))?;
+        if points.len() >= most {
+            let message = format!(
+                "level {} of the meshless basis ends at {most} points, before they cover all surfaces, and light is missing; \
+                 give a larger --coarse-radius or fewer --levels",
+                level + 1
+            );
+            observer.event(Event::Warning { message });
+        }
+        Ok(points)
+    };
+    (0..levels).map(set).collect()
 }
 
 /// A Poisson-disk set of exactly `count` points, and its radius in metres.

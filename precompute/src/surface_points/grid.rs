@@ -48,7 +48,8 @@ impl Grid {
     pub fn any_near(&self, position: Vec3, mut test: impl FnMut(usize, &Surfel) -> bool) -> bool {
         let center = self.cell(position);
         for i in 0..27 {
-            let neighbour = [center[0] + i % 3 - 1, center[1] + i / 3 % 3 - 1, center[2] + i / 9 - 1];
+            let steps = [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
+            let neighbour = std::array::from_fn(|axis| center[axis].saturating_add(steps[axis]));
             let mut at = self.heads[bucket(neighbour)];
             while at != NONE {
                 if test(at as usize, &self.points[at as usize]) {
@@ -60,13 +61,13 @@ impl Grid {
         false
     }
 
-    fn cell(&self, position: Vec3) -> [i32; 3] {
-        (position * self.inverse_cell).floor().to_array().map(|x| x as i32)
+    fn cell(&self, position: Vec3) -> [i64; 3] {
+        (position * self.inverse_cell).floor().to_array().map(|x| x as i64)
     }
 }
 
 /// The hash of Teschner et al. 2003.
-fn bucket(cell: [i32; 3]) -> usize {
+fn bucket(cell: [i64; 3]) -> usize {
     let [x, y, z] = cell.map(|c| c as u32);
     let hash = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ z.wrapping_mul(83_492_791);
     (hash ^ hash >> 15) as usize % BUCKETS

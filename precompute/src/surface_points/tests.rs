@@ -79,7 +79,7 @@ fn areas_add_up_to_what_light_reaches() {
     let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
     let (points, radius) = poisson_count(&prepared.surface(), INSIDE, 1024, 1, &Silent).unwrap();
     assert_eq!(points.len(), 1024);
-    let areas = sample_areas(&prepared.surface(), &points, radius, 2);
+    let areas = sample_areas(&prepared.surface(), &points, radius, 2, &Silent).unwrap();
     let total: f32 = areas.iter().sum();
     assert!((total / 24.0 - 1.0).abs() < 0.02, "{total}");
     let mean = total / 1024.0;
@@ -88,9 +88,69 @@ fn areas_add_up_to_what_light_reaches() {
     // A box of 0.6 m on the floor hides 0.36 m² and shows five faces.
     let furnished = furnished();
     let (points, radius) = poisson_count(&furnished.surface(), INSIDE, 2048, 1, &Silent).unwrap();
-    let total: f32 = sample_areas(&furnished.surface(), &points, radius, 2).iter().sum();
+    let total: f32 = sample_areas(&furnished.surface(), &points, radius, 2, &Silent).unwrap().iter().sum();
     let expected = 24.0 - 0.36 + 5.0 * 0.36;
     assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
+}
+
+/// Keeps warnings.
+#[derive(Default)]
+struct Warnings(std::sync::Mutex<String>);
+
+impl Observer for Warnings {
+    fn event(&self, event: Event) {
+        if let Event::Warning { message } = event {
+            self.0.lock().unwrap().push_str(&message);
+        }
+    }
+}
+
+#[test]
+fn areas_of_a_small_room_of_a_large_building_are_as_even_as_those_of_the_room_alone() {
+    let deviation = |building: &[[Vec3; 3]]| {
+        let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+        triangles.extend(building);
+        let prepared = Prepared::new(&triangles);
+        let (points, radius) = poisson_count(&prepared.surface(), INSIDE, 512, 1, &Silent).unwrap();
+        let warnings = Warnings::default();
+        let areas = sample_areas(&prepared.surface(), &points, radius, 2, &warnings).unwrap();
+        let total: f32 = areas.iter().sum();
+        let mean = total / 512.0;
+        let squares: f32 = areas.iter().map(|a| (a / mean - 1.0).powi(2)).sum();
+        (total, (squares / 512.0).sqrt(), warnings.0.into_inner().unwrap())
+    };
+    let (total, alone, remarks) = deviation(&[]);
+    assert!((total / 24.0 - 1.0).abs() < 0.02 && remarks.is_empty(), "{total} {remarks}");
+    // 2,400 m² beside 24: one draw alone would give a sample 0.6 points, and a deviation above 1.
+    let (total, beside, remarks) = deviation(&room(Vec3::X * 30.0, Vec3::splat(10.0)));
+    assert!((total / 24.0 - 1.0).abs() < 0.03, "{total}");
+    assert!(beside < 1.3 * alone && alone < 0.4, "{beside} and {alone}");
+    assert!(remarks.is_empty(), "{remarks}");
+    let (_, far, remarks) = deviation(&room(Vec3::X * 300.0, Vec3::splat(100.0)));
+    assert!(far > 1.0 && remarks.contains("known by") && remarks.contains("no area"), "{far} {remarks}");
+}
+
+#[test]
+fn a_level_that_is_cut_short_is_told() {
+    let prepared = furnished();
+    let told = |most| {
+        let warnings = Warnings::default();
+        let levels = disk::levels_of_at_most(most, &prepared.surface(), INSIDE, 0.4, 2, 7, &warnings).unwrap();
+        assert!(levels.iter().all(|level| level.len() <= most));
+        warnings.0.into_inner().unwrap()
+    };
+    let text = told(300);
+    assert!(text.contains("300 points") && text.contains("--coarse-radius"), "{text}");
+    assert_eq!(told(100_000), "");
+}
+
+#[test]
+fn a_grid_finds_neighbours_however_small_its_cells() {
+    let at = |x: f32| Surfel { position: Vec3::splat(x), normal: Vec3::Y, place: Default::default() };
+    for (reach, x) in [(1e-30, 3e8), (1e-12, -1e12), (1e-6, 4e3)] {
+        let grid = grid::Grid::of(reach, &[at(x)]);
+        assert!(grid.any_near(Vec3::splat(x), |i, _| i == 0), "{reach} at {x}");
+    }
 }
 
 #[test]

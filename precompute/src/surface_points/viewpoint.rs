@@ -45,22 +45,36 @@ const SEED: u64 = 0x7669_6577_706f_696e;
 /// # Errors
 /// [`PointsError::SeesNothing`].
 pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), PointsError> {
-    if viewpoint.is_finite() && enclosure(surface, viewpoint) > 0.0 {
+    let sees = |&d: &Vec3| surface.first_hit(viewpoint, d).is_some();
+    if viewpoint.is_finite() && fibonacci_directions(RAYS).iter().any(sees) {
         Ok(())
     } else {
         Err(PointsError::SeesNothing(viewpoint))
     }
 }
 
-/// Share of all directions from a place in which the front of a surface is seen: 1 in a closed space, about a half over a
-/// plane.
-pub fn enclosure(surface: &dyn Surface, place: Vec3) -> f32 {
-    let sees = |&&d: &&Vec3| surface.first_hit(place, d).is_some();
-    fibonacci_directions(RAYS).iter().filter(sees).count() as f32 / RAYS as f32
+/// What lies around a place.
+pub struct Surroundings {
+    /// Share of all directions that meet no surface, not even the back of one: 0 in a closed space, about a half over a
+    /// plane.
+    pub open: f32,
+    /// Whether in all directions a side is seen that light bounces off.
+    pub closed: bool,
+    /// What is seen, by directions spread evenly.
+    pub seen: Vec<Surfel>,
 }
 
-/// The viewpoint asked for, or that of the first camera or local light that is nearly as good as the best place found, or
-/// that place.
+impl Surroundings {
+    /// Of a place.
+    pub fn of(surface: &MeshSurface, place: Vec3) -> Self {
+        let View { hits, seen } = View::from(surface, place);
+        let open = 1.0 - hits as f32 / RAYS as f32;
+        Self { open, closed: seen.len() == RAYS, seen: seen.into_iter().map(|s| s.1).collect() }
+    }
+}
+
+/// The viewpoint asked for, or that of the first camera or local light that is at least 0.3 times as good as the best place
+/// found, or that place.
 ///
 /// # Errors
 /// A viewpoint asked for that lies inside a solid or sees nothing; a scene without any valid one.

@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_level_more_of_the_basis_takes_four_times_as_long() {
-        let settings = BakeSettings { mode: BakeMode::Meshless, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeMode::Meshless, ..Preset::Normal.settings() };
         let finer = MeshlessSettings { levels: settings.meshless.levels + 1, ..settings.meshless };
         let secs = |s: &BakeSettings| speed(None).estimate(s).unwrap().secs;
         assert!((secs(&settings) - 55.0).abs() < 1e-6, "on two cores");

@@ -1,0 +1,34 @@
+//! Keeps what a bake remarks on its way to the observer, for the report.
+
+use crate::observer::{Event, Observer};
+use std::sync::{Mutex, PoisonError};
+
+/// Passes all on, and keeps warnings.
+pub(super) struct Remarks<'a> {
+    observer: &'a dyn Observer,
+    warnings: Mutex<Vec<String>>,
+}
+
+impl<'a> Remarks<'a> {
+    pub fn before(observer: &'a dyn Observer) -> Self {
+        Self { observer, warnings: Mutex::default() }
+    }
+
+    /// The warnings so far.
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Observer for Remarks<'_> {
+    fn event(&self, event: Event) {
+        if let Event::Warning { message } = &event {
+            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.clone());
+        }
+        self.observer.event(event);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.observer.cancelled()
+    }
+}
