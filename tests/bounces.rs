@@ -4,7 +4,7 @@ mod common;
 
 use common::Stage;
 use glam::{DVec3, Vec3};
-use lapidary_core::image::Image;
+use lapidary_core::{cut::packed::PackedCuts, image::Image};
 use serde_json::Value;
 
 /// Few sources, but fine cuts over them.
@@ -82,10 +82,17 @@ fn solutions_are_measured_and_timed_by_command() {
     assert!(figure(row, "noise") > 0.05 && figure(row, "rel_rmse") > figure(row, "error"), "{row}");
     assert!(figure(row, "error") < 0.2 && (figure(row, "energy") - 1.0).abs() < 0.05, "{row}");
     assert!(stage.path("truth/cuts.png").exists() && stage.path("truth/cuts-paths.exr").exists());
-    // Negative control: paths of another lamp would be far off, as few nodes are.
-    stage.succeed(&format!("bounces box.cuts {options} --illum-cut 1"));
-    let coarse = &stage.json("truth/bounces.json")["solutions"][0];
-    assert!(figure(coarse, "error") > figure(row, "error") + 0.1, "{coarse}");
+    // Negative control: every vertex sees what a distant one does.
+    let mut swapped = stage.dataset("box.cuts");
+    let bake = swapped.indirect.as_mut().expect("sources");
+    let mut offsets = bake.cuts.offsets().to_vec();
+    offsets.rotate_left(1000);
+    let height = bake.sources.len().ilog2();
+    bake.cuts = PackedCuts::from_parts(height, bake.cuts.nodes().to_vec(), offsets).expect("whole cuts");
+    swapped.write(&stage.path("swapped.cuts")).expect("a writable folder");
+    stage.succeed(&format!("bounces swapped.cuts {options}"));
+    let wrong = &stage.json("truth/bounces.json")["solutions"][0];
+    assert!(figure(wrong, "error") > figure(row, "error") + 0.1, "{wrong}");
 
     let bench = stage.succeed("bench box.cuts --env none --backend cpu --size 48x36 --frames 2 --illum-cuts 64 --json");
     let bench: Value = serde_json::from_str(&bench).expect("JSON");
