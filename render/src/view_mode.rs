@@ -19,7 +19,8 @@ pub enum ViewMode {
     Albedo,
     /// Perceptual roughness after its texture.
     Roughness,
-    /// Nodes of the visibility cuts of the triangle's vertices, interpolated; of the cuts over surface sources if only those were baked.
+    /// Nodes of the visibility cuts of the triangle's vertices, interpolated; of the cuts over surface sources if only those
+    /// were baked.
     VisibilityCut,
     /// Nodes of the merged cut.
     MergedCut,
