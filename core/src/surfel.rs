@@ -23,6 +23,9 @@ pub struct Surfel {
     pub place: MeshPlace,
 }
 
+/// Rays start, and segments to sources end, that share of a scene's diagonal off a surface.
+pub const OFFSET: f32 = 1e-5;
+
 /// All that light transport needs of a scene: ray casts and reflectance (meshless basis paper, 5.1).
 pub trait Surface: Sync {
     /// The first surface along a ray, with its normal on the side of the ray's origin. The origin lies off any surface,
@@ -40,6 +43,6 @@ pub trait Surface: Sync {
 
     /// Distance in metres that rays start off a surface.
     fn offset(&self) -> f32 {
-        1e-5 * self.bounds().diagonal()
+        OFFSET * self.bounds().diagonal()
     }
 }

@@ -51,7 +51,8 @@ pub struct Verification {
     /// Of the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
-    /// Whether anything was made again and all cuts and links agree. A byte budget coarsens cuts afterwards, so then the errors alone are compared.
+    /// Whether anything was made again and all cuts and links agree. A byte budget coarsens cuts afterwards, so then the
+    /// errors alone are compared.
     pub passed: bool,
 }
 
@@ -187,20 +188,25 @@ mod tests {
         dataset::{BakeMode, BakeSettings, IndirectSettings},
     };
 
-    #[test]
-    fn a_fresh_bake_passes_and_a_swapped_cut_does_not() {
+    fn box_over_floor(settings: BakeSettings) -> Dataset {
         let folder = tempfile::tempdir().unwrap();
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
         let job = BakeJob {
-            settings: BakeSettings { lights: 256, max_vertices: Some(300), ..Preset::Draft.settings() },
+            settings,
             output: folder.path().join("a.cuts"),
             chunks: None,
             resume: false,
             import_secs: 0.0,
             warnings: Vec::new(),
         };
-        let mut dataset = bake(scene_of(&triangles), &job, &Silent).unwrap();
+        bake(scene_of(&triangles), &job, &Silent).unwrap()
+    }
+
+    #[test]
+    fn a_fresh_bake_passes_and_a_swapped_cut_does_not() {
+        let settings = BakeSettings { lights: 256, max_vertices: Some(300), ..Preset::Draft.settings() };
+        let mut dataset = box_over_floor(settings);
         let all = dataset.scene.mesh.positions.len();
         let good = verify(&dataset, all);
         assert!(good.passed, "{good:?}");
@@ -215,20 +221,9 @@ mod tests {
 
     #[test]
     fn what_sources_see_of_the_environment_is_traced_again() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut triangles = floor(2.0, 0.0).to_vec();
-        triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
         let indirect = IndirectSettings { sources: 256, ..Default::default() };
         let settings = BakeSettings { mode: BakeMode::Cuts, indirect, lights: 256, ..Preset::Draft.settings() };
-        let job = BakeJob {
-            settings: BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings },
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
-        let mut dataset = bake(scene_of(&triangles), &job, &Silent).unwrap();
+        let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
         let good = verify(&dataset, 64);
         assert!(good.passed && good.sources == 64, "{good:?}");
         let indirect = dataset.indirect.as_mut().unwrap();

@@ -21,8 +21,8 @@ const PART_OF_ROOTS: f32 = 0.1;
 /// Coarsest senders carry values, and so do finer ones in places that no coarser one reaches: both are roots. Links to far
 /// roots are each below the threshold where there are more of them than its inverse, and together they are most of the
 /// light. So a receiver walks its roots along a curve through space and sums links until the sum is above the threshold:
-/// the largest of these links is kept and stands for all of them. What is dropped at the end is the last sum alone, so
-/// uniform light is right within the threshold.
+/// the largest of these links is kept and stands for all of them. The last sum goes to the last link that was kept, and is
+/// dropped only where none was: uniform light is right within the threshold.
 ///
 /// The coefficients of all other senders are deviations from local averages, so that neighbours with like links cancel:
 /// they are kept where they are above the threshold and also vary between neighbours, as in the paper.
@@ -68,7 +68,7 @@ impl Criterion {
         *row = kept;
     }
 
-    /// Sums links along the curve; each sum longer than `bound` goes to the sender of its largest link.
+    /// Sums links along the curve; each sum longer than `bound` goes to the sender of its largest link, the rest to the last of these.
     fn merge(&self, mut links: Row, bound: f32) -> Row {
         links.sort_unstable_by_key(|link| (self.order[link.0 as usize], link.0));
         let mut kept = Row::new();

@@ -108,7 +108,7 @@ fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<wgpu::TextureView, 
     let texels = cuts.nodes().len() / NODES_PER_TEXEL;
     let rows = texels.div_ceil(TEXTURE_WIDTH).max(1);
     let limit = gpu.limits.max_texture_dimension_2d as u64;
-    let remedy = "bake with a larger --sigma or a --max-bytes, or use --backend cpu";
+    let remedy = "bake with larger sigmas or fewer vertices, or use --backend cpu";
     gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, remedy)?;
     Ok(cut_texture(gpu, "visibility cuts", cuts.nodes()))
 }

@@ -8,12 +8,9 @@ use crate::{
     surface::SurfacePoint,
 };
 use glam::Vec3;
-use lapidary_core::{indirect::Receiver, ray::SegmentBatch, simd::Vec3x8};
+use lapidary_core::{indirect::Receiver, ray::SegmentBatch, simd::Vec3x8, surfel::OFFSET};
 use std::array::from_fn;
 use wide::f32x8;
-
-/// Segments end that share of the scene's diagonal off a source, as at the bake.
-const OFF_SURFACE: f32 = 1e-5;
 
 /// Sources in tree order, and where segments to them end.
 pub(super) struct SourceSamples<'a> {
@@ -23,7 +20,7 @@ pub(super) struct SourceSamples<'a> {
 
 impl<'a> SourceSamples<'a> {
     pub fn new(renderer: &Renderer, lighting: &'a SourceLighting) -> Self {
-        let off_surface = OFF_SURFACE * renderer.dataset.scene.mesh.bounds().diagonal();
+        let off_surface = OFFSET * renderer.dataset.scene.mesh.bounds().diagonal();
         let sources = lighting.tree.sources();
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
         Self { lighting, ends }

@@ -26,7 +26,11 @@ use lapidary_precompute::{Preset, SettingsError, resolve};
 const LEAST_HEIGHT: u32 = 8;
 
 const PRESETS: [(Preset, &str, &str); 3] = [
-    (Preset::Draft, "Draft", "A quarter of the lights and few vertices, for setting up a scene."),
+    (
+        Preset::Draft,
+        "Draft",
+        "A quarter of the lights, few vertices and a coarse meshless basis, for setting up a scene.",
+    ),
     (Preset::Normal, "Normal", "32,768 lights and sigma 2, as in the paper."),
     (Preset::High, "High", "Finer cuts and three times the vertices, for final pictures."),
 ];
@@ -115,7 +119,7 @@ fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         "Splits triangles where visibility varies until there are this many. Without it the mesh stays as it is.";
     let vertices = Decades::count("Max vertices", help, 0.0..=1e9, 100_000.0);
     edit_row(actions, "Max vertices", bake, wrap, |b| limit_row(ui, &vertices, &mut b.max_vertices));
-    let help = "Coarsens all cuts alike until they fit in this many megabytes.";
+    let help = "Coarsens the cuts over the environment alike until they fit in this many megabytes.";
     let size = Decades { unit: " MB", decimals: 1, ..Decades::count("Byte budget", help, 0.0..=1e7, 64.0) };
     edit_row(actions, "Byte budget", bake, wrap, |b| {
         let mut megabytes = b.max_bytes.map(|bytes| bytes as f64 / 1e6);

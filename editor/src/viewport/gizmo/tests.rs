@@ -9,7 +9,7 @@ use crate::{
 use egui::{Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
-use lapidary_core::lights::Light;
+use lapidary_core::{camera::Camera, lights::Light};
 
 /// Aimed at the left square.
 fn spot() -> Light {
@@ -66,6 +66,18 @@ fn select(harness: &mut Harness<App>) {
     assert_eq!(harness.state().selected_light, Some(0));
     harness.state_mut().log.clear();
     harness.run();
+}
+
+/// A light on its way, the button still down; where the lamp was, and the camera before.
+fn half_dragged() -> (Harness<'static, App>, Pos2, Camera) {
+    let mut harness = lit();
+    select(&mut harness);
+    let camera = harness.state().document.camera.clone();
+    let lamp = at(&harness, spot().position);
+    press(&mut harness, lamp);
+    harness.hover_at(lamp + vec2(40.0, 0.0));
+    harness.step();
+    (harness, lamp, camera)
 }
 
 fn light<'a>(harness: &'a Harness<App>) -> &'a Light {
@@ -126,13 +138,7 @@ fn the_disc_moves_in_the_plane_of_the_view_and_the_picture_is_coarse_meanwhile()
 
 #[test]
 fn escape_puts_the_light_back_and_the_rest_of_the_drag_does_nothing() {
-    let mut harness = lit();
-    select(&mut harness);
-    let camera = harness.state().document.camera.clone();
-    let lamp = at(&harness, spot().position);
-    press(&mut harness, lamp);
-    harness.hover_at(lamp + vec2(40.0, 0.0));
-    harness.step();
+    let (mut harness, lamp, camera) = half_dragged();
     assert_ne!(light(&harness), &spot(), "negative control");
     harness.key_press(Key::Escape);
     harness.step();
@@ -146,13 +152,7 @@ fn escape_puts_the_light_back_and_the_rest_of_the_drag_does_nothing() {
 
 #[test]
 fn a_drag_whose_light_vanishes_ends_and_the_rest_of_it_does_nothing() {
-    let mut harness = lit();
-    select(&mut harness);
-    let camera = harness.state().document.camera.clone();
-    let lamp = at(&harness, spot().position);
-    press(&mut harness, lamp);
-    harness.hover_at(lamp + vec2(40.0, 0.0));
-    harness.step();
+    let (mut harness, lamp, camera) = half_dragged();
     assert_eq!(gestures(&harness), 0, "negative control");
     harness.state_mut().document.lights.clear();
     harness.step();

@@ -18,7 +18,7 @@ use lapidary_core::{
 };
 use std::sync::{Arc, MutexGuard};
 
-const BOUNCE: Components = Components { indirect: true, ..Components::NONE };
+pub(super) const BOUNCE: Components = Components { indirect: true, ..Components::NONE };
 const ALL: Components = Components { direct: false, ..Components::ALL };
 
 struct Rig {
@@ -30,7 +30,7 @@ struct Rig {
     _one: MutexGuard<'static, ()>,
 }
 
-fn light() -> Illumination {
+pub(super) fn light() -> Illumination {
     illumination([64, 32], |x, y| Vec3::new(0.05 * x as f32, 0.3, 0.02 * y as f32))
 }
 

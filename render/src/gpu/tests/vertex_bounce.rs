@@ -1,17 +1,19 @@
 //! Bounced light of the meshless basis on the GPU and by the CPU renderer, at what the deferred pass saw: every BRDF, with
 //! textures, normal and bump maps, beside other light, and what is uploaded again. Each comparison has a negative control.
 
-use super::twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view};
+use super::{
+    bounce::{BOUNCE, light},
+    twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view},
+};
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Post,
-    Renderer, SceneLighting, Solution, View, ViewMode,
+    Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post, Renderer,
+    SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
     indirect::{
         VertexIrradiance, meshless_tests,
         tests::{floor_and_wall, point_light},
     },
     painter::PictureLight,
-    renderer::tests::illumination,
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
@@ -23,18 +25,12 @@ use lapidary_core::{
 };
 use std::sync::{Arc, MutexGuard};
 
-const BOUNCE: Components = Components { indirect: true, ..Components::NONE };
-
 struct Rig {
     renderer: Renderer,
     gpu: GpuBackend,
     environment: Arc<SceneLighting>,
     vertices: Arc<VertexIrradiance>,
     _one: MutexGuard<'static, ()>,
-}
-
-fn light() -> Illumination {
-    illumination([64, 32], |x, y| Vec3::new(0.05 * x as f32, 0.3, 0.02 * y as f32))
 }
 
 /// Over black, so that nothing but surfaces counts in differences.
