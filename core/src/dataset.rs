@@ -92,6 +92,15 @@ impl Dataset {
         let sum: f32 = kept.iter().sum();
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights }
     }
+
+    /// How far surface sources are apart in metres: the radius of their Poisson-disk set, or where none was reported the side
+    /// of a square of their mean area, which is about as long.
+    pub fn source_spacing(&self) -> f32 {
+        let reported = self.report.indirect.as_ref().map(|report| report.radius).filter(|&radius| radius > 0.0);
+        let sources = self.indirect.as_ref().map_or(&[][..], |indirect| &indirect.sources);
+        let mean_area = sources.iter().map(|s| s.area).sum::<f32>() / sources.len().max(1) as f32;
+        reported.unwrap_or(mean_area.sqrt())
+    }
 }
 
 /// Everything that decides the result of a bake. Threads and chunks do not.

@@ -12,7 +12,10 @@ mod triangle;
 pub use directions::DirectionSet;
 pub use segments::SegmentBatch;
 
-use crate::scene::Mesh;
+use crate::{
+    scene::Mesh,
+    surfel::{MeshPlace, Surfel},
+};
 use glam::{Vec2, Vec3, Vec3A};
 use leaves::LeafBlocks;
 use obvhs::{
@@ -71,13 +74,31 @@ impl Intersector {
 
     /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let (leaf, hit) = self.closest_leaf(origin, direction, f32::INFINITY)?;
+        Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
+    }
+
+    /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
+    pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
+        let (leaf, hit) = self.closest_leaf(origin, direction, distance)?;
+        let [a, b, c] = self.leaf_triangles[leaf];
+        let front = (b - a).cross(c - a).normalize_or_zero();
+        Some(Surfel {
+            position: origin + direction * hit.distance,
+            normal: if hit.back_face { -front } else { front },
+            place: MeshPlace { triangle: self.leaf_ids[leaf], barycentric: hit.barycentric },
+        })
+    }
+
+    /// The first leaf triangle along a ray before `distance`.
+    fn closest_leaf(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<(usize, Hit)> {
         let mut closest = None;
         let mut leaf_hit = obvhs::ray::RayHit::none();
-        let ray = Ray::new_inf(origin.into(), direction.into());
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         self.bvh.ray_traverse(ray, &mut leaf_hit, |ray, leaf| {
             match TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction) {
                 Some(hit) if hit.distance < ray.tmax => {
-                    closest = Some(Hit { triangle: self.leaf_ids[leaf], ..hit });
+                    closest = Some((leaf, hit));
                     hit.distance
                 }
                 _ => f32::INFINITY,

@@ -1,5 +1,9 @@
 //! Points of surfaces that light is gathered at and sent from, whatever the surface is made of.
 
+mod grid;
+
+pub use grid::SurfelGrid;
+
 use crate::scene::Bounds;
 use glam::{Vec2, Vec3};
 

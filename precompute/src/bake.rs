@@ -28,11 +28,11 @@ use crate::{
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
     sidedness::{Sidedness, classify},
-    tessellate::tessellate,
+    tessellate::{Stored, tessellate},
     visibility::VisibilitySampler,
 };
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
+    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, scene_hash},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     ray::Intersector,
     scene::Scene,
@@ -75,8 +75,9 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let hash = scene_hash(&scene);
     let mut clock = Clock::new(observer, job.import_secs);
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
-    let geometry = clock
-        .time(Phase::Tessellate, vertices, "vertices", || Geometry::new(scene, settings.max_vertices, observer))?;
+    let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
+        Geometry::new(scene, settings.mode, settings.max_vertices, observer)
+    })?;
     cancelled(observer)?;
     let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
     let chunks = bake_environment(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
@@ -163,13 +164,19 @@ struct Geometry {
 }
 
 impl Geometry {
-    fn new(mut scene: Scene, budget: Option<usize>, observer: &dyn Observer) -> Result<Self, BakeError> {
+    fn new(
+        mut scene: Scene,
+        mode: BakeMode,
+        budget: Option<usize>,
+        observer: &dyn Observer,
+    ) -> Result<Self, BakeError> {
         let source_vertices = scene.mesh.positions.len();
         let mut sides = classify(&scene);
         let source = Intersector::new(&scene.mesh);
         let intersector = match budget {
             Some(budget) => {
-                tessellate(&mut scene.mesh, &mut sides, &source, budget, observer)?;
+                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
+                tessellate(&mut scene.mesh, &mut sides, &source, stored, budget, observer)?;
                 Intersector::new(&scene.mesh)
             }
             None => source,

@@ -20,10 +20,6 @@ use std::collections::HashMap;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
-/// A bake point stands for a disc whose radius is that share of the length of its edges: about a quarter of the square of an
-/// edge, and no further than the crease for a point that was moved off one.
-const RADIUS: f32 = 0.3;
-
 /// A place where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakePoint {
@@ -38,8 +34,6 @@ pub struct BakePoint {
     pub horizon: f32,
     /// Sampled over the whole sphere, the lower half from the other side.
     pub two_sided: bool,
-    /// Radius in metres of the disc of surface that it stands for.
-    pub radius: f32,
 }
 
 /// The bake points of a mesh.
@@ -80,7 +74,6 @@ impl BakePoints {
                 offset: (0.02 * around.edge_length[v]).clamp(smallest, largest),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
-                radius: RADIUS * around.edge_length[v],
             };
             let key = (exact_key(position), exact_key(normal), point.two_sided);
             let id = *known.entry(key).or_insert_with(|| {

@@ -91,6 +91,7 @@ pub fn resolve(settings: BakeSettings) -> Result<BakeSettings, SettingsError> {
         ("--beta", f64::from(settings.beta), 0.0, 1.0),
         ("--sigma", f64::from(settings.criterion.sigma), 0.0, 1e3),
         ("--source-sigma", f64::from(settings.indirect.criterion.sigma), 0.0, 1e3),
+        ("source contrast", f64::from(settings.indirect.criterion.contrast), 0.0, 1e3),
         ("largest solid angle", f64::from(settings.indirect.criterion.max_solid_angle), 1e-4, 10.0),
         ("--levels", settings.meshless.levels as f64, 1.0, 8.0),
         ("--sender-levels", settings.meshless.sender_levels as f64, 1.0, settings.meshless.levels as f64),

@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::BakeSettings,
-    indirect::{Receiver, Source},
+    indirect::{NearField, Source},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::{Intersector, SegmentBatch},
     surfel::{Surface, Surfel},
@@ -37,12 +37,13 @@ pub fn place_sources(
     Ok((sources, radius))
 }
 
-/// Arranges sources as the leaves of their complete binary tree, by position and normal, by pilot visibility, or by both.
+/// Arranges sources that are about `radius` metres apart as the leaves of their complete binary tree, by position and
+/// normal, by pilot visibility, or by both.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
 pub fn order_sources(
-    sources: Vec<Source>,
+    (sources, radius): (Vec<Source>, f32),
     points: &BakePoints,
     scene: &Intersector,
     surface: &dyn Surface,
@@ -56,7 +57,7 @@ pub fn order_sources(
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);
     }
-    let sampler = SourceSampler::new(scene, &sources, surface.offset());
+    let sampler = SourceSampler::new(scene, &sources, radius, surface.offset());
     let sample = |point: &BakePoint, seen: &mut [u8]| {
         let mut solid_angles = vec![0.0; sources.len()];
         sampler.sample(point, &mut SourceScratch::default(), &mut solid_angles);
@@ -78,6 +79,7 @@ pub struct SourceSampler<'a> {
     sources: &'a [Source],
     /// Where segments to each source end, off its surface.
     ends: Vec<Vec3>,
+    near: NearField,
 }
 
 /// Buffers of [`SourceSampler::sample`].
@@ -88,11 +90,14 @@ pub struct SourceScratch {
     wanted: [Vec<u32>; 2],
 }
 
+/// The sides of a point: upper, lower.
+const SIDES: [bool; 2] = [true, false];
+
 impl<'a> SourceSampler<'a> {
-    /// For sources in tree order; segments end `offset` metres off their surface.
-    pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32) -> Self {
+    /// For sources in tree order that are about `radius` metres apart; segments end `offset` metres off their surface.
+    pub fn new(scene: &'a Intersector, sources: &'a [Source], radius: f32, offset: f32) -> Self {
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
-        Self { scene, sources, ends }
+        Self { scene, sources, ends, near: NearField::new(sources, radius) }
     }
 
     /// Number of sources.
@@ -100,33 +105,56 @@ impl<'a> SourceSampler<'a> {
         self.sources.len()
     }
 
-    /// Sets `seen[leaf]` to the solid angle in steradians of every source: zero if it faces away, lies below the point's
-    /// horizon, or is hidden. Returns the rays traced.
+    /// Sets `seen[leaf]` to the solid angle in steradians of every source. A far one has that of its disc, or zero if it faces
+    /// away, lies below the point's horizon, or is hidden; a near one what rays meet of it. Returns the rays traced.
     pub fn sample(&self, point: &BakePoint, scratch: &mut SourceScratch, seen: &mut [f32]) -> u64 {
         let SourceScratch { batch, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
-        for (i, (source, seen)) in self.sources.iter().zip(seen.iter_mut()).enumerate() {
-            let side = facing_side(point, source);
-            *seen = if side.is_some() { 1.0 } else { 0.0 };
-            side.iter().for_each(|&upper| wanted[usize::from(!upper)].push(i as u32));
-        }
-        for (wanted, upper) in wanted.iter().zip([true, false]) {
+        let has_near = self.sort(point, seen, |i, upper| wanted[usize::from(!upper)].push(i as u32));
+        for (wanted, upper) in wanted.iter().zip(SIDES) {
+            wanted.iter().for_each(|&i| seen[i as usize] = self.sources[i as usize].solid_angle_from(point.position));
             batch.trace(self.scene, point.origin(upper), &self.ends, wanted, |i| seen[i as usize] = 0.0);
-            for i in wanted.iter().map(|&i| i as usize) {
-                if seen[i] > 0.0 {
-                    seen[i] = open_solid_angle(point, upper, &self.sources[i]);
-                }
-            }
         }
-        wanted.iter().map(|w| w.len() as u64).sum()
+        let far: u64 = wanted.iter().map(|w| w.len() as u64).sum();
+        far + self.gather_near(point, has_near, seen)
     }
 
     /// [`Self::sample`] segment by segment and without packets, for verification.
     pub fn sample_singly(&self, point: &BakePoint, seen: &mut [f32]) {
-        for ((source, &end), seen) in self.sources.iter().zip(&self.ends).zip(seen) {
-            let open = facing_side(point, source).filter(|&u| !self.scene.occluded_between(point.origin(u), end));
-            *seen = open.map_or(0.0, |upper| open_solid_angle(point, upper, source));
+        let mut far = Vec::new();
+        let has_near = self.sort(point, seen, |i, upper| far.push((i, upper)));
+        for (i, upper) in far {
+            let open = !self.scene.occluded_between(point.origin(upper), self.ends[i]);
+            seen[i] = if open { self.sources[i].solid_angle_from(point.position) } else { 0.0 };
         }
+        self.gather_near(point, has_near, seen);
+    }
+
+    /// Calls `far` with each source to trace and the side of the point that faces it, sets all others to zero, and tells
+    /// for each side whether there are near sources.
+    fn sort(&self, point: &BakePoint, seen: &mut [f32], mut far: impl FnMut(usize, bool)) -> [bool; 2] {
+        let mut has_near = [false; 2];
+        for (i, (source, seen)) in self.sources.iter().zip(seen.iter_mut()).enumerate() {
+            *seen = 0.0;
+            match facing_side(point, source) {
+                Some(upper) if self.near.holds(source, point.origin(upper)) => {
+                    has_near[usize::from(!upper)] |= self.near.is_over(source, point.position);
+                }
+                Some(upper) => far(i, upper),
+                None => (),
+            }
+        }
+        has_near
+    }
+
+    /// Adds what the sides of a point with near sources see of them, and returns the rays traced.
+    fn gather_near(&self, point: &BakePoint, has_near: [bool; 2], seen: &mut [f32]) -> u64 {
+        let gather = |(upper, _)| {
+            let place = [point.origin(upper), if upper { point.normal } else { -point.normal }];
+            let receives = |d| point.is_upper(d) == upper;
+            self.near.gather(self.sources, self.scene, place, receives, |i, angle| seen[i] += angle)
+        };
+        SIDES.into_iter().zip(has_near).filter(|&(_, near)| near).map(gather).sum()
     }
 }
 
@@ -138,16 +166,6 @@ fn facing_side(point: &BakePoint, source: &Source) -> Option<bool> {
     }
     let upper = point.is_upper((source.surfel.position - point.position).normalize_or_zero());
     (upper || point.two_sided).then_some(upper)
-}
-
-/// A point stands for no more surface than so many radii of the source: where edges are long, light varies along them.
-const LARGEST_RECEIVER: f32 = 3.0;
-
-/// Solid angle of a source with nothing between.
-fn open_solid_angle(point: &BakePoint, upper: bool, source: &Source) -> f32 {
-    let normal = if upper { point.normal } else { -point.normal };
-    let radius = point.radius.min(LARGEST_RECEIVER * source.radius());
-    source.mean_solid_angle(&Receiver { position: point.position, normal, radius })
 }
 
 #[cfg(test)]

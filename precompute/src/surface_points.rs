@@ -4,7 +4,6 @@
 mod areas;
 mod candidates;
 mod disk;
-mod grid;
 mod viewpoint;
 
 pub use areas::sample_areas;

@@ -7,6 +7,7 @@ mod irradiance;
 mod light_groups;
 mod lit_points;
 mod meshless;
+mod source_parts;
 
 use crate::{appearance::Appearance, baked::Baked, lighting::SceneLighting};
 use glam::Vec3;
@@ -17,11 +18,16 @@ use lapidary_core::{
     indirect::IndirectBake,
     lights::Light,
     source_tree::{SourceRadiance, SourceTree},
+    surfel::OFFSET,
 };
 use lit_points::LitPoints;
+use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub use meshless::{MeshlessRig, VertexIrradiance};
+
+/// Samples of an area light along each of its sides, at each of a source's parts.
+const AREA_SAMPLES: u32 = 2;
 
 /// A source tree under one illumination.
 #[derive(Clone, Debug)]
@@ -50,6 +56,7 @@ impl SourceLighting {
 pub struct SourceRig {
     dataset: Arc<Dataset>,
     tree: Arc<SourceTree>,
+    /// Points of the sources' surfaces, [`PARTS`] each.
     lit: LitPoints,
     further: Option<Vec<Vec3>>,
 }
@@ -59,7 +66,8 @@ impl SourceRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let sources = &dataset.indirect.as_ref()?.sources;
-        let lit = LitPoints::new(baked, sources.iter().map(|s| s.surfel).collect());
+        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let lit = LitPoints::new(baked, source_parts(sources, &baked.intersector(), offset), AREA_SAMPLES);
         Some(Self { tree: SourceTree::new(sources).into(), lit, further: None, dataset })
     }
 
@@ -81,7 +89,7 @@ impl SourceRig {
     /// Shines the environment on the sources, or none.
     pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
         let irradiance = lighting.and_then(|lighting| environment_irradiance(self.bake()?, lighting));
-        self.lit.set_environment(irradiance);
+        self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
     }
 
     /// Adds irradiance of further bounces, one value a source, or none.
@@ -95,9 +103,13 @@ impl SourceRig {
 
     /// Irradiance of the sources in W/m².
     pub fn irradiance(&self) -> Vec<Vec3> {
+        means(self.irradiance_of_parts().into_iter())
+    }
+
+    fn irradiance_of_parts(&self) -> Vec<Vec3> {
         let mut sum = self.lit.irradiance();
-        if let Some(further) = &self.further {
-            sum.iter_mut().zip(further).for_each(|(sum, further)| *sum += further);
+        for (parts, further) in sum.chunks_mut(PARTS).zip(self.further.iter().flatten()) {
+            parts.iter_mut().for_each(|sum| *sum += further);
         }
         sum
     }
@@ -105,9 +117,9 @@ impl SourceRig {
     /// What the sources send under the lights and materials that were set, with an illumination cut of at most
     /// `illum_cut` nodes.
     pub fn lighting(&self, illum_cut: u32) -> SourceLighting {
-        let sent =
-            self.irradiance().iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI).collect::<Vec<_>>();
-        SourceLighting::new(self.tree.clone(), &sent, illum_cut)
+        let irradiance = self.irradiance_of_parts();
+        let sent = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
+        SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
     }
 
     fn bake(&self) -> Option<&IndirectBake> {

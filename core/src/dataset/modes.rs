@@ -82,6 +82,6 @@ pub struct IndirectReport {
     pub mean_environment_cut: f64,
     /// Bytes of both kinds of cuts.
     pub bytes_cuts: u64,
-    /// Rays traced between vertices and sources.
+    /// Rays traced between vertices and sources, and around vertices for near ones.
     pub rays_traced: u64,
 }

@@ -229,6 +229,20 @@ fn sources_and_their_cuts_survive_the_disk() {
 }
 
 #[test]
+fn the_spacing_of_sources_is_the_reported_one_or_follows_from_their_areas() {
+    let mut dataset = with_sources();
+    let report = |radius| Some(IndirectReport { radius, ..Default::default() });
+    let areas = dataset.indirect.as_ref().unwrap().sources.iter().map(|s| s.area);
+    let side = (areas.sum::<f32>() / 4.0).sqrt();
+    for (reported, expected) in [(report(0.3), 0.3), (report(0.0), side), (None, side)] {
+        dataset.report.indirect = reported;
+        assert_eq!(dataset.source_spacing(), expected);
+    }
+    dataset.indirect = None;
+    assert_eq!(dataset.source_spacing(), 0.0, "no sources");
+}
+
+#[test]
 fn damaged_sources_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.cuts");

@@ -162,3 +162,25 @@ fn batches_of_segments_and_single_ones_agree_to_the_bit() {
         assert!(wanted.iter().filter(unbounded).count() > hidden.len(), "negative control");
     }
 }
+
+#[test]
+fn surfels_are_closest_hits_with_the_normal_toward_the_origin() {
+    let mesh = soup(4, 400);
+    let scene = Intersector::new(&mesh);
+    let (mut fronts, mut backs) = (0, 0);
+    for direction in fibonacci_directions(500) {
+        let Some(hit) = scene.closest_hit(Vec3::ZERO, direction) else {
+            assert_eq!(scene.surfel_before(Vec3::ZERO, direction, 100.0), None);
+            continue;
+        };
+        let surfel = scene.surfel_before(Vec3::ZERO, direction, 1.01 * hit.distance).unwrap();
+        assert_eq!((surfel.place.triangle, surfel.place.barycentric), (hit.triangle, hit.barycentric));
+        assert!((surfel.position - direction * hit.distance).length() < 1e-5);
+        let front = mesh.area_vector(hit.triangle as usize).normalize();
+        assert!(surfel.normal.dot(direction) < 0.0 && (surfel.normal.dot(front).abs() - 1.0).abs() < 1e-4);
+        assert_eq!(surfel.normal.dot(front) < 0.0, hit.back_face);
+        assert_eq!(scene.surfel_before(Vec3::ZERO, direction, 0.99 * hit.distance), None, "too far");
+        *(if hit.back_face { &mut backs } else { &mut fronts }) += 1;
+    }
+    assert!(fronts > 50 && backs > 50);
+}

@@ -39,7 +39,7 @@ impl Stage<'_> {
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let (sources, radius) = self.sources(clock)?;
         self.bind(&sources, clock)?;
-        let seen = self.source_cuts(&sources, clock)?;
+        let seen = self.source_cuts(&sources, radius, clock)?;
         let environment = self.environment_cuts(&sources, clock)?;
         let report = IndirectReport {
             viewpoint: self.viewpoint.into(),
@@ -66,7 +66,7 @@ impl Stage<'_> {
         let clusters = self.settings.pilot_clusters as u64;
         let sources = clock.time(Phase::SourceTree, clusters, "clusters", || {
             order_sources(
-                sources,
+                (sources, radius),
                 &self.geometry.points,
                 &self.geometry.intersector,
                 self.surface,
@@ -88,12 +88,12 @@ impl Stage<'_> {
         Ok(())
     }
 
-    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+    fn source_cuts(&self, sources: &[Source], radius: f32, clock: &mut Clock) -> Result<Packed, BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let places = points.off_creases(&scene.mesh, intersector);
         let maker = SourceCuts {
             points: &places,
-            sampler: SourceSampler::new(&self.geometry.intersector, sources, self.surface.offset()),
+            sampler: SourceSampler::new(intersector, sources, radius, self.surface.offset()),
             criterion: self.settings.indirect.criterion,
         };
         let observer = clock.observer;
@@ -126,5 +126,5 @@ impl Stage<'_> {
 /// Where a source samples its visibility of the environment.
 pub(crate) fn point_of(source: &Source, offset: f32) -> BakePoint {
     let surfel = source.surfel;
-    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false, radius: 0.0 }
+    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false }
 }

@@ -11,9 +11,11 @@ use glam::Vec3;
 use lapidary_core::{
     cut::packed::{VALUE_MAX, depth},
     dataset::{BakeMode, IndirectSettings, MeshlessSettings},
-    indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
+    indirect::{Source, solid_angle},
+    source_tree::SourceTree,
 };
 use std::{
+    f32::consts::PI,
     path::Path,
     sync::{
         Mutex,
@@ -211,7 +213,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
 }
 
 #[test]
-fn a_closed_room_has_a_full_hemisphere_in_every_cut() {
+fn a_closed_room_is_a_white_furnace_in_every_cut() {
     let folder = tempfile::tempdir().unwrap();
     let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
     let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
@@ -222,12 +224,25 @@ fn a_closed_room_has_a_full_hemisphere_in_every_cut() {
         p.abs().to_array().iter().filter(|x| **x < 0.8).count() == 2
     };
     let vertices: Vec<usize> = (0..dataset.scene.mesh.positions.len()).filter(inner).collect();
+    let tree = SourceTree::new(&indirect.sources);
+    let irradiance = |v: usize, sources: usize| {
+        let (mesh, mut first, mut sum) = (&dataset.scene.mesh, 0, 0.0);
+        for &node in indirect.cuts.cut(9, v as u32) {
+            let leaves = 512_usize >> depth(node);
+            let center = tree.centers()[(512 + first) / leaves];
+            let cosine = (center - mesh.positions[v]).normalize_or_zero().dot(mesh.normals[v]).max(0.0);
+            if first < sources {
+                sum += solid_angle(node & VALUE_MAX) * leaves as f32 * cosine;
+            }
+            first += leaves;
+        }
+        sum / PI
+    };
     for &v in &vertices {
-        let cut = indirect.cuts.cut(9, v as u32);
-        let angle = |&n: &u16| solid_angle(n & VALUE_MAX) * (512_u32 >> depth(n)) as f32;
-        let total: f32 = cut.iter().map(angle).sum();
-        assert!((total / LARGEST_SOLID_ANGLE - 1.0).abs() < 0.1, "{total} sr at vertex {v}");
+        let found = irradiance(v, 512);
+        assert!((found - 1.0).abs() < 0.1, "{found} at vertex {v}");
     }
+    assert!(vertices.iter().any(|&v| irradiance(v, 256) < 0.8), "negative control: half of the sources");
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! The area that each surface point stands for: that of the reachable surface nearer to it than to the others.
 
-use super::{PointsError, grid::Grid};
+use super::PointsError;
 use crate::{Event, MeshSurface, Observer};
 use lapidary_core::{
-    meshless::distance::distance,
-    surfel::{Surface, Surfel},
+    indirect::OWNED_WITHIN,
+    surfel::{Surface, Surfel, SurfelGrid},
 };
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ pub fn sample_areas(
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<Vec<f32>, PointsError> {
-    let grid = Grid::of(2.0 * radius, samples);
+    let grid = SurfelGrid::of(OWNED_WITHIN * radius, samples);
     let mut points_of = vec![0_u32; samples.len()];
     let (mut owned, mut draws, mut area) = (0, 0, 0.0);
     while draws < DRAWS && owned < samples.len() * OWNED_PER_SAMPLE {
@@ -76,16 +76,8 @@ fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
 }
 
 /// The nearest sample that a point belongs to.
-fn owner(surface: &MeshSurface, grid: &Grid, point: &Surfel, radius: f32) -> Option<u32> {
-    let mut nearest = (2.0 * radius, None);
-    grid.any_near(point.position, |i, sample| {
-        let d = distance(sample, point);
-        if d < nearest.0 {
-            nearest = (d, Some(i));
-        }
-        false
-    });
-    let sample = nearest.1?;
+fn owner(surface: &MeshSurface, grid: &SurfelGrid, point: &Surfel, radius: f32) -> Option<u32> {
+    let sample = grid.nearest(point, OWNED_WITHIN * radius)?;
     let reaches = |lift: f32| {
         let lifted = |s: &Surfel| s.position + s.normal * lift;
         surface.sees(lifted(point), lifted(&grid.points()[sample]))

@@ -1,12 +1,12 @@
 //! Poisson-disk sets by dart throwing (meshless basis paper, 2.3).
 
-use super::{Candidates, PointsError, grid::Grid};
+use super::{Candidates, PointsError};
 use crate::{Event, Observer};
 use glam::Vec3;
 use lapidary_core::{
     meshless::distance::distance,
     sphere::{fibonacci_directions, frame_around},
-    surfel::{Surface, Surfel},
+    surfel::{Surface, Surfel, SurfelGrid},
 };
 
 /// Rejections in a row after which a set counts as full (the paper's 2000).
@@ -34,7 +34,7 @@ pub struct Darts {
 pub fn poisson_disk(candidates: &mut Candidates, darts: Darts) -> Result<Vec<Surfel>, PointsError> {
     let hemisphere: Vec<Vec3> = fibonacci_directions(2 * OPENNESS_RAYS).into_iter().filter(|d| d.z > 0.0).collect();
     let surface = candidates.surface();
-    let mut accepted = Grid::new(darts.radius);
+    let mut accepted = SurfelGrid::new(darts.radius);
     let mut failures = 0;
     while failures < FAILURES && accepted.points().len() < darts.most {
         let Some(candidate) = candidates.draw()? else { break };
@@ -151,7 +151,7 @@ pub fn poisson_count(
 /// Leaves out the points with the nearest neighbours until `count` are left; of two neighbours only one goes where possible.
 fn thin(mut points: Vec<Surfel>, count: usize, radius: f32) -> Vec<Surfel> {
     while points.len() > count {
-        let grid = Grid::of(2.0 * radius, &points);
+        let grid = SurfelGrid::of(2.0 * radius, &points);
         let mut by_gap: Vec<(f32, u32, u32)> = (0..points.len())
             .map(|i| {
                 let (gap, neighbour) = nearest_other(&grid, i);
@@ -177,7 +177,7 @@ fn thin(mut points: Vec<Surfel>, count: usize, radius: f32) -> Vec<Surfel> {
 }
 
 /// Distance and index of the nearest other point; itself if none is in reach.
-fn nearest_other(grid: &Grid, of: usize) -> (f32, usize) {
+fn nearest_other(grid: &SurfelGrid, of: usize) -> (f32, usize) {
     let mut nearest = (f32::INFINITY, of);
     let point = grid.points()[of];
     grid.any_near(point.position, |i, p| {

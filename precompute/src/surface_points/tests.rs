@@ -145,15 +145,6 @@ fn a_level_that_is_cut_short_is_told() {
 }
 
 #[test]
-fn a_grid_finds_neighbours_however_small_its_cells() {
-    let at = |x: f32| Surfel { position: Vec3::splat(x), normal: Vec3::Y, place: Default::default() };
-    for (reach, x) in [(1e-30, 3e8), (1e-12, -1e12), (1e-6, 4e3)] {
-        let grid = grid::Grid::of(reach, &[at(x)]);
-        assert!(grid.any_near(Vec3::splat(x), |i, _| i == 0), "{reach} at {x}");
-    }
-}
-
-#[test]
 fn levels_halve_the_radius_and_threads_do_not_matter() {
     let prepared = furnished();
     let levels = |threads| {

@@ -8,6 +8,7 @@ use crate::{
     observer::Observer,
     sidedness::Sidedness,
 };
+use glam::Vec3;
 use lapidary_core::{
     ray::{DirectionSet, Intersector},
     scene::Mesh,
@@ -19,32 +20,74 @@ use std::collections::{HashMap, HashSet};
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √256.
 const DIRECTIONS: usize = 256;
 
-/// Visibility from single points over few directions.
+/// What vertices store, and what has to be linear along edges, therefore.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stored {
+    /// Visibility of distant light.
+    pub environment: bool,
+    /// Light from surfaces.
+    pub bounces: bool,
+}
+
+/// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, with `r` so many
+/// units of the edge length. What is much further away hides other light from all of an edge alike. In the colour box 8, 24 and
+/// 64 units leave errors of 0.037, 0.032 and 0.035.
+const HALF_DISTANCE: f32 = 24.0;
+
+/// Visibility and nearness from single points over few directions.
 pub(super) struct Pilot<'a> {
     scene: &'a Intersector,
     directions: DirectionSet,
+    toward: Vec<Vec3>,
+    stored: Stored,
+    /// Distance in metres of a nearness of a half.
+    half_distance: f32,
     /// Errors at the midpoints of edges, kept from round to round: most edges stay whole.
     pub errors: HashMap<EdgeKey, f32>,
     /// Asked before each point whether to go on: a round traces millions of rays.
     observer: &'a dyn Observer,
 }
 
-type Seen = [u8; DIRECTIONS];
+/// For each direction, of 255: whether light comes from far away, and how near a surface is.
+struct Seen {
+    open: [u8; DIRECTIONS],
+    nearness: [u8; DIRECTIONS],
+}
 
 impl<'a> Pilot<'a> {
-    pub fn new(scene: &'a Intersector, observer: &'a dyn Observer) -> Self {
-        let directions = DirectionSet::new(&fibonacci_directions(DIRECTIONS));
-        Self { scene, directions, errors: HashMap::new(), observer }
+    /// `unit` is the edge length in metres that equal triangles would have.
+    pub fn new(scene: &'a Intersector, stored: Stored, unit: f32, observer: &'a dyn Observer) -> Self {
+        let toward = fibonacci_directions(DIRECTIONS);
+        let directions = DirectionSet::new(&toward);
+        Self {
+            scene,
+            directions,
+            toward,
+            stored,
+            half_distance: HALF_DISTANCE * unit,
+            errors: HashMap::new(),
+            observer,
+        }
     }
 
     fn seen(&self, point: &BakePoint) -> Result<Seen, BakeError> {
         cancelled(self.observer)?;
-        let mut visible = [0; DIRECTIONS];
-        self.scene.trace_batch(point.origin(true), &self.directions, |d| point.is_upper(d), &mut visible);
-        if point.two_sided {
-            self.scene.trace_batch(point.origin(false), &self.directions, |d| !point.is_upper(d), &mut visible);
+        let mut seen = Seen { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] };
+        for upper in [true, false].into_iter().filter(|&upper| upper || point.two_sided) {
+            let origin = point.origin(upper);
+            let traced = |d: Vec3| point.is_upper(d) == upper;
+            if !self.stored.bounces {
+                self.scene.trace_batch(origin, &self.directions, traced, &mut seen.open);
+                continue;
+            }
+            for (i, &d) in self.toward.iter().enumerate().filter(|(_, d)| traced(**d)) {
+                let hit = self.scene.closest_hit(origin, d);
+                seen.open[i] = u8::from(hit.is_none() && self.stored.environment);
+                seen.nearness[i] = hit.map_or(0, |hit| (255.0 / (1.0 + hit.distance / self.half_distance)) as u8);
+            }
         }
-        Ok(visible)
+        seen.open.iter_mut().for_each(|open| *open *= 255);
+        Ok(seen)
     }
 
     /// Traces the ends and midpoints of those edges whose error is not known yet.
@@ -80,12 +123,15 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
         offset: a.offset.min(b.offset),
         horizon: a.horizon.min(b.horizon),
         two_sided: a.two_sided,
-        radius: 0.5 * a.radius.min(b.radius),
     }
 }
 
-/// Mean over directions of how far the midpoint is from the mean of the ends.
+/// Mean over directions of how far the midpoint is from the mean of the ends, for what is further.
 fn midpoint_error(middle: &Seen, a: &Seen, b: &Seen) -> f32 {
-    let twice: u32 = (0..DIRECTIONS).map(|i| u32::from((2 * middle[i]).abs_diff(a[i] + b[i]))).sum();
-    twice as f32 / (2 * DIRECTIONS) as f32
+    let mean = |of: fn(&Seen) -> &[u8; DIRECTIONS]| {
+        let [middle, a, b] = [of(middle), of(a), of(b)].map(|values| values.map(u32::from));
+        let twice: u32 = (0..DIRECTIONS).map(|i| (2 * middle[i]).abs_diff(a[i] + b[i])).sum();
+        twice as f32 / (2 * 255 * DIRECTIONS) as f32
+    };
+    mean(|seen| &seen.open).max(mean(|seen| &seen.nearness))
 }

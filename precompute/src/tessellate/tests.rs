@@ -2,6 +2,7 @@
 
 use super::{edges::end_vertices, split::midpoint_vertex, *};
 use crate::{
+    mesh_surface::tests::room,
     observer::Silent,
     sidedness::{
         classify,
@@ -15,6 +16,8 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
+const DISTANT: Stored = Stored { environment: true, bounces: false };
+
 fn box_over_floor() -> Scene {
     let mut triangles = floor(2.0, 0.0).to_vec();
     triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
@@ -22,10 +25,13 @@ fn box_over_floor() -> Scene {
 }
 
 fn tessellated(budget: usize) -> Scene {
-    let mut scene = box_over_floor();
+    tessellated_for(DISTANT, box_over_floor(), budget)
+}
+
+fn tessellated_for(stored: Stored, mut scene: Scene, budget: usize) -> Scene {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
-    tessellate(&mut scene.mesh, &mut sides, &intersector, budget, &Silent).unwrap();
+    tessellate(&mut scene.mesh, &mut sides, &intersector, stored, budget, &Silent).unwrap();
     assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
     scene
 }
@@ -49,6 +55,10 @@ fn the_result_is_valid_conforming_and_has_the_same_surface() {
     let (before, after) = (box_over_floor(), tessellated(3000));
     assert_eq!(after.mesh.validate(1, 1), Ok(()));
     assert!(after.mesh.positions.len() > 1000 && after.mesh.positions.len() <= 3000);
+    for budget in [50, 100, 200, 400, 800] {
+        let vertices = tessellated(budget).mesh.positions.len();
+        assert!(vertices <= budget && 10 * vertices > 9 * budget, "{vertices} of {budget}");
+    }
     assert!((area(&after.mesh) / area(&before.mesh) - 1.0).abs() < 1e-4);
     assert!(is_conforming(&after.mesh));
     let mut cracked = after.mesh.clone();
@@ -58,18 +68,34 @@ fn the_result_is_valid_conforming_and_has_the_same_surface() {
     assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
 }
 
+/// Vertices a square metre of the plane y = `height` between two distances from (0.3, 0.2).
+fn density(mesh: &Mesh, height: f32, near: f32, far: f32) -> f32 {
+    let in_ring = |p: &&Vec3| {
+        let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();
+        p.y == height && r >= near && r < far
+    };
+    let area = std::f32::consts::PI * (far * far - near * near);
+    mesh.positions.iter().filter(in_ring).count() as f32 / area
+}
+
 #[test]
 fn vertices_gather_where_the_shadow_changes() {
     let mesh = tessellated(3000).mesh;
-    let on_floor = |near: f32, far: f32| {
-        let ring = |p: &&Vec3| {
-            let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();
-            p.y == 0.0 && r >= near && r < far
-        };
-        let area = std::f32::consts::PI * (far * far - near * near);
-        mesh.positions.iter().filter(ring).count() as f32 / area
+    let (under, beside) = (density(&mesh, 0.0, 0.0, 0.8), density(&mesh, 0.0, 1.2, 1.7));
+    assert!(under > 3.0 * beside, "{under} and {beside}");
+}
+
+#[test]
+fn in_a_closed_room_vertices_gather_where_bounced_light_changes() {
+    let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0));
+    triangles.extend(cuboid(Vec3::new(0.3, -1.7, 0.2), Vec3::splat(0.25)));
+    let ratio = |stored| {
+        let mesh = tessellated_for(stored, scene_of(&triangles), 6000).mesh;
+        density(&mesh, -2.0, 0.0, 0.6) / density(&mesh, -2.0, 0.9, 1.4)
     };
-    assert!(on_floor(0.0, 0.8) > 3.0 * on_floor(1.2, 1.7), "{} and {}", on_floor(0.0, 0.8), on_floor(1.2, 1.7));
+    let (bounced, distant) = (ratio(Stored { environment: false, bounces: true }), ratio(DISTANT));
+    assert!(bounced > 3.0, "{bounced}");
+    assert!(distant < 1.5, "negative control: the sky is hidden everywhere, {distant}");
 }
 
 #[test]
@@ -96,7 +122,7 @@ fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let observer = Impatient { asked: AtomicUsize::new(0), limit };
-    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, 3000, &observer);
+    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, DISTANT, 3000, &observer);
     (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
 }
 

@@ -12,18 +12,25 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Samples along each side of an area light, in the middles of equal parts: neighbouring sources average what is left.
-const AREA_SAMPLES: u32 = 3;
-
 /// Fraction of the distance to a light where nothing hides it any more.
 const NEAR_THE_LIGHT: f32 = 1e-3;
 
-/// What `lights` give each point; shadow rays start `offset` metres off its surface.
-pub fn light_irradiance(points: &[Surfel], lights: &[Light], intersector: &Intersector, offset: f32) -> Vec<Vec3> {
-    let patterns: Vec<(&Light, Vec<Vec2>)> = lights.iter().map(|light| (light, pattern(light))).collect();
+/// How shadow rays are cast.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRays {
+    /// Samples along each side of an area light; neighbouring points average what they miss.
+    pub area_samples: u32,
+    /// Distance in metres that they start off a surface.
+    pub offset: f32,
+}
+
+/// What `lights` give each point.
+pub fn light_irradiance(points: &[Surfel], lights: &[Light], intersector: &Intersector, rays: ShadowRays) -> Vec<Vec3> {
+    let patterns: Vec<(&Light, Vec<Vec2>)> =
+        lights.iter().map(|light| (light, pattern(light, rays.area_samples))).collect();
     let of_point = |point: &Surfel| {
         let received = |(light, pattern): &(&Light, Vec<Vec2>)| {
-            let samples = pattern.iter().map(|&u| light_sample(point, light, u, intersector, offset));
+            let samples = pattern.iter().map(|&u| light_sample(point, light, u, intersector, rays.offset));
             samples.sum::<Vec3>() / pattern.len() as f32
         };
         patterns.iter().map(received).sum()
@@ -31,9 +38,11 @@ pub fn light_irradiance(points: &[Surfel], lights: &[Light], intersector: &Inter
     points.par_iter().with_min_len(64).map(of_point).collect()
 }
 
-fn pattern(light: &Light) -> Vec<Vec2> {
-    let side = if light.is_delta() { 1 } else { AREA_SAMPLES };
-    let middle = |i: u32| (i as f32 + 0.5) / side as f32;
+fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
+    let side = if light.is_delta() { 1 } else { area_samples };
+    // The middles of equal parts, drawn apart so that they spread as the whole side does.
+    let apart = 1.0 / (1.0 - 1.0 / (side * side).max(2) as f32).sqrt();
+    let middle = |i: u32| 0.5 + ((i as f32 + 0.5) / side as f32 - 0.5) * apart;
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 

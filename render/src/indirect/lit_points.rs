@@ -1,6 +1,9 @@
 //! Points of surfaces under lights that come and go: what an edit does not change is kept.
 
-use super::{irradiance::light_irradiance, light_groups::LightGroups};
+use super::{
+    irradiance::{ShadowRays, light_irradiance},
+    light_groups::LightGroups,
+};
 use crate::{appearance::Appearance, baked::Baked};
 use glam::Vec3;
 use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector, surfel::Surfel};
@@ -12,6 +15,7 @@ pub(super) struct LitPoints {
     dataset: Arc<Dataset>,
     intersector: Arc<Intersector>,
     points: Vec<Surfel>,
+    area_samples: u32,
     albedo: Vec<Vec3>,
     /// What local lights give the points.
     pub(super) lights: LightGroups,
@@ -19,11 +23,11 @@ pub(super) struct LitPoints {
 }
 
 impl LitPoints {
-    /// Points of a dataset that looks as it was baked, in the dark.
-    pub fn new(baked: &Baked, points: Vec<Surfel>) -> Self {
+    /// Points of a dataset that looks as it was baked, in the dark. Area lights cast so many samples along each of their sides.
+    pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
         let (dataset, intersector) = (baked.dataset.clone(), baked.intersector());
         let (albedo, lights) = (Vec::new(), LightGroups::default());
-        let mut lit = Self { dataset, intersector, points, albedo, lights, environment: None };
+        let mut lit = Self { dataset, intersector, points, area_samples, albedo, lights, environment: None };
         lit.set_appearance(&Appearance::of(&lit.dataset.scene));
         lit
     }
@@ -47,8 +51,8 @@ impl LitPoints {
     /// Shines local lights on the points, by rays; only for those that are not as before. Returns whether there are
     /// such.
     pub fn set_lights(&mut self, lights: &[Light]) -> bool {
-        let offset = self.ray_offset();
-        self.lights.update(lights, |lights| light_irradiance(&self.points, lights, &self.intersector, offset))
+        let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
+        self.lights.update(lights, |lights| light_irradiance(&self.points, lights, &self.intersector, rays))
     }
 
     /// Shines an environment on the points that gives each of them so much, or none.

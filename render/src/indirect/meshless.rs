@@ -13,6 +13,9 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// Samples of an area light along each of its sides, at a sender.
+const AREA_SAMPLES: u32 = 3;
+
 /// Vector irradiance of bounced light in W/m², one a vertex, a column a colour channel.
 pub type VertexIrradiance = Vec<Mat3A>;
 
@@ -33,7 +36,7 @@ impl MeshlessRig {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
         let solver = Solver::new(bake);
-        let senders = LitPoints::new(baked, bake.basis.points()[bake.basis.senders()].to_vec());
+        let senders = LitPoints::new(baked, bake.basis.points()[bake.basis.senders()].to_vec(), AREA_SAMPLES);
         Some(Self { solver, senders, at_vertices: None, at_sources: None, solved: None, dataset })
     }
 

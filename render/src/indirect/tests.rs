@@ -233,7 +233,7 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
     for (source, e) in rig.tree().sources().iter().zip(rig.irradiance()) {
         let to_light = light.position - source.surfel.position;
         let expected = 3.0 * to_light.x / to_light.length().powi(3);
-        assert!((e.x / expected - 1.0).abs() < 1e-4, "{e} for {expected}");
+        assert!((e.x / expected - 1.0).abs() < 2e-3, "{e} for {expected}");
     }
     let behind = point_light(Vec3::new(-3.0, 1.0, 0.0), 3.0);
     let below = point_light(Vec3::new(-1.0, -1.0, 0.0), 3.0);

@@ -1,4 +1,4 @@
-//! Samples of bounced light: a segment to every surface source that sends light.
+//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions to near ones.
 
 use super::PointShader;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
     surface::SurfacePoint,
 };
 use glam::Vec3;
-use lapidary_core::{indirect::Receiver, ray::SegmentBatch, simd::Vec3x8, surfel::OFFSET};
+use lapidary_core::{indirect::NearField, ray::SegmentBatch, simd::Vec3x8, surfel::OFFSET};
 use std::array::from_fn;
 use wide::f32x8;
 
@@ -16,6 +16,7 @@ use wide::f32x8;
 pub(super) struct SourceSamples<'a> {
     lighting: &'a SourceLighting,
     ends: Vec<Vec3>,
+    near: NearField,
 }
 
 impl<'a> SourceSamples<'a> {
@@ -23,7 +24,8 @@ impl<'a> SourceSamples<'a> {
         let off_surface = OFFSET * renderer.dataset.scene.mesh.bounds().diagonal();
         let sources = lighting.tree.sources();
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
-        Self { lighting, ends }
+        let near = NearField::new(sources, renderer.dataset.source_spacing());
+        Self { lighting, ends, near }
     }
 
     pub fn shader(&'a self, renderer: &'a Renderer) -> impl PointShader {
@@ -49,24 +51,53 @@ struct SourceShader<'a> {
 }
 
 impl SourceShader<'_> {
-    /// Sets the solid angles of the sources that are seen, and lists those that may be.
+    /// Sets the solid angles of the sources that are seen, and lists those and others.
     fn trace(&mut self, point: &SurfacePoint) {
-        let (lighting, solid_angles) = (self.samples.lighting, &mut self.solid_angles);
         let (n, s) = (point.world_from_local.z_axis, point.smooth_normal);
+        let receives = |direction: Vec3| direction.dot(n) > 0.0 && direction.dot(s) > 0.0;
+        let has_near = self.trace_far(point, receives);
+        if has_near {
+            self.gather_near(point, receives);
+        }
+    }
+
+    /// Far sources, one segment each. Returns whether near sources face the point.
+    fn trace_far(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) -> bool {
+        let Self { samples, solid_angles, wanted, .. } = self;
+        let lighting = samples.lighting;
         let leaves = lighting.tree.len();
-        let receiver = Receiver { position: point.position, normal: s, radius: 0.0 };
-        self.wanted.clear();
+        let mut has_near = false;
+        wanted.clear();
+        solid_angles.fill(0.0);
         for (i, source) in lighting.tree.sources().iter().enumerate() {
-            let direction = source.surfel.position - point.position;
-            let received = direction.dot(n) > 0.0 && direction.dot(s) > 0.0;
             let sends = lighting.nodes.radiance[leaves + i] != Vec3::ZERO;
-            solid_angles[i] = if received && sends { source.mean_solid_angle(&receiver) } else { 0.0 };
-            if solid_angles[i] > 0.0 {
-                self.wanted.push(i as u32);
+            let solid_angle = source.solid_angle_from(point.position);
+            if solid_angle == 0.0 || !sends || !receives(source.surfel.position - point.position) {
+                continue;
+            }
+            if samples.near.holds(source, point.ray_origin) {
+                has_near |= samples.near.is_over(source, point.position);
+            } else {
+                solid_angles[i] = solid_angle;
+                wanted.push(i as u32);
             }
         }
         let hidden = |i: u32| solid_angles[i as usize] = 0.0;
-        self.batch.trace(&self.renderer.intersector, point.ray_origin, &self.samples.ends, &self.wanted, hidden);
+        self.batch.trace(&self.renderer.intersector, point.ray_origin, &samples.ends, wanted, hidden);
+        has_near
+    }
+
+    /// Near sources, by rays in all directions.
+    fn gather_near(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) {
+        let Self { samples, solid_angles, wanted, renderer, .. } = self;
+        let sources = samples.lighting.tree.sources();
+        let place = [point.ray_origin, point.world_from_local.z_axis];
+        samples.near.gather(sources, &renderer.intersector, place, receives, |i, solid_angle| {
+            if solid_angles[i] == 0.0 {
+                wanted.push(i as u32);
+            }
+            solid_angles[i] += solid_angle;
+        });
     }
 }
 

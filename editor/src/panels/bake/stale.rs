@@ -64,6 +64,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Sources", of_sources(grouped(indirect.sources as u64))),
         ("Source sigma", of_sources(indirect.criterion.sigma.to_string())),
         ("Largest solid angle", of_sources(indirect.criterion.max_solid_angle.to_string())),
+        ("Source contrast", of_sources(indirect.criterion.contrast.to_string())),
         ("Levels", of_meshless(meshless.levels.to_string())),
         ("Sender levels", of_meshless(meshless.sender_levels.to_string())),
         ("Coarse radius", of_meshless(meshless.coarse_radius.map_or("found".into(), |r| r.to_string()))),

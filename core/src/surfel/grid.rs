@@ -1,14 +1,15 @@
 //! Surface points by place, for range queries.
 
+use super::Surfel;
+use crate::meshless::distance::distance;
 use glam::Vec3;
-use lapidary_core::surfel::Surfel;
 
 /// Buckets; cells that share one cost a few tests more.
 const BUCKETS: usize = 1 << 18;
 const NONE: u32 = u32::MAX;
 
 /// A uniform hash grid of surface points.
-pub struct Grid {
+pub struct SurfelGrid {
     inverse_cell: f32,
     /// Last point of each bucket.
     heads: Vec<u32>,
@@ -17,7 +18,7 @@ pub struct Grid {
     points: Vec<Surfel>,
 }
 
-impl Grid {
+impl SurfelGrid {
     /// For queries of points no farther than `reach` metres.
     pub fn new(reach: f32) -> Self {
         Self { inverse_cell: 1.0 / reach, heads: vec![NONE; BUCKETS], before: Vec::new(), points: Vec::new() }
@@ -30,16 +31,19 @@ impl Grid {
         grid
     }
 
+    /// Adds a point.
     pub fn push(&mut self, point: Surfel) {
         let bucket = bucket(self.cell(point.position));
         self.before.push(std::mem::replace(&mut self.heads[bucket], self.points.len() as u32));
         self.points.push(point);
     }
 
+    /// All points in the order in which they came.
     pub fn points(&self) -> &[Surfel] {
         &self.points
     }
 
+    /// The points alone.
     pub fn into_points(self) -> Vec<Surfel> {
         self.points
     }
@@ -61,6 +65,20 @@ impl Grid {
         false
     }
 
+    /// The point nearest to `place` by position and normal ([`distance`]) within `reach` metres, no farther than that of the
+    /// grid.
+    pub fn nearest(&self, place: &Surfel, reach: f32) -> Option<usize> {
+        let mut nearest = (reach, None);
+        self.any_near(place.position, |i, point| {
+            let d = distance(point, place);
+            if d < nearest.0 {
+                nearest = (d, Some(i));
+            }
+            false
+        });
+        nearest.1
+    }
+
     fn cell(&self, position: Vec3) -> [i64; 3] {
         (position * self.inverse_cell).floor().to_array().map(|x| x as i64)
     }
@@ -71,4 +89,18 @@ fn bucket(cell: [i64; 3]) -> usize {
     let [x, y, z] = cell.map(|c| c as u32);
     let hash = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ z.wrapping_mul(83_492_791);
     (hash ^ hash >> 15) as usize % BUCKETS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_finds_neighbours_however_small_its_cells() {
+        let at = |x: f32| Surfel { position: Vec3::splat(x), normal: Vec3::Y, place: Default::default() };
+        for (reach, x) in [(1e-30, 3e8), (1e-12, -1e12), (1e-6, 4e3)] {
+            let grid = SurfelGrid::of(reach, &[at(x)]);
+            assert!(grid.any_near(Vec3::splat(x), |i, _| i == 0), "{reach} at {x}");
+        }
+    }
 }
