@@ -4,7 +4,7 @@
 //! discs overlap, and reach into other surfaces; at the foot of a wall the floor's are seen edge on. So rays from the point go
 //! out in all directions, and each gives its part of the sphere to the source that stands for the place it meets. A receiver
 //! takes light of a source to come from its centre, so a ray counts by its own cosine over that of the centre: irradiance is
-//! right even where the rays meet the foot of a wall and the centre is far up.
+//! nearly right even where rays meet the foot of a wall and the centre is far up.
 
 use super::Source;
 use crate::{
@@ -140,7 +140,7 @@ mod tests {
             let cosine = |s: &Source| (s.surfel.position - foot).normalize().x.max(0.0);
             angles.iter().zip(&sources).map(|(angle, s)| angle * cosine(s)).sum::<f32>()
         };
-        // Half of what a furnace gives, but for the floor beyond the reach and for small cosines, which count as more than they are.
+        // Half of what a furnace gives, but for the floor beyond the reach and for small cosines, which count as more.
         let found = lit(gathered(&near, &scene, &sources, foot, Vec3::X));
         assert!((found / (0.5 * PI) - 1.0).abs() < 0.1, "{found}");
         let discs = lit(sources.iter().map(|s| s.solid_angle_from(foot)).collect());
