@@ -43,7 +43,8 @@ pub fn place_sources(
 /// # Errors
 /// [`BakeError::Cancelled`].
 pub fn order_sources(
-    (sources, radius): (Vec<Source>, f32),
+    sources: Vec<Source>,
+    radius: f32,
     points: &BakePoints,
     scene: &Intersector,
     surface: &dyn Surface,

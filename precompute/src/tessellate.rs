@@ -31,7 +31,7 @@ const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.
 const ROUNDS: usize = 16;
 /// Part of the vertices that are left that a round makes, but for the last: halves of urgent edges may be more urgent than
-/// all that is left of others. With all of them in the first round the pictures on the living room's walls stayed black.
+/// all that is left of others. With all of them in the first round a picture on the living room's wall stayed black.
 const PART_A_ROUND: f32 = 0.3;
 
 /// Splits edges of `mesh` until it has at most `budget` vertices or what vertices are to store is linear enough. `sides` keeps
@@ -53,6 +53,9 @@ pub fn tessellate(
     for round in 1..=ROUNDS {
         cancelled(observer)?;
         let left = budget.saturating_sub(mesh.positions.len());
+        if left == 0 {
+            break;
+        }
         let edges = Edges::new(mesh);
         let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, unit)?;
         let part = if round < ROUNDS { (PART_A_ROUND * left as f32) as usize } else { left };

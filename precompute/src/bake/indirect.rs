@@ -66,7 +66,8 @@ impl Stage<'_> {
         let clusters = self.settings.pilot_clusters as u64;
         let sources = clock.time(Phase::SourceTree, clusters, "clusters", || {
             order_sources(
-                (sources, radius),
+                sources,
+                radius,
                 &self.geometry.points,
                 &self.geometry.intersector,
                 self.surface,

@@ -11,7 +11,7 @@ use glam::Vec3;
 use lapidary_core::{
     cut::packed::{VALUE_MAX, depth},
     dataset::{BakeMode, IndirectSettings, MeshlessSettings},
-    indirect::{Source, solid_angle},
+    indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
     source_tree::SourceTree,
 };
 use std::{
@@ -213,7 +213,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
 }
 
 #[test]
-fn a_closed_room_is_a_white_furnace_in_every_cut() {
+fn a_closed_room_is_a_white_furnace_and_a_full_hemisphere_in_every_cut() {
     let folder = tempfile::tempdir().unwrap();
     let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
     let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
@@ -241,6 +241,9 @@ fn a_closed_room_is_a_white_furnace_in_every_cut() {
     for &v in &vertices {
         let found = irradiance(v, 512);
         assert!((found - 1.0).abs() < 0.1, "{found} at vertex {v}");
+        let angle = |&n: &u16| solid_angle(n & VALUE_MAX) * (512_u32 >> depth(n)) as f32;
+        let total: f32 = indirect.cuts.cut(9, v as u32).iter().map(angle).sum();
+        assert!((total / LARGEST_SOLID_ANGLE - 1.0).abs() < 0.1, "{total} sr at vertex {v}");
     }
     assert!(vertices.iter().any(|&v| irradiance(v, 256) < 0.8), "negative control: half of the sources");
 }
