@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 mod read;
+mod region;
 mod write;
 
 pub use read::{decode, dimensions};
+pub use region::Region;
 pub use write::{encode_png, encode_png_with_alpha};
 
 /// Why a picture could not be read or written.
@@ -92,6 +94,22 @@ impl Image {
     pub fn add(&mut self, other: &Self) {
         assert_eq!(self.size, other.size, "pictures of one size");
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(sum, value)| *sum += *value);
+    }
+
+    /// A part of it.
+    ///
+    /// # Panics
+    /// If the region reaches beyond the picture.
+    pub fn crop(&self, region: Region) -> Self {
+        let rows = region.rows().map(|y| &self.pixels[y as usize * self.width()..][..self.width()]);
+        let pixels = rows.flat_map(|row| &row[region.columns().start as usize..region.columns().end as usize]);
+        Self { size: region.size, pixels: pixels.copied().collect() }
+    }
+
+    /// The pixels whose column and row are multiples of `step`, as a smaller picture.
+    pub fn every(&self, step: u32) -> Self {
+        let size = self.size.map(|side| side.div_ceil(step));
+        Self::from_fn(size, |x, y| self.at((x * step) as usize, (y * step) as usize))
     }
 
     /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.

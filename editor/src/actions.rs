@@ -103,6 +103,12 @@ pub enum Action {
     ToggleKeys,
     /// Look for files that moved, in this folder.
     Relink(Option<PathBuf>),
+    /// Compare with a picture file.
+    ChooseReference(Option<PathBuf>),
+    /// Hold the tracing of the reference, or go on.
+    PauseReference(bool),
+    /// Begin or end the comparison with a reference.
+    ToggleComparison,
     /// Close the window, after asking about unsaved changes.
     Quit,
 }

@@ -2,6 +2,7 @@
 
 mod baking;
 mod camera;
+mod comparison;
 mod dialogs;
 mod documents;
 mod drops;

@@ -1,13 +1,15 @@
-//! Slow work on threads of its own, so that the window never waits: rendering, loading, baking, watching files, and
-//! pictures for the library.
+//! Slow work on threads of its own, so that the window never waits: rendering, references and what pictures differ from them
+//! by, loading, baking, watching files, and pictures for the library.
 //!
 //! Each job takes typed requests and gives typed messages, which the window collects once a frame. [`Wake`] makes it look
 //! when there are some.
 
 pub mod bake;
 pub mod budget;
+pub mod comparison;
 mod imported;
 pub mod load;
+pub mod measure;
 pub mod render_thread;
 pub mod thumbnails;
 pub mod watch;

@@ -1,6 +1,7 @@
 //! The panels around the viewport. They read the document and say what they want done as actions.
 
 pub mod bake;
+pub mod comparison;
 mod entries;
 pub mod environment;
 pub mod lights;

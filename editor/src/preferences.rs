@@ -44,6 +44,8 @@ pub enum FileUse {
     Lights,
     /// Pictures to write.
     Picture,
+    /// Pictures to compare with.
+    Reference,
     /// Folders to look for missing files in.
     Missing,
 }
@@ -59,6 +61,7 @@ pub struct LastFolders {
     material: Option<PathBuf>,
     lights: Option<PathBuf>,
     picture: Option<PathBuf>,
+    reference: Option<PathBuf>,
     missing: Option<PathBuf>,
 }
 
@@ -84,6 +87,7 @@ impl LastFolders {
             FileUse::Material => &mut self.material,
             FileUse::Lights => &mut self.lights,
             FileUse::Picture => &mut self.picture,
+            FileUse::Reference => &mut self.reference,
             FileUse::Missing => &mut self.missing,
         }
     }

@@ -16,6 +16,7 @@
 
 pub mod camera_text;
 mod clusters;
+pub mod compare;
 pub mod gizmo;
 mod input;
 mod legend;
@@ -24,7 +25,7 @@ mod outline;
 mod paint;
 pub mod pick;
 
-use crate::{actions::Action, document::Document};
+use crate::{actions::Action, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use lapidary_core::{
     dataset::BakeMode,
@@ -97,6 +98,8 @@ pub struct ViewportContext<'a> {
     pub placeholder: Option<&'a str>,
     /// Whether the picture is of a bake that no longer matches.
     pub stale: bool,
+    /// What it is compared with, if it is.
+    pub compared: Option<compare::Compared<'a>>,
 }
 
 impl ViewportContext<'_> {
@@ -159,8 +162,15 @@ fn is_moving(ui: &Ui, state: &ViewportState) -> bool {
 fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, context: &ViewportContext) {
     let rect = response.rect;
     paint::picture(ui, rect, state, context);
+    let view = context.compared.as_ref().map(|compared| compared.view);
+    if let Some(compared) = &context.compared {
+        compare::paint(ui, rect, context.picture.map(|texture| (texture, context.picture_size)), compared);
+    }
     if let Some(text) = context.placeholder {
         paint::placeholder(ui, rect, text);
+    } else if view == Some(CompareView::SideBySide) {
+        // What is drawn over the picture would lie beside it.
+        paint::badges(ui, rect, context);
     } else {
         let clusters = context.clusters().zip(context.intersector);
         if let Some((sources, intersector)) = clusters {
@@ -168,7 +178,9 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
         }
         outline(ui, rect, state, context);
         gizmo::paint(ui, rect, &state.gizmo, context);
-        legend::paint(&ui.painter_at(rect), rect, context);
+        if view != Some(CompareView::Difference) {
+            legend::paint(&ui.painter_at(rect), rect, context);
+        }
         paint::badges(ui, rect, context);
     }
     paint::drop_hint(ui, rect, context.accent);

@@ -8,6 +8,7 @@ use crate::{
     wireframe::{self, Screen},
 };
 use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 /// A view of a renderer's scene.
 pub(crate) struct Frame<'a> {
@@ -32,6 +33,15 @@ impl<'a> Frame<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let screen = Screen::new(&view.camera, view.size);
         Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+    }
+
+    /// The pixels of a row that are wanted.
+    pub fn columns(&self, y: u32) -> Range<u32> {
+        match self.view.region {
+            None => 0..self.view.size[0],
+            Some(region) if region.rows().contains(&y) => region.columns(),
+            Some(_) => 0..0,
+        }
     }
 
     /// What one of a pixel's samples sees.

@@ -5,6 +5,7 @@
 //! knows neither light samples nor cuts: it shows the whole error. Seeded by pixel and pass.
 
 mod environment_sampling;
+mod halves;
 mod light_choice;
 mod tracer;
 
@@ -13,9 +14,11 @@ use crate::{
     components::Components,
     frame::Frame,
     renderer::{Illumination, Renderer},
-    view::{Progress, View},
+    view::{Preview, Progress, View},
 };
 use glam::Vec3;
+use halves::Halves;
+pub use halves::PathPicture;
 use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
 use tracer::Tracer;
@@ -52,6 +55,18 @@ impl Renderer {
         settings: PathSettings,
         progress: &dyn Progress,
     ) -> Image {
+        self.path_picture(view, light, lights, settings, progress).image
+    }
+
+    /// [`Self::path_reference`], and its noise.
+    pub fn path_picture(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lights: &[Light],
+        settings: PathSettings,
+        progress: &dyn Progress,
+    ) -> PathPicture {
         let backdrop = if settings.components.environment {
             Backdrop::new(view, light, &mut BlurCache::default())
         } else {
@@ -59,33 +74,44 @@ impl Renderer {
         };
         let frame = Frame::new(self, view, &backdrop);
         let tracer = Tracer::new(self, light, lights, settings);
-        let mut sum = Image::filled(view.size, Vec3::ZERO);
-        let mut passes = 0_u32;
+        let mut halves = Halves::new(view.size, view.aa);
         // At least one sample for each position of the pixel pattern.
         let wanted = settings.spp.max(view.aa).max(1);
         for pass in 0..wanted {
-            if progress.cancelled() && passes > 0 {
+            if progress.abandoned() || (progress.cancelled() && pass > 0) {
                 break;
             }
-            let width = view.size[0] as usize;
-            sum.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-                for (x, pixel) in row.iter_mut().enumerate() {
-                    let mut rng = fastrand::Rng::with_seed(seed(y * width + x, settings.first_pass + pass));
-                    *pixel += frame.sample(x as u32, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
-                }
-            });
-            passes += 1;
-            progress.advanced(u64::from(pass) + 1, u64::from(wanted));
-            if passes.is_power_of_two() {
-                progress.preview(&scaled(&sum, passes));
+            let image = trace_pass(&frame, &tracer, pass, settings.first_pass, progress);
+            if progress.abandoned() {
+                break;
+            }
+            halves.add(&image);
+            let done = halves.passes();
+            progress.advanced(done.into(), wanted.into());
+            if progress.wants_preview(done) {
+                let PathPicture { image, noise, .. } = halves.picture();
+                progress.preview(&Preview { image: &image, step: 1, noise });
             }
         }
-        scaled(&sum, passes)
+        halves.picture()
     }
 }
 
-fn scaled(sum: &Image, passes: u32) -> Image {
-    Image { size: sum.size, pixels: sum.pixels.iter().map(|&p| p / passes as f32).collect() }
+/// One path for every pixel. What is abandoned stays black.
+fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, first_pass: u32, progress: &dyn Progress) -> Image {
+    let size = frame.view.size;
+    let mut image = Image::filled(size, Vec3::ZERO);
+    let width = size[0] as usize;
+    image.pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+        if progress.abandoned() {
+            return;
+        }
+        for x in frame.columns(y as u32) {
+            let mut rng = fastrand::Rng::with_seed(seed(y * width + x as usize, first_pass + pass));
+            row[x as usize] = frame.sample(x, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
+        }
+    });
+    image
 }
 
 /// A seed for a pixel and pass, with all bits mixed (SplitMix64).

@@ -12,11 +12,11 @@ use crate::{
     indirect::SourceLighting,
     renderer::{Illumination, Renderer},
     surface::SurfacePoint,
-    view::{Progress, View},
+    view::{Preview, Progress, View},
 };
 use distant::LightSamples;
 use glam::Vec3;
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
 use sources::SourceSamples;
 
@@ -46,19 +46,53 @@ trait PointShader {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3;
 }
 
+/// Sums two kinds of samples, of which each may be left out.
+struct Sum<A, B>(Option<A>, Option<B>);
+
+impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        let first = self.0.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point));
+        first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
+    }
+}
+
+/// The light of a picture without cuts.
+#[derive(Clone, Copy, Default)]
+pub struct SampledLight<'a> {
+    /// All light samples of it, and itself as the background.
+    pub environment: Option<&'a Illumination>,
+    /// Their direct light.
+    pub lights: &'a [Light],
+    /// All of them.
+    pub sources: Option<&'a SourceLighting>,
+}
+
 impl Renderer {
-    /// All light samples of the environment without cuts. If cancelled, pixels not reached repeat their block's first.
+    /// All light samples of the environment without cuts. If cancelled, pixels not reached repeat one in their block.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
-        let samples = LightSamples::new(self, light);
-        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
-        self.in_passes(&Frame::new(self, view, &backdrop), || samples.shader(self), progress)
+        self.sampled(view, SampledLight { environment: Some(light), ..Default::default() }, progress)
     }
 
     /// The light of all surface sources without cuts, on black; cancelled as [`Self::samples_reference`].
     pub fn sources_reference(&self, view: &View, lighting: &SourceLighting, progress: &dyn Progress) -> Image {
-        let samples = SourceSamples::new(self, lighting);
-        let backdrop = Backdrop::black();
-        self.in_passes(&Frame::new(self, view, &backdrop), || samples.shader(self), progress)
+        self.sampled(view, SampledLight { sources: Some(lighting), ..Default::default() }, progress)
+    }
+
+    /// Light of all kinds without cuts; cancelled as [`Self::samples_reference`].
+    pub fn sampled(&self, view: &View, light: SampledLight, progress: &dyn Progress) -> Image {
+        let distant = light.environment.map(|environment| LightSamples::new(self, environment));
+        let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));
+        let backdrop = light.environment.map(|environment| Backdrop::new(view, environment, &mut BlurCache::default()));
+        let backdrop = backdrop.unwrap_or_else(Backdrop::black);
+        let shader = || {
+            let distant = distant.as_ref().map(|samples| samples.shader(self));
+            Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
+        };
+        let direct = (!light.lights.is_empty()).then(|| self.direct_light(view, light.lights));
+        let progress = OverDirect { direct: direct.as_ref(), inner: progress };
+        let mut image = self.in_passes(&Frame::new(self, view, &backdrop), shader, &progress);
+        direct.iter().for_each(|direct| image.add(direct));
+        image
     }
 
     fn in_passes<S: PointShader>(
@@ -69,44 +103,84 @@ impl Renderer {
     ) -> Image {
         let size = frame.view.size;
         let mut image = Image::filled(size, Vec3::ZERO);
-        let total = u64::from(size[0]) * u64::from(size[1]);
+        let total = (0..size[1]).map(|y| frame.columns(y).len() as u64).sum();
         let mut done = 0;
         for (pass, &(dx, dy)) in PASSES.iter().enumerate() {
             let rows: Vec<u32> = (dy..size[1]).step_by(4).collect();
             // Some rows at a time, so that a large picture can be cancelled between them.
             for rows in rows.chunks(16) {
-                if progress.cancelled() {
+                if progress.cancelled() || progress.abandoned() {
                     fill_blocks(&mut image, pass);
                     return image;
                 }
-                let shade = |y: &u32| -> Vec<Vec3> {
+                let shade = |y: &u32| -> Vec<(u32, Vec3)> {
                     let mut shader = shader();
-                    let mut pixel = |x| frame.pixel(x, *y, |point| shader.shade(point));
-                    (dx..size[0]).step_by(4).map(&mut pixel).collect()
+                    let columns = frame.columns(*y).filter(|x| x % 4 == dx && !progress.abandoned());
+                    columns.map(|x| (x, frame.pixel(x, *y, |point| shader.shade(point)))).collect()
                 };
-                let shaded: Vec<Vec<Vec3>> = rows.par_iter().map(shade).collect();
+                let shaded: Vec<Vec<(u32, Vec3)>> = rows.par_iter().map(shade).collect();
                 for (&y, row) in rows.iter().zip(shaded) {
-                    for (i, value) in row.into_iter().enumerate() {
-                        image.pixels[(y * size[0] + dx) as usize + 4 * i] = value;
-                        done += 1;
-                    }
+                    done += row.len() as u64;
+                    row.into_iter().for_each(|(x, value)| image.pixels[(y * size[0] + x) as usize] = value);
                 }
                 progress.advanced(done, total);
             }
-            progress.preview(&image);
+            if let Some(step) = step_after(pass + 1) {
+                let mut coarse = image.clone();
+                fill_blocks(&mut coarse, pass + 1);
+                progress.preview(&Preview { image: &coarse, step, noise: None });
+            }
         }
         image
     }
 }
 
-/// Gives pixels that no finished pass has reached the value of one in their block.
+/// Adds direct light to the previews, which the passes know nothing of.
+struct OverDirect<'a> {
+    direct: Option<&'a Image>,
+    inner: &'a dyn Progress,
+}
+
+impl Progress for OverDirect<'_> {
+    fn advanced(&self, done: u64, total: u64) {
+        self.inner.advanced(done, total);
+    }
+
+    fn preview(&self, preview: &Preview) {
+        let Some(direct) = self.direct else { return self.inner.preview(preview) };
+        let mut image = preview.image.clone();
+        image.add(direct);
+        self.inner.preview(&Preview { image: &image, ..*preview });
+    }
+
+    fn cancelled(&self) -> bool {
+        self.inner.cancelled()
+    }
+
+    fn abandoned(&self) -> bool {
+        self.inner.abandoned()
+    }
+}
+
+/// The grid of pixels that are complete after a number of passes, where there is a new one.
+fn step_after(passes: usize) -> Option<u32> {
+    [(1, 4), (4, 2), (16, 1)].into_iter().find(|&(p, _)| p == passes).map(|(_, step)| step)
+}
+
+/// Gives pixels that no finished pass has reached the value of the nearest one to the upper left in their block that one has.
 fn fill_blocks(image: &mut Image, finished: usize) {
     let [width, height] = image.size;
+    let step = match finished {
+        0 => return,
+        1..4 => 4,
+        4..16 => 2,
+        _ => 1,
+    };
     for y in 0..height {
         for x in 0..width {
             let reached = PASSES[..finished].contains(&(x % 4, y % 4));
-            if !reached && finished > 0 {
-                image.pixels[(y * width + x) as usize] = image.at((x - x % 4) as usize, (y - y % 4) as usize);
+            if !reached {
+                image.pixels[(y * width + x) as usize] = image.at((x - x % step) as usize, (y - y % step) as usize);
             }
         }
     }

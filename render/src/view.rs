@@ -2,7 +2,10 @@
 
 use crate::view_mode::ViewMode;
 use glam::{Vec2, Vec3};
-use lapidary_core::{camera::Camera, image::Image};
+use lapidary_core::{
+    camera::Camera,
+    image::{Image, Region},
+};
 
 /// What is seen where nothing is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,12 +36,15 @@ pub struct View {
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
+    /// The only pixels that references trace; the others stay black. Renderers with cuts take no notice of it.
+    pub region: Option<Region>,
 }
 
 impl View {
     /// A view with one sample at the centre of each pixel, before the environment.
     pub fn new(camera: Camera, size: [u32; 2]) -> Self {
-        Self { camera, size, aa: 1, background: Background::Environment, mode: ViewMode::Shaded, wireframe: false }
+        let (background, mode) = (Background::Environment, ViewMode::Shaded);
+        Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
     }
 
     /// Positions inside a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
@@ -49,16 +55,36 @@ impl View {
     }
 }
 
+/// A reference as far as it is.
+pub struct Preview<'a> {
+    /// The picture.
+    pub image: &'a Image,
+    /// Pixels whose column and row are multiples of it are traced; others repeat the nearest one to the upper left.
+    pub step: u32,
+    /// Relative RMSE by noise, as far as it is known.
+    pub noise: Option<f64>,
+}
+
 /// Hears how a reference advances, and may stop it.
 pub trait Progress: Sync {
     /// `done` of `total` units of work are complete.
     fn advanced(&self, done: u64, total: u64);
 
     /// The picture so far; called between passes.
-    fn preview(&self, _image: &Image) {}
+    fn preview(&self, _preview: &Preview) {}
 
-    /// Whether to stop with the picture so far.
+    /// Whether [`Self::preview`] is to be called after so many passes of light paths.
+    fn wants_preview(&self, passes: u32) -> bool {
+        passes.is_power_of_two()
+    }
+
+    /// Whether to stop with the picture so far, which is complete if coarse.
     fn cancelled(&self) -> bool {
+        false
+    }
+
+    /// Whether nobody wants the picture any more: it is left as it is at once.
+    fn abandoned(&self) -> bool {
         false
     }
 }

@@ -46,6 +46,8 @@ pub enum Command {
     DuplicateLight,
     /// Remove the selected light.
     DeleteLight,
+    /// Compare with a reference, or end that.
+    Compare,
     /// Bake with the current settings.
     Bake,
     /// Show or hide the keyboard map.
@@ -95,7 +97,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands. A key with more modifiers stands before the same key with fewer.
-pub const BINDINGS: [Binding; 29] = [
+pub const BINDINGS: [Binding; 30] = [
     window("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     window("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     window("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -116,6 +118,7 @@ pub const BINDINGS: [Binding; 29] = [
     window("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),
     window("Window", Command::DefaultInterface, "Default interface size", &[(CTRL, Key::Num0)]),
     window("Window", Command::Keys, "Keyboard map", &[(NONE, Key::F1), (NONE, Key::Questionmark)]),
+    window("View", Command::Compare, "Compare with a reference", &[(NONE, Key::C)]),
     window("Bake", Command::Bake, "Bake", &[(NONE, Key::B)]),
     mode(ViewMode::Shaded, "Shaded", &[(NONE, Key::Num1)]),
     mode(ViewMode::Normals, "Normals", &[(NONE, Key::Num2)]),
@@ -131,7 +134,7 @@ pub const BINDINGS: [Binding; 29] = [
 const WIDTH: f32 = 960.0;
 
 /// What is done with the pointer, for the keyboard map.
-const POINTER: [(&str, &str); 13] = [
+const POINTER: [(&str, &str); 14] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -143,6 +146,7 @@ const POINTER: [(&str, &str); 13] = [
     ("Drag a handle", "Move the selected light (Esc: put it back)"),
     ("Ctrl + 1, 3, 7", "View from the front, the right, the top"),
     ("Shift + slider", "Fine steps"),
+    ("Hold R", "See the reference, while comparing"),
     ("Double click label", "Default value"),
     ("Drop a file", "Open it, or use it on what lies under it"),
 ];

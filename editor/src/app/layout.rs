@@ -15,6 +15,7 @@ use crate::{
     jobs::render_thread::RenderedFrame,
     panels::{
         bake::{self, BakeContext, SceneStats},
+        comparison::{self, ComparisonPanel},
         environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
         lights::{self, LightsContext, LightsPanel},
         material::{self, MaterialContext, MaterialPanel},
@@ -25,6 +26,9 @@ use crate::{
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_render::Baked;
+
+/// Least height of the comparison's strip in points: two rows.
+const STRIP: f32 = 84.0;
 
 /// What the inspector shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,6 +92,8 @@ pub struct Interface {
     pub lights: LightsPanel,
     /// The panel of materials.
     pub material: MaterialPanel,
+    /// The strip under the viewport.
+    pub comparison: ComparisonPanel,
     viewport: ViewportState,
     environment: EnvironmentPanel,
     scene: ScenePanel,
@@ -106,6 +112,7 @@ impl Default for Interface {
             panel_widths: None,
             lights: LightsPanel::default(),
             material: MaterialPanel::default(),
+            comparison: ComparisonPanel::default(),
             viewport: ViewportState::default(),
             environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
@@ -137,6 +144,11 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         let inspector = Panel::right("inspector").resizable(true).default_size(state.preferences.inspector_width);
         let inspector = inspector.size_range(280.0..=640.0).show(ui, |ui| show_inspector(ui, state, actions));
         state.interface.panel_widths = Some([side.response.rect.width(), inspector.response.rect.width()]);
+    }
+    if state.interface.comparison.open {
+        // Of a height that its contents do not change: another size of the viewport would begin the reference anew.
+        let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
+        strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
     }
     let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
     let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
@@ -285,12 +297,20 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
     state.library.entries().into_iter().map(with_picture).collect()
 }
 
+fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
+}
+
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.shown();
     let mesh = baked.map(|b| &b.dataset.scene.mesh);
     let selected_object = state.selection.object;
     let busy = baked.and_then(|_| state.baking.words());
     let shown = state.pictures.shown().filter(|_| baked.is_some());
+    let accent = ui.visuals().selection.bg_fill;
+    let panel = &state.interface.comparison;
+    let compares = panel.open && shown.is_some();
+    let compared = compares.then(|| state.comparison.compared(panel, state.document.view.illum_cut, accent));
     let context = ViewportContext {
         document: &state.document,
         picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
@@ -307,14 +327,18 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         baked: baked.map(|b| b.dataset.settings.mode),
         sources: shown.and_then(|s| s.local.indirect.as_ref()),
         shows_clusters: state.interface.lights.shows_clusters,
-        accent: ui.visuals().selection.bg_fill,
+        accent,
         busy,
         // What to say where there is no picture comes from the notice, which has buttons.
         placeholder: baked.is_none().then_some(""),
         stale: state.scene.is_stale(),
+        compared,
     };
     let response = viewport::show(ui, &mut state.interface.viewport, &context, actions);
-    if baked.is_none() {
+    if compares {
+        viewport::compare::interact(ui, response.rect, &mut state.interface.comparison);
+    }
+    if state.scene.shown().is_none() {
         notice::show(ui, response.rect, state, actions);
     }
     response

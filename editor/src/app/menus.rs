@@ -155,6 +155,10 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::FrameAll, is_shown);
     entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();
+    let compare = if state.interface.comparison.open { "End the comparison" } else { "Compare with a reference" };
+    let can_compare = state.interface.comparison.open || state.can_compare();
+    entry_as(ui, state, actions, Command::Compare, compare, can_compare);
+    ui.separator();
     let panels = if state.interface.panels_hidden { "Show panels" } else { "Hide panels" };
     entry_as(ui, state, actions, Command::TogglePanels, panels, true);
     entry(ui, state, actions, Command::LargerInterface, true);

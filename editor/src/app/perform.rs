@@ -54,6 +54,9 @@ impl EditorState {
             Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
             Action::AddToLibrary(Some(path)) => self.add_to_library(path),
             Action::Relink(Some(folder)) => self.relink(folder),
+            Action::ChooseReference(Some(path)) => self.choose_reference(path),
+            Action::PauseReference(paused) => self.comparison.pause(paused),
+            Action::ToggleComparison => self.toggle_comparison(),
             Action::Open(None)
             | Action::SaveAs(None)
             | Action::ExportPicture(None)
@@ -64,6 +67,7 @@ impl EditorState {
             | Action::SaveLights(None)
             | Action::LoadEnvironment(None)
             | Action::AddToLibrary(None)
+            | Action::ChooseReference(None)
             | Action::Relink(None) => self.ask_for_path(action),
         }
     }
@@ -117,6 +121,7 @@ impl EditorState {
                 let is_copy = command == Command::DuplicateLight;
                 if is_copy { Action::DuplicateLight(index) } else { Action::DeleteLight(index) }
             }
+            Command::Compare => Action::ToggleComparison,
             Command::Bake => Action::Bake { resume: false },
             Command::Keys => Action::ToggleKeys,
             Command::Mode(mode) => Action::Edit { edit: view(&|v| v.mode = mode), label: "View mode" },

@@ -19,6 +19,7 @@ pub struct Requests {
     appearance_revision: u64,
     lights: Arc<[Light]>,
     last: Option<Key>,
+    sent: Option<RenderRequest>,
     /// Revision of the document when no button was held.
     at_rest: u64,
 }
@@ -59,6 +60,11 @@ impl Requests {
             self.lights = shining().cloned().collect();
         }
         self.lights.clone()
+    }
+
+    /// What the render thread was asked for last.
+    pub fn last_sent(&self) -> Option<&RenderRequest> {
+        self.sent.as_ref()
     }
 
     /// Sends the next request even if it is that of before: the scene was replaced in place.
@@ -106,7 +112,7 @@ impl EditorState {
         if self.requests.last.as_ref() == Some(&key) {
             return;
         }
-        self.render.request(RenderRequest {
+        let request = RenderRequest {
             baked,
             appearance: self.requests.appearance.clone(),
             appearance_revision,
@@ -120,8 +126,9 @@ impl EditorState {
             post: key.post,
             moving,
             frame_budget_ms: key.frame_budget_ms,
-        });
-        self.requests.last = Some(key);
+        };
+        self.render.request(request.clone());
+        (self.requests.last, self.requests.sent) = (Some(key), Some(request));
     }
 
     /// Whether a button is held and has changed the document, as a slider that is dragged has.

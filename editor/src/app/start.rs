@@ -100,7 +100,7 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders)
     };
     let backend = launch.backend;
     // Called on the thread that renders, and again when a device is lost.
-    let factory = Box::new(move || backend.open());
+    let factory = Arc::new(move || backend.open());
     let mut state = EditorState::new(Setup { folders, bundled, factory, wake, system_dialogs: true });
     match &launch.file {
         Some(file) => state.open(Target::File(file.clone())),

@@ -2,6 +2,7 @@
 
 use super::{
     baking::Baking,
+    comparison::Comparison,
     dialogs::FileDialogs,
     environments::Environments,
     first_view::FirstView,
@@ -162,6 +163,7 @@ pub struct EditorState {
     pub(super) baking: Baking,
     pub(super) environments: Environments,
     pub(super) pictures: Pictures,
+    pub(super) comparison: Comparison,
     pub(super) requests: Requests,
     autosave: Autosave,
     autosaved: u64,
@@ -199,7 +201,7 @@ impl EditorState {
             recent: RecentFiles::open(&folders.config),
             library,
             bundled,
-            render: RenderThread::start(factory, wake.clone()),
+            render: RenderThread::start(factory.clone(), wake.clone()),
             loader: Loader::new(wake.clone()),
             loading: HashMap::new(),
             watcher: Watcher::start(wake.clone()),
@@ -208,6 +210,7 @@ impl EditorState {
             baking: Baking::default(),
             environments: Environments::new(wake.clone()),
             pictures: Pictures::default(),
+            comparison: Comparison::new(factory, wake.clone()),
             requests: Requests::default(),
             autosave: Autosave::new(&folders.state, AUTOSAVE_INTERVAL),
             autosaved: 0,
@@ -257,6 +260,7 @@ impl EditorState {
         }
         self.load_environment();
         self.request_picture(&ctx, laid.viewport);
+        self.compare();
         self.keep_safe(&ctx);
     }
 
@@ -308,6 +312,7 @@ impl EditorState {
         self.collect_loaded();
         self.collect_bake();
         self.collect_pictures(ctx);
+        self.collect_comparison(ctx);
         self.collect_changed_files();
         self.environments.collect(ctx);
     }

@@ -1,5 +1,6 @@
 //! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
+mod comparison;
 mod documents;
 mod kept;
 mod lights;
@@ -59,7 +60,7 @@ impl Place {
         let setup = Setup {
             folders,
             bundled: Bundled::default(),
-            factory: Box::new(|| Ok(Box::new(CpuBackend::new()))),
+            factory: Arc::new(|| Ok(Box::new(CpuBackend::new()))),
             wake: Arc::new(|| ()),
             system_dialogs: false,
         };

@@ -22,6 +22,9 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         let shown = state.scene.shown().is_some();
         tool(ui, state, actions, Command::FrameSelection, "Frame", shown);
         ui.separator();
+        let can_compare = state.interface.comparison.open || state.can_compare();
+        tool(ui, state, actions, Command::Compare, "Compare", can_compare);
+        ui.separator();
         view_tools(ui, &state.document.view, actions);
     });
     ui.add_space(1.0);

@@ -178,13 +178,11 @@ impl<'a> Stage<'a> {
 
     fn truth(&self, bounces: u32) -> Truth {
         let progress = self.progress("light paths", "passes");
-        let truth = Truth::trace(self.args.spp, |spp, first_pass| {
-            let settings = PathSettings { spp, first_pass, bounces, components: INDIRECT };
-            let Shot { view, light, local, .. } = &self.shot;
-            self.renderer.path_reference(view, light, &local.lights, settings, &progress)
-        });
+        let settings = PathSettings { spp: self.args.spp, first_pass: 0, bounces, components: INDIRECT };
+        let Shot { view, light, local, .. } = &self.shot;
+        let picture = self.renderer.path_picture(view, light, &local.lights, settings, &progress);
         progress.finish();
-        truth
+        picture.into()
     }
 
     fn progress(&self, name: &str, unit: &str) -> StepProgress<'_> {

@@ -49,6 +49,8 @@ enum MapOption {
     Rel,
     /// Difference in scene-linear units
     Abs,
+    /// Difference of luminance: orange where the test picture is too bright, blue where it is too dark
+    Signed,
     /// Difference as seen, 0 to 1
     Flip,
 }
@@ -58,6 +60,7 @@ impl From<MapOption> for ErrorMap {
         match option {
             MapOption::Rel => Self::Relative,
             MapOption::Abs => Self::Absolute,
+            MapOption::Signed => Self::Signed,
             MapOption::Flip => Self::Flip,
         }
     }

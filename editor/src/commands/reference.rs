@@ -9,14 +9,13 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use glam::Vec3;
 use lapidary_core::image::Image;
 use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
 use lapidary_render::{
-    Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, Solution, SourceLighting,
+    Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, SampledLight, Solution, SourceLighting,
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
@@ -122,18 +121,13 @@ fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, consol
 /// asked for.
 fn samples(renderer: &Renderer, shot: &Shot, progress: &dyn Progress) -> Image {
     let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
-    let mut image = if components.environment {
-        renderer.samples_reference(&shot.view, &shot.light, progress)
-    } else {
-        Image::filled(shot.view.size, Vec3::ZERO)
+    let sources = components.indirect.then(|| sources(shot)).flatten();
+    let light = SampledLight {
+        environment: components.environment.then_some(&shot.light),
+        lights: if components.direct { &shot.local.lights } else { &[] },
+        sources: sources.as_deref(),
     };
-    if components.direct && !shot.local.lights.is_empty() {
-        image.add(&renderer.direct_light(&shot.view, &shot.local.lights));
-    }
-    if let Some(sources) = components.indirect.then(|| sources(shot)).flatten() {
-        image.add(&renderer.sources_reference(&shot.view, &sources, progress));
-    }
-    image
+    renderer.sampled(&shot.view, light, progress)
 }
 
 /// The surface sources under all lights, as they are gathered.

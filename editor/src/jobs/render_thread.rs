@@ -6,6 +6,9 @@ mod stage;
 mod station;
 mod worker;
 
+pub(super) use changes::{Changes, changes};
+pub(super) use station::Station;
+
 use super::{Wake, spawn};
 use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use lapidary_render::{
@@ -22,7 +25,7 @@ use std::{
 };
 
 /// Makes the renderer on the thread, and again when its device is lost.
-pub type Factory = Box<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send>;
+pub type Factory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send + Sync>;
 
 /// Everything that decides the picture. Copying it copies no texels and no maps.
 #[derive(Clone, Debug)]
@@ -204,4 +207,4 @@ impl Drop for RenderThread {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

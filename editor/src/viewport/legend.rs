@@ -8,7 +8,11 @@ use crate::{document::Component, panels::units::grouped};
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::{Mat3, Vec3};
 use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeMode};
-use lapidary_render::{ViewMode, compare::map::magma, shows_source_cuts};
+use lapidary_render::{
+    ViewMode,
+    compare::map::{ErrorField, ErrorMap, magma},
+    shows_source_cuts,
+};
 
 /// Distance to the edges of the picture, and inside of the legend.
 const MARGIN: f32 = 12.0;
@@ -42,6 +46,15 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
             bar(painter, rect, &Scale::of(mode, view.illum_cut, gathered));
         }
     }
+}
+
+/// The colours of a map of errors.
+pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
+    let color: fn(f32) -> Color32 = match field.kind {
+        ErrorMap::Signed => |place| color(ErrorMap::Signed.color(ErrorMap::Signed.error_at(place))),
+        _ => |place| color(magma(place)),
+    };
+    bar(painter, rect, &Scale { title: field.kind.title().into(), color, ticks: field.ticks(4) });
 }
 
 /// What counts are of.

@@ -80,6 +80,7 @@ impl App {
             busy: Some("Rendering 40 %"),
             placeholder: self.placeholder,
             stale: true,
+            compared: None,
         }
     }
 

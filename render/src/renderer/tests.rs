@@ -265,7 +265,7 @@ fn a_cancelled_reference_is_a_whole_coarse_picture() {
     struct StopAfterOnePass(std::sync::atomic::AtomicBool);
     impl crate::Progress for StopAfterOnePass {
         fn advanced(&self, _: u64, _: u64) {}
-        fn preview(&self, _: &Image) {
+        fn preview(&self, _: &crate::Preview) {
             self.0.store(true, std::sync::atomic::Ordering::Relaxed);
         }
         fn cancelled(&self) -> bool {

@@ -84,6 +84,9 @@ impl Purpose {
                 let title = "Add environments to the library";
                 purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", PICTURES)
             }
+            Action::ChooseReference(_) => {
+                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", PICTURES)
+            }
             Action::Relink(_) => {
                 purpose(FileUse::Missing, "Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[])
             }
@@ -117,6 +120,7 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
     let mut action = action.clone();
     match &mut action {
         Action::Open(path)
+        | Action::ChooseReference(path)
         | Action::SaveAs(path)
         | Action::ExportPicture(path)
         | Action::LoadTexture { path, .. }

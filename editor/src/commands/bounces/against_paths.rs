@@ -2,12 +2,12 @@
 
 use anyhow::Result;
 use lapidary_core::{color::luminance, image::Image};
-use lapidary_render::compare::compare;
+use lapidary_render::{PathPicture, compare::compare};
 use serde::Serialize;
 
 /// A picture of light paths and its noise.
 pub struct Truth {
-    /// The mean of both halves.
+    /// The mean of all paths.
     pub image: Image,
     /// Relative RMSE of [`Self::image`] against one without noise, as far as its halves tell.
     pub noise: f64,
@@ -26,22 +26,14 @@ pub struct Figures {
     pub energy: f64,
 }
 
+impl From<PathPicture> for Truth {
+    /// Without noise if it was not found.
+    fn from(picture: PathPicture) -> Self {
+        Self { image: picture.image, noise: picture.noise.unwrap_or(0.0) }
+    }
+}
+
 impl Truth {
-    /// Two halves of `spp` samples a pixel together; `trace` is given a number of samples and the first pass.
-    pub fn trace(spp: u32, trace: impl Fn(u32, u32) -> Image) -> Self {
-        let half = spp / 2;
-        let [a, b] = [0, half].map(|first| trace(half, first));
-        Self::of_halves(&a, &b)
-    }
-
-    fn of_halves(a: &Image, b: &Image) -> Self {
-        let pixels: Vec<_> = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        let differences = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a - *b).as_dvec3());
-        let squared: f64 = differences.map(|d| d.length_squared()).sum();
-        let norm: f64 = pixels.iter().map(|p| p.as_dvec3().length_squared()).sum();
-        Self { image: Image { size: a.size, pixels }, noise: if norm > 0.0 { (squared / norm).sqrt() } else { 0.0 } }
-    }
-
     /// A picture of the same size against this one. The noise does not depend on the picture, so its square is part of the
     /// measured square.
     ///
@@ -69,12 +61,11 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_found_and_taken_off() {
+    fn noise_is_taken_off() {
         let mut rng = fastrand::Rng::with_seed(1);
-        let truth = Truth::of_halves(&noisy(&mut rng, 0.3), &noisy(&mut rng, 0.3));
-        // Grey noise, averaged once: 0.3 / √2 over the root mean square of the gradient, 1.521, and of the noise itself.
-        let expected = 0.3 / 2.0_f64.sqrt() / 1.521_f64.hypot(0.3 / 2.0_f64.sqrt());
-        assert!((truth.noise / expected - 1.0).abs() < 0.05, "{} for {expected}", truth.noise);
+        // The root mean square of the gradient is 1.521, and the noise adds to that of the picture.
+        let noise = 0.2 / 1.521_f64.hypot(0.2);
+        let truth = Truth { image: noisy(&mut rng, 0.2), noise };
         let exact = truth.against(&noisy(&mut rng, 0.0)).unwrap();
         assert!(exact.error < 0.03 && exact.rel_rmse > 0.13, "{exact:?}");
         let mut brighter = noisy(&mut rng, 0.0);

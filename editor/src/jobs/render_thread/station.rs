@@ -1,7 +1,7 @@
 //! The renderer and what it holds: brought up to date step by step, so that an edit redoes only what it changed.
 
 use super::{
-    Factory, Outbox, RenderEvent, RenderRequest,
+    Factory, RenderRequest,
     changes::{same_dataset, same_light},
 };
 use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, LocalRig, SceneLighting};
@@ -79,8 +79,8 @@ impl Station {
     }
 
     /// Gives the renderer scene, appearance and light of a request, as far as it does not have them. Returns whether it
-    /// got another scene.
-    pub fn update(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<bool, BackendError> {
+    /// got another scene. What had to be done to make something fit goes to `remark`.
+    pub fn update(&mut self, request: &RenderRequest, remark: &dyn Fn(String)) -> Result<bool, BackendError> {
         let Some(baked) = &request.baked else { return Ok(false) };
         let new_scene = !same_dataset(self.baked.as_ref(), Some(baked));
         if new_scene {
@@ -88,7 +88,7 @@ impl Station {
         }
         if self.appearance_revision != Some(request.appearance_revision) {
             let remarks = self.backend()?.set_appearance(&request.appearance)?;
-            remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+            remarks.into_iter().for_each(remark);
             if let Some(rig) = &mut self.local_rig {
                 rig.set_appearance(&request.appearance);
             }
@@ -96,9 +96,9 @@ impl Station {
         }
         let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
-            self.set_light(request, outbox)?;
+            self.set_light(request, remark)?;
         }
-        self.set_local_lighting(request, outbox)?;
+        self.set_local_lighting(request, remark)?;
         Ok(new_scene)
     }
 
@@ -119,11 +119,11 @@ impl Station {
         Ok(())
     }
 
-    fn set_light(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+    fn set_light(&mut self, request: &RenderRequest, remark: &dyn Fn(String)) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
         let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
         let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
-        remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+        remarks.into_iter().for_each(remark);
         self.light_revision += 1;
         self.light = Some(Light {
             illumination: request.illumination.clone(),
@@ -135,7 +135,7 @@ impl Station {
     }
 
     /// Local lights, what bounces, and which parts are shown. Bounced light that is not shown is not computed.
-    fn set_local_lighting(&mut self, request: &RenderRequest, outbox: &Outbox) -> Result<(), BackendError> {
+    fn set_local_lighting(&mut self, request: &RenderRequest, remark: &dyn Fn(String)) -> Result<(), BackendError> {
         let Some(rig) = &mut self.local_rig else { return Ok(()) };
         rig.set_environment(self.light.as_ref().map(|light| &light.lighting));
         rig.set_lights(&request.lights);
@@ -144,7 +144,7 @@ impl Station {
             return Ok(());
         }
         let remarks = self.backend()?.set_local_lighting(&local)?;
-        remarks.into_iter().for_each(|remark| outbox.event(RenderEvent::Remark(remark)));
+        remarks.into_iter().for_each(remark);
         self.local = Some(local);
         Ok(())
     }

@@ -18,7 +18,7 @@ fn dataset() -> Arc<Dataset> {
     test_data::dataset(&["a"], &[]).into()
 }
 
-fn request(aa: u32) -> RenderRequest {
+pub fn request(aa: u32) -> RenderRequest {
     let environment = Environment { name: "e".into(), map: Image::filled([8, 4], Vec3::ONE) };
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
     RenderRequest {
@@ -45,7 +45,7 @@ fn start(log: Log) -> (Shared, RenderThread) {
         shared.lock().unwrap().made += 1;
         Ok(Box::new(Fake { log: shared.clone(), view: None }))
     };
-    (log, RenderThread::start(Box::new(factory), silent()))
+    (log, RenderThread::start(Arc::new(factory), silent()))
 }
 
 /// Bands rendered and pictures displayed so far.
@@ -266,7 +266,7 @@ fn the_picture_is_read_when_it_is_complete_and_not_at_all_without_a_scene() {
 #[test]
 fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
     let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
-    let mut thread = RenderThread::start(Box::new(factory), silent());
+    let mut thread = RenderThread::start(Arc::new(factory), silent());
     let mut request = request(3);
     let dataset = request.baked.clone().unwrap().dataset;
     request.appearance = Appearance::of(&dataset.scene);

@@ -181,7 +181,8 @@ impl Worker {
     /// A picture as large as fits the frame time, which may be the full one.
     fn coarse(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
-        if self.station.update(request, &self.outbox)? {
+        let remark = |text| self.outbox.event(RenderEvent::Remark(text));
+        if self.station.update(request, &remark)? {
             self.pace = Pace::default();
         }
         if request.baked.is_none() || request.view.size.contains(&0) {

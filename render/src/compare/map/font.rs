@@ -25,8 +25,10 @@ pub(super) fn glyph(character: char) -> Option<[u8; HEIGHT]> {
         '9' => [0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00010, 0b01100],
         'A' => [0b01110, 0b10001, 0b10001, 0b11111, 0b10001, 0b10001, 0b10001],
         'B' => [0b11110, 0b10001, 0b10001, 0b11110, 0b10001, 0b10001, 0b11110],
+        'D' => [0b11110, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11110],
         'E' => [0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b11111],
         'F' => [0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b10000],
+        'G' => [0b01110, 0b10001, 0b10000, 0b10111, 0b10001, 0b10001, 0b01111],
         'I' => [0b01110, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],
         'L' => [0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b11111],
         'N' => [0b10001, 0b11001, 0b10101, 0b10011, 0b10001, 0b10001, 0b10001],
@@ -47,7 +49,7 @@ mod tests {
 
     #[test]
     fn characters_are_there_and_differ() {
-        let characters = "+-.0123456789ABEFILNOPRSTUV";
+        let characters = "+-.0123456789ABDEFGILNOPRSTUV";
         let glyphs: std::collections::HashSet<_> = characters.chars().map(|c| glyph(c).unwrap()).collect();
         assert_eq!(glyphs.len(), characters.len());
         assert!(glyphs.iter().flatten().all(|row| *row < 1 << WIDTH));

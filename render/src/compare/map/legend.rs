@@ -1,14 +1,14 @@
 //! The strip under an error map: what is shown, the colour bar, its ticks.
 
-use super::{NOT_FINITE, font, linear, magma};
+use super::{ErrorMap, NOT_FINITE, font, linear};
 use glam::Vec3;
 use lapidary_core::image::Image;
 use std::ops::Range;
 
 /// What the strip says.
 pub(super) struct Legend {
-    /// Name of the error.
-    pub title: &'static str,
+    /// Which error.
+    pub kind: ErrorMap,
     /// The error at the right end of the bar.
     pub top: f32,
     /// Whether some pixels lie above `top`; its label then ends in `+`.
@@ -40,7 +40,7 @@ const TEXT: Vec3 = Vec3::splat(0.7);
 pub(super) fn append(picture: &Image, legend: &Legend) -> Image {
     let mut strip = Strip::below(picture);
     strip.title(legend);
-    strip.bar();
+    strip.bar(legend.kind);
     strip.ticks(legend);
     strip.image
 }
@@ -87,18 +87,18 @@ impl Strip {
     }
 
     fn title(&mut self, legend: &Legend) {
-        self.text(legend.title, MARGIN, TITLE, TEXT);
+        self.text(&legend.kind.title().to_uppercase(), MARGIN, TITLE, TEXT);
         if legend.non_finite > 0 {
             let note = format!("not finite {}", legend.non_finite);
             self.text(&note, self.width() - MARGIN - text_width(&note), TITLE, linear(NOT_FINITE));
         }
     }
 
-    fn bar(&mut self) {
+    fn bar(&mut self, kind: ErrorMap) {
         let columns = self.bar_columns();
         for x in columns.clone() {
-            let error = (x - columns.start) as f32 / (columns.len() - 1) as f32;
-            self.fill(x..x + 1, BAR, linear(magma(error)));
+            let place = (x - columns.start) as f32 / (columns.len() - 1) as f32;
+            self.fill(x..x + 1, BAR, linear(kind.color(kind.error_at(place))));
         }
     }
 
@@ -121,7 +121,7 @@ impl Strip {
 
 impl Legend {
     fn label(&self, tick: usize) -> String {
-        let number = short_number(self.top * tick as f32 / INTERVALS as f32);
+        let number = short_number(self.top * self.kind.error_at(tick as f32 / INTERVALS as f32));
         if tick == INTERVALS && self.saturated { number + "+" } else { number }
     }
 }
@@ -134,8 +134,8 @@ fn text_width(text: &str) -> usize {
 }
 
 /// The number with at most three significant digits, and an exponent where it is very small or large.
-fn short_number(value: f32) -> String {
-    if value == 0.0 || (1e-3..1e4).contains(&value) {
+pub(super) fn short_number(value: f32) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
         return without_trailing_zeros(&format!("{value:.5}")).to_owned();
     }
     let scientific = format!("{value:.2e}");
@@ -151,9 +151,9 @@ fn without_trailing_zeros(decimal: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::magma, *};
 
-    const LEGEND: Legend = Legend { title: "RELATIVE ERROR", top: 0.5, saturated: false, non_finite: 0 };
+    const LEGEND: Legend = Legend { kind: ErrorMap::Relative, top: 0.5, saturated: false, non_finite: 0 };
 
     fn strip(legend: &Legend) -> Image {
         append(&Image::filled([300, 5], Vec3::ZERO), legend)
@@ -161,8 +161,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let numbers = [0.0, 0.125, 0.5, 1.0, 37.5, 2000.0, 0.00125, 2.5e-5, 5e7];
-        let texts = ["0", "0.125", "0.5", "1", "37.5", "2000", "0.00125", "2.5e-5", "5e7"];
+        let numbers = [0.0, 0.125, -0.5, 1.0, 37.5, 2000.0, 0.00125, 2.5e-5, 5e7];
+        let texts = ["0", "0.125", "-0.5", "1", "37.5", "2000", "0.00125", "2.5e-5", "5e7"];
         assert_eq!(numbers.map(short_number), texts);
     }
 
@@ -183,7 +183,8 @@ mod tests {
             Legend { top: 0.2, ..LEGEND },
             Legend { saturated: true, ..LEGEND },
             Legend { non_finite: 3, ..LEGEND },
-            Legend { title: "FLIP", ..LEGEND },
+            Legend { kind: ErrorMap::Absolute, ..LEGEND },
+            Legend { kind: ErrorMap::Signed, ..LEGEND },
         ] {
             assert!(strip(&other) != plain);
         }
@@ -192,8 +193,8 @@ mod tests {
 
     #[test]
     fn every_character_used_is_in_the_font() {
-        let used = "RELATIVE ERROR ABSOLUTE ERROR FLIP not finite 0123456789.+-e";
-        assert!(used.chars().all(|c| font::glyph(c).is_some()));
+        let titles: String = ErrorMap::ALL.map(ErrorMap::title).concat();
+        assert!((titles + "not finite 0123456789.+-e").chars().all(|c| font::glyph(c).is_some()));
     }
 
     #[test]

@@ -1,0 +1,233 @@
+//! The comparison with a reference: begun anew when the picture is another, measured again when only what is shown is.
+
+use super::{pictures::Pictures, state::EditorState};
+use crate::{
+    jobs::{
+        Wake,
+        comparison::{ComparisonEvent, ComparisonThread, ReferencePicture, TestPicture},
+        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownPixels},
+        render_thread::Factory,
+    },
+    panels::comparison::{ComparisonContext, ComparisonPanel, KindChoice},
+    viewport::compare::Compared,
+};
+use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
+use lapidary_core::image::Region;
+use lapidary_render::{Post, compare::map::ErrorMap};
+use std::{path::PathBuf, sync::Arc};
+
+/// Both threads; they are there while something is compared.
+struct Jobs {
+    tracing: ComparisonThread,
+    measuring: MeasureThread,
+}
+
+/// What measures depend on, small enough to compare every frame.
+#[derive(PartialEq)]
+struct Asked {
+    test: usize,
+    reference: usize,
+    finished: bool,
+    surfaces_only: bool,
+    region: Option<Region>,
+    map: ErrorMap,
+    top: Option<f32>,
+    post: Post,
+}
+
+/// Pictures, measures and what they are shown by.
+pub struct Comparison {
+    factory: Factory,
+    wake: Wake,
+    jobs: Option<Jobs>,
+    test: Option<Arc<TestPicture>>,
+    reference: Option<ReferencePicture>,
+    measured: Option<Box<Measured>>,
+    problem: Option<String>,
+    asked: Option<Asked>,
+    shown: Option<(TextureHandle, [u32; 2])>,
+    map: Option<TextureHandle>,
+}
+
+impl Comparison {
+    /// With nothing to compare yet.
+    pub fn new(factory: Factory, wake: Wake) -> Self {
+        Self {
+            factory,
+            wake,
+            jobs: None,
+            test: None,
+            reference: None,
+            measured: None,
+            problem: None,
+            asked: None,
+            shown: None,
+            map: None,
+        }
+    }
+
+    /// What the strip shows.
+    pub fn context(&self) -> ComparisonContext<'_> {
+        let tracing = self.jobs.as_ref().map(|jobs| &jobs.tracing);
+        ComparisonContext {
+            measured: self.measured.as_deref(),
+            progress: tracing.map_or(0.0, ComparisonThread::progress),
+            paused: tracing.is_some_and(ComparisonThread::is_paused),
+            tracing: self.test.is_some() && self.problem.is_none(),
+            problem: self.problem.as_deref(),
+        }
+    }
+
+    /// What the viewport shows.
+    pub fn compared(&self, panel: &ComparisonPanel, illum_cut: u32, accent: Color32) -> Compared<'_> {
+        let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
+        let reference = self.reference.as_ref();
+        let waiting = || "B: the reference is on its way".to_owned();
+        let labels = [
+            panel.picture_label(illum_cut),
+            reference.map_or_else(waiting, |reference| panel.reference_label(reference, progress)),
+        ];
+        let measured = self.measured.as_deref();
+        Compared {
+            view: panel.shown_view(),
+            swipe: panel.swipe,
+            reference: self.shown.as_ref().map(|(texture, size)| (texture.id(), *size)),
+            map: self.map.as_ref().zip(measured).map(|(texture, measured)| (texture.id(), measured.part)),
+            field: measured.map(|measured| &measured.field),
+            labels,
+            region: panel.region,
+            accent,
+        }
+    }
+
+    /// Holds the tracing, or goes on.
+    pub fn pause(&self, paused: bool) {
+        self.jobs.iter().for_each(|jobs| jobs.tracing.pause(paused));
+    }
+
+    /// Nothing is compared any more.
+    fn end(&mut self) {
+        self.jobs = None;
+        self.forget();
+    }
+
+    /// What was made is of another picture.
+    fn forget(&mut self) {
+        (self.test, self.reference, self.measured, self.asked) = (None, None, None, None);
+        (self.problem, self.shown, self.map) = (None, None, None);
+    }
+
+    fn jobs(&mut self) -> &mut Jobs {
+        self.jobs.get_or_insert_with(|| Jobs {
+            tracing: ComparisonThread::start(self.factory.clone(), self.wake.clone()),
+            measuring: MeasureThread::start(self.wake.clone()),
+        })
+    }
+
+    /// Asks for measures of what there is, unless they are known or on their way.
+    fn measure(&mut self, panel: &ComparisonPanel, post: Post) {
+        let (Some(test), Some(reference)) = (self.test.clone(), self.reference.clone()) else { return };
+        let region = panel.region_of(reference.image.size);
+        let asked = Asked {
+            test: Arc::as_ptr(&test) as usize,
+            reference: Arc::as_ptr(&reference.image) as usize,
+            finished: reference.finished,
+            surfaces_only: panel.surfaces_only,
+            region,
+            map: panel.map,
+            top: panel.top,
+            post,
+        };
+        if self.asked.as_ref() == Some(&asked) {
+            return;
+        }
+        self.asked = Some(asked);
+        let (surfaces_only, map, top) = (panel.surfaces_only, panel.map, panel.top);
+        let request = MeasureRequest { test, reference, surfaces_only, region, map, top, post };
+        self.jobs().measuring.request(request);
+    }
+
+    fn take_measured(&mut self, ctx: &Context, event: MeasureEvent) {
+        match event {
+            MeasureEvent::Shown(pixels) => {
+                let texture = self.shown.take().map(|(texture, _)| texture);
+                self.shown = Some((texture_of(ctx, texture, &pixels, TextureOptions::LINEAR), pixels.size));
+            }
+            MeasureEvent::Measured(measured) => {
+                // Each pixel of the map is an error of its own.
+                self.map = Some(texture_of(ctx, self.map.take(), &measured.map, TextureOptions::NEAREST));
+                (self.measured, self.problem) = (Some(measured), None);
+            }
+            MeasureEvent::Failed(text) => self.problem = Some(text),
+        }
+    }
+}
+
+fn texture_of(ctx: &Context, known: Option<TextureHandle>, shown: &ShownPixels, how: TextureOptions) -> TextureHandle {
+    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
+    match known {
+        Some(mut texture) => {
+            texture.set(image, how);
+            texture
+        }
+        None => ctx.load_texture("comparison", image, how),
+    }
+}
+
+impl EditorState {
+    /// Compares the picture that was asked for last, once nothing moves.
+    pub(super) fn compare(&mut self) {
+        let panel = &self.interface.comparison;
+        if !panel.open || self.scene.shown().is_none() {
+            return self.comparison.end();
+        }
+        let Some(picture) = self.requests.last_sent().cloned() else { return };
+        let moving = picture.moving;
+        let Some(request) = panel.request(picture) else { return self.comparison.end() };
+        if moving {
+            // Rays for a picture that is of yesterday would only slow down the next one.
+            return self.comparison.jobs().tracing.stop();
+        }
+        if self.comparison.jobs().tracing.request(request) {
+            self.comparison.forget();
+        }
+        self.comparison.measure(panel, self.document.view.post);
+    }
+
+    /// Takes what the comparison's threads have made.
+    pub(super) fn collect_comparison(&mut self, ctx: &Context) {
+        let Some(jobs) = &mut self.comparison.jobs else { return };
+        let (traced, measured) = (jobs.tracing.events(), jobs.measuring.events());
+        for event in traced {
+            match event {
+                ComparisonEvent::Test(test) => self.comparison.test = Some(test),
+                ComparisonEvent::Reference(reference) => self.comparison.reference = Some(reference),
+                ComparisonEvent::Failed(text) => self.comparison.problem = Some(text),
+                ComparisonEvent::Remark(text) => self.messages.warning(text),
+            }
+        }
+        measured.into_iter().for_each(|event| self.comparison.take_measured(ctx, event));
+    }
+
+    /// Begins or ends the comparison; there must be a picture to begin it.
+    pub(super) fn toggle_comparison(&mut self) {
+        if !self.interface.comparison.open && !self.can_compare() {
+            self.messages.warning("There is no picture to compare; open and bake a scene first");
+            return;
+        }
+        self.interface.comparison.open ^= true;
+    }
+
+    /// Compares with a picture file from now on.
+    pub(super) fn choose_reference(&mut self, path: PathBuf) {
+        let panel = &mut self.interface.comparison;
+        (panel.open, panel.kind, panel.file) = (true, KindChoice::File, Some(path));
+        // The same file may have been written again.
+        self.comparison.end();
+    }
+
+    /// Whether there is a picture to compare.
+    pub(super) fn can_compare(&self) -> bool {
+        self.scene.shown().is_some() && Pictures::shown(&self.pictures).is_some()
+    }
+}

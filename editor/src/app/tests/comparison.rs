@@ -1,0 +1,145 @@
+//! The comparison with a reference, from the key that begins it to the figures.
+
+use super::*;
+use crate::{
+    document::Edit,
+    panels::comparison::{CompareView, ComparisonPanel, KindChoice},
+};
+use egui::Event;
+use lapidary_core::image::Image;
+use lapidary_render::compare::map::ErrorMap;
+
+/// A window that compares a small scene with paths, and has measured it.
+fn comparing(place: &Place) -> Window {
+    place.bake();
+    let mut window = place.window_of(vec2(1300.0, 760.0));
+    window.open(&place.path("scene.cuts"));
+    window.wait("a picture", |s| s.can_compare());
+    window.0.key_press(Key::C);
+    window.0.run_steps(2);
+    *panel(&mut window) =
+        ComparisonPanel { open: true, kind: KindChoice::Paths, spp: 4, scale: 8, ..Default::default() };
+    finished(&mut window);
+    window
+}
+
+fn panel(window: &mut Window) -> &mut ComparisonPanel {
+    &mut window.0.state_mut().interface.comparison
+}
+
+fn finished(window: &mut Window) {
+    window.wait("a finished reference", |s| s.comparison.context().measured.is_some_and(|m| m.reference.finished));
+}
+
+/// The address of the reference tells whether it is the one of before.
+fn reference(window: &Window) -> *const Image {
+    Arc::as_ptr(&window.0.state().comparison.context().measured.unwrap().reference.image)
+}
+
+fn rel_rmse(window: &Window) -> f64 {
+    window.0.state().comparison.context().measured.unwrap().metrics.rel_rmse
+}
+
+#[test]
+fn a_key_begins_the_comparison_and_its_figures_are_shown() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    assert!(window.shows("Relative RMSE") && window.shows("of it noise"));
+    let error = rel_rmse(&window);
+    assert!(error > 0.0 && error < 0.5, "{error}");
+    let before = window.0.state().interface.viewport_size;
+    window.0.key_press(Key::C);
+    window.0.run_steps(2);
+    assert!(!window.shows("Relative RMSE"));
+    assert!(window.0.state().interface.viewport_size[1] > before[1], "the strip has gone");
+    assert!(window.0.state().comparison.context().measured.is_none(), "and with it both threads");
+}
+
+#[test]
+fn edits_of_light_begin_anew_and_exposure_does_not() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    let (first, error) = (reference(&window), rel_rmse(&window));
+    let mut view = window.0.state().document.view.clone();
+    view.post.exposure = 1.0;
+    window.perform(Action::Edit { edit: Edit::View(view.clone()), label: "Exposure" });
+    window.0.run_steps(3);
+    assert_eq!((reference(&window), rel_rmse(&window)), (first, error));
+    view.illum_cut = 1;
+    window.perform(Action::Edit { edit: Edit::View(view), label: "Light cut" });
+    window.wait("another reference", |s| {
+        s.comparison
+            .context()
+            .measured
+            .is_some_and(|m| m.reference.finished && !std::ptr::eq(&*m.reference.image, first))
+    });
+    assert!(rel_rmse(&window) > 2.0 * error, "one node of light is too few: {} after {error}", rel_rmse(&window));
+}
+
+#[test]
+fn every_view_is_shown_and_the_reference_as_long_as_its_key_is_held() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    for (label, view) in [
+        ("A", CompareView::Picture),
+        ("B", CompareView::Reference),
+        ("Side by side", CompareView::SideBySide),
+        ("Difference", CompareView::Difference),
+        ("A | B", CompareView::Swipe),
+    ] {
+        window.click(label);
+        assert_eq!(panel(&mut window).shown_view(), view);
+    }
+    let hold = |window: &mut Window, pressed| {
+        let event = Event::Key { key: Key::R, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE };
+        window.0.input_mut().events.push(event);
+        window.0.run_steps(2);
+        panel(window).shown_view()
+    };
+    assert_eq!(hold(&mut window, true), CompareView::Reference);
+    assert_eq!(hold(&mut window, false), CompareView::Swipe);
+}
+
+#[test]
+fn a_region_is_drawn_in_the_viewport_and_measured_alone() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    let measured = |s: &EditorState| s.comparison.context().measured.map(|m| m.metrics.pixels);
+    let whole = measured(window.0.state()).unwrap();
+    window.click("Region");
+    let rect = window.0.state().interface.viewport_rect;
+    let eye = window.0.state().document.camera.eye;
+    let at = |x: f32, y: f32| rect.min + vec2(x, y) * rect.size();
+    window.0.drag_at(at(0.25, 0.25));
+    window.0.run_steps(2);
+    window.0.hover_at(at(0.6, 0.6));
+    window.0.run_steps(2);
+    window.0.drop_at(at(0.75, 0.75));
+    window.wait("the figures of the region", |s| measured(s).is_some_and(|pixels| pixels < whole / 2));
+    let [left, top, right, bottom] = panel(&mut window).region.unwrap();
+    assert!((left - 0.25).abs() < 0.02 && (top - 0.25).abs() < 0.02 && right > 0.5 && bottom > 0.5);
+    assert_eq!(panel(&mut window).tool, None, "one drag draws one region");
+    assert_eq!(window.0.state().document.camera.eye, eye, "the camera stays");
+    window.click("Whole picture");
+    window.wait("the figures of all", |s| measured(s) == Some(whole));
+}
+
+#[test]
+fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    let path = place.path("truth.exr");
+    Image::filled([40, 30], glam::Vec3::splat(0.5)).write(&path).unwrap();
+    window.perform(Action::ChooseReference(Some(path.clone())));
+    window.wait("the file", |s| s.comparison.context().measured.is_some_and(|m| m.reference.image.size == [40, 30]));
+    panel(&mut window).map = ErrorMap::Signed;
+    window
+        .wait("the signed map", |s| s.comparison.context().measured.is_some_and(|m| m.field.kind == ErrorMap::Signed));
+    std::fs::write(&path, b"nothing").unwrap();
+    window.perform(Action::ChooseReference(Some(path)));
+    window.wait("the problem", |s| s.comparison.context().problem.is_some());
+    assert!(window.shows("not a picture"));
+    panel(&mut window).kind = KindChoice::Samples;
+    finished(&mut window);
+    assert!(!window.shows("not a picture"), "negative control: light samples go on");
+}

@@ -1,0 +1,72 @@
+//! What the window tells the tracing thread while that is at work.
+
+use std::{
+    sync::{
+        Condvar, Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering::SeqCst},
+    },
+    time::{Duration, Instant},
+};
+
+/// Shared by both.
+#[derive(Default)]
+pub struct Control {
+    /// Number of the comparison that is wanted.
+    wanted: AtomicU64,
+    paused: AtomicBool,
+    /// Wakes those who wait for the end of a pause.
+    resumed: Condvar,
+    waiting: Mutex<()>,
+    /// Units of work, done and in all.
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+impl Control {
+    /// Abandons what is under way, goes on after a pause, and returns the number of the next comparison.
+    pub fn begin(&self) -> u64 {
+        self.advanced(0, 0);
+        let number = self.wanted.fetch_add(1, SeqCst) + 1;
+        self.pause(false);
+        number
+    }
+
+    /// The number of the comparison that is wanted.
+    pub fn wanted(&self) -> u64 {
+        self.wanted.load(SeqCst)
+    }
+
+    /// Pauses or goes on.
+    pub fn pause(&self, paused: bool) {
+        self.paused.store(paused, SeqCst);
+        let _waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        self.resumed.notify_all();
+    }
+
+    /// Whether it is paused.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(SeqCst)
+    }
+
+    /// Waits until a pause ends, or another comparison than `number` is wanted. Returns how long.
+    pub fn wait(&self, number: u64) -> Duration {
+        let start = Instant::now();
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        while self.is_paused() && self.wanted() == number {
+            waiting = self.resumed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+        }
+        start.elapsed()
+    }
+
+    /// Keeps how far the reference is.
+    pub fn advanced(&self, done: u64, total: u64) {
+        self.done.store(done, SeqCst);
+        self.total.store(total, SeqCst);
+    }
+
+    /// Share that is done, 0 to 1.
+    pub fn progress(&self) -> f32 {
+        let total = self.total.load(SeqCst);
+        if total == 0 { 0.0 } else { self.done.load(SeqCst) as f32 / total as f32 }
+    }
+}

@@ -1,0 +1,245 @@
+//! What the thread does: the picture with cuts, then the reference, for one request after another.
+
+use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
+use crate::jobs::{
+    Wake, guarded,
+    render_thread::{Factory, RenderRequest, Station},
+};
+use anyhow::{Result, bail};
+use lapidary_core::image::Image;
+use lapidary_render::{
+    Baked, PathPicture, PathSettings, Preview, Progress, Renderer, SampledLight, Solution, SourceLighting, View,
+    ViewMode,
+};
+use std::{
+    path::Path,
+    sync::{
+        Arc, Mutex, PoisonError,
+        mpsc::{Receiver, Sender},
+    },
+    time::{Duration, Instant},
+};
+
+/// Longest side of a picture file that is compared with: the same picture is rendered in its size.
+const LONGEST_SIDE: u32 = 4096;
+
+/// Time between two previews of light paths; each costs a pass over the picture and its metrics.
+const PREVIEW_INTERVAL: Duration = Duration::from_millis(700);
+
+/// Where events are left for the window.
+pub struct Outbox {
+    /// By the number of the comparison.
+    pub events: Sender<(u64, ComparisonEvent)>,
+    /// Makes the window look.
+    pub wake: Wake,
+}
+
+/// The state of the thread.
+pub struct Worker {
+    control: Arc<Control>,
+    outbox: Outbox,
+    station: Station,
+    /// Traces the scene of before again.
+    renderer: Option<(Baked, Renderer)>,
+}
+
+impl Worker {
+    /// With nothing to do yet.
+    pub fn new(factory: Factory, control: Arc<Control>, outbox: Outbox) -> Self {
+        Self { control, outbox, station: Station::new(factory), renderer: None }
+    }
+
+    /// Works until the window is gone.
+    pub fn run(mut self, inbox: &Receiver<(u64, Box<ComparisonRequest>)>) {
+        while let Ok(first) = inbox.recv() {
+            let (number, request) = inbox.try_iter().last().unwrap_or(first);
+            if let Err(text) = guarded("the comparison", || self.compare(number, &request)) {
+                self.renderer = None;
+                self.station.reset();
+                self.tell(number, ComparisonEvent::Failed(text));
+            }
+        }
+    }
+
+    fn tell(&self, number: u64, event: ComparisonEvent) {
+        // Nobody is left to tell if the window is gone.
+        let _ = self.outbox.events.send((number, event));
+        (self.outbox.wake)();
+    }
+
+    fn is_wanted(&self, number: u64) -> bool {
+        self.control.wanted() == number
+    }
+
+    fn compare(&mut self, number: u64, request: &ComparisonRequest) -> Result<()> {
+        let Some(baked) = request.picture.baked.clone() else { bail!("there is no picture to compare; open a scene") };
+        let loaded = match &request.kind {
+            ReferenceKind::File(path) => Some(read(path)?),
+            _ => None,
+        };
+        let view = comparison_view(request, loaded.as_ref());
+        if !self.is_wanted(number) {
+            return Ok(());
+        }
+        let test = self.test_picture(number, request, &view)?;
+        self.tell(number, ComparisonEvent::Test(Arc::new(test)));
+        let Some(image) = loaded else { return self.trace(number, request, &baked, &view) };
+        let reference = ReferencePicture { image: image.into(), step: 1, noise: None, finished: true, seconds: 0.0 };
+        self.tell(number, ComparisonEvent::Reference(reference));
+        Ok(())
+    }
+
+    /// The picture as the live one is made, on the same kind of renderer.
+    fn test_picture(&mut self, number: u64, request: &ComparisonRequest, view: &View) -> Result<TestPicture> {
+        let remark = |text| {
+            let _ = self.outbox.events.send((number, ComparisonEvent::Remark(text)));
+        };
+        self.station.update(&request.picture, &remark)?;
+        let start = Instant::now();
+        let backend = self.station.backend()?;
+        backend.begin(view, request.picture.sampling)?;
+        for sample in 0..view.aa {
+            backend.render_rows(sample, 0..view.size[1])?;
+        }
+        let millis = 1e3 * start.elapsed().as_secs_f64();
+        let (image, coverage) = backend.read(view.aa)?;
+        Ok(TestPicture { image, coverage, stats: backend.stats()?, millis })
+    }
+
+    fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
+        let sources = self.station.local().and_then(|local| local.indirect.clone());
+        let picture = &request.picture;
+        let renderer = renderer_of(&mut self.renderer, baked);
+        renderer.set_appearance(picture.appearance.clone());
+        let hearing = Hearing::new(number, &self.control, &self.outbox);
+        let (image, noise) = match request.kind {
+            ReferenceKind::Paths { spp } => {
+                let PathPicture { image, noise, .. } = paths(renderer, picture, view, spp, &hearing);
+                (image, noise)
+            }
+            _ => (samples(renderer, picture, view, sources.as_deref(), &hearing)?, None),
+        };
+        if !hearing.abandoned() {
+            let (image, seconds) = (Arc::new(image), hearing.seconds());
+            hearing.tell(ReferencePicture { image, step: 1, noise, finished: true, seconds });
+        }
+        Ok(())
+    }
+}
+
+/// As many bounces as the solution that is shown has.
+fn paths(renderer: &Renderer, picture: &RenderRequest, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
+    let bounces = if picture.components.indirect { picture.solution.bounces() } else { 0 };
+    let settings = PathSettings { spp, first_pass: 0, bounces, components: picture.components };
+    renderer.path_picture(view, &picture.illumination, &picture.lights, settings, progress)
+}
+
+fn samples(
+    renderer: &Renderer,
+    picture: &RenderRequest,
+    view: &View,
+    sources: Option<&SourceLighting>,
+    progress: &dyn Progress,
+) -> Result<Image> {
+    let solved_only = picture.solution == Solution::Meshless && renderer.dataset().meshless.is_some();
+    if picture.components.indirect && solved_only {
+        bail!("light samples show bounced light of surface sources only; choose light paths, or a solution by cuts");
+    }
+    let light = SampledLight {
+        environment: picture.components.environment.then_some(&picture.illumination),
+        lights: if picture.components.direct { &picture.lights } else { &[] },
+        sources,
+    };
+    Ok(renderer.sampled(view, light, progress))
+}
+
+/// Makes rays for a scene that is new.
+fn renderer_of<'a>(known: &'a mut Option<(Baked, Renderer)>, baked: &Baked) -> &'a mut Renderer {
+    if known.as_ref().is_none_or(|(of, _)| !of.is_same(baked)) {
+        *known = None;
+    }
+    &mut known.get_or_insert_with(|| (baked.clone(), Renderer::new(baked.clone()))).1
+}
+
+/// A lit picture in the size of the comparison. Traced references look at the centre of each pixel, as the picture with cuts then
+/// does; that of another program filters, as the live picture does.
+fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View {
+    let live = &request.picture.view;
+    View {
+        size: loaded.map_or(request.size(), |image| image.size),
+        aa: if loaded.is_some() { live.aa.max(1) } else { 1 },
+        mode: ViewMode::Shaded,
+        wireframe: false,
+        region: request.region,
+        ..live.clone()
+    }
+}
+
+fn read(path: &Path) -> Result<Image> {
+    let image = Image::read(path)?;
+    let [width, height] = image.size;
+    if width.max(height) > LONGEST_SIDE {
+        bail!(
+            "the reference has {width} x {height} pixels, more than {LONGEST_SIDE} along a side; make it smaller ({})",
+            path.display()
+        );
+    }
+    Ok(image)
+}
+
+/// Passes on how a reference advances, and what the window says meanwhile.
+struct Hearing<'a> {
+    number: u64,
+    control: &'a Control,
+    outbox: &'a Outbox,
+    start: Instant,
+    paused: Mutex<Duration>,
+    previewed: Mutex<Instant>,
+}
+
+impl<'a> Hearing<'a> {
+    fn new(number: u64, control: &'a Control, outbox: &'a Outbox) -> Self {
+        let start = Instant::now();
+        Self { number, control, outbox, start, paused: Mutex::default(), previewed: start.into() }
+    }
+
+    /// Of tracing alone.
+    fn seconds(&self) -> f64 {
+        self.start.elapsed().saturating_sub(*locked(&self.paused)).as_secs_f64()
+    }
+
+    fn tell(&self, reference: ReferencePicture) {
+        let _ = self.outbox.events.send((self.number, ComparisonEvent::Reference(reference)));
+        (self.outbox.wake)();
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Progress for Hearing<'_> {
+    fn advanced(&self, done: u64, total: u64) {
+        if self.abandoned() {
+            return;
+        }
+        self.control.advanced(done, total);
+        (self.outbox.wake)();
+        *locked(&self.paused) += self.control.wait(self.number);
+    }
+
+    fn preview(&self, preview: &Preview) {
+        let image = Arc::new(preview.image.clone());
+        let (step, noise, seconds) = (preview.step, preview.noise, self.seconds());
+        self.tell(ReferencePicture { image, step, noise, finished: false, seconds });
+        *locked(&self.previewed) = Instant::now();
+    }
+
+    fn wants_preview(&self, passes: u32) -> bool {
+        passes == 1 || locked(&self.previewed).elapsed() > PREVIEW_INTERVAL
+    }
+
+    fn abandoned(&self) -> bool {
+        self.control.wanted() != self.number
+    }
+}

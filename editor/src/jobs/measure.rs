@@ -1,0 +1,253 @@
+//! The thread that measures what the picture with cuts differs from the reference by, and makes what is shown of it: the
+//! reference as a display shows it, metrics, the map of errors and their histogram. The latest request wins.
+
+use super::{
+    Wake,
+    comparison::{ReferencePicture, TestPicture},
+    guarded, spawn,
+};
+use anyhow::{Result, bail};
+use glam::Vec3;
+use lapidary_core::image::{Image, Region};
+use lapidary_render::{
+    Post,
+    compare::{
+        Metrics, compare,
+        map::{ErrorField, ErrorMap},
+    },
+};
+use std::sync::{
+    Arc,
+    mpsc::{Receiver, Sender, channel},
+};
+
+/// Two pictures, and what is wanted of them.
+#[derive(Clone, Debug)]
+pub struct MeasureRequest {
+    /// The picture with cuts.
+    pub test: Arc<TestPicture>,
+    /// The truth.
+    pub reference: ReferencePicture,
+    /// Pixels without surfaces count as equal, so that no background hides an error.
+    pub surfaces_only: bool,
+    /// The only part that is measured, in pixels of the comparison.
+    pub region: Option<Region>,
+    /// Which error is mapped.
+    pub map: ErrorMap,
+    /// The error at the end of the map's colours, if it is not to be found.
+    pub top: Option<f32>,
+    /// How the reference is shown.
+    pub post: Post,
+}
+
+/// Pixels to show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShownPixels {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// sRGB-encoded, opaque.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+/// What the pictures differ by.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Of the pixels that are traced and, if so wanted, inside the region.
+    pub metrics: Metrics,
+    /// Error of each of them.
+    pub field: ErrorField,
+    /// The errors in colours.
+    pub map: ShownPixels,
+    /// What of the picture the map shows, as shares of its width and height: left, top, right, bottom.
+    pub part: [f32; 4],
+    /// The reference that was measured.
+    pub reference: ReferencePicture,
+    /// The picture that was measured.
+    pub test: Arc<TestPicture>,
+}
+
+/// What has been made.
+#[derive(Debug)]
+pub enum MeasureEvent {
+    /// The reference as a display shows it.
+    Shown(ShownPixels),
+    /// What it is measured by.
+    Measured(Box<Measured>),
+    /// The pictures cannot be compared, and why.
+    Failed(String),
+}
+
+/// The window's end of the thread.
+pub struct MeasureThread {
+    requests: Sender<MeasureRequest>,
+    events: Receiver<MeasureEvent>,
+}
+
+impl MeasureThread {
+    /// Starts the thread.
+    pub fn start(wake: Wake) -> Self {
+        let (requests, inbox) = channel::<MeasureRequest>();
+        let (outbox, events) = channel();
+        spawn("measure", move || {
+            while let Ok(first) = inbox.recv() {
+                let request = inbox.try_iter().last().unwrap_or(first);
+                let tell = |event| {
+                    // Nobody is left to tell if the window is gone.
+                    let _ = outbox.send(event);
+                    wake();
+                };
+                let traced = request.reference.image.every(request.reference.step);
+                tell(MeasureEvent::Shown(shown(&traced, &request.post)));
+                tell(match guarded("the comparison", || measure(&request)) {
+                    Ok(measured) => MeasureEvent::Measured(Box::new(measured)),
+                    Err(text) => MeasureEvent::Failed(text),
+                });
+            }
+        });
+        Self { requests, events }
+    }
+
+    /// Asks for the measures of two pictures.
+    pub fn request(&self, request: MeasureRequest) {
+        // The thread only ends when the window does.
+        let _ = self.requests.send(request);
+    }
+
+    /// What was made since the last call.
+    pub fn events(&self) -> Vec<MeasureEvent> {
+        self.events.try_iter().collect()
+    }
+}
+
+/// What a display shows of a picture.
+pub fn shown(image: &Image, post: &Post) -> ShownPixels {
+    let pixels = image.pixels.iter().map(|&radiance| encoded(post.display(radiance))).collect();
+    ShownPixels { size: image.size, pixels }
+}
+
+fn encoded(display: Vec3) -> [u8; 4] {
+    let [r, g, b] = (display.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round().to_array().map(|v| v as u8);
+    [r, g, b, 255]
+}
+
+fn measure(request: &MeasureRequest) -> Result<Measured> {
+    let MeasureRequest { test, reference, region, .. } = request;
+    let step = reference.step;
+    let region = match region {
+        None => None,
+        Some(region) => match region.within(reference.image.size).and_then(|inside| inside.every(step)) {
+            None => bail!("the region has no pixel that is traced; draw a larger one"),
+            found => found,
+        },
+    };
+    let covered =
+        |image: &Image| if request.surfaces_only { on_surfaces(image, &test.coverage) } else { image.clone() };
+    let part = |image: &Image| {
+        let traced = covered(image).every(step);
+        region.map_or(traced.clone(), |region| traced.crop(region))
+    };
+    let (a, b) = (part(&test.image), part(&reference.image));
+    let metrics = compare(&a, &b)?;
+    let field = ErrorField::new(&a, &b, request.map, request.top)?;
+    let map = ShownPixels { size: field.size, pixels: field.colors().into_iter().map(encoded).collect() };
+    let whole = reference.image.size.map(|side| side.div_ceil(step));
+    let part = region.map_or([0.0, 0.0, 1.0, 1.0], |region| shares(region, whole));
+    Ok(Measured { metrics, field, map, part, reference: reference.clone(), test: test.clone() })
+}
+
+fn shares(region: Region, [width, height]: [u32; 2]) -> [f32; 4] {
+    let (columns, rows) = (region.columns(), region.rows());
+    let [across, down] = [width as f32, height as f32];
+    [columns.start as f32 / across, rows.start as f32 / down, columns.end as f32 / across, rows.end as f32 / down]
+}
+
+/// The picture, black where no surface is seen.
+fn on_surfaces(image: &Image, coverage: &[f32]) -> Image {
+    let pixel = |(&p, &covered): (&Vec3, &f32)| if covered > 0.0 { p } else { Vec3::ZERO };
+    Image { size: image.size, pixels: image.pixels.iter().zip(coverage).map(pixel).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::testing::{silent, wait_for};
+    use lapidary_render::PictureStats;
+
+    fn request(test: Image, reference: Image) -> MeasureRequest {
+        let coverage = (0..test.pixels.len()).map(|i| if i < 4 { 0.0 } else { 1.0 }).collect();
+        MeasureRequest {
+            test: Arc::new(TestPicture { image: test, coverage, stats: PictureStats::default(), millis: 1.0 }),
+            reference: ReferencePicture { image: reference.into(), step: 1, noise: None, finished: true, seconds: 1.0 },
+            surfaces_only: false,
+            region: None,
+            map: ErrorMap::Absolute,
+            top: None,
+            post: Post::default(),
+        }
+    }
+
+    /// The first four pixels are background and bright.
+    fn picture(surface: f32) -> Image {
+        Image::from_fn([8, 6], |x, y| Vec3::splat(if y == 0 && x < 4 { 100.0 } else { surface }))
+    }
+
+    #[test]
+    fn a_bright_background_hides_the_error_unless_surfaces_alone_count() {
+        let request = request(picture(1.1), picture(1.0));
+        let with_background = measure(&request).unwrap().metrics;
+        let on_surfaces = measure(&MeasureRequest { surfaces_only: true, ..request }).unwrap().metrics;
+        assert!((on_surfaces.rel_rmse - 0.1).abs() < 1e-5, "{on_surfaces:?}");
+        assert!(with_background.rel_rmse < 0.01, "negative control: {with_background:?}");
+    }
+
+    #[test]
+    fn a_region_is_measured_alone_and_only_where_it_was_traced() {
+        let mut test = picture(1.0);
+        test.pixels[8 * 4 + 6] = Vec3::splat(2.0);
+        let request = request(test, picture(1.0));
+        let of = |origin, size, step| {
+            let reference = ReferencePicture { step, ..request.reference.clone() };
+            measure(&MeasureRequest { region: Some(Region { origin, size }), reference, ..request.clone() })
+        };
+        let around = of([6, 4], [2, 2], 1).unwrap();
+        assert!((around.metrics.rmse - 0.5).abs() < 1e-6 && around.metrics.pixels == 4, "{:?}", around.metrics);
+        assert_eq!(around.part, [0.75, 4.0 / 6.0, 1.0, 1.0]);
+        assert_eq!(of([4, 1], [2, 2], 1).unwrap().metrics.rmse, 0.0, "negative control: beside it");
+        assert_eq!(of([6, 4], [2, 2], 2).unwrap().metrics.pixels, 1, "every other pixel was traced");
+        assert!(of([5, 5], [1, 1], 4).unwrap_err().to_string().contains("draw a larger one"));
+        assert!(of([80, 5], [9, 9], 1).is_err());
+    }
+
+    #[test]
+    fn pixels_that_are_not_finite_are_counted_and_shown_in_magenta() {
+        let mut reference = picture(1.0);
+        reference.pixels[20] = Vec3::new(f32::NAN, 0.0, 0.0);
+        let measured = measure(&request(picture(1.0), reference)).unwrap();
+        assert_eq!((measured.metrics.non_finite_pixels, measured.metrics.rmse), (1, 0.0));
+        assert_eq!(measured.map.pixels[20], [255, 0, 255, 255]);
+        assert_ne!(measured.map.pixels[21], [255, 0, 255, 255]);
+    }
+
+    #[test]
+    fn the_thread_shows_the_reference_exposed_and_says_what_it_cannot_compare() {
+        let thread = MeasureThread::start(silent());
+        let bright = Post { exposure: 1.0, ..Post::default() };
+        thread.request(MeasureRequest { post: bright, ..request(picture(0.25), picture(0.25)) });
+        let mut events = Vec::new();
+        wait_for("both events", || {
+            events.extend(thread.events());
+            (events.len() == 2).then_some(())
+        });
+        let [MeasureEvent::Shown(shown), MeasureEvent::Measured(measured)] = &events[..] else { panic!("{events:?}") };
+        assert_eq!(shown.pixels[9], [188, 188, 188, 255], "a half, encoded");
+        assert_eq!(measured.metrics.rmse, 0.0);
+        thread.request(request(picture(1.0), Image::filled([3, 3], Vec3::ONE)));
+        let failed = wait_for("the failure", || {
+            thread.events().into_iter().find_map(|e| match e {
+                MeasureEvent::Failed(text) => Some(text),
+                _ => None,
+            })
+        });
+        assert!(failed.contains("8 x 6") && failed.contains("3 x 3"), "{failed}");
+    }
+}

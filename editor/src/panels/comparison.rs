@@ -1,0 +1,303 @@
+//! The strip under the viewport: what the picture is compared with, how both are shown, and what they differ by.
+
+mod figures;
+#[cfg(test)]
+mod tests;
+
+use crate::{
+    actions::Action,
+    jobs::{
+        comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
+        measure::Measured,
+        render_thread::RenderRequest,
+    },
+};
+use egui::{Button, ComboBox, DragValue, ProgressBar, Ui};
+use lapidary_core::image::Region;
+use lapidary_render::compare::map::ErrorMap;
+use std::path::{Path, PathBuf};
+
+/// Pixels of the live picture along each axis for one of the comparison.
+const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
+/// Regions begin and end at multiples of it, so that coarse references have pixels in them.
+const GRID: u32 = 4;
+
+/// Which reference, apart from the figures that go with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KindChoice {
+    /// All light samples.
+    #[default]
+    Samples,
+    /// Light paths.
+    Paths,
+    /// A picture file.
+    File,
+}
+
+/// How picture and reference are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CompareView {
+    /// The picture alone.
+    Picture,
+    /// The reference alone.
+    Reference,
+    /// The picture to the left of a line, the reference to the right.
+    #[default]
+    Swipe,
+    /// Both whole.
+    SideBySide,
+    /// The map of errors.
+    Difference,
+}
+
+impl CompareView {
+    const ALL: [(Self, &str, &str); 5] = [
+        (Self::Picture, "A", "The picture with cuts"),
+        (Self::Reference, "B", "The reference; hold R to see it for a moment in any view"),
+        (Self::Swipe, "A | B", "The picture to the left of a line that can be dragged, the reference to the right"),
+        (Self::SideBySide, "Side by side", "Both, each as a whole"),
+        (Self::Difference, "Difference", "Where they differ, in colors"),
+    ];
+}
+
+/// What the next drag or click in the viewport does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tool {
+    /// A drag draws the region; it began there, in shares of the viewport.
+    Region(Option<[f32; 2]>),
+}
+
+/// What the strip remembers.
+#[derive(Clone, Debug)]
+pub struct ComparisonPanel {
+    /// Whether anything is compared.
+    pub open: bool,
+    /// Which reference.
+    pub kind: KindChoice,
+    /// Light paths a pixel.
+    pub spp: u32,
+    /// The picture file.
+    pub file: Option<PathBuf>,
+    /// See [`ComparisonRequest::scale`].
+    pub scale: u32,
+    /// How both are shown.
+    pub view: CompareView,
+    /// The reference is shown as long as the key is held.
+    pub flicker: bool,
+    /// Where the line between both is, as a share of the width.
+    pub swipe: f32,
+    /// Which error is mapped.
+    pub map: ErrorMap,
+    /// The error at the end of the map's colours, where it was set.
+    pub top: Option<f32>,
+    /// Pixels without surfaces do not count.
+    pub surfaces_only: bool,
+    /// The part that counts, in shares of the viewport: left, top, right, bottom.
+    pub region: Option<[f32; 4]>,
+    /// What the pointer does.
+    pub tool: Option<Tool>,
+}
+
+impl Default for ComparisonPanel {
+    fn default() -> Self {
+        Self {
+            open: false,
+            kind: KindChoice::default(),
+            spp: 64,
+            file: None,
+            scale: 4,
+            view: CompareView::default(),
+            flicker: false,
+            swipe: 0.5,
+            map: ErrorMap::default(),
+            top: None,
+            surfaces_only: true,
+            region: None,
+            tool: None,
+        }
+    }
+}
+
+impl ComparisonPanel {
+    /// What is seen now.
+    pub fn shown_view(&self) -> CompareView {
+        if self.flicker { CompareView::Reference } else { self.view }
+    }
+
+    /// What is to be compared with `picture`; `None` where no file was chosen yet.
+    pub fn request(&self, picture: RenderRequest) -> Option<ComparisonRequest> {
+        let kind = match self.kind {
+            KindChoice::Samples => ReferenceKind::Samples,
+            KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
+            KindChoice::File => ReferenceKind::File(self.file.clone()?),
+        };
+        let mut request = ComparisonRequest { picture, kind, scale: self.scale, region: None };
+        if self.kind != KindChoice::File {
+            request.region = self.region_of(request.size());
+        }
+        Some(request)
+    }
+
+    /// The region in pixels of a picture, moved out to the grid.
+    pub fn region_of(&self, size: [u32; 2]) -> Option<Region> {
+        let [left, top, right, bottom] = self.region?;
+        let low = |share: f32, side: u32| (share.clamp(0.0, 1.0) * side as f32) as u32 / GRID * GRID;
+        let high = |share: f32, side: u32| ((share.clamp(0.0, 1.0) * side as f32) as u32 + 1).next_multiple_of(GRID);
+        let origin = [low(left, size[0]), low(top, size[1])];
+        let end = [high(right, size[0]), high(bottom, size[1])];
+        Region { origin, size: [0, 1].map(|i| end[i].saturating_sub(origin[i])) }.within(size)
+    }
+
+    /// What the picture is, in a few words.
+    pub fn picture_label(&self, illum_cut: u32) -> String {
+        format!("A: cuts, {illum_cut} nodes of light")
+    }
+
+    /// What the reference is, in a few words.
+    pub fn reference_label(&self, reference: &ReferencePicture, progress: f32) -> String {
+        let done = if reference.finished { String::new() } else { format!(", {:.0} % done", 100.0 * progress) };
+        match self.kind {
+            KindChoice::Samples => format!("B: all light samples, traced{done}"),
+            KindChoice::Paths => {
+                let noise = reference.noise.map(|n| format!(", noise {:.1} %", 100.0 * n)).unwrap_or_default();
+                format!("B: {} light paths a pixel{noise}{done}", self.spp)
+            }
+            KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
+        }
+    }
+}
+
+fn file_name(path: Option<&Path>) -> String {
+    path.and_then(Path::file_name).map_or("no file".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What the strip shows.
+pub struct ComparisonContext<'a> {
+    /// The figures, once there are some.
+    pub measured: Option<&'a Measured>,
+    /// Share of the reference that is done.
+    pub progress: f32,
+    /// Whether tracing was paused.
+    pub paused: bool,
+    /// Whether there is something to pause.
+    pub tracing: bool,
+    /// Why there is no comparison.
+    pub problem: Option<&'a str>,
+}
+
+/// Shows the strip.
+pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContext, actions: &mut Vec<Action>) {
+    ui.add_space(2.0);
+    ui.horizontal_wrapped(|ui| {
+        reference(ui, panel, actions);
+        tracing(ui, context, actions);
+        ui.separator();
+        views(ui, panel, context.measured);
+        ui.separator();
+        if ui.button("Close").on_hover_text("Ends the comparison (C)").clicked() {
+            panel.open = false;
+        }
+    });
+    match (context.problem, context.measured) {
+        (Some(problem), _) => {
+            ui.colored_label(ui.visuals().error_fg_color, problem);
+        }
+        (None, Some(measured)) => figures::show(ui, panel, measured),
+        (None, None) => {
+            ui.weak(waiting(panel));
+        }
+    }
+    ui.add_space(2.0);
+}
+
+fn waiting(panel: &ComparisonPanel) -> &'static str {
+    if panel.kind == KindChoice::File && panel.file.is_none() {
+        "Choose the picture to compare with: it should show this view, scene-linear if it can"
+    } else {
+        "The first pass of the reference is on its way"
+    }
+}
+
+fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>) {
+    let kinds = [
+        (KindChoice::Samples, "Light samples", "All light samples, traced at every pixel: shows what the cuts lose"),
+        (KindChoice::Paths, "Light paths", "Traced paths of light: the whole error, with some noise"),
+        (KindChoice::File, "Picture file", "A picture of this view by another program"),
+    ];
+    let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
+    ui.label("Compare with");
+    let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
+        for (kind, label, help) in kinds {
+            ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
+        }
+    });
+    combo.response.accessible_name("Reference");
+    if panel.kind == KindChoice::File {
+        if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
+            actions.push(Action::ChooseReference(None));
+        }
+        return;
+    }
+    if panel.kind == KindChoice::Paths {
+        let spp = DragValue::new(&mut panel.spp).range(1..=1_000_000).speed(1.0).suffix(" spp");
+        ui.add(spp)
+            .accessible_name("Paths a pixel")
+            .on_hover_text("Light paths a pixel: four times as many halve the noise");
+    }
+    let size = SCALES.iter().find(|s| s.0 == panel.scale).map_or("", |s| s.1);
+    let combo = ComboBox::from_id_salt("comparison size").width(80.0).selected_text(size).show_ui(ui, |ui| {
+        for (scale, label) in SCALES {
+            ui.selectable_value(&mut panel.scale, scale, label);
+        }
+    });
+    let help = "Size of both pictures that are compared: full size of light samples takes long";
+    combo.response.on_hover_text(help).accessible_name("Comparison size");
+}
+
+fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) {
+    if !context.tracing {
+        return;
+    }
+    let finished = context.measured.filter(|m| m.reference.finished && context.progress >= 1.0);
+    let text = match finished {
+        Some(measured) => format!("{:.1} s", measured.reference.seconds),
+        None => format!("{:.0} %", 100.0 * context.progress),
+    };
+    ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text("Of the reference");
+    if finished.is_none() {
+        let label = if context.paused { "Go on" } else { "Pause" };
+        if ui.button(label).clicked() {
+            actions.push(Action::PauseReference(!context.paused));
+        }
+    }
+}
+
+fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) {
+    for (view, label, help) in CompareView::ALL {
+        ui.selectable_value(&mut panel.view, view, label).on_hover_text(help);
+    }
+    if panel.view != CompareView::Difference {
+        return;
+    }
+    let combo = ComboBox::from_id_salt("error map").width(110.0).selected_text(panel.map.title()).show_ui(ui, |ui| {
+        for map in ErrorMap::ALL {
+            if ui.selectable_value(&mut panel.map, map, map.title()).on_hover_text(map_meaning(map)).changed() {
+                panel.top = None;
+            }
+        }
+    });
+    combo.response.accessible_name("Error map");
+    let help = "Keeps the range of the colors, so that maps before and after an edit can be compared";
+    if ui.add(Button::selectable(panel.top.is_some(), "Keep range")).on_hover_text(help).clicked() {
+        panel.top = if panel.top.is_some() { None } else { measured.map(|m| m.field.top) };
+    }
+}
+
+fn map_meaning(map: ErrorMap) -> &'static str {
+    match map {
+        ErrorMap::Relative => "Difference over the reference's value: dark parts count as much as bright ones",
+        ErrorMap::Absolute => "Difference in scene-linear units",
+        ErrorMap::Signed => "Orange where the picture is too bright, blue where it is too dark",
+        ErrorMap::Flip => "The difference that is seen when both flicker",
+    }
+}

@@ -1,0 +1,125 @@
+//! What both pictures differ by: metrics, and how the errors are distributed.
+
+use super::{ComparisonPanel, Tool};
+use crate::jobs::measure::Measured;
+use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
+use lapidary_render::compare::{Metrics, map::ErrorField};
+
+/// Size of the histogram in points, and its bars.
+const HISTOGRAM: egui::Vec2 = vec2(180.0, 34.0);
+const BINS: usize = 60;
+
+/// Shows figures, region and histogram.
+pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: &Measured) {
+    ui.horizontal_wrapped(|ui| {
+        histogram(ui, &measured.field);
+        for (name, value, help) in texts(&measured.metrics, measured.reference.noise) {
+            ui.vertical(|ui| {
+                ui.weak(RichText::new(name).small()).on_hover_text(help);
+                ui.label(RichText::new(value).monospace()).on_hover_text(help);
+            });
+            ui.add_space(6.0);
+        }
+        ui.vertical(|ui| options(ui, panel, &measured.metrics));
+    });
+}
+
+/// Names, values and meanings, the most telling first.
+fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'static str)> {
+    let percent = |value: f64| if value.is_finite() { format!("{:.2} %", 100.0 * value) } else { "infinite".into() };
+    let mut texts =
+        vec![("Relative RMSE", percent(metrics.rel_rmse), "Root of the squared error over the reference's square")];
+    if let Some(noise) = noise {
+        texts.push((
+            "of it noise",
+            percent(noise),
+            "The reference's own noise, as its halves tell; more paths lower it",
+        ));
+    }
+    let decibels = if metrics.psnr.is_finite() { format!("{:.1} dB", metrics.psnr) } else { "equal".into() };
+    texts.extend([
+        ("FLIP", format!("{:.4}", metrics.flip), "Mean difference as seen when both flicker, 0 to 1"),
+        ("SSIM", format!("{:.4}", metrics.ssim), "Structural similarity, 1 for equal pictures"),
+        ("PSNR", decibels, "Peak signal to noise ratio of what a display shows"),
+        ("RMSE", format!("{:.4}", metrics.rmse), "Root of the mean squared error, scene-linear"),
+        (
+            "relMSE",
+            format!("{:.5}", metrics.rel_mse),
+            "Mean of the squared error over the reference's square, pixel by pixel",
+        ),
+        ("Pixels", metrics.pixels.to_string(), "Pixels that were compared"),
+    ]);
+    texts
+}
+
+fn options(ui: &mut Ui, panel: &mut ComparisonPanel, metrics: &Metrics) {
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
+            .on_hover_text("Background counts as equal, so that it hides no error");
+        let drawing = panel.tool.is_some();
+        let help = "Drag a rectangle in the viewport: only it is traced and measured";
+        if ui.selectable_label(drawing, "Region").on_hover_text(help).clicked() {
+            panel.tool = if drawing { None } else { Some(Tool::Region(None)) };
+        }
+        if panel.region.is_some() && ui.button("Whole picture").clicked() {
+            panel.region = None;
+        }
+    });
+    if metrics.non_finite_pixels > 0 {
+        let text = format!("{} pixels are not finite; they are magenta and left out", metrics.non_finite_pixels);
+        ui.colored_label(ui.visuals().warn_fg_color, text);
+    }
+}
+
+/// Bars in the colours of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
+fn histogram(ui: &mut Ui, field: &ErrorField) {
+    let (rect, response) = ui.allocate_exact_size(HISTOGRAM, Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let counts = field.histogram(BINS);
+    let height = |count: u32| (f64::from(count) + 1.0).ln() as f32;
+    let highest = counts.iter().copied().map(height).fold(1e-6, f32::max);
+    let width = rect.width() / BINS as f32;
+    for (i, &count) in counts.iter().enumerate() {
+        let left = rect.left() + i as f32 * width;
+        let top = rect.bottom() - rect.height() * height(count) / highest;
+        let bar = Rect::from_min_max(pos2(left, top), pos2(left + width - 0.5, rect.bottom()));
+        painter.rect_filled(bar, 0.0, bar_color(field, (i as f32 + 0.5) / BINS as f32));
+    }
+    let ticks = field.ticks(1);
+    response.on_hover_text(format!(
+        "{} from {} to {}: how many pixels have it, on a logarithmic scale",
+        field.kind.title(),
+        ticks[0],
+        ticks[1]
+    ));
+}
+
+/// The map's colour, but never as dark as the ground.
+fn bar_color(field: &ErrorField, place: f32) -> Color32 {
+    let color = field.kind.color(field.kind.error_at(place)).max(glam::Vec3::splat(0.28));
+    let [r, g, b] = (color * 255.0).round().to_array().map(|v| v as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn infinite_figures_have_words() {
+        let metrics = Metrics {
+            rmse: 0.0,
+            rel_rmse: f64::INFINITY,
+            rel_mse: 0.0,
+            psnr: f64::INFINITY,
+            ssim: 1.0,
+            flip: 0.0,
+            pixels: 9,
+            non_finite_pixels: 0,
+        };
+        let value = |name| texts(&metrics, Some(0.0123)).into_iter().find(|t| t.0 == name).unwrap().1;
+        assert_eq!([value("Relative RMSE"), value("PSNR"), value("of it noise")], ["infinite", "equal", "1.23 %"]);
+        assert!(texts(&metrics, None).iter().all(|t| t.0 != "of it noise"));
+    }
+}

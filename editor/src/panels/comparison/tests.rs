@@ -1,0 +1,42 @@
+//! What the strip asks for, and where regions lie.
+
+use super::*;
+use crate::jobs::render_thread::tests::request;
+
+#[test]
+fn a_region_moves_out_to_the_grid_and_stays_inside() {
+    let panel = |region| ComparisonPanel { region: Some(region), ..Default::default() };
+    let of = |region, size| panel(region).region_of(size);
+    assert_eq!(of([0.26, 0.5, 0.49, 0.74], [100, 60]), Some(Region { origin: [24, 28], size: [28, 20] }));
+    assert_eq!(of([0.9, 0.9, 1.0, 1.0], [30, 30]), Some(Region { origin: [24, 24], size: [6, 6] }));
+    assert_eq!(of([0.5, 0.5, 0.5, 0.5], [40, 40]), Some(Region { origin: [20, 20], size: [4, 4] }), "never empty");
+    assert_eq!(of([-3.0, f32::NAN, 7.0, 9.0], [16, 16]), Some(Region { origin: [0, 0], size: [16, 16] }));
+    assert_eq!(ComparisonPanel::default().region_of([40, 40]), None);
+}
+
+#[test]
+fn the_size_of_the_comparison_is_a_part_of_the_live_picture() {
+    let mut panel = ComparisonPanel { region: Some([0.0, 0.0, 0.5, 0.5]), ..Default::default() };
+    let asked = panel.request(request(4)).unwrap();
+    assert_eq!((asked.size(), asked.kind.clone()), ([16, 12], ReferenceKind::Samples));
+    assert_eq!(asked.region, Some(Region { origin: [0, 0], size: [12, 8] }));
+    panel.kind = KindChoice::File;
+    assert!(panel.request(request(4)).is_none(), "no file was chosen");
+    panel.file = Some("truth.exr".into());
+    let asked = panel.request(request(4)).unwrap();
+    assert_eq!((asked.kind, asked.region), (ReferenceKind::File("truth.exr".into()), None), "a file has its own size");
+}
+
+#[test]
+fn labels_say_what_both_sides_are() {
+    let image = std::sync::Arc::new(lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE));
+    let mut reference = ReferencePicture { image, step: 2, noise: Some(0.0213), finished: false, seconds: 1.0 };
+    let mut panel = ComparisonPanel { kind: KindChoice::Paths, spp: 256, ..Default::default() };
+    assert_eq!(panel.picture_label(64), "A: cuts, 64 nodes of light");
+    let label = panel.reference_label(&reference, 0.5);
+    assert_eq!(label, "B: 256 light paths a pixel, noise 2.1 %, 50 % done");
+    reference.finished = true;
+    assert!(!panel.reference_label(&reference, 1.0).contains("done"));
+    (panel.kind, panel.file) = (KindChoice::File, Some("/a/b/truth.exr".into()));
+    assert_eq!(panel.reference_label(&reference, 1.0), "B: truth.exr");
+}

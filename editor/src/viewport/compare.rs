@@ -1,0 +1,163 @@
+//! The reference beside or over the picture, the map of errors, and the pointer's part in it: the line between both is
+//! dragged, and so is the region that counts.
+
+use super::{legend, paint::cover};
+use crate::panels::comparison::{CompareView, ComparisonPanel, Tool};
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Key, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2,
+    pos2, vec2,
+};
+use lapidary_render::compare::map::ErrorField;
+
+/// Points around the line between both that take hold of it.
+const GRIP: f32 = 7.0;
+const LINE: Stroke = Stroke { width: 1.5, color: Color32::from_gray(235) };
+/// Distance of labels from edges and the line, and room in them.
+const MARGIN: f32 = 10.0;
+const PADDING: Vec2 = vec2(7.0, 3.0);
+/// Least side of a region in points: a click is none.
+const LEAST_REGION: f32 = 6.0;
+
+/// What there is to compare with.
+pub struct Compared<'a> {
+    /// How both are shown.
+    pub view: CompareView,
+    /// Where the line is, as a share of the width.
+    pub swipe: f32,
+    /// The reference as it is shown, and its size in pixels.
+    pub reference: Option<(TextureId, [u32; 2])>,
+    /// The map of errors, and the shares of the picture that it covers.
+    pub map: Option<(TextureId, [f32; 4])>,
+    /// What the map shows.
+    pub field: Option<&'a ErrorField>,
+    /// What picture and reference are.
+    pub labels: [String; 2],
+    /// The part that counts, in shares of the viewport.
+    pub region: Option<[f32; 4]>,
+    /// Colour of its outline.
+    pub accent: Color32,
+}
+
+/// Paints over the picture, which is there already.
+pub fn paint(ui: &Ui, rect: Rect, picture: Option<(TextureId, [u32; 2])>, compared: &Compared) {
+    let painter = ui.painter_at(rect);
+    match (compared.view, compared.reference) {
+        (CompareView::Reference, Some(reference)) => {
+            image(&painter, rect, reference);
+            label(&painter, rect.center_top(), Align2::CENTER_TOP, &compared.labels[1]);
+        }
+        (CompareView::Swipe, Some(reference)) => swipe(&painter, rect, reference, compared),
+        (CompareView::SideBySide, Some(reference)) => {
+            painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+            side_by_side(&painter, rect, [picture, Some(reference)], &compared.labels);
+        }
+        (CompareView::Difference, Some(_)) => difference(&painter, rect, compared),
+        _ => label(&painter, rect.center_top(), Align2::CENTER_TOP, &compared.labels[0]),
+    }
+    if let Some(region) = compared.region.filter(|_| compared.view != CompareView::SideBySide) {
+        let outline = Stroke::new(1.5, compared.accent);
+        painter.rect_stroke(part_of(rect, region), 0.0, outline, StrokeKind::Outside);
+    }
+}
+
+fn image(painter: &Painter, rect: Rect, (texture, size): (TextureId, [u32; 2])) {
+    painter.image(texture, rect, cover(size, rect.size()), Color32::WHITE);
+}
+
+fn swipe(painter: &Painter, rect: Rect, reference: (TextureId, [u32; 2]), compared: &Compared) {
+    let x = line_at(rect, compared.swipe);
+    let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
+    image(&painter.with_clip_rect(right), rect, reference);
+    painter.vline(x, rect.y_range(), LINE);
+    painter.circle_filled(pos2(x, rect.center().y), 4.0, LINE.color);
+    label(painter, pos2(x - MARGIN, rect.top()), Align2::RIGHT_TOP, &compared.labels[0]);
+    label(painter, pos2(x + MARGIN, rect.top()), Align2::LEFT_TOP, &compared.labels[1]);
+}
+
+fn side_by_side(painter: &Painter, rect: Rect, shown: [Option<(TextureId, [u32; 2])>; 2], labels: &[String; 2]) {
+    let (left, right) = rect.split_left_right_at_fraction(0.5);
+    for ((half, picture), text) in [left, right].into_iter().zip(shown).zip(labels) {
+        if let Some((texture, size)) = picture {
+            let size = vec2(size[0] as f32, size[1] as f32);
+            let fitted = size * (half.size() / size).min_elem();
+            let place = Align2::CENTER_CENTER.align_size_within_rect(fitted, half);
+            painter.image(texture, place, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+        }
+        label(painter, half.center_top(), Align2::CENTER_TOP, text);
+    }
+    painter.vline(rect.center().x, rect.y_range(), LINE);
+}
+
+fn difference(painter: &Painter, rect: Rect, compared: &Compared) {
+    let (Some((texture, part)), Some(field)) = (compared.map, compared.field) else { return };
+    painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
+    let uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    painter.image(texture, part_of(rect, part), uv, Color32::WHITE);
+    legend::errors(painter, rect, field);
+    label(painter, rect.center_top(), Align2::CENTER_TOP, &format!("{}; {}", compared.labels[0], compared.labels[1]));
+}
+
+fn part_of(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
+    let at = |x: f32, y: f32| rect.min + vec2(x, y) * rect.size();
+    Rect::from_min_max(at(left, top), at(right, bottom))
+}
+
+fn line_at(rect: Rect, share: f32) -> f32 {
+    rect.left() + share.clamp(0.0, 1.0) * rect.width()
+}
+
+/// Words on a dark ground, at a distance from an edge of the picture.
+fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), Color32::from_gray(235));
+    let ground = align.anchor_size(at + vec2(0.0, MARGIN), galley.size() + 2.0 * PADDING);
+    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(150));
+    painter.galley(ground.min + PADDING, galley, Color32::WHITE);
+}
+
+/// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`.
+pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {
+    panel.flicker = ui.input(|i| i.key_down(Key::R) && i.modifiers.is_none()) && !ui.ctx().text_edit_focused();
+    match (panel.tool, panel.shown_view()) {
+        (Some(Tool::Region(start)), _) => draw_region(ui, rect, panel, start),
+        (None, CompareView::Swipe) => drag_line(ui, rect, panel),
+        // What is clicked is not where the picture alone would have it.
+        (None, CompareView::SideBySide) => drop(ui.interact(rect, ui.scope_id().with("both"), Sense::click())),
+        (None, _) => {}
+    }
+}
+
+fn drag_line(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {
+    let x = line_at(rect, panel.swipe);
+    let grip = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, rect.y_range());
+    let response = ui.interact(grip, ui.scope_id().with("swipe"), Sense::drag());
+    let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    if let Some(pointer) = response.interact_pointer_pos() {
+        panel.swipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+    }
+}
+
+fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, start: Option<[f32; 2]>) {
+    let response =
+        ui.interact(rect, ui.scope_id().with("region"), Sense::drag()).on_hover_and_drag_cursor(CursorIcon::Crosshair);
+    let share = |at: Pos2| ((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into();
+    let pointer = response.interact_pointer_pos();
+    if ui.input(|i| i.key_pressed(Key::Escape)) {
+        panel.tool = None;
+    } else if response.drag_started() {
+        let origin = ui.input(|i| i.pointer.press_origin()).or(pointer);
+        panel.tool = Some(Tool::Region(origin.map(share)));
+    } else if let (Some(start), Some(end)) = (start, pointer.map(share)) {
+        let part = spanned(start, end);
+        if part_of(rect, part).size().min_elem() >= LEAST_REGION {
+            panel.region = Some(part);
+        }
+        if response.drag_stopped() {
+            panel.tool = None;
+        }
+    }
+}
+
+/// The rectangle between two corners.
+fn spanned(a: [f32; 2], b: [f32; 2]) -> [f32; 4] {
+    [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
+}
