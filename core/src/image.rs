@@ -9,7 +9,7 @@ mod read;
 mod write;
 
 pub use read::{decode, dimensions};
-pub use write::{encode_png, encode_png_with_alpha};
+pub use write::{encode_png, encode_png_pixels, encode_png_with_alpha};
 
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]

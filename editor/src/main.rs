@@ -17,6 +17,7 @@ mod paths;
 mod preferences;
 mod progress;
 mod report_html;
+mod sheet;
 mod view_args;
 mod viewport;
 
