@@ -7,6 +7,7 @@ use crate::{
         bounces::{self, BouncesArgs},
         compare::{self, CompareArgs},
         edit::{self, EditArgs},
+        ladder::{self, LadderArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
     },
@@ -48,6 +49,8 @@ Then with a scene of your own:
       traces rays for the same picture: slower, and right
   lapidary compare sky.exr truth.exr --map rel --out error.png
       measures the difference, and draws where it is
+  lapidary ladder scene.cuts --env sky.hdr --size 160x120 --out ladder
+      the same picture at growing light cuts against ray tracing: which size is enough
 
 `lapidary COMMAND --help` explains every option.
 
@@ -151,6 +154,16 @@ Examples:
   lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
   lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
     Bounces(BouncesArgs),
+    /// Find out which size of the illumination cut is enough for a shot
+    #[command(after_help = "\
+Renders at each size, traces every light sample for the same picture, and measures. Writes all pictures (PNG and EXR),
+sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest: at
+32768 lights some two minutes for each 100 x 100 pixels of surface and core, so begin with a small --size.
+
+Examples:
+  lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
+  lapidary ladder scene.cuts --env sky.hdr --roughness 0.2 --metalness 1 --illum-cuts 128,256,512,1024 --out ladder")]
+    Ladder(LadderArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\
 rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
@@ -180,6 +193,7 @@ impl Command {
             Self::Bench(args) => bench::run(args, console),
             Self::Reference(args) => reference::run(args, console),
             Self::Bounces(args) => bounces::run(args, console),
+            Self::Ladder(args) => ladder::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }
     }

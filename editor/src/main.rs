@@ -9,6 +9,7 @@ mod console;
 mod demo;
 mod document;
 mod jobs;
+mod ladder;
 mod options;
 mod outcome;
 mod outputs;
@@ -20,6 +21,7 @@ mod report_html;
 mod sheet;
 mod view_args;
 mod viewport;
+mod whole_picture;
 
 use clap::Parser;
 use cli::Cli;
