@@ -68,3 +68,62 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
     let message = stage.fail("ladder missing.cuts --out ladder");
     assert!(message.contains("missing.cuts"), "negative control: {message}");
 }
+
+#[test]
+fn the_evidence_of_a_small_scene_has_all_figures() {
+    let stage = Stage::new();
+    stage.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");
+    let json = stage.json("proof/evidence.json");
+    assert_eq!((&json["complete"], &json["scenes"][0]), (&true.into(), &"scene".into()));
+    let figures = &json["figures"];
+    let expected = [
+        "error_by_beta",
+        "error_by_lights",
+        "error_by_sigma",
+        "error_by_vertices",
+        "fig10_table",
+        "fig5_clusters",
+        "fig6a_wavelets",
+        "fig6b_cut_size_by_beta",
+        "fig7_ladder",
+    ];
+    assert_eq!(keys(figures), expected);
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let ladder = figures["fig7_ladder"][0]["steps"].as_array().expect("a list");
+    assert_eq!(ladder.len(), 6);
+    // Finer cuts are larger and see more exactly.
+    let sigma = figures["error_by_sigma"]["points"].as_array().expect("a list").clone();
+    for pair in sigma.windows(2) {
+        assert!(number(&pair[0]["mean_cut"]) > number(&pair[1]["mean_cut"]), "{pair:?}");
+        assert!(number(&pair[0]["rms_visibility"]) < number(&pair[1]["rms_visibility"]), "{pair:?}");
+    }
+    for curve in figures["fig6a_wavelets"]["curves"].as_array().expect("a list") {
+        let points = curve["points"].as_array().expect("a list");
+        assert!(points.iter().all(|p| number(&p["cut_terms"]) >= 6.0 && number(&p["wavelet_terms"]) > 0.0), "{curve}");
+    }
+    let row = &figures["fig10_table"][0];
+    let bytes = |tree: &str| number(&row[tree]["bytes_cuts"]);
+    assert!((number(&row["gain_over_geometric"]) - (1.0 - bytes("data_driven") / bytes("geometric"))).abs() < 1e-9);
+    assert_eq!(row["frames"].as_array().map(Vec::len), Some(3));
+    let page = fs::read_to_string(stage.path("proof/evidence.html")).expect("a page");
+    for (i, part) in page.split("src=\"").enumerate().skip(1) {
+        let file = part.split('"').next().expect("a name");
+        assert!(Image::read(&stage.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
+    }
+    assert!(page.contains("Motobike") && page.contains("Wavelets") && !page.contains("NaN"));
+}
+
+#[test]
+fn evidence_refuses_what_it_cannot_measure_before_it_begins() {
+    let stage = Stage::new();
+    stage.write("file", "not a folder".into());
+    assert!(stage.fail("evidence --quick --out file/proof").contains("folder"));
+    stage.write("broken.obj", "v 0 0 0\n".into());
+    let message = stage.fail("evidence --quick --no-bundled --scenes scene.obj broken.obj --out proof");
+    assert!(message.contains("broken.obj"), "{message}");
+    assert!(!stage.path("proof/evidence.json").exists(), "nothing was begun");
+    assert!(
+        stage.fail("evidence --quick --no-bundled --scenes scene.obj --env nowhere --out proof").contains("nowhere")
+    );
+    assert_eq!(stage.run("evidence --no-bundled --out proof").status.code(), Some(2));
+}

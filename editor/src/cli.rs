@@ -13,6 +13,7 @@ use crate::{
     },
     console::Console,
     demo::{self, DemoArgs},
+    evidence::{self, EvidenceArgs},
     outcome::Outcome,
 };
 use anyhow::Result;
@@ -164,6 +165,16 @@ Examples:
   lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
   lapidary ladder scene.cuts --env sky.hdr --roughness 0.2 --metalness 1 --illum-cuts 128,256,512,1024 --out ladder")]
     Ladder(LadderArgs),
+    /// Measure the paper's figures anew: clusters, wavelets, cut sizes, the table, and errors by setting
+    #[command(after_help = "\
+Runs alone for a quarter of an hour to half an hour on two cores over the bundled scenes, and writes one page with pictures,
+evidence.html, and evidence.json. A figure that is done is on disk before the next begins; Ctrl-C keeps it (exit code 130).
+
+Examples:
+  lapidary evidence --out evidence
+  lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
+  lapidary evidence --out try --quick")]
+    Evidence(EvidenceArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\
 rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
@@ -194,6 +205,7 @@ impl Command {
             Self::Reference(args) => reference::run(args, console),
             Self::Bounces(args) => bounces::run(args, console),
             Self::Ladder(args) => ladder::run(args, console),
+            Self::Evidence(args) => evidence::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }
     }

@@ -10,9 +10,9 @@ mod page;
 mod subject;
 mod truth;
 
-pub use climb::{Found, Ladder, Rung, Settings, Step, climb};
+pub use climb::{Found, Ladder, Rung, Settings, Step, climb, time_frames};
 pub use files::{Summary, sheet, write_picture};
-pub use page::page;
+pub use page::{charts, page, pictures};
 pub use subject::Subject;
 pub use truth::{Truth, every_sample};
 

@@ -8,6 +8,7 @@ mod commands;
 mod console;
 mod demo;
 mod document;
+mod evidence;
 mod jobs;
 mod ladder;
 mod options;

@@ -102,6 +102,24 @@ pub fn climb(
     Ok(Some(Ladder { truth, steps }))
 }
 
+/// Seconds of pictures, `count` at each size, from the light to the last pixel.
+///
+/// # Errors
+/// A renderer that fails.
+pub fn time_frames(
+    subject: &Subject,
+    settings: &Settings,
+    backend: &mut dyn Backend,
+    count: usize,
+) -> Result<Vec<Vec<f64>>> {
+    let mut stage = Stage::new(subject, backend)?;
+    let mut times = |size: u32| {
+        let frame = |_| stage.rung(size, settings.sampling).map(|rung| rung.stats.seconds);
+        (0..count).map(frame).collect::<Result<Vec<f64>>>()
+    };
+    settings.sizes.iter().map(|&size| times(size)).collect()
+}
+
 /// A lit scene on a renderer.
 struct Stage<'a> {
     subject: &'a Subject,
