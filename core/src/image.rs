@@ -11,7 +11,7 @@ mod write;
 
 pub use read::{decode, dimensions};
 pub use region::Region;
-pub use write::{encode_png, encode_png_with_alpha};
+pub use write::{encode_png, encode_png_pixels, encode_png_with_alpha};
 
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]

@@ -7,11 +7,13 @@ use crate::{
         bounces::{self, BouncesArgs},
         compare::{self, CompareArgs},
         edit::{self, EditArgs},
+        ladder::{self, LadderArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
     },
     console::Console,
     demo::{self, DemoArgs},
+    evidence::{self, EvidenceArgs},
     outcome::Outcome,
 };
 use anyhow::Result;
@@ -48,6 +50,8 @@ Then with a scene of your own:
       traces rays for the same picture: slower, and right
   lapidary compare sky.exr truth.exr --map rel --out error.png
       measures the difference, and draws where it is
+  lapidary ladder scene.cuts --env sky.hdr --size 160x120 --out ladder
+      the same picture at growing light cuts against ray tracing: which size is enough
 
 `lapidary COMMAND --help` explains every option.
 
@@ -151,6 +155,26 @@ Examples:
   lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
   lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
     Bounces(BouncesArgs),
+    /// Find out which size of the illumination cut is enough for a shot
+    #[command(after_help = "\
+Renders at each size, traces every light sample for the same picture, and measures. Writes all pictures (PNG and EXR),
+sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest: at
+32768 lights some two minutes for each 100 x 100 pixels of surface and core, so begin with a small --size.
+
+Examples:
+  lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
+  lapidary ladder scene.cuts --env sky.hdr --roughness 0.2 --metalness 1 --illum-cuts 128,256,512,1024 --out ladder")]
+    Ladder(LadderArgs),
+    /// Measure the paper's figures anew: clusters, wavelets, cut sizes, the table, and errors by setting
+    #[command(after_help = "\
+Runs alone for a quarter of an hour to half an hour on two cores over the bundled scenes, and writes one page with pictures,
+evidence.html, and evidence.json. A figure that is done is on disk before the next begins; Ctrl-C keeps it (exit code 130).
+
+Examples:
+  lapidary evidence --out evidence
+  lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
+  lapidary evidence --out try --quick")]
+    Evidence(EvidenceArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\
 rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
@@ -180,6 +204,8 @@ impl Command {
             Self::Bench(args) => bench::run(args, console),
             Self::Reference(args) => reference::run(args, console),
             Self::Bounces(args) => bounces::run(args, console),
+            Self::Ladder(args) => ladder::run(args, console),
+            Self::Evidence(args) => evidence::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }
     }

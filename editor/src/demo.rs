@@ -4,25 +4,25 @@ mod bake;
 mod data;
 mod gallery;
 mod ladder;
+mod page;
 mod report;
 mod stage;
 mod steps;
 
-use crate::{console::Console, outcome::Outcome, outputs::create_folder, report_html};
+use crate::{console::Console, outcome::Outcome, outputs::create_folder};
 use anyhow::{Context, Result};
 use clap::Args;
 pub use data::DataFolder;
-pub use ladder::{CUT_SIZES, MAP_TOP, PATH_SAMPLES, Rung};
 use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::{cli::write_json, verify};
-pub use report::Report;
-pub use stage::Picture;
+use report::Report;
+use stage::Picture;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
     time::Instant,
 };
-use steps::Steps;
+pub use steps::Steps;
 
 /// Options of `demo`.
 #[derive(Args, Clone, Debug)]
@@ -61,6 +61,6 @@ pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
 fn write_report(report: &Report, out: &Path) -> Result<()> {
     write_json(&out.join("report.json"), report)?;
     let page = out.join("report.html");
-    write_atomically(&page, report_html::page(report).as_bytes())
+    write_atomically(&page, page::page(report).as_bytes())
         .with_context(|| format!("cannot write the report; check the free space ({})", page.display()))
 }

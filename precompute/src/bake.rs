@@ -11,12 +11,13 @@ mod remarks;
 
 pub use error::BakeError;
 pub(crate) use indirect::point_of;
+pub(crate) use pack::{Packed, concatenate, pack};
 
 use self::{
     bounces::bake_bounces,
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
-    pack::{Packed, concatenate, fit_budget, pack, unbaked},
+    pack::{fit_budget, unbaked},
     remarks::Remarks,
 };
 use crate::{
@@ -86,7 +87,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let packing = Instant::now();
     let (cuts, sigma) = fit_budget(concatenate(&chunks), tree.height(), settings.max_bytes, settings.criterion.sigma);
     let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), Series::Environment)?;
-    let report = report(&geometry, &settings, &packed, job);
+    let report = report(&geometry, &settings, &packed, job.warnings.clone());
     let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
     let two_sided = geometry.sides.two_sided;
@@ -154,17 +155,17 @@ pub(crate) fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
 }
 
 /// The tessellated scene with its bake points.
-struct Geometry {
-    scene: Scene,
-    source_vertices: usize,
-    sides: Sidedness,
-    intersector: Intersector,
-    points: BakePoints,
-    buried: Vec<bool>,
+pub(crate) struct Geometry {
+    pub scene: Scene,
+    pub source_vertices: usize,
+    pub sides: Sidedness,
+    pub intersector: Intersector,
+    pub points: BakePoints,
+    pub buried: Vec<bool>,
 }
 
 impl Geometry {
-    fn new(
+    pub fn new(
         mut scene: Scene,
         mode: BakeMode,
         budget: Option<usize>,
@@ -238,7 +239,13 @@ fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -
     })
 }
 
-fn report(geometry: &Geometry, settings: &BakeSettings, packed: &Packed, job: &BakeJob) -> BakeReport {
+/// What a bake did, but for what only its phases know. `import_warnings` are the remarks of the import.
+pub(crate) fn report(
+    geometry: &Geometry,
+    settings: &BakeSettings,
+    packed: &Packed,
+    import_warnings: Vec<String>,
+) -> BakeReport {
     let points = geometry.points.points.len();
     let pairs = if settings.mode.environment() { points as u64 * settings.lights as u64 } else { 0 };
     let buried_points = geometry.buried.iter().filter(|&&b| b).count();
@@ -259,7 +266,7 @@ fn report(geometry: &Geometry, settings: &BakeSettings, packed: &Packed, job: &B
         source_vertices: geometry.source_vertices,
         cut_size_histogram: packed.histogram.clone(),
         mode: settings.mode,
-        warnings: job.warnings.clone(),
+        warnings: import_warnings,
         ..Default::default()
     }
 }

@@ -1,6 +1,7 @@
 //! Visibility of all light samples from one bake point: one batch behind one function.
 
 use crate::bake_points::BakePoint;
+use glam::Vec3;
 use lapidary_core::{
     light_tree::LightTree,
     ray::{DirectionSet, Intersector},
@@ -15,7 +16,12 @@ pub struct VisibilitySampler<'a> {
 impl<'a> VisibilitySampler<'a> {
     /// For the leaves of `tree`, in tree order.
     pub fn new(scene: &'a Intersector, tree: &LightTree) -> Self {
-        Self { scene, directions: DirectionSet::new(tree.leaf_directions()) }
+        Self::of_directions(scene, tree.leaf_directions())
+    }
+
+    /// For any unit directions, in the order given.
+    pub fn of_directions(scene: &'a Intersector, directions: &[Vec3]) -> Self {
+        Self { scene, directions: DirectionSet::new(directions) }
     }
 
     /// Sets `visible[leaf]` to 1 for every light that the point sees and to 0 for all others. Returns the rays traced.
@@ -48,7 +54,6 @@ mod tests {
             tests::{cuboid, floor, quad, scene_of},
         },
     };
-    use glam::Vec3;
 
     #[test]
     fn batches_equal_single_rays_and_known_geometry() {

@@ -65,6 +65,8 @@ pub struct SampledLight<'a> {
     pub lights: &'a [Light],
     /// All of them.
     pub sources: Option<&'a SourceLighting>,
+    /// A picture of other light, which is added.
+    pub base: Option<&'a Image>,
 }
 
 impl Renderer {
@@ -89,9 +91,10 @@ impl Renderer {
             Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
         };
         let direct = (!light.lights.is_empty()).then(|| self.direct_light(view, light.lights));
-        let progress = OverDirect { direct: direct.as_ref(), inner: progress };
+        let bases = [light.base, direct.as_ref()];
+        let progress = OverBases { bases, inner: progress };
         let mut image = self.in_passes(&Frame::new(self, view, &backdrop), shader, &progress);
-        direct.iter().for_each(|direct| image.add(direct));
+        bases.into_iter().flatten().for_each(|base| image.add(base));
         image
     }
 
@@ -135,21 +138,20 @@ impl Renderer {
     }
 }
 
-/// Adds direct light to the previews, which the passes know nothing of.
-struct OverDirect<'a> {
-    direct: Option<&'a Image>,
+/// Adds to the previews what the passes know nothing of.
+struct OverBases<'a> {
+    bases: [Option<&'a Image>; 2],
     inner: &'a dyn Progress,
 }
 
-impl Progress for OverDirect<'_> {
+impl Progress for OverBases<'_> {
     fn advanced(&self, done: u64, total: u64) {
         self.inner.advanced(done, total);
     }
 
     fn preview(&self, preview: &Preview) {
-        let Some(direct) = self.direct else { return self.inner.preview(preview) };
         let mut image = preview.image.clone();
-        image.add(direct);
+        self.bases.iter().flatten().for_each(|base| image.add(base));
         self.inner.preview(&Preview { image: &image, ..*preview });
     }
 

@@ -84,6 +84,20 @@ pub fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
     png(&bytes, image.size, ExtendedColorType::Rgba8)
 }
 
+/// Pixels as they stand in an 8-bit png: sRGB-encoded red, green and blue, and an alpha that they are not multiplied by. The
+/// file has an alpha channel if some pixel is not opaque.
+///
+/// # Panics
+/// If there are not `width * height` pixels.
+pub fn encode_png_pixels(size: [u32; 2], pixels: &[[u8; 4]]) -> Vec<u8> {
+    assert_eq!(pixels.len(), size[0] as usize * size[1] as usize, "width * height pixels");
+    if pixels.iter().any(|pixel| pixel[3] != 255) {
+        return png(pixels.as_flattened(), size, ExtendedColorType::Rgba8);
+    }
+    let opaque: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    png(&opaque, size, ExtendedColorType::Rgb8)
+}
+
 /// The picture as an 8-bit sRGB png: values are clamped to 0 to 1, and NaN shows magenta.
 pub fn encode_png(image: &Image) -> Vec<u8> {
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|&p| srgb_bytes(p)).collect();

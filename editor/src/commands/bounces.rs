@@ -1,6 +1,6 @@
 //! `lapidary bounces`: how far each solution of bounced light is from light paths, side by side.
 
-mod against_paths;
+pub mod against_paths;
 mod strip;
 
 use crate::{
@@ -10,6 +10,7 @@ use crate::{
     outputs::create_folder,
     progress::StepProgress,
     view_args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
+    whole_picture::whole_picture,
 };
 use against_paths::{Figures, Truth};
 use anyhow::{Result, bail};
@@ -157,15 +158,11 @@ impl<'a> Stage<'a> {
     }
 
     fn picture(&self, lighting: &LocalLighting) -> Result<(Image, PictureStats)> {
-        let view = &self.shot.view;
         let mut backend = CpuBackend::new();
         backend.set_scene(&self.baked)?;
         backend.set_local_lighting(lighting)?;
-        backend.begin(view, BrdfSampling::default())?;
-        for sample in 0..view.aa {
-            backend.render_rows(sample, 0..view.size[1])?;
-        }
-        Ok((backend.read(view.aa)?.0, backend.stats()?))
+        let (image, _) = whole_picture(&mut backend, &self.shot.view, BrdfSampling::default())?;
+        Ok((image, backend.stats()?))
     }
 
     fn lighting(&self, solution: Solution) -> LocalLighting {

@@ -2,6 +2,7 @@
 
 use crate::{
     console::Console,
+    ladder::{Subject, every_sample},
     outcome::Outcome,
     outputs::{check_pictures, write_pictures},
     progress::StepProgress,
@@ -14,10 +15,8 @@ use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::{
-    Baked, Components, LightRig, LocalRig, PathSettings, Progress, Renderer, SampledLight, Solution, SourceLighting,
-};
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use lapidary_render::{Components, PathSettings, Renderer, Solution};
+use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
 #[derive(Args, Clone, Debug)]
@@ -51,8 +50,6 @@ enum Kind {
     Path,
 }
 
-/// Nodes of the environment's illumination cut by which it lights surface sources.
-const ILLUM_CUT: u32 = 256;
 /// Samples a pixel by default: noise about that of a clean preview.
 const DEFAULT_SPP: u32 = 64;
 
@@ -80,7 +77,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         }
     }
     let start = Instant::now();
-    let image = trace(args, &shot, &interrupt, console);
+    let image = trace(args, &shot, &interrupt, console)?;
     write_pictures(&image, None, &args.out)?;
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
     if interrupt.cancelled() {
@@ -91,14 +88,14 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Image {
+fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Result<Image> {
     let renderer = Renderer::new(shot.dataset.clone());
     warn_of_buried(&renderer, &shot.local.lights, console);
     let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
     match args.kind {
         Kind::Samples => {
             let progress = progress("pixels");
-            let image = samples(&renderer, shot, &progress);
+            let image = every_sample(&unbounced(shot)?, &renderer, &progress);
             progress.finish();
             image
         }
@@ -112,33 +109,15 @@ fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, consol
                 &progress,
             );
             progress.finish();
-            image
+            Ok(image)
         }
     }
 }
 
-/// All light samples of the environment, the direct light of local lights, and all surface sources if bounced light is
-/// asked for.
-fn samples(renderer: &Renderer, shot: &Shot, progress: &dyn Progress) -> Image {
+/// The shot without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+fn unbounced(shot: &Shot) -> Result<Subject> {
     let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
-    let sources = components.indirect.then(|| sources(shot)).flatten();
-    let light = SampledLight {
-        environment: components.environment.then_some(&shot.light),
-        lights: if components.direct { &shot.local.lights } else { &[] },
-        sources: sources.as_deref(),
-    };
-    renderer.sampled(&shot.view, light, progress)
-}
-
-/// The surface sources under all lights, as they are gathered.
-fn sources(shot: &Shot) -> Option<Arc<SourceLighting>> {
-    let baked = Baked::from(shot.dataset.clone());
-    let mut rig = LocalRig::new(&baked);
-    let environment = LightRig::new(&shot.dataset.tree).lighting(&shot.light, ILLUM_CUT);
-    rig.set_environment(Some(&Arc::new(environment)));
-    rig.set_lights(&shot.local.lights.clone().into());
-    let solution = shot.local.solution.unwrap_or_default();
-    rig.lighting(Components::ALL, solution, ILLUM_CUT).indirect
+    Ok(Subject { components, ..Subject::of(shot)? })
 }
 
 /// Bounces where they are asked for, by their number or as a component.

@@ -6,19 +6,16 @@ use crate::{
     outcome::Outcome,
     outputs::{check_folder, check_pictures, write_pictures},
     view_args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
+    whole_picture::{self, whole_picture},
 };
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::cli::write_json;
 use lapidary_render::{
-    Backend, Background, Baked, BrdfSampling, CPU, Components, LightRig, LocalRig, RenderStats, Renderer, Solution,
+    Backend, Background, Baked, BrdfSampling, Components, LightRig, LocalRig, RenderStats, Renderer, Solution,
 };
 use std::{path::PathBuf, sync::Arc, time::Instant};
-
-/// Rows that are rendered at once: drivers stop work that holds up a graphics adapter for seconds, as the whole of a large
-/// picture with thousands of lights may.
-const BAND_ROWS: usize = 64;
 
 /// Options of `render`.
 #[derive(Args, Clone, Debug)]
@@ -44,8 +41,9 @@ pub struct RenderArgs {
     view: ViewArgs,
 }
 
+/// How the BRDF is sampled, as an option.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum BrdfOption {
+pub enum BrdfOption {
     /// Halve nodes that are wider than the lobe can bear, during the merge
     #[default]
     Refine,
@@ -104,25 +102,8 @@ fn render_on(
     local.set_environment(Some(&lighting));
     local.set_lights(&shot.local.lights.clone().into());
     tell(backend.set_local_lighting(&local.lighting(components, solution, args.illum_cut))?, console);
-    backend.begin(&shot.view, args.brdf.into())?;
-    for sample in 0..shot.view.aa {
-        let height = shot.view.size[1];
-        for first in (0..height).step_by(BAND_ROWS) {
-            backend.render_rows(sample, first..height.min(first + BAND_ROWS as u32))?;
-        }
-    }
-    let (image, coverage) = backend.read(shot.view.aa)?;
-    let seconds = start.elapsed().as_secs_f64();
-    let done = backend.stats()?;
-    let on_gpu = backend.name() != CPU;
-    let stats = RenderStats {
-        backend: if on_gpu { "gpu" } else { "cpu" }.into(),
-        adapter: on_gpu.then(|| backend.name()),
-        seconds,
-        pixels_shaded: done.pixels_shaded,
-        mean_merged_nodes: done.mean_merged_nodes,
-        mean_brdf_evaluations: done.mean_brdf_evaluations,
-    };
+    let (image, coverage) = whole_picture(backend, &shot.view, args.brdf.into())?;
+    let stats = whole_picture::stats(backend, start.elapsed().as_secs_f64())?;
     Ok((image, coverage, stats))
 }
 

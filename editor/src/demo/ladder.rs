@@ -1,14 +1,18 @@
-//! The ladder: one picture at growing illumination cuts, with the BRDF once and refined, against ray tracing.
+//! The ladder of the still life, with the BRDF once and refined, and a close-up against light paths.
 
 use super::{
     data::Environments,
     stage::{Picture, PictureSettings, Stage},
     steps::Steps,
 };
+use crate::{
+    ladder::{self, Settings, Step, Subject, Truth},
+    outcome::Interrupted,
+};
 use anyhow::Result;
-use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_core::dataset::Dataset;
 use lapidary_render::{
-    PathSettings,
+    BrdfSampling, CpuBackend, PathSettings, Progress,
     compare::{
         Metrics, compare,
         map::{ErrorMap, error_map},
@@ -76,39 +80,41 @@ fn settings() -> PictureSettings {
 /// A folder that cannot be written, or Ctrl-C.
 pub fn climb(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, steps: &Steps) -> Result<Ladder> {
     let stage = Stage::new(dataset, environments, out);
+    let subject = Subject::new(dataset.clone(), stage.view(&settings()), stage.light(&settings()));
     steps.begin("tracing the reference: every light sample from every pixel");
-    let (samples_reference, truth) = trace_samples(&stage, steps)?;
+    let progress = steps.progress("reference", "pixels");
+    let truth = Truth::trace(&subject, &progress)?;
+    progress.finish();
+    steps.check()?;
+    let samples_reference =
+        stage.keep("reference-samples", "ray-traced reference", settings(), &truth.image, truth.seconds)?;
     steps.begin("rendering at growing illumination cuts, and comparing");
-    let refined = rungs(&stage, true, &truth)?;
-    let once = rungs(&stage, false, &truth)?;
+    let refined = rungs(&stage, &subject, true, &truth, &progress)?;
+    let once = rungs(&stage, &subject, false, &truth, &progress)?;
     steps.check()?;
     steps.begin("tracing the reference by paths: the continuous environment, close up");
     let detail = close_up(&stage, steps)?;
     Ok(Ladder { samples_reference, refined, once, detail })
 }
 
-fn trace_samples(stage: &Stage, steps: &Steps) -> Result<(Picture, Image)> {
-    let settings = settings();
-    let progress = steps.progress("reference", "pixels");
-    let start = Instant::now();
-    let image = stage.renderer.samples_reference(&stage.view(&settings), &stage.light(&settings), &progress);
-    progress.finish();
-    steps.check()?;
-    let seconds = start.elapsed().as_secs_f64();
-    Ok((stage.keep("reference-samples", "ray-traced reference", settings, &image, seconds)?, image))
+fn rungs(stage: &Stage, subject: &Subject, refine: bool, truth: &Truth, progress: &dyn Progress) -> Result<Vec<Rung>> {
+    let sampling = if refine { BrdfSampling::Refine } else { BrdfSampling::Once };
+    let climbing = Settings { sizes: CUT_SIZES.into(), sampling };
+    let known = Some(truth.clone());
+    let ladder = ladder::climb(subject, &climbing, &mut CpuBackend::new(), known, progress, &mut |_| Ok(()))?;
+    let steps = ladder.ok_or(Interrupted)?.steps;
+    steps.into_iter().map(|step| kept(stage, step, refine, truth)).collect()
 }
 
-fn rungs(stage: &Stage, refine: bool, truth: &Image) -> Result<Vec<Rung>> {
-    CUT_SIZES.iter().map(|&size| rung(stage, size, refine, truth)).collect()
-}
-
-fn rung(stage: &Stage, illum_cut: u32, refine: bool, truth: &Image) -> Result<Rung> {
-    let way = if refine { "refine" } else { "once" };
-    let settings = PictureSettings { illum_cut, refine, ..settings() };
-    let (picture, image) = stage.render(&format!("cut-{illum_cut}-{way}"), &format!("{illum_cut} nodes"), settings)?;
-    let error_map_file = format!("error-{illum_cut}-{way}.png");
-    error_map(&image, truth, ErrorMap::Relative, Some(MAP_TOP))?.image.write(&stage.out.join(&error_map_file))?;
-    Ok(Rung { picture, metrics: compare(&image, truth)?, error_map: error_map_file })
+/// Writes picture and error map of a step.
+fn kept(stage: &Stage, Step { rung, metrics }: Step, refine: bool, truth: &Truth) -> Result<Rung> {
+    let (size, way) = (rung.illum_cut, if refine { "refine" } else { "once" });
+    let settings = PictureSettings { illum_cut: size, refine, ..settings() };
+    let seconds = rung.stats.seconds;
+    let picture = stage.keep(&format!("cut-{size}-{way}"), &format!("{size} nodes"), settings, &rung.image, seconds)?;
+    let file = format!("error-{size}-{way}.png");
+    error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?.image.write(&stage.out.join(&file))?;
+    Ok(Rung { picture: Picture { stats: Some(rung.stats), ..picture }, metrics, error_map: file })
 }
 
 /// Glossy metal at a small cut, where refinement shows most.

@@ -1,82 +1,159 @@
 //! Charts as inline SVG.
 
-use super::text::grouped;
+use super::text::{escaped, grouped, short};
+use std::fmt::Write;
 
-/// A named line of (cut size, error).
-pub struct Series<'a> {
-    /// Style class and label: `refined` or `once`.
-    pub class: &'a str,
-    /// Points by growing cut size.
-    pub points: Vec<(u32, f64)>,
+/// A named line.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// What stands at its end.
+    pub name: String,
+    /// (x, y) by growing x.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// How numbers are spread over an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly, from nil.
+    Linear,
+    /// By their ratios; values of nil and below stand at the low end.
+    Log,
+}
+
+/// Lines over one pair of axes.
+#[derive(Clone, Debug)]
+pub struct Chart<'a> {
+    /// What is drawn.
+    pub title: &'a str,
+    /// What the horizontal axis counts.
+    pub x_label: &'a str,
+    /// How the horizontal axis is spread. It has ticks at the points of the first line if they are few.
+    pub x: Scale,
+    /// How the vertical axis is spread.
+    pub y: Scale,
+    /// In the order of their colours.
+    pub lines: &'a [Line],
 }
 
 const WIDTH: f64 = 560.0;
 const HEIGHT: f64 = 280.0;
 const LEFT: f64 = 46.0;
-const RIGHT: f64 = 70.0;
+const RIGHT: f64 = 92.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 46.0;
+/// Ticks at the points themselves if there are no more.
+const MOST_POINT_TICKS: usize = 9;
+/// Least distance of the numbers at the horizontal axis.
+const TICK_ROOM: f64 = 34.0;
 
-/// Error against cut size, which is on a logarithmic axis.
-pub fn error_chart(title: &str, series: &[Series]) -> String {
-    let sizes: Vec<u32> = series[0].points.iter().map(|p| p.0).collect();
-    let largest = series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
-    let axis = Axis { step: tick_step(largest), top: (largest * 1.08).max(1e-6) };
-    let x = |size: u32| {
-        let span = f64::from(sizes[sizes.len() - 1]).log2() - f64::from(sizes[0]).log2();
-        LEFT + (WIDTH - LEFT - RIGHT) * (f64::from(size).log2() - f64::from(sizes[0]).log2()) / span
-    };
-    let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{title} against cut size">"#);
-    svg += &format!(r#"<text class="title" x="0" y="14">{title}</text>"#);
-    svg += &axis.rules();
-    for &size in &sizes {
-        let (x, y) = (x(size), HEIGHT - BOTTOM + 20.0);
-        svg += &format!(r#"<text x="{x:.1}" y="{y}" text-anchor="middle">{size}</text>"#);
+impl Chart<'_> {
+    /// The chart as an `svg` element.
+    pub fn svg(&self) -> String {
+        let points = || self.lines.iter().flat_map(|line| &line.points);
+        let x = Axis::new(self.x, points().map(|p| p.0), [LEFT, WIDTH - RIGHT]);
+        let y = Axis::new(self.y, points().map(|p| p.1), [HEIGHT - BOTTOM, TOP]);
+        let title = escaped(self.title);
+        let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{title}">"#);
+        svg += &format!(r#"<text class="title" x="0" y="14">{title}</text>"#);
+        svg += &rules(&y);
+        svg += &self.x_ticks(&x);
+        let middle = 0.5 * (LEFT + WIDTH - RIGHT);
+        let label = escaped(self.x_label);
+        svg += &format!(r#"<text x="{middle}" y="{HEIGHT}" text-anchor="middle" dy="-4">{label}</text>"#);
+        for (i, line) in self.lines.iter().enumerate() {
+            svg += &line.draw(i, &x, &y);
+        }
+        svg + &labels(self.lines, &y) + "</svg>"
     }
-    let middle = 0.5 * (LEFT + WIDTH - RIGHT);
-    svg += &format!(
-        r#"<text x="{middle}" y="{HEIGHT}" text-anchor="middle" dy="-4">nodes of the illumination cut</text>"#
-    );
-    for line in series {
-        svg += &line.draw(&x, &axis);
+
+    fn x_ticks(&self, x: &Axis) -> String {
+        let own: Vec<f64> = self.lines.first().map(|l| l.points.iter().map(|p| p.0).collect()).unwrap_or_default();
+        let at = if own.len() <= MOST_POINT_TICKS { own } else { x.ticks() };
+        let mut right = f64::NEG_INFINITY;
+        let mut svg = String::new();
+        for value in at {
+            let place = x.place(value);
+            if place - right >= TICK_ROOM {
+                let y = HEIGHT - BOTTOM + 20.0;
+                let _ = write!(svg, r#"<text x="{place:.1}" y="{y}" text-anchor="middle">{}</text>"#, short(value));
+                right = place;
+            }
+        }
+        svg
     }
-    svg + &labels(series, &axis) + "</svg>"
 }
 
+/// Numbers to places.
 struct Axis {
-    step: f64,
-    top: f64,
+    scale: Scale,
+    /// Least and greatest number.
+    range: [f64; 2],
+    /// Where they stand.
+    place: [f64; 2],
 }
 
 impl Axis {
-    fn y(&self, value: f64) -> f64 {
-        HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * value / self.top
+    fn new(scale: Scale, values: impl Iterator<Item = f64>, place: [f64; 2]) -> Self {
+        let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+        let top = finite.iter().copied().fold(0.0, f64::max);
+        let range = match scale {
+            Scale::Linear => [0.0, (top * 1.08).max(1e-6)],
+            Scale::Log => {
+                let low = finite.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+                let low = if low.is_finite() { low } else { 0.1 };
+                [low / 1.08, (top * 1.08).max(low * 1.2)]
+            }
+        };
+        Self { scale, range, place }
     }
 
-    fn rules(&self) -> String {
-        let decimals = (-self.step.log10().floor()).max(0.0) as usize;
-        let ticks = (0..).map(|i| f64::from(i) * self.step).take_while(|&v| v <= self.top);
-        let rule = |value: f64| {
-            let (y, right) = (self.y(value), WIDTH - RIGHT);
-            format!(
-                r#"<line class="rule" x1="{LEFT}" x2="{right}" y1="{y:.1}" y2="{y:.1}"/><text x="{}" y="{:.1}" text-anchor="end">{value:.decimals$}</text>"#,
-                LEFT - 8.0,
-                y + 4.0
-            )
+    fn place(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        let part = match self.scale {
+            Scale::Linear => (value - low) / (high - low),
+            Scale::Log => (value.max(low) / low).ln() / (high / low).ln(),
         };
-        ticks.map(rule).collect()
+        self.place[0] + (self.place[1] - self.place[0]) * part.clamp(0.0, 1.0)
+    }
+
+    /// Round numbers: three to six of them, or the 1, 2 and 5 of each decade, or decades where there are many.
+    fn ticks(&self) -> Vec<f64> {
+        let [low, high] = self.range;
+        if self.scale == Scale::Linear {
+            let step = tick_step(high / 1.08);
+            return (0..).map(|i| f64::from(i) * step).take_while(|v| *v <= high).collect();
+        }
+        let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+        let steps: &[f64] = if (high / low).log10() > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let all = decades.flat_map(|d| steps.iter().map(move |s| s * 10_f64.powi(d)));
+        let inside: Vec<f64> = all.filter(|v| (low..=high).contains(v)).collect();
+        if inside.len() < 2 { vec![low * 1.08, high / 1.08] } else { inside }
     }
 }
 
-impl Series<'_> {
-    fn draw(&self, x: &impl Fn(u32) -> f64, axis: &Axis) -> String {
-        let class = self.class;
-        let points: Vec<String> = self.points.iter().map(|&(s, e)| format!("{:.1},{:.1}", x(s), axis.y(e))).collect();
-        let mut svg = format!(r#"<polyline class="{class}" points="{}"/>"#, points.join(" "));
-        for &(size, error) in &self.points {
-            let (x, y) = (x(size), axis.y(error));
-            svg += &format!(
-                r#"<circle class="{class}" cx="{x:.1}" cy="{y:.1}" r="3.5"><title>{size} nodes: {error:.4}</title></circle>"#
+fn rules(y: &Axis) -> String {
+    let rule = |value: f64| {
+        let (place, right) = (y.place(value), WIDTH - RIGHT);
+        let (x, base) = (LEFT - 8.0, place + 4.0);
+        format!(
+            r#"<line class="rule" x1="{LEFT}" x2="{right}" y1="{place:.1}" y2="{place:.1}"/><text x="{x}" y="{base:.1}" text-anchor="end">{}</text>"#,
+            short(value)
+        )
+    };
+    y.ticks().into_iter().map(rule).collect()
+}
+
+impl Line {
+    fn draw(&self, index: usize, x: &Axis, y: &Axis) -> String {
+        let places: Vec<(f64, f64)> = self.points.iter().map(|p| (x.place(p.0), y.place(p.1))).collect();
+        let path: Vec<String> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let mut svg = format!(r#"<polyline class="s{index}" points="{}"/>"#, path.join(" "));
+        for ((x, y), point) in places.iter().zip(&self.points) {
+            let (name, [px, py]) = (escaped(&self.name), [point.0, point.1].map(short));
+            let _ = write!(
+                svg,
+                r#"<circle class="s{index}" cx="{x:.1}" cy="{y:.1}" r="3.5"><title>{name}: {py} at {px}</title></circle>"#
             );
         }
         svg
@@ -84,22 +161,21 @@ impl Series<'_> {
 }
 
 /// The lines' names at their ends, moved apart where they would overlap.
-fn labels(series: &[Series], axis: &Axis) -> String {
+fn labels(lines: &[Line], y: &Axis) -> String {
     const LINE: f64 = 15.0;
-    let mut ends: Vec<(f64, &str)> =
-        series.iter().filter_map(|s| s.points.last().map(|p| (axis.y(p.1), s.class))).collect();
+    let end = |(i, line): (usize, &Line)| line.points.last().map(|p| (y.place(p.1), i));
+    let mut ends: Vec<(f64, usize)> = lines.iter().enumerate().filter_map(end).collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     for i in 1..ends.len() {
-        let gap = ends[i].0 - ends[i - 1].0;
-        if gap < LINE {
-            ends[i - 1].0 -= 0.5 * (LINE - gap);
-            ends[i].0 += 0.5 * (LINE - gap);
-        }
+        ends[i].0 = ends[i].0.max(ends[i - 1].0 + LINE);
     }
-    let x = WIDTH - RIGHT + 12.0;
-    ends.iter()
-        .map(|(y, class)| format!(r#"<text class="label-{class}" x="{x}" y="{:.1}">{class}</text>"#, y + 4.0))
-        .collect()
+    let overflow = ends.last().map_or(0.0, |e| (e.0 - (HEIGHT - BOTTOM)).max(0.0));
+    let x = WIDTH - RIGHT + 10.0;
+    let label = |&(place, i): &(f64, usize)| {
+        let name = escaped(&lines[i].name);
+        format!(r#"<text class="l{i}" x="{x}" y="{:.1}">{name}</text>"#, place - overflow + 4.0)
+    };
+    ends.iter().map(label).collect()
 }
 
 /// A round distance of ticks that gives three to six of them.
@@ -143,25 +219,41 @@ fn size_range(exponent: usize) -> String {
 mod tests {
     use super::*;
 
+    fn chart(points: &[(f64, f64)], scale: Scale) -> String {
+        let lines = [Line { name: "a & b".into(), points: points.to_vec() }];
+        Chart { title: "t", x_label: "nodes", x: Scale::Log, y: scale, lines: &lines }.svg()
+    }
+
     #[test]
     fn ticks_are_round_and_few() {
         for largest in [0.07, 0.142, 0.5, 1.0, 3.3] {
             let count = largest / tick_step(largest);
             assert!((2.0..=6.0).contains(&count), "{largest}: {count}");
         }
+        let log = Axis::new(Scale::Log, [0.03, 0.4].into_iter(), [0.0, 100.0]);
+        assert_eq!(log.ticks().iter().map(|&v| short(v)).collect::<Vec<_>>(), ["0.05", "0.1", "0.2"]);
     }
 
     #[test]
-    fn better_points_are_drawn_lower() {
-        let axis = Axis { step: 0.1, top: 1.0 };
-        assert!(axis.y(0.1) > axis.y(0.9));
+    fn better_points_are_drawn_lower_and_equal_ratios_are_equally_long() {
+        for scale in [Scale::Linear, Scale::Log] {
+            let axis = Axis::new(scale, [0.1, 1.0].into_iter(), [200.0, 0.0]);
+            assert!(axis.place(0.1) > axis.place(0.9));
+        }
+        let log = Axis::new(Scale::Log, [1.0, 64.0].into_iter(), [0.0, 100.0]);
+        assert!((log.place(8.0) - log.place(2.0) - (log.place(32.0) - log.place(8.0))).abs() < 1e-9);
         assert_eq!([0, 1, 5].map(size_range), ["1", "2–3", "32–63"]);
     }
 
     #[test]
     fn charts_survive_nothing_to_show() {
         assert!(histogram(&[0, 0]).ends_with("</svg>"));
-        let flat = Series { class: "once", points: vec![(32, 0.0), (64, 0.0)] };
-        assert!(!error_chart("t", &[flat]).contains("NaN"));
+        for scale in [Scale::Linear, Scale::Log] {
+            for points in [&[][..], &[(32.0, 0.0), (64.0, 0.0)], &[(1.0, f64::INFINITY)], &[(1.0, 0.5)]] {
+                let svg = chart(points, scale);
+                assert!(svg.ends_with("</svg>") && !svg.contains("NaN"), "{points:?}: {svg}");
+            }
+        }
+        assert!(chart(&[(1.0, 1.0)], Scale::Log).contains("a &amp; b"));
     }
 }

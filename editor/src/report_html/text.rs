@@ -24,6 +24,16 @@ pub fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
 
+/// A number with three significant digits, without needless ones.
+pub fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,6 +42,7 @@ mod tests {
     fn numbers_are_grouped_and_rounded() {
         assert_eq!([7, 1234, 1_234_567].map(grouped), ["7", "1\u{202f}234", "1\u{202f}234\u{202f}567"]);
         assert_eq!([0.254, 6.31, 113.7].map(seconds), ["0.25 s", "6.3 s", "114 s"]);
+        assert_eq!([0.0, 0.05, 0.1234, 1.0, 512.0, 32_768.0].map(short), ["0", "0.05", "0.123", "1", "512", "32768"]);
         assert_eq!(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
     }
 }

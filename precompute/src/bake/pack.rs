@@ -9,7 +9,7 @@ use lapidary_core::cut::{
 use rayon::prelude::*;
 
 /// All cuts, and sums over their points.
-pub(super) struct Packed {
+pub(crate) struct Packed {
     pub cuts: PackedCuts,
     /// Number of points.
     pub points: usize,
@@ -38,7 +38,7 @@ pub(super) fn unbaked(points: usize) -> Vec<Chunk> {
 }
 
 /// The cut of each point.
-pub(super) fn concatenate(chunks: &[Chunk]) -> Vec<Vec<u16>> {
+pub(crate) fn concatenate(chunks: &[Chunk]) -> Vec<Vec<u16>> {
     let mut all = Vec::with_capacity(chunks.iter().map(|c| c.lengths.len()).sum());
     for chunk in chunks {
         let mut rest = &chunk.nodes[..];
@@ -52,7 +52,7 @@ pub(super) fn concatenate(chunks: &[Chunk]) -> Vec<Vec<u16>> {
 }
 
 /// Packs the cuts of points for vertices, each of which has the cut of one of the points.
-pub(super) fn pack(
+pub(crate) fn pack(
     cuts: Vec<Vec<u16>>,
     chunks: &[Chunk],
     of_vertex: impl Iterator<Item = u32>,

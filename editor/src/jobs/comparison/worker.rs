@@ -1,14 +1,17 @@
 //! What the thread does: the picture with cuts, then the reference, for one request after another.
 
 use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
-use crate::jobs::{
-    Wake, guarded,
-    render_thread::{Factory, RenderRequest, Station},
+use crate::{
+    jobs::{
+        Wake, guarded,
+        render_thread::{Factory, RenderRequest, Station},
+    },
+    ladder::{Subject, every_sample},
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
 use lapidary_render::{
-    Baked, PathPicture, PathSettings, Preview, Progress, Renderer, SampledLight, Solution, SourceLighting, View,
+    Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View,
     ViewMode,
 };
 use std::{
@@ -107,7 +110,6 @@ impl Worker {
     }
 
     fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
-        let sources = self.station.local().and_then(|local| local.indirect.clone());
         let picture = &request.picture;
         let renderer = renderer_of(&mut self.renderer, baked);
         renderer.set_appearance(picture.appearance.clone());
@@ -117,7 +119,7 @@ impl Worker {
                 let PathPicture { image, noise, .. } = paths(renderer, picture, view, spp, &hearing);
                 (image, noise)
             }
-            _ => (samples(renderer, picture, view, sources.as_deref(), &hearing)?, None),
+            _ => (every_sample(&Subject::of_picture(picture, baked, view.clone()), renderer, &hearing)?, None),
         };
         if !hearing.abandoned() {
             let (image, seconds) = (Arc::new(image), hearing.seconds());
@@ -132,25 +134,6 @@ fn paths(renderer: &Renderer, picture: &RenderRequest, view: &View, spp: u32, pr
     let bounces = if picture.components.indirect { picture.solution.bounces() } else { 0 };
     let settings = PathSettings { spp, first_pass: 0, bounces, components: picture.components };
     renderer.path_picture(view, &picture.illumination, &picture.lights, settings, progress)
-}
-
-fn samples(
-    renderer: &Renderer,
-    picture: &RenderRequest,
-    view: &View,
-    sources: Option<&SourceLighting>,
-    progress: &dyn Progress,
-) -> Result<Image> {
-    let solved_only = picture.solution == Solution::Meshless && renderer.dataset().meshless.is_some();
-    if picture.components.indirect && solved_only {
-        bail!("light samples show bounced light of surface sources only; choose light paths, or a solution by cuts");
-    }
-    let light = SampledLight {
-        environment: picture.components.environment.then_some(&picture.illumination),
-        lights: if picture.components.direct { &picture.lights } else { &[] },
-        sources,
-    };
-    Ok(renderer.sampled(view, light, progress))
 }
 
 /// Makes rays for a scene that is new.

@@ -1,0 +1,199 @@
+//! The scenes that are measured: read, tessellated and baked once for all figures.
+
+use super::Measurement;
+use crate::ladder::Subject;
+use anyhow::{Context, Result};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    cut::CutCriterion,
+    dataset::{BakeMode, BakeSettings, Dataset},
+    import::{Imported, import},
+    light_tree::TreeKind,
+    scene::Scene,
+    sphere::fibonacci_directions,
+};
+use lapidary_precompute::{self as precompute, BakeJob, Preset, Variant};
+use lapidary_render::{Background, Components, Illumination, Solution, View};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Share of the sky that a scene's points must see in the mean for its light to be measured: less is a closed box.
+const LEAST_SKY: f64 = 0.005;
+/// Points and directions by which that is found out.
+const SKY_POINTS: usize = 256;
+const SKY_DIRECTIONS: usize = 1024;
+
+/// Trees of Fig. 5 and 6b, by growing weight of the geometric metric.
+pub const TREES: [(TreeKind, f32); 3] =
+    [(TreeKind::DataDriven, 0.0), (TreeKind::Mixed, 0.5), (TreeKind::Geometric, 1.0)];
+
+/// A scene as it was read.
+pub struct Plan {
+    /// The file's name without extension.
+    pub name: String,
+    path: PathBuf,
+    scene: Scene,
+    warnings: Vec<String>,
+}
+
+impl Plan {
+    /// Reads a scene, so that one that cannot be read is told before anything is baked.
+    ///
+    /// # Errors
+    /// See [`import`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let Imported { scene, report } = import(path)?;
+        let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Ok(Self { name, path: path.into(), scene, warnings: report.warnings })
+    }
+}
+
+/// Numbers scenes of one name, which would overwrite each other's pictures.
+pub fn named_apart(mut plans: Vec<Plan>) -> Vec<Plan> {
+    for i in 1..plans.len() {
+        let (before, rest) = plans.split_at_mut(i);
+        let same = before.iter().filter(|plan| plan.name == rest[0].name).count();
+        if same > 0 {
+            rest[0].name = format!("{}-{}", rest[0].name, same + 1);
+        }
+    }
+    plans
+}
+
+/// A scene and its bakes.
+pub struct Case {
+    /// What it is called in all figures.
+    pub name: String,
+    /// As imported.
+    pub scene: Scene,
+    /// Its bakes for distant light, unless it is closed to it.
+    pub environment: Option<Bakes>,
+    /// Its bake for the bounce of its local lights, if it has any.
+    pub bounces: Option<Arc<Dataset>>,
+}
+
+/// Bakes of one scene over trees of different metrics.
+pub struct Bakes {
+    /// The tessellated scene.
+    pub study: precompute::Study,
+    /// One for each of [`TREES`].
+    pub datasets: [Arc<Dataset>; 3],
+}
+
+impl Bakes {
+    /// The tree that bakes have unless asked otherwise.
+    pub fn mixed(&self) -> &Arc<Dataset> {
+        &self.datasets[1]
+    }
+
+    /// The tree of the samples' distances alone.
+    pub fn geometric(&self) -> &Arc<Dataset> {
+        &self.datasets[2]
+    }
+}
+
+impl Measurement<'_> {
+    /// Bakes what a scene has light for.
+    ///
+    /// # Errors
+    /// A bake that fails, or Ctrl-C.
+    pub fn bake(&self, plan: Plan) -> Result<Case> {
+        self.steps.begin(&format!("baking {}", plan.name));
+        let context = || format!("cannot measure the scene {}", plan.path.display());
+        let environment = self.environment_bakes(&plan.scene).with_context(context)?;
+        let bounces =
+            if plan.scene.lights.is_empty() { None } else { Some(self.bounce_bake(&plan).with_context(context)?) };
+        self.steps.reporter.finish();
+        Ok(Case { name: plan.name, scene: plan.scene, environment, bounces })
+    }
+
+    fn environment_bakes(&self, scene: &Scene) -> Result<Option<Bakes>> {
+        let reporter = &self.steps.reporter;
+        let study = precompute::Study::new(scene.clone(), Some(self.scale.max_vertices), reporter)?;
+        let directions = fibonacci_directions(SKY_DIRECTIONS);
+        let some = study.some_points(SKY_POINTS);
+        let seen = |visible: &[u8]| visible.iter().map(|&v| f64::from(v)).sum::<f64>();
+        let seen: f64 = study.visibility(&directions, &some, reporter, seen)?.iter().sum();
+        if seen < LEAST_SKY * (some.len() * SKY_DIRECTIONS) as f64 {
+            return Ok(None);
+        }
+        let variants = TREES.map(|(tree, beta)| Variant { tree, beta, criterion: self.criterion(self.scale.lights) });
+        let all = study.some_points(usize::MAX);
+        let (lights, clusters) = (self.scale.lights, self.scale.pilot_clusters);
+        let datasets = study.bake(lights, clusters, &variants, &all, reporter)?;
+        let datasets: Vec<Arc<Dataset>> = datasets.into_iter().map(Arc::new).collect();
+        let datasets = datasets.try_into().map_err(|_| anyhow::anyhow!("a dataset for each tree"))?;
+        Ok(Some(Bakes { study, datasets }))
+    }
+
+    /// The paper's sigma, whatever the number of lights.
+    pub fn criterion(&self, lights: usize) -> CutCriterion {
+        CutCriterion { sigma: super::Scale::sigma_for(lights), ..Default::default() }
+    }
+
+    fn bounce_bake(&self, plan: &Plan) -> Result<Arc<Dataset>> {
+        let normal = Preset::Normal.settings();
+        let job = BakeJob {
+            settings: BakeSettings {
+                lights: self.scale.lights,
+                max_vertices: Some(self.scale.bounce_vertices),
+                mode: BakeMode::Indirect,
+                indirect: lapidary_core::dataset::IndirectSettings { sources: self.scale.sources, ..normal.indirect },
+                pilot_clusters: self.scale.pilot_clusters,
+                ..normal
+            },
+            output: self.out.join(format!("{}-bounces.cuts", plan.name)),
+            chunks: None,
+            resume: false,
+            import_secs: 0.0,
+            warnings: plan.warnings.clone(),
+        };
+        Ok(precompute::bake(plan.scene.clone(), &job, &self.steps.reporter)?.into())
+    }
+
+    /// A scene under the environment alone, seen in black.
+    pub fn lit_from_afar(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Subject {
+        let environment = self.environment.clone();
+        let light = Illumination { environment, rotation: 0.0, intensity: 1.0 };
+        Subject::new(dataset.clone(), view(&dataset.scene, size), light)
+    }
+
+    /// A scene under its local lights and their bounce.
+    pub fn lit_by_lamps(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Subject {
+        Subject {
+            lights: dataset.scene.lights.clone().into(),
+            components: Components { environment: false, ..Components::ALL },
+            solution: Solution::Cuts,
+            ..self.lit_from_afar(dataset, size)
+        }
+    }
+}
+
+/// The scene's first camera, or all of it. The background is black: errors are on surfaces alone.
+pub fn view(scene: &Scene, size: [u32; 2]) -> View {
+    let bounds = scene.mesh.bounds();
+    let all = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
+    let camera = scene.cameras.first().cloned().unwrap_or_else(all);
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, size) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_of_one_name_are_numbered() {
+        let plan = |name: &str| Plan {
+            name: name.into(),
+            path: PathBuf::new(),
+            scene: Scene::default(),
+            warnings: Vec::new(),
+        };
+        let names: Vec<String> =
+            named_apart(["a", "b", "a", "a"].map(plan).into()).into_iter().map(|plan| plan.name).collect();
+        assert_eq!(names, ["a", "b", "a-2", "a-3"]);
+    }
+}

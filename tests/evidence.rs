@@ -1,0 +1,129 @@
+//! `ladder` and `evidence` from end to end.
+
+mod common;
+
+use common::{Stage, keys};
+use lapidary_core::image::Image;
+use std::fs;
+
+/// Looks down on box and floor.
+const EYE: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 32x24";
+
+#[test]
+fn the_ladder_shows_errors_and_times_of_every_size() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    // Metal, and the BRDF once a node: where visibility is coarse only the illumination cut tells where the sun is.
+    let view = format!("{EYE} --roughness 0.3 --metalness 1 --background black");
+    let ladder = format!("ladder a.cuts {view} --brdf once --backend cpu --illum-cuts 1,32,256 --out ladder");
+    let printed = stage.succeed(&ladder);
+    assert!(printed.contains("ladder.html") && printed.contains("relative RMSE"), "{printed}");
+    let json = stage.json("ladder/ladder.json");
+    let steps = json["steps"].as_array().expect("a list").clone();
+    let sizes: Vec<_> = steps.iter().filter_map(|step| step["illum_cut"].as_u64()).collect();
+    assert_eq!(sizes, [1, 32, 256]);
+    for key in ["illum_cut", "rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
+        assert!(steps.iter().all(|step| step[key].is_number()), "{key}");
+    }
+    let error = |i: usize| steps[i]["rel_rmse"].as_f64().expect("a number");
+    assert!(error(0) > 2.0 * error(2), "one node is far from the truth: {} and {}", error(0), error(2));
+    for name in ["cut-1", "cut-32", "cut-256", "reference"] {
+        for extension in ["png", "exr"] {
+            assert!(Image::read(&stage.path(&format!("ladder/{name}.{extension}"))).is_ok(), "{name}");
+        }
+    }
+    assert!(Image::read(&stage.path("ladder/sheet.png")).is_ok());
+    assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("samples of the environment")));
+    let page = fs::read_to_string(stage.path("ladder/ladder.html")).expect("a page");
+    assert!(page.contains("cut-256.png") && page.contains("<svg"));
+    // The same pictures as `render` and `reference` make.
+    stage.succeed(&format!("render a.cuts {view} --brdf once --backend cpu --illum-cut 32 --out r.exr"));
+    stage.succeed(&format!("reference a.cuts {view} --out t.exr"));
+    let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
+    assert_eq!(read("r.exr"), read("ladder/cut-32.exr"));
+    assert_eq!(read("t.exr"), read("ladder/reference.exr"));
+    assert_ne!(read("r.exr"), read("ladder/cut-256.exr"), "negative control");
+}
+
+#[test]
+fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
+    let stage = Stage::new();
+    stage.succeed("bake scene.obj -o a.cuts --mode cuts --lights 256 --sources 256 --pilot-clusters 16 --max-vertices 200 --progress none");
+    stage.succeed(&format!("ladder a.cuts {EYE} --components indirect --backend cpu --illum-cuts 1,256 --out ladder"));
+    let json = stage.json("ladder/ladder.json");
+    assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("256 surface sources")), "{json}");
+    let error = |i: usize| json["steps"][i]["rel_rmse"].as_f64().expect("a number");
+    assert!(error(0) > error(1), "{} and {}", error(0), error(1));
+    assert!(keys(&json).contains(&"reference"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
+    let stage = Stage::new();
+    stage.write("file", "not a folder".into());
+    for command in ["ladder missing.cuts --out file/ladder", "ladder missing.cuts --out file"] {
+        let message = stage.fail(command);
+        assert!(message.contains("folder") && !message.contains("missing.cuts"), "{command}: {message}");
+    }
+    let message = stage.fail("ladder missing.cuts --out ladder");
+    assert!(message.contains("missing.cuts"), "negative control: {message}");
+}
+
+#[test]
+fn the_evidence_of_a_small_scene_has_all_figures() {
+    let stage = Stage::new();
+    stage.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");
+    let json = stage.json("proof/evidence.json");
+    assert_eq!((&json["complete"], &json["scenes"][0]), (&true.into(), &"scene".into()));
+    let figures = &json["figures"];
+    let expected = [
+        "error_by_beta",
+        "error_by_lights",
+        "error_by_sigma",
+        "error_by_vertices",
+        "fig10_table",
+        "fig5_clusters",
+        "fig6a_wavelets",
+        "fig6b_cut_size_by_beta",
+        "fig7_ladder",
+    ];
+    assert_eq!(keys(figures), expected);
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let ladder = figures["fig7_ladder"][0]["steps"].as_array().expect("a list");
+    assert_eq!(ladder.len(), 6);
+    // Finer cuts are larger and see more exactly.
+    let sigma = figures["error_by_sigma"]["points"].as_array().expect("a list").clone();
+    for pair in sigma.windows(2) {
+        assert!(number(&pair[0]["mean_cut"]) > number(&pair[1]["mean_cut"]), "{pair:?}");
+        assert!(number(&pair[0]["rms_visibility"]) < number(&pair[1]["rms_visibility"]), "{pair:?}");
+    }
+    for curve in figures["fig6a_wavelets"]["curves"].as_array().expect("a list") {
+        let points = curve["points"].as_array().expect("a list");
+        assert!(points.iter().all(|p| number(&p["cut_terms"]) >= 6.0 && number(&p["wavelet_terms"]) > 0.0), "{curve}");
+    }
+    let row = &figures["fig10_table"][0];
+    let bytes = |tree: &str| number(&row[tree]["bytes_cuts"]);
+    assert!((number(&row["gain_over_geometric"]) - (1.0 - bytes("data_driven") / bytes("geometric"))).abs() < 1e-9);
+    assert_eq!(row["frames"].as_array().map(Vec::len), Some(3));
+    let page = fs::read_to_string(stage.path("proof/evidence.html")).expect("a page");
+    for (i, part) in page.split("src=\"").enumerate().skip(1) {
+        let file = part.split('"').next().expect("a name");
+        assert!(Image::read(&stage.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
+    }
+    assert!(page.contains("Motobike") && page.contains("Wavelets") && !page.contains("NaN"));
+}
+
+#[test]
+fn evidence_refuses_what_it_cannot_measure_before_it_begins() {
+    let stage = Stage::new();
+    stage.write("file", "not a folder".into());
+    assert!(stage.fail("evidence --quick --out file/proof").contains("folder"));
+    stage.write("broken.obj", "v 0 0 0\n".into());
+    let message = stage.fail("evidence --quick --no-bundled --scenes scene.obj broken.obj --out proof");
+    assert!(message.contains("broken.obj"), "{message}");
+    assert!(!stage.path("proof/evidence.json").exists(), "nothing was begun");
+    assert!(
+        stage.fail("evidence --quick --no-bundled --scenes scene.obj --env nowhere --out proof").contains("nowhere")
+    );
+    assert_eq!(stage.run("evidence --no-bundled --out proof").status.code(), Some(2));
+}
