@@ -12,6 +12,7 @@ use crate::{
     background::{Backdrop, BlurCache},
     components::Components,
     frame::Frame,
+    region::Region,
     renderer::{Illumination, Renderer},
     view::{Progress, View},
 };
@@ -52,6 +53,19 @@ impl Renderer {
         settings: PathSettings,
         progress: &dyn Progress,
     ) -> Image {
+        self.path_region(view, Region::whole(view.size), light, lights, settings, progress)
+    }
+
+    /// The part of [`Self::path_reference`] that `region` is: the same paths, and no others.
+    pub fn path_region(
+        &self,
+        view: &View,
+        region: Region,
+        light: &Illumination,
+        lights: &[Light],
+        settings: PathSettings,
+        progress: &dyn Progress,
+    ) -> Image {
         let backdrop = if settings.components.environment {
             Backdrop::new(view, light, &mut BlurCache::default())
         } else {
@@ -59,7 +73,7 @@ impl Renderer {
         };
         let frame = Frame::new(self, view, &backdrop);
         let tracer = Tracer::new(self, light, lights, settings);
-        let mut sum = Image::filled(view.size, Vec3::ZERO);
+        let mut sum = Image::filled(region.size(), Vec3::ZERO);
         let mut passes = 0_u32;
         // At least one sample for each position of the pixel pattern.
         let wanted = settings.spp.max(view.aa).max(1);
@@ -67,11 +81,12 @@ impl Renderer {
             if progress.cancelled() && passes > 0 {
                 break;
             }
-            let width = view.size[0] as usize;
-            sum.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-                for (x, pixel) in row.iter_mut().enumerate() {
-                    let mut rng = fastrand::Rng::with_seed(seed(y * width + x, settings.first_pass + pass));
-                    *pixel += frame.sample(x as u32, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
+            let rows = sum.pixels.par_chunks_mut(region.width.max(1) as usize).zip(region.rows().into_par_iter());
+            rows.for_each(|(row, y)| {
+                for (pixel, x) in row.iter_mut().zip(region.columns()) {
+                    let number = y as usize * view.size[0] as usize + x as usize;
+                    let mut rng = fastrand::Rng::with_seed(seed(number, settings.first_pass + pass));
+                    *pixel += frame.sample(x, y, pass as usize, |p| tracer.radiance(p, &mut rng));
                 }
             });
             passes += 1;

@@ -3,8 +3,8 @@
 //!
 //! Progressive in space: 16 passes over interleaved pixels, each pass exact where it has been.
 
-mod distant;
-mod sources;
+pub(crate) mod distant;
+pub(crate) mod sources;
 
 use crate::{
     background::{Backdrop, BlurCache},
@@ -40,8 +40,8 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums all samples at one point after another.
-trait PointShader {
+/// Light of one surface point after another.
+pub(crate) trait PointShader {
     /// Reflected radiance toward the eye.
     fn shade(&mut self, point: &SurfacePoint) -> Vec3;
 }
@@ -49,7 +49,7 @@ trait PointShader {
 impl Renderer {
     /// All light samples of the environment without cuts. If cancelled, pixels not reached repeat their block's first.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
-        let samples = LightSamples::new(self, light);
+        let samples = LightSamples::of(&self.dataset.tree, &self.lighting(light, 1));
         let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
         self.in_passes(&Frame::new(self, view, &backdrop), || samples.shader(self), progress)
     }
