@@ -5,5 +5,7 @@ pub mod bench;
 pub mod bounces;
 pub mod compare;
 pub mod edit;
+pub mod explain;
+pub mod predict;
 pub mod reference;
 pub mod render;

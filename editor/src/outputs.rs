@@ -42,11 +42,16 @@ pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]
     Ok(())
 }
 
-/// Creates a folder and those above it.
+/// Creates a folder and those above it, and checks that it can be written to.
 ///
 /// # Errors
 /// What the file system says.
 pub fn create_folder(path: &Path) -> Result<()> {
-    std::fs::create_dir_all(path)
-        .with_context(|| format!("cannot create the folder; check the path and the permissions ({})", path.display()))
+    std::fs::create_dir_all(path).with_context(|| {
+        format!("cannot create the folder; check the path and the permissions ({})", path.display())
+    })?;
+    let probe = path.join(format!(".lapidary-{}", std::process::id()));
+    std::fs::write(&probe, [])
+        .and_then(|()| std::fs::remove_file(&probe))
+        .with_context(|| format!("cannot write to the folder; check its permissions ({})", path.display()))
 }

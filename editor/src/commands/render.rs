@@ -44,8 +44,9 @@ pub struct RenderArgs {
     view: ViewArgs,
 }
 
+/// How the BRDF is sampled, as an option.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum BrdfOption {
+pub(super) enum BrdfOption {
     /// Halve nodes that are wider than the lobe can bear, during the merge
     #[default]
     Refine,
