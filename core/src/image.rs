@@ -10,7 +10,7 @@ mod region;
 mod write;
 
 pub use read::{decode, dimensions};
-pub use region::Region;
+pub use region::{Region, RegionError};
 pub use write::{encode_png, encode_png_pixels, encode_png_with_alpha};
 
 /// Why a picture could not be read or written.
@@ -103,7 +103,7 @@ impl Image {
     pub fn crop(&self, region: Region) -> Self {
         let rows = region.rows().map(|y| &self.pixels[y as usize * self.width()..][..self.width()]);
         let pixels = rows.flat_map(|row| &row[region.columns().start as usize..region.columns().end as usize]);
-        Self { size: region.size, pixels: pixels.copied().collect() }
+        Self { size: region.size(), pixels: pixels.copied().collect() }
     }
 
     /// The pixels whose column and row are multiples of `step`, as a smaller picture.

@@ -7,11 +7,13 @@
 mod build;
 mod features;
 mod lighting;
+mod nearest;
 mod radiance;
 
 pub use build::cluster_order;
 pub use features::{Features, PilotVisibility};
 pub use lighting::Lighting;
+pub use nearest::NearestLeaf;
 pub use radiance::{EnvironmentSampler, GridEnergy};
 
 use crate::sphere::fibonacci_directions;

@@ -107,6 +107,10 @@ pub enum Action {
     ChooseReference(Option<PathBuf>),
     /// Hold the tracing of the reference, or go on.
     PauseReference(bool),
+    /// Try sizes of the illumination cut on the picture, against a reference.
+    StartLadder,
+    /// Most nodes of the illumination cut from now on.
+    UseIllumCut(u32),
     /// Begin or end the comparison with a reference.
     ToggleComparison,
     /// Close the window, after asking about unsaved changes.

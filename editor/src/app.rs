@@ -10,6 +10,7 @@ mod environments;
 mod files;
 mod first_view;
 mod keys;
+mod ladder;
 mod layout;
 mod lights;
 mod menus;

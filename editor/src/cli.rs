@@ -7,7 +7,9 @@ use crate::{
         bounces::{self, BouncesArgs},
         compare::{self, CompareArgs},
         edit::{self, EditArgs},
+        explain::{self, ExplainArgs},
         ladder::{self, LadderArgs},
+        predict::{self, PredictArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
     },
@@ -175,6 +177,27 @@ Examples:
   lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
   lapidary evidence --out try --quick")]
     Evidence(EvidenceArgs),
+    /// Explain a pixel by its merged cut, and split the error of a picture by causes
+    #[command(after_help = "\
+Writes explain.json; of the pixel its merged cut drawn on the map of directions (cut.png), what rays find there (traced.png), and
+where interpolated visibility lets light through (red) or holds it back (blue, visibility.png); of the region the pictures between
+the rendered one and light paths, two neighbours of which differ in one factor (EXR, and side by side with their errors in
+split.png). Takes seconds for a pixel and its surroundings, minutes for a picture.
+
+Examples:
+  lapidary explain scene.cuts --env sky.hdr --pixel 320,240 --out why
+  lapidary explain scene.cuts --env sky.hdr --region 100,80,200,150 --spp 1024 --out why
+  lapidary explain room.cuts --lights lamps.json --tree sources --pixel 320,240 --no-split --out why")]
+    Explain(ExplainArgs),
+    /// Predict the error of a picture without tracing a ray, by the variances of what its clusters average
+    #[command(after_help = "\
+The bound adds up what every cluster could err by; with --calibrate the error that is really there is traced, and the table tells
+how much of it the bound holds and how well it sorts pixels by their error.
+
+Examples:
+  lapidary predict scene.cuts --env sky.hdr --out predicted.png --out predicted.exr
+  lapidary predict scene.cuts --env sky.hdr --kind expected --size 320x240 --calibrate --out predicted.png")]
+    Predict(PredictArgs),
     /// Measure how far a picture is from a reference
     #[command(after_help = "\
 rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
@@ -206,6 +229,8 @@ impl Command {
             Self::Bounces(args) => bounces::run(args, console),
             Self::Ladder(args) => ladder::run(args, console),
             Self::Evidence(args) => evidence::run(args, console),
+            Self::Explain(args) => explain::run(args, console),
+            Self::Predict(args) => predict::run(args, console),
             Self::Compare(args) => compare::run(args, console),
         }
     }

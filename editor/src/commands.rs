@@ -5,6 +5,8 @@ pub mod bench;
 pub mod bounces;
 pub mod compare;
 pub mod edit;
+pub mod explain;
 pub mod ladder;
+pub mod predict;
 pub mod reference;
 pub mod render;

@@ -8,6 +8,7 @@ pub mod bake;
 pub mod budget;
 pub mod comparison;
 mod imported;
+pub mod ladder;
 pub mod load;
 pub mod measure;
 pub mod render_thread;

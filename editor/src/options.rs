@@ -1,6 +1,7 @@
 //! Values of options, from text.
 
 use glam::Vec3;
+use lapidary_render::Region;
 
 /// Largest width and height of a picture in pixels.
 const MAX_SIDE: u32 = 32_768;
@@ -46,6 +47,30 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         return Err(format!("{width} x {height} is more than the limit of {MAX_PIXELS} pixels"));
     }
     Ok([width, height])
+}
+
+/// A column and a row of a picture, as in 320,240.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn pixel(text: &str) -> Result<[u32; 2], String> {
+    whole_numbers(text).ok_or_else(|| format!("a pixel is COLUMN,ROW, as in 320,240, not \"{text}\""))
+}
+
+/// A rectangle of pixels by its left column, upper row, width and height, as in 100,80,64,48.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn region(text: &str) -> Result<Region, String> {
+    let [x, y, width, height] = whole_numbers(text)
+        .ok_or_else(|| format!("a region is COLUMN,ROW,WIDTH,HEIGHT in pixels, as in 100,80,64,48, not \"{text}\""))?;
+    Ok(Region { x, y, width, height })
+}
+
+/// As many whole numbers as are wanted, separated by commas.
+fn whole_numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
+    let numbers: Vec<u32> = text.split(',').map(|word| word.trim().parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok()
 }
 
 /// A finite number.
@@ -107,6 +132,8 @@ mod tests {
         assert_eq!(color("0.2"), Ok(Vec3::splat(0.2)));
         assert_eq!(size("640x480"), Ok([640, 480]));
         assert_eq!(fraction("1"), Ok(1.0));
+        assert_eq!(pixel("3, 4"), Ok([3, 4]));
+        assert_eq!(region("1,2,3,4"), Ok(Region { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(positive("0.1"), Ok(0.1));
     }
 
@@ -117,6 +144,9 @@ mod tests {
         }
         for bad in ["640", "0x480", "640x-1", "99999x2", "32768x32768", "x", "1x1x1"] {
             assert!(size(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "3", "3,-4", "3,4.5", "3,4,5", "a,b"] {
+            assert!(pixel(bad).unwrap_err().contains("320,240") && region(bad).is_err(), "{bad}");
         }
         assert!(color("0.5,0.5,1.5").is_err() && color("0.5,0.5").is_err());
         assert!(fraction("1.1").is_err() && fraction("nan").is_err());

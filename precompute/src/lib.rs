@@ -25,6 +25,7 @@ mod tessellate;
 mod threads;
 mod transport;
 mod verify;
+mod vertex_sampler;
 mod visibility;
 
 pub use bake::{BakeError, BakeJob, bake};
@@ -39,3 +40,4 @@ pub use study::{Study, Variant};
 pub use surface_points::{Candidates, Darts, PointsError, find_viewpoint, poisson_disk};
 pub use threads::on_threads;
 pub use verify::{MeshlessVerification, Verification, verify};
+pub use vertex_sampler::VertexSampler;

@@ -6,7 +6,7 @@ mod meshless;
 pub use meshless::MeshlessVerification;
 
 use crate::{
-    MeshSurface, bake::point_of, bake_points::BakePoints, sidedness::Sidedness, sources::SourceSampler,
+    MeshSurface, bake::point_of, bake_points::BakePoints, sources::SourceSampler, vertex_sampler::bake_points,
     visibility::VisibilitySampler,
 };
 use glam::Vec3;
@@ -60,9 +60,7 @@ pub struct Verification {
 /// makes the links of at most as many functions again.
 pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
-    let closed = vec![true; mesh.triangles.len()]; // only burial needs it, and that is stored
-    let sides = Sidedness { two_sided: dataset.two_sided.clone(), closed };
-    let points = BakePoints::new(mesh, &sides);
+    let points = bake_points(dataset);
     let intersector = Intersector::new(mesh);
     let sampler = VisibilitySampler::new(&intersector, &dataset.tree);
     let check = |vertex: &usize| check_vertex(dataset, &points, &sampler, *vertex);
@@ -201,6 +199,24 @@ mod tests {
             warnings: Vec::new(),
         };
         bake(scene_of(&triangles), &job, &Silent).unwrap()
+    }
+
+    #[test]
+    fn vertices_are_traced_as_the_bake_did() {
+        let settings = BakeSettings { lights: 256, max_vertices: Some(300), ..Preset::Draft.settings() };
+        let dataset = box_over_floor(settings);
+        let intersector = Intersector::new(&dataset.scene.mesh);
+        let sampler = crate::VertexSampler::new(&dataset, &intersector);
+        let mut selector = CutSelector::new(8, dataset.settings.criterion);
+        let mut selected = |vertex: u32| {
+            let (mut visible, mut cut) = (vec![0; 256], Vec::new());
+            sampler.sample(vertex, &mut visible);
+            selector.select(&visible, &mut cut);
+            cut
+        };
+        let vertices = dataset.scene.mesh.positions.len() as u32;
+        assert!((0..vertices).all(|vertex| selected(vertex) == dataset.cuts.cut(8, vertex)));
+        assert!((1..vertices).any(|vertex| selected(vertex - 1) != dataset.cuts.cut(8, vertex)), "negative control");
     }
 
     #[test]

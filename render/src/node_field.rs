@@ -23,8 +23,12 @@ pub(crate) trait NodeField: Copy {
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
     /// How far light from eight nodes spreads: inverse concentrations as von Mises-Fisher lobes.
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
+    /// How far the references take light from eight leaves to spread.
+    fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
     /// Mean radiance.
     fn radiance(&self, node: usize) -> Vec3;
+    /// Where the middle of a node's light lies, if it is not infinitely far.
+    fn center(&self, node: usize) -> Option<Vec3>;
 }
 
 /// The directions in which a node lies.
@@ -74,9 +78,19 @@ impl NodeField for &SceneLighting {
         f32x8::new(nodes.map(|n| self.nodes.inv_kappa[n]))
     }
 
+    /// Samples are single directions.
+    #[inline(always)]
+    fn leaf_inv_kappas(&self, _leaves: [usize; 8], _from: Vec3) -> f32x8 {
+        f32x8::ZERO
+    }
+
     #[inline(always)]
     fn radiance(&self, node: usize) -> Vec3 {
         self.nodes.radiance[node]
+    }
+
+    fn center(&self, _node: usize) -> Option<Vec3> {
+        None
     }
 }
 
@@ -148,9 +162,19 @@ impl NodeField for SourceField<'_> {
         (f32x8::ONE - resultant_sq) / (resultant * (f32x8::splat(3.0) - resultant_sq))
     }
 
+    /// A source is a disc.
+    #[inline(always)]
+    fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8 {
+        self.inv_kappas(leaves, from)
+    }
+
     #[inline(always)]
     fn radiance(&self, node: usize) -> Vec3 {
         self.lighting.nodes.radiance[node]
+    }
+
+    fn center(&self, node: usize) -> Option<Vec3> {
+        Some(self.lighting.nodes.center[node])
     }
 }
 

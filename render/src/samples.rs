@@ -3,8 +3,8 @@
 //!
 //! Progressive in space: 16 passes over interleaved pixels, each pass exact where it has been.
 
-mod distant;
-mod sources;
+pub(crate) mod distant;
+pub(crate) mod sources;
 
 use crate::{
     background::{Backdrop, BlurCache},
@@ -40,8 +40,8 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums all samples at one point after another.
-trait PointShader {
+/// Light of one surface point after another.
+pub(crate) trait PointShader {
     /// Reflected radiance toward the eye.
     fn shade(&mut self, point: &SurfacePoint) -> Vec3;
 }
@@ -82,7 +82,8 @@ impl Renderer {
 
     /// Light of all kinds without cuts; cancelled as [`Self::samples_reference`].
     pub fn sampled(&self, view: &View, light: SampledLight, progress: &dyn Progress) -> Image {
-        let distant = light.environment.map(|environment| LightSamples::new(self, environment));
+        let distant =
+            light.environment.map(|environment| LightSamples::of(&self.dataset.tree, &self.lighting(environment, 1)));
         let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));
         let backdrop = light.environment.map(|environment| Backdrop::new(view, environment, &mut BlurCache::default()));
         let backdrop = backdrop.unwrap_or_else(Backdrop::black);

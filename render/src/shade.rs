@@ -4,7 +4,11 @@
 //! BRDF is evaluated; the rest is evaluated eight at a time. One traversal serves the environment and the sources on
 //! surfaces, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
 
-use crate::{node_field::NodeField, refine::Refinement, surface::SurfacePoint};
+use crate::{
+    node_field::NodeField,
+    refine::Refinement,
+    surface::{ReceiverX8, SurfacePoint},
+};
 use glam::Vec3;
 use lapidary_core::{
     cut::{
@@ -57,11 +61,34 @@ impl AddAssign for Work {
     }
 }
 
-/// A node to evaluate: its heap index and the visibility there.
+/// A node to evaluate.
 #[derive(Clone, Copy)]
-struct Term {
-    node: u32,
-    visibility: f32,
+pub(crate) struct Term {
+    /// Heap index.
+    pub node: u32,
+    /// Interpolated value of the vertices' cuts; nil in padding alone.
+    pub visibility: f32,
+}
+
+/// Eight terms of the sum, evaluated.
+pub(crate) struct EightTerms<'t> {
+    pub terms: &'t [Term],
+    /// Unit directions to the nodes in world space.
+    pub direction: Vec3x8,
+    /// Mean radiance of the nodes.
+    pub radiance: Vec3x8,
+    /// BRDF times cosine at their directions.
+    pub brdf_cos: Vec3x8,
+    /// Visibility times number of leaves; nil where the direction is below the smooth normal.
+    pub weight: f32x8,
+}
+
+impl EightTerms<'_> {
+    /// What is reflected of the nodes, but for the solid angle of a leaf.
+    #[inline(always)]
+    pub fn reflected(&self) -> Vec3x8 {
+        self.brdf_cos.scale(self.radiance) * self.weight
+    }
 }
 
 /// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
@@ -91,17 +118,26 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// Reflected radiance toward the eye.
     pub fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
-        self.merge_cuts(point);
+        let mut sum = Vec3x8::splat(Vec3::ZERO);
+        self.traverse(point, |_| (), |eight| sum = sum + eight.reflected());
+        sum.reduce_add() * self.field.solid_angle()
+    }
+
+    /// The terms whose sum [`Self::shade`] is, left to right, and before them the nodes of the merged cut that see no light.
+    #[inline(always)]
+    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(u32), visit: impl FnMut(&EightTerms)) {
+        self.merge_cuts(point, dark);
         match self.sampling {
             BrdfSampling::Once => std::mem::swap(&mut self.merged, &mut self.terms),
             BrdfSampling::Refine => self.refine(point),
         }
         self.work.brdf_evaluations += self.terms.len() as u64;
-        self.evaluate(point)
+        self.evaluate(point, visit);
     }
 
-    /// Fills `merged` with the nodes of the merged cut that see any light.
-    fn merge_cuts(&mut self, point: &SurfacePoint) {
+    /// Fills `merged` with the nodes of the merged cut that see any light; the others are `dark`.
+    #[inline(always)]
+    fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(u32)) {
         let height = self.height;
         let leaves = 1_u32 << height;
         let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
@@ -115,9 +151,8 @@ impl<'a, F: NodeField> Shader<'a, F> {
             count += 1;
             let value = |i: usize| weights[i] * self.field.cut_value(cursors[i].stored_value());
             let visibility = value(0) + value(1) + value(2);
-            if visibility > 0.0 {
-                merged.push(Term { node: interval.heap_index(leaves), visibility });
-            }
+            let node = interval.heap_index(leaves);
+            if visibility > 0.0 { merged.push(Term { node, visibility }) } else { dark(node) }
         });
         self.work.merged_nodes += count;
     }
@@ -144,29 +179,27 @@ impl<'a, F: NodeField> Shader<'a, F> {
         }
     }
 
-    /// Sums the terms, eight at a time.
-    fn evaluate(&mut self, point: &SurfacePoint) -> Vec3 {
+    /// Evaluates the terms, eight at a time.
+    #[inline(always)]
+    fn evaluate(&mut self, point: &SurfacePoint, mut visit: impl FnMut(&EightTerms)) {
         // Padding repeats the root without visibility.
         self.terms.resize(self.terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
-        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
-        let smooth_normal = Vec3x8::splat(point.smooth_normal);
+        let receiver = ReceiverX8::new(point);
         let brdf = point.brdf.as_brdf();
-        let mut sum = Vec3x8::splat(Vec3::ZERO);
         for terms in self.terms.chunks_exact(8) {
             let index: [usize; 8] = std::array::from_fn(|i| terms[i].node as usize);
             let direction = self.field.directions(index, point.position);
-            let wi = Vec3x8 { x: direction.dot(axes[0]), y: direction.dot(axes[1]), z: direction.dot(axes[2]) };
             let inv_kappa = match self.sampling {
                 BrdfSampling::Once => f32x8::ZERO,
                 BrdfSampling::Refine => self.field.inv_kappas(index, point.position),
             };
             let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
             let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
-            let received = direction.dot(smooth_normal).simd_gt(f32x8::ZERO) & weight;
+            let weight = receiver.receives(direction) & weight;
             let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
-            sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * received;
+            let brdf_cos = brdf.brdf_cos_x8(receiver.local(direction), point.wo, inv_kappa);
+            visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
         }
-        sum.reduce_add() * self.field.solid_angle()
     }
 }
 

@@ -7,7 +7,9 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, Material},
     ray::{Hit, Intersector},
+    simd::Vec3x8,
 };
+use wide::f32x8;
 
 /// A point of a surface as seen along one ray.
 #[derive(Clone, Debug)]
@@ -32,6 +34,42 @@ pub struct SurfacePoint {
     pub parameters: BrdfParameters,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
+}
+
+impl SurfacePoint {
+    /// Whether light from a direction can be reflected: it is above the shading normal's horizon and the smooth one's.
+    #[inline(always)]
+    pub fn receives(&self, direction: Vec3) -> bool {
+        direction.dot(self.world_from_local.z_axis) > 0.0 && direction.dot(self.smooth_normal) > 0.0
+    }
+}
+
+/// The frame of a point, for eight directions of light at once.
+pub struct ReceiverX8 {
+    axes: [Vec3x8; 3],
+    smooth_normal: Vec3x8,
+}
+
+impl ReceiverX8 {
+    /// Of `point`.
+    #[inline(always)]
+    pub fn new(point: &SurfacePoint) -> Self {
+        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
+        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal) }
+    }
+
+    /// Directions in the local frame.
+    #[inline(always)]
+    pub fn local(&self, direction: Vec3x8) -> Vec3x8 {
+        let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
+        Vec3x8 { x, y, z }
+    }
+
+    /// A mask of the directions that are above the smooth normal's horizon.
+    #[inline(always)]
+    pub fn receives(&self, direction: Vec3x8) -> f32x8 {
+        direction.dot(self.smooth_normal).simd_gt(f32x8::ZERO)
+    }
 }
 
 /// A one-sided surface seen from behind reflects nothing.

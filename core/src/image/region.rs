@@ -1,55 +1,106 @@
 //! A rectangle of pixels.
 
 use serde::{Deserialize, Serialize};
-use std::{ops::Range, str::FromStr};
+use std::ops::Range;
+use thiserror::Error;
 
-/// A rectangle of a picture's pixels, with at least one of them.
+/// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Region {
-    /// Column and row of the top left pixel.
-    pub origin: [u32; 2],
-    /// Width and height in pixels.
-    pub size: [u32; 2],
+    /// Column of its left edge.
+    pub x: u32,
+    /// Row of its upper edge.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// Why a rectangle is no region of a picture.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum RegionError {
+    /// It has no pixels.
+    #[error("the region has no pixels; give it a width and a height of at least 1")]
+    Empty,
+    /// It reaches past an edge.
+    #[error(
+        "the region reaches to column {} and row {}, but the picture has {} x {} pixels; columns and rows count from 0",
+        corner[0], corner[1], size[0], size[1]
+    )]
+    Outside {
+        /// Its last column and row.
+        corner: [u64; 2],
+        /// Width and height of the picture.
+        size: [u32; 2],
+    },
 }
 
 impl Region {
-    /// The part of it that lies in a picture of `size` pixels, if there is one.
-    pub fn within(self, size: [u32; 2]) -> Option<Self> {
-        let end = |i: usize| self.origin[i].saturating_add(self.size[i]).min(size[i]);
-        let size = [0, 1].map(|i| end(i).saturating_sub(self.origin[i]));
-        (!size.contains(&0)).then_some(Self { size, ..self })
+    /// All of a picture.
+    pub fn whole([width, height]: [u32; 2]) -> Self {
+        Self { x: 0, y: 0, width, height }
+    }
+
+    /// The square of at most `side` pixels around a pixel of a picture, cut off at the picture's edges.
+    pub fn around([x, y]: [u32; 2], side: u32, size: [u32; 2]) -> Self {
+        let span = |center: u32, end: u32| {
+            let first = center.saturating_sub(side / 2);
+            (first, end.min(center + side.div_ceil(2)) - first)
+        };
+        let ((x, width), (y, height)) = (span(x, size[0]), span(y, size[1]));
+        Self { x, y, width, height }
+    }
+
+    /// Whether it is a region of a picture of `size`.
+    ///
+    /// # Errors
+    /// No pixels, or pixels that the picture does not have.
+    pub fn check(self, size: [u32; 2]) -> Result<Self, RegionError> {
+        if self.width == 0 || self.height == 0 {
+            return Err(RegionError::Empty);
+        }
+        let end = |first: u32, count: u32| u64::from(first) + u64::from(count);
+        let ends = [end(self.x, self.width), end(self.y, self.height)];
+        if ends[0] > size[0].into() || ends[1] > size[1].into() {
+            return Err(RegionError::Outside { corner: ends.map(|end| end - 1), size });
+        }
+        Ok(self)
+    }
+
+    /// Width and height in pixels.
+    pub fn size(self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Number of pixels.
+    pub fn pixels(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
     }
 
     /// Its columns.
-    pub fn columns(&self) -> Range<u32> {
-        self.origin[0]..self.origin[0] + self.size[0]
+    pub fn columns(self) -> Range<u32> {
+        self.x..self.x + self.width
     }
 
     /// Its rows.
-    pub fn rows(&self) -> Range<u32> {
-        self.origin[1]..self.origin[1] + self.size[1]
+    pub fn rows(self) -> Range<u32> {
+        self.y..self.y + self.height
+    }
+
+    /// The part of it that lies in a picture of `size` pixels, if there is one.
+    pub fn within(self, size: [u32; 2]) -> Option<Self> {
+        let width = self.x.saturating_add(self.width).min(size[0]).saturating_sub(self.x);
+        let height = self.y.saturating_add(self.height).min(size[1]).saturating_sub(self.y);
+        (width > 0 && height > 0).then_some(Self { width, height, ..self })
     }
 
     /// The same part of a picture of which only the pixels are kept whose column and row are multiples of `step`, if
     /// there are some.
     pub fn every(self, step: u32) -> Option<Self> {
         let [columns, rows] = [self.columns(), self.rows()].map(|r| r.start.div_ceil(step)..r.end.div_ceil(step));
-        let size = [&columns, &rows].map(|r| r.len() as u32);
-        (!size.contains(&0)).then_some(Self { origin: [columns.start, rows.start], size })
-    }
-}
-
-impl FromStr for Region {
-    type Err = String;
-
-    /// `X,Y,WIDTH,HEIGHT` in pixels.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-        match numbers.as_deref() {
-            Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Self { origin: [x, y], size: [width, height] }),
-            Ok([_, _, _, _]) => Err("a region needs a width and a height of at least 1 pixel".into()),
-            _ => Err(format!("\"{text}\" is no region; write X,Y,WIDTH,HEIGHT in pixels, as in 40,30,160,120")),
-        }
+        let (width, height) = (columns.len() as u32, rows.len() as u32);
+        (width > 0 && height > 0).then_some(Self { x: columns.start, y: rows.start, width, height })
     }
 }
 
@@ -60,26 +111,45 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn a_region_is_cut_to_the_picture() {
-        let region: Region = "2, 1,3,4".parse().unwrap();
-        assert_eq!(region, Region { origin: [2, 1], size: [3, 4] });
-        assert_eq!(region.within([9, 9]), Some(region));
-        assert_eq!(region.within([4, 2]), Some(Region { origin: [2, 1], size: [2, 1] }));
-        assert_eq!(region.within([2, 9]), None);
-        assert_eq!(Region { origin: [u32::MAX, 0], size: [9, 9] }.within([8, 8]), None);
-        for bad in ["", "1,2,3", "1,2,0,4", "1,2,-3,4", "a,b,c,d"] {
-            assert!(bad.parse::<Region>().is_err(), "{bad}");
+    fn regions_without_pixels_or_outside_are_refused() {
+        let region = |x, y, width, height| Region { x, y, width, height };
+        let size = [40, 30];
+        assert!(region(0, 0, 40, 30).check(size).is_ok() && region(39, 29, 1, 1).check(size).is_ok());
+        assert_eq!(region(3, 3, 0, 4).check(size), Err(RegionError::Empty));
+        assert_eq!(region(3, 3, 4, 0).check(size), Err(RegionError::Empty));
+        let message = region(30, 0, 11, 1).check(size).unwrap_err().to_string();
+        assert!(message.contains("column 40") && message.contains("40 x 30"), "{message}");
+        assert!(region(u32::MAX, 0, u32::MAX, 1).check(size).is_err(), "no overflow");
+    }
+
+    #[test]
+    fn a_square_around_a_pixel_stays_in_the_picture() {
+        let size = [40, 30];
+        assert_eq!(Region::around([20, 15], 8, size), Region { x: 16, y: 11, width: 8, height: 8 });
+        for pixel in [[0, 0], [39, 29], [1, 28]] {
+            let square = Region::around(pixel, 64, size).check(size).unwrap();
+            assert!(square.columns().contains(&pixel[0]) && square.rows().contains(&pixel[1]));
         }
+        assert_eq!(Region::around([39, 0], 1, size), Region { x: 39, y: 0, width: 1, height: 1 });
+    }
+
+    #[test]
+    fn a_region_is_cut_to_the_picture() {
+        let region = Region { x: 2, y: 1, width: 3, height: 4 };
+        assert_eq!(region.within([9, 9]), Some(region));
+        assert_eq!(region.within([4, 2]), Some(Region { width: 2, height: 1, ..region }));
+        assert_eq!(region.within([2, 9]), None);
+        assert_eq!(Region { x: u32::MAX, y: 0, width: 9, height: 9 }.within([8, 8]), None);
     }
 
     #[test]
     fn cropping_and_thinning_commute() {
         let image = Image::from_fn([13, 9], |x, y| Vec3::new(x as f32, y as f32, 0.0));
-        let region = Region { origin: [3, 2], size: [7, 6] };
+        let region = Region { x: 3, y: 2, width: 7, height: 6 };
         let cropped = image.crop(region);
         assert_eq!((cropped.size, cropped.at(0, 0), cropped.at(6, 5)), ([7, 6], image.at(3, 2), image.at(9, 7)));
         let thinned = image.every(2).crop(region.every(2).unwrap());
         assert_eq!((thinned.size, thinned.at(0, 0), thinned.at(2, 2)), ([3, 3], image.at(4, 2), image.at(8, 6)));
-        assert_eq!(Region { origin: [1, 1], size: [2, 2] }.every(4), None, "no pixel of the coarse grid lies in it");
+        assert_eq!(Region { x: 1, y: 1, width: 2, height: 2 }.every(4), None, "no pixel of the coarse grid lies in it");
     }
 }

@@ -7,7 +7,7 @@
 //! Balancing the matrix (Sinkhorn) makes every sample receive exactly its `4π / N` of solid angle, so that a constant
 //! map gives constant leaves.
 
-mod fibonacci;
+pub(super) mod fibonacci;
 
 use crate::{environment::Environment, image::Image, sphere::SPHERE};
 use fibonacci::{FibonacciLattice, Longitude, Zone};

@@ -158,6 +158,10 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let compare = if state.interface.comparison.open { "End the comparison" } else { "Compare with a reference" };
     let can_compare = state.interface.comparison.open || state.can_compare();
     entry_as(ui, state, actions, Command::Compare, compare, can_compare);
+    if ui.add_enabled(state.can_compare(), Button::new("Which cut size is enough?")).clicked() {
+        actions.push(Action::StartLadder);
+        ui.close();
+    }
     ui.separator();
     let panels = if state.interface.panels_hidden { "Show panels" } else { "Hide panels" };
     entry_as(ui, state, actions, Command::TogglePanels, panels, true);

@@ -56,6 +56,8 @@ impl EditorState {
             Action::Relink(Some(folder)) => self.relink(folder),
             Action::ChooseReference(Some(path)) => self.choose_reference(path),
             Action::PauseReference(paused) => self.comparison.pause(paused),
+            Action::StartLadder => self.start_ladder(),
+            Action::UseIllumCut(size) => self.use_illum_cut(size),
             Action::ToggleComparison => self.toggle_comparison(),
             Action::Open(None)
             | Action::SaveAs(None)

@@ -6,6 +6,7 @@ use super::{
     dialogs::FileDialogs,
     environments::Environments,
     first_view::FirstView,
+    ladder::LadderWindow,
     layout::{self, Interface},
     messages::Messages,
     opening::{Opening, Target},
@@ -164,6 +165,9 @@ pub struct EditorState {
     pub(super) environments: Environments,
     pub(super) pictures: Pictures,
     pub(super) comparison: Comparison,
+    pub(super) ladder: LadderWindow,
+    /// Makes renderers, for jobs that need one of their own.
+    pub(super) factory: Factory,
     pub(super) requests: Requests,
     autosave: Autosave,
     autosaved: u64,
@@ -210,7 +214,9 @@ impl EditorState {
             baking: Baking::default(),
             environments: Environments::new(wake.clone()),
             pictures: Pictures::default(),
-            comparison: Comparison::new(factory, wake.clone()),
+            comparison: Comparison::new(factory.clone(), wake.clone()),
+            ladder: LadderWindow::default(),
+            factory,
             requests: Requests::default(),
             autosave: Autosave::new(&folders.state, AUTOSAVE_INTERVAL),
             autosaved: 0,
@@ -248,6 +254,7 @@ impl EditorState {
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
+        self.show_ladder(&ctx, &mut actions);
         prompts::show(&ctx, self, &mut actions);
         self.messages.show(&ctx, laid.status_height);
         self.ask_before_closing(&ctx, &mut actions);

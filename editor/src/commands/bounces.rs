@@ -1,7 +1,7 @@
 //! `lapidary bounces`: how far each solution of bounced light is from light paths, side by side.
 
 pub mod against_paths;
-mod strip;
+pub mod strip;
 
 use crate::{
     console::Console,

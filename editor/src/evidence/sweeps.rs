@@ -130,10 +130,9 @@ impl Sweeper<'_> {
         let subject = self.measurement.lit_from_afar(bakes.mixed(), scale.view);
         let renderer = subject.renderer();
         let progress = steps.progress("light paths", "passes");
-        let paths = against_paths::Truth::trace(scale.spp, |spp, first_pass| {
-            let settings = PathSettings { first_pass, ..PathSettings::direct(spp) };
-            renderer.path_reference(&subject.view, &subject.light, &[], settings, &progress)
-        });
+        let settings = PathSettings::direct(scale.spp);
+        let paths = renderer.path_picture(&subject.view, &subject.light, &[], settings, &progress);
+        let paths = against_paths::Truth::from(paths);
         progress.finish();
         steps.check()?;
         let mut points = Vec::new();

@@ -205,9 +205,9 @@ mod tests {
         let mut test = picture(1.0);
         test.pixels[8 * 4 + 6] = Vec3::splat(2.0);
         let request = request(test, picture(1.0));
-        let of = |origin, size, step| {
+        let of = |[x, y]: [u32; 2], [width, height]: [u32; 2], step| {
             let reference = ReferencePicture { step, ..request.reference.clone() };
-            measure(&MeasureRequest { region: Some(Region { origin, size }), reference, ..request.clone() })
+            measure(&MeasureRequest { region: Some(Region { x, y, width, height }), reference, ..request.clone() })
         };
         let around = of([6, 4], [2, 2], 1).unwrap();
         assert!((around.metrics.rmse - 0.5).abs() < 1e-6 && around.metrics.pixels == 4, "{:?}", around.metrics);

@@ -143,9 +143,9 @@ impl ComparisonPanel {
         let [left, top, right, bottom] = self.region?;
         let low = |share: f32, side: u32| (share.clamp(0.0, 1.0) * side as f32) as u32 / GRID * GRID;
         let high = |share: f32, side: u32| ((share.clamp(0.0, 1.0) * side as f32) as u32 + 1).next_multiple_of(GRID);
-        let origin = [low(left, size[0]), low(top, size[1])];
-        let end = [high(right, size[0]), high(bottom, size[1])];
-        Region { origin, size: [0, 1].map(|i| end[i].saturating_sub(origin[i])) }.within(size)
+        let (x, y) = (low(left, size[0]), low(top, size[1]));
+        let (width, height) = (high(right, size[0]).saturating_sub(x), high(bottom, size[1]).saturating_sub(y));
+        Region { x, y, width, height }.within(size)
     }
 
     /// What the picture is, in a few words.
@@ -194,6 +194,10 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
+        let help = "Pictures at growing sizes of the light cut beside a reference: which is enough for this shot";
+        if ui.button("Cut sizes...").on_hover_text(help).clicked() {
+            actions.push(Action::StartLadder);
+        }
         if ui.button("Close").on_hover_text("Ends the comparison (C)").clicked() {
             panel.open = false;
         }

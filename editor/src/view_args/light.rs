@@ -30,7 +30,7 @@ pub(super) struct EnvironmentArgs {
 }
 
 /// Local lights, and what of all light is in the picture.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Local lights")]
 pub struct LocalLightArgs {
     // The brackets are of JSON, no links.

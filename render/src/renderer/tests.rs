@@ -52,15 +52,31 @@ pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
 
 /// A dataset whose cuts are exact at every vertex (sigma 0).
 pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
+    dataset_of_sigma(mesh, parameters, 0.0)
+}
+
+/// Sets the lights that a vertex sees, as the cuts of these datasets have it.
+pub(crate) fn trace_vertex(
+    mesh: &Mesh,
+    intersector: &Intersector,
+    lights: &DirectionSet,
+    vertex: u32,
+    seen: &mut [u8],
+) {
+    let (p, n) = (mesh.positions[vertex as usize], mesh.normals[vertex as usize]);
+    intersector.trace_batch(p + n * 1e-3, lights, |d| d.dot(n) > 0.0, seen);
+}
+
+pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f32) -> Dataset {
     let tree = LightTree::geometric(LIGHTS).unwrap();
     let directions = DirectionSet::new(tree.leaf_directions());
     let intersector = Intersector::new(&mesh);
-    let criterion = CutCriterion { sigma: 0.0, ..Default::default() };
+    let criterion = CutCriterion { sigma, ..Default::default() };
     let mut selector = CutSelector::new(tree.height(), criterion);
     let mut cuts = PackedCuts::default();
-    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+    for vertex in 0..mesh.positions.len() as u32 {
         let mut visible = vec![0; LIGHTS];
-        intersector.trace_batch(*p + *n * 1e-3, &directions, |d| d.dot(*n) > 0.0, &mut visible);
+        trace_vertex(&mesh, &intersector, &directions, vertex, &mut visible);
         let mut cut = Vec::new();
         selector.select(&visible, &mut cut);
         let offset = cuts.push_cut(&cut);

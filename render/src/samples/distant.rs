@@ -2,15 +2,16 @@
 
 use super::PointShader;
 use crate::{
-    renderer::{Illumination, Renderer},
-    surface::SurfacePoint,
+    lighting::SceneLighting,
+    renderer::Renderer,
+    surface::{ReceiverX8, SurfacePoint},
 };
 use glam::Vec3;
-use lapidary_core::{ray::DirectionSet, simd::Vec3x8};
+use lapidary_core::{light_tree::LightTree, ray::DirectionSet, simd::Vec3x8};
 use wide::f32x8;
 
 /// Light samples in tree order, padded to whole groups of eight.
-pub(super) struct LightSamples {
+pub(crate) struct LightSamples {
     directions: DirectionSet,
     wi: Vec<Vec3x8>,
     radiance: Vec<Vec3x8>,
@@ -18,9 +19,8 @@ pub(super) struct LightSamples {
 }
 
 impl LightSamples {
-    pub fn new(renderer: &Renderer, light: &Illumination) -> Self {
-        let tree = &renderer.dataset.tree;
-        let lighting = renderer.lighting(light, 1);
+    /// Of a tree that is lit; its illumination cut does not matter.
+    pub fn of(tree: &LightTree, lighting: &SceneLighting) -> Self {
         let leaf_radiance = &lighting.nodes.radiance[tree.len()..];
         let eight = |values: &[Vec3]| -> Vec<Vec3x8> {
             let lane = |chunk: &[Vec3], i: usize| chunk.get(i).copied().unwrap_or(Vec3::ZERO);
@@ -39,6 +39,12 @@ impl LightSamples {
     }
 }
 
+/// Sets `visible` to 1 for the lights that a point sees and whose light it receives, and to 0 for all others.
+pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &SurfacePoint, visible: &mut [u8]) {
+    visible.fill(0);
+    renderer.intersector.trace_batch(point.ray_origin, lights, |d| point.receives(d), visible);
+}
+
 /// Traces and sums; keeps its buffer between points.
 struct DistantShader<'a> {
     samples: &'a LightSamples,
@@ -49,16 +55,12 @@ struct DistantShader<'a> {
 impl PointShader for DistantShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         let Self { samples, renderer, visible } = self;
-        let (n, s) = (point.world_from_local.z_axis, point.smooth_normal);
-        visible.fill(0);
-        let received = |d: Vec3| d.dot(n) > 0.0 && d.dot(s) > 0.0;
-        renderer.intersector.trace_batch(point.ray_origin, &samples.directions, received, visible);
-        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
+        trace_lights(renderer, &samples.directions, point, visible);
+        let receiver = ReceiverX8::new(point);
         let brdf = point.brdf.as_brdf();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for (i, seen) in visible.chunks(8).enumerate().filter(|(_, seen)| seen.iter().any(|&v| v != 0)) {
-            let d = samples.wi[i];
-            let wi = Vec3x8 { x: d.dot(axes[0]), y: d.dot(axes[1]), z: d.dot(axes[2]) };
+            let wi = receiver.local(samples.wi[i]);
             let weight = f32x8::new(std::array::from_fn(|k| f32::from(seen.get(k).copied().unwrap_or(0))));
             sum = sum + brdf.brdf_cos_x8(wi, point.wo, f32x8::ZERO).scale(samples.radiance[i]) * weight;
         }

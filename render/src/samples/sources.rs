@@ -5,7 +5,7 @@ use crate::{
     indirect::SourceLighting,
     node_field::{NodeField, SourceField},
     renderer::Renderer,
-    surface::SurfacePoint,
+    surface::{ReceiverX8, SurfacePoint},
 };
 use glam::Vec3;
 use lapidary_core::{indirect::NearField, ray::SegmentBatch, simd::Vec3x8, surfel::OFFSET};
@@ -13,7 +13,7 @@ use std::array::from_fn;
 use wide::f32x8;
 
 /// Sources in tree order, and where segments to them end.
-pub(super) struct SourceSamples<'a> {
+pub(crate) struct SourceSamples<'a> {
     lighting: &'a SourceLighting,
     ends: Vec<Vec3>,
     near: NearField,
@@ -53,8 +53,7 @@ struct SourceShader<'a> {
 impl SourceShader<'_> {
     /// Sets the solid angles of the sources that are seen, and lists those and others.
     fn trace(&mut self, point: &SurfacePoint) {
-        let (n, s) = (point.world_from_local.z_axis, point.smooth_normal);
-        let receives = |direction: Vec3| direction.dot(n) > 0.0 && direction.dot(s) > 0.0;
+        let receives = |direction: Vec3| point.receives(direction);
         let has_near = self.trace_far(point, receives);
         if has_near {
             self.gather_near(point, receives);
@@ -104,7 +103,7 @@ impl SourceShader<'_> {
 impl PointShader for SourceShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         self.trace(point);
-        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
+        let receiver = ReceiverX8::new(point);
         let brdf = point.brdf.as_brdf();
         let leaves = self.samples.lighting.tree.len();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
@@ -113,10 +112,10 @@ impl PointShader for SourceShader<'_> {
             let member = |k: usize| group.get(k).map_or(group[0], |&i| i) as usize;
             let nodes = from_fn(|k| leaves + member(k));
             let direction = self.field.directions(nodes, point.position);
-            let wi = Vec3x8 { x: direction.dot(axes[0]), y: direction.dot(axes[1]), z: direction.dot(axes[2]) };
+            let wi = receiver.local(direction);
             let weight = from_fn(|k| if k < group.len() { self.solid_angles[member(k)] } else { 0.0 });
             let radiance = Vec3x8::from_array(nodes.map(|n| self.field.radiance(n)));
-            let inv_kappa = self.field.inv_kappas(nodes, point.position);
+            let inv_kappa = self.field.leaf_inv_kappas(nodes, point.position);
             sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * f32x8::new(weight);
         }
         sum.reduce_add()

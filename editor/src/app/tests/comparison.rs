@@ -143,3 +143,20 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     finished(&mut window);
     assert!(!window.shows("not a picture"), "negative control: light samples go on");
 }
+
+#[test]
+fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    window.click("Cut sizes...");
+    window.wait("all figures", |s| s.ladder_figures() == 6);
+    window.0.run_steps(3);
+    assert!(window.shows("nodes are enough") || window.shows("Every size still helps"));
+    let use_buttons = window.0.query_all_by_label("Use").count();
+    assert_eq!(use_buttons, 5, "one size is in use");
+    window.0.query_all_by_label("Use").next().unwrap().click();
+    window.0.run_steps(3);
+    assert_eq!(window.0.state().document.view.illum_cut, 1);
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().document.view.illum_cut, 256);
+}

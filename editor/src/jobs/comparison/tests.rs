@@ -108,7 +108,7 @@ fn a_pause_holds_the_reference_and_a_new_request_ends_it() {
 #[test]
 fn a_region_is_traced_alone() {
     let mut thread = start();
-    let region = Some(Region { origin: [8, 4], size: [12, 8] });
+    let region = Some(Region { x: 8, y: 4, width: 12, height: 8 });
     thread.request(ComparisonRequest { region, ..comparison(ReferenceKind::Paths { spp: 1 }) });
     let (_, reference) = pictures(&outcome(&mut thread));
     let lit = |x: u32, y: u32| reference.image.at(x as usize, y as usize) != Vec3::ZERO;

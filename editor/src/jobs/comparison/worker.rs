@@ -10,10 +10,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
-use lapidary_render::{
-    Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View,
-    ViewMode,
-};
+use lapidary_render::{Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode};
 use std::{
     path::Path,
     sync::{

@@ -1,7 +1,7 @@
 //! What both pictures differ by: metrics, and how the errors are distributed.
 
 use super::{ComparisonPanel, Tool};
-use crate::jobs::measure::Measured;
+use crate::jobs::{comparison::TestPicture, measure::Measured};
 use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
 use lapidary_render::compare::{Metrics, map::ErrorField};
 
@@ -13,7 +13,9 @@ const BINS: usize = 60;
 pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: &Measured) {
     ui.horizontal_wrapped(|ui| {
         histogram(ui, &measured.field);
-        for (name, value, help) in texts(&measured.metrics, measured.reference.noise) {
+        for (name, value, help) in
+            texts(&measured.metrics, measured.reference.noise).into_iter().chain(costs(&measured.test))
+        {
             ui.vertical(|ui| {
                 ui.weak(RichText::new(name).small()).on_hover_text(help);
                 ui.label(RichText::new(value).monospace()).on_hover_text(help);
@@ -50,6 +52,15 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
         ("Pixels", metrics.pixels.to_string(), "Pixels that were compared"),
     ]);
     texts
+}
+
+/// What the picture with cuts took, in the size of the comparison.
+fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
+    let nodes = format!("{:.0}", test.stats.mean_merged_nodes);
+    [
+        ("Picture", format!("{:.0} ms", test.millis), "Time of the picture with cuts in the size of the comparison"),
+        ("Nodes", nodes, "Nodes of the merged cut a pixel"),
+    ]
 }
 
 fn options(ui: &mut Ui, panel: &mut ComparisonPanel, metrics: &Metrics) {

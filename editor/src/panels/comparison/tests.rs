@@ -7,10 +7,10 @@ use crate::jobs::render_thread::tests::request;
 fn a_region_moves_out_to_the_grid_and_stays_inside() {
     let panel = |region| ComparisonPanel { region: Some(region), ..Default::default() };
     let of = |region, size| panel(region).region_of(size);
-    assert_eq!(of([0.26, 0.5, 0.49, 0.74], [100, 60]), Some(Region { origin: [24, 28], size: [28, 20] }));
-    assert_eq!(of([0.9, 0.9, 1.0, 1.0], [30, 30]), Some(Region { origin: [24, 24], size: [6, 6] }));
-    assert_eq!(of([0.5, 0.5, 0.5, 0.5], [40, 40]), Some(Region { origin: [20, 20], size: [4, 4] }), "never empty");
-    assert_eq!(of([-3.0, f32::NAN, 7.0, 9.0], [16, 16]), Some(Region { origin: [0, 0], size: [16, 16] }));
+    assert_eq!(of([0.26, 0.5, 0.49, 0.74], [100, 60]), Some(Region { x: 24, y: 28, width: 28, height: 20 }));
+    assert_eq!(of([0.9, 0.9, 1.0, 1.0], [30, 30]), Some(Region { x: 24, y: 24, width: 6, height: 6 }));
+    assert_eq!(of([0.5, 0.5, 0.5, 0.5], [40, 40]), Some(Region { x: 20, y: 20, width: 4, height: 4 }), "never empty");
+    assert_eq!(of([-3.0, f32::NAN, 7.0, 9.0], [16, 16]), Some(Region { x: 0, y: 0, width: 16, height: 16 }));
     assert_eq!(ComparisonPanel::default().region_of([40, 40]), None);
 }
 
@@ -19,7 +19,7 @@ fn the_size_of_the_comparison_is_a_part_of_the_live_picture() {
     let mut panel = ComparisonPanel { region: Some([0.0, 0.0, 0.5, 0.5]), ..Default::default() };
     let asked = panel.request(request(4)).unwrap();
     assert_eq!((asked.size(), asked.kind.clone()), ([16, 12], ReferenceKind::Samples));
-    assert_eq!(asked.region, Some(Region { origin: [0, 0], size: [12, 8] }));
+    assert_eq!(asked.region, Some(Region { x: 0, y: 0, width: 12, height: 8 }));
     panel.kind = KindChoice::File;
     assert!(panel.request(request(4)).is_none(), "no file was chosen");
     panel.file = Some("truth.exr".into());

@@ -1,0 +1,92 @@
+//! The ladder of cut sizes in the window: climbed when asked for, shown in a window of its own, one click to use a size.
+
+use super::state::EditorState;
+use crate::{
+    actions::Action,
+    document::{Edit, ViewSettings},
+    jobs::{
+        ladder::{LadderEvent, LadderJob},
+        measure::ShownPixels,
+    },
+    panels::ladder::{self, LadderResult, LadderTile, LadderTruth},
+};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions, Window, vec2};
+
+/// Size of the window in points at first: three tiles side by side.
+const SIZE: egui::Vec2 = vec2(700.0, 620.0);
+
+/// The ladder, while its window is open.
+#[derive(Default)]
+pub struct LadderWindow {
+    job: Option<LadderJob>,
+    result: LadderResult,
+    open: bool,
+}
+
+impl LadderWindow {
+    fn take(&mut self, ctx: &Context, event: LadderEvent) {
+        match event {
+            LadderEvent::Picture { illum_cut, shown } => {
+                let texture = texture(ctx, &shown);
+                self.result.tiles.push(LadderTile { illum_cut, texture, figures: None });
+            }
+            LadderEvent::Truth { shown, seconds, what } => {
+                self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
+            }
+            LadderEvent::Step(figures) => {
+                let tile = self.result.tiles.iter_mut().find(|tile| tile.illum_cut == figures.illum_cut);
+                tile.into_iter().for_each(|tile| tile.figures = Some(figures));
+            }
+            LadderEvent::Ended(result) => {
+                self.job = None;
+                self.result.problem = result.err();
+            }
+        }
+    }
+}
+
+fn texture(ctx: &Context, shown: &ShownPixels) -> TextureHandle {
+    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
+    ctx.load_texture("ladder", image, TextureOptions::LINEAR)
+}
+
+impl EditorState {
+    /// Begins to climb for the picture that is shown.
+    pub(super) fn start_ladder(&mut self) {
+        let Some(picture) = self.requests.last_sent().filter(|_| self.can_compare()).cloned() else {
+            self.messages.warning("There is no picture to try cut sizes on; open and bake a scene first");
+            return;
+        };
+        let job = LadderJob::start(self.factory.clone(), picture, self.wake.clone());
+        self.ladder = LadderWindow { job: Some(job), result: LadderResult::default(), open: true };
+    }
+
+    /// Another size of the illumination cut, as a step of undo.
+    pub(super) fn use_illum_cut(&mut self, illum_cut: u32) {
+        let settings = ViewSettings { illum_cut, ..self.document.view.clone() };
+        self.do_step(Edit::View(settings), "Light cut");
+    }
+
+    /// Takes what was found, and shows it. Closing the window ends the work.
+    pub(super) fn show_ladder(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+        let window = &mut self.ladder;
+        let events = window.job.as_ref().map(LadderJob::events).unwrap_or_default();
+        events.into_iter().for_each(|event| window.take(ctx, event));
+        if !window.open {
+            if !window.result.tiles.is_empty() || window.job.is_some() {
+                *window = LadderWindow::default();
+            }
+            return;
+        }
+        window.result.progress = window.job.as_ref().map(LadderJob::progress);
+        let current = self.document.view.illum_cut;
+        let shown = Window::new("Which cut size is enough?").open(&mut window.open).default_size(SIZE);
+        shown.show(ctx, |ui| ladder::show(ui, &window.result, current, actions));
+    }
+
+    /// How many sizes have figures.
+    #[cfg(test)]
+    pub(super) fn ladder_figures(&self) -> usize {
+        self.ladder.result.tiles.iter().filter(|tile| tile.figures.is_some()).count()
+    }
+}

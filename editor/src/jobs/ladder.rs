@@ -1,0 +1,238 @@
+//! The ladder of cut sizes of the live picture, climbed on a thread of its own.
+
+use super::{
+    Wake, guarded,
+    measure::{ShownPixels, shown},
+    render_thread::{Factory, RenderRequest},
+    spawn,
+};
+use crate::ladder::{Found, SIZES, Settings, Step, Subject, climb};
+use anyhow::{Context as _, Result};
+use lapidary_render::{Post, Progress, View, ViewMode, compare::Metrics};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering::SeqCst},
+        mpsc::{Receiver, Sender, channel},
+    },
+    thread::available_parallelism,
+};
+
+/// Seconds that the reference should take at most.
+const PATIENCE_SECS: f64 = 30.0;
+/// Rays that a core traces in a second, measured in scenes of a hundred thousand triangles.
+const RAYS_A_SECOND: f64 = 4e6;
+/// Longest side of the pictures in pixels, however few lights there are.
+const LONGEST_SIDE: f64 = 480.0;
+
+/// What has been found.
+#[derive(Debug)]
+pub enum LadderEvent {
+    /// A picture; its error is not known yet.
+    Picture {
+        /// Most nodes of its illumination cut.
+        illum_cut: u32,
+        /// As a display shows it.
+        shown: ShownPixels,
+    },
+    /// The reference.
+    Truth {
+        /// As a display shows it.
+        shown: ShownPixels,
+        /// Seconds of tracing.
+        seconds: f64,
+        /// What was traced.
+        what: String,
+    },
+    /// A picture's figures.
+    Step(StepFigures),
+    /// There is nothing more, but for a reason if it failed.
+    Ended(Result<(), String>),
+}
+
+/// Figures of one size.
+#[derive(Clone, Copy, Debug)]
+pub struct StepFigures {
+    /// Most nodes of the illumination cut.
+    pub illum_cut: u32,
+    /// Seconds of the picture.
+    pub seconds: f64,
+    /// Nodes of the merged cut a pixel.
+    pub mean_merged_nodes: f64,
+    /// Differences from the reference.
+    pub metrics: Metrics,
+}
+
+impl From<&Step> for StepFigures {
+    fn from(step: &Step) -> Self {
+        let stats = &step.rung.stats;
+        Self {
+            illum_cut: step.rung.illum_cut,
+            seconds: stats.seconds,
+            mean_merged_nodes: stats.mean_merged_nodes,
+            metrics: step.metrics,
+        }
+    }
+}
+
+/// The window's end of the thread, which ends with it.
+pub struct LadderJob {
+    events: Receiver<LadderEvent>,
+    hearing: Arc<Hearing>,
+}
+
+impl LadderJob {
+    /// Climbs the sizes for the live picture, in a size of its own.
+    pub fn start(factory: Factory, picture: RenderRequest, wake: Wake) -> Self {
+        let (sender, events) = channel();
+        let hearing = Arc::new(Hearing { wake, cancelled: false.into(), done: 0.into(), total: 0.into() });
+        let shared = hearing.clone();
+        spawn("ladder", move || {
+            let ended = guarded("the ladder", || climbed(&factory, &picture, &sender, &shared));
+            tell(&sender, &shared, LadderEvent::Ended(ended));
+        });
+        Self { events, hearing }
+    }
+
+    /// What was found since the last call.
+    pub fn events(&self) -> Vec<LadderEvent> {
+        self.events.try_iter().collect()
+    }
+
+    /// Share of the reference that is traced.
+    pub fn progress(&self) -> f32 {
+        let total = self.hearing.total.load(SeqCst);
+        if total == 0 { 0.0 } else { self.hearing.done.load(SeqCst) as f32 / total as f32 }
+    }
+}
+
+impl Drop for LadderJob {
+    fn drop(&mut self) {
+        self.hearing.cancelled.store(true, SeqCst);
+    }
+}
+
+/// Passes on how far the reference is, and that the window has gone.
+struct Hearing {
+    wake: Wake,
+    cancelled: AtomicBool,
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+impl Progress for Hearing {
+    fn advanced(&self, done: u64, total: u64) {
+        self.done.store(done, SeqCst);
+        self.total.store(total, SeqCst);
+        (self.wake)();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(SeqCst)
+    }
+
+    fn abandoned(&self) -> bool {
+        self.cancelled()
+    }
+}
+
+fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
+    // Nobody is left to tell if the window is gone.
+    let _ = sender.send(event);
+    (hearing.wake)();
+}
+
+fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEvent>, hearing: &Hearing) -> Result<()> {
+    let (post, settings) = (picture.post, Settings { sizes: SIZES.into(), sampling: picture.sampling });
+    let subject = subject(picture)?;
+    let mut backend = factory()?;
+    let mut found = |found: Found| {
+        tell(sender, hearing, event_of(found, &post));
+        Ok(())
+    };
+    climb(&subject, &settings, &mut *backend, None, hearing, &mut found)?;
+    Ok(())
+}
+
+fn event_of(found: Found, post: &Post) -> LadderEvent {
+    match found {
+        Found::Picture(rung) => LadderEvent::Picture { illum_cut: rung.illum_cut, shown: shown(&rung.image, post) },
+        Found::Truth(truth) => {
+            LadderEvent::Truth { shown: shown(&truth.image, post), seconds: truth.seconds, what: truth.what.clone() }
+        }
+        Found::Step(step) => LadderEvent::Step(step.into()),
+    }
+}
+
+/// The live picture in a size whose reference takes no longer than anyone waits.
+fn subject(picture: &RenderRequest) -> Result<Subject> {
+    let baked = picture.baked.as_ref().context("there is no picture to compare; open a scene")?;
+    let sources = baked.dataset.indirect.as_ref().filter(|_| picture.components.indirect);
+    let lights = baked.dataset.tree.len() + sources.map_or(0, |indirect| indirect.sources.len());
+    let cores = available_parallelism().map_or(1, usize::from);
+    let size = affordable(picture.view.size, lights, cores);
+    let view = picture.view.clone();
+    let view = View { size, aa: 1, mode: ViewMode::Shaded, wireframe: false, region: None, ..view };
+    Ok(Subject::of_picture(picture, baked, view))
+}
+
+/// `size`, smaller if a ray from each pixel to each light would take too long.
+fn affordable(size: [u32; 2], lights: usize, cores: usize) -> [u32; 2] {
+    let [width, height] = size.map(f64::from);
+    let pixels = PATIENCE_SECS * RAYS_A_SECOND * cores as f64 / lights.max(1) as f64;
+    let scale = (pixels / (width * height)).sqrt().min(LONGEST_SIDE / width.max(height)).min(1.0);
+    [width, height].map(|side| (scale * side).round().max(1.0) as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::{
+        render_thread::tests::request,
+        testing::{silent, wait_for},
+    };
+    use lapidary_render::{Appearance, CpuBackend};
+
+    fn start(picture: RenderRequest) -> LadderJob {
+        LadderJob::start(Arc::new(|| Ok(Box::new(CpuBackend::new()))), picture, silent())
+    }
+
+    fn ended(job: &LadderJob) -> Vec<LadderEvent> {
+        let mut events = Vec::new();
+        wait_for("the ladder", || {
+            events.extend(job.events());
+            matches!(events.last(), Some(LadderEvent::Ended(_))).then_some(())
+        });
+        events
+    }
+
+    #[test]
+    fn every_size_has_a_picture_and_figures_and_the_reference_comes_between() {
+        let mut picture = request(1);
+        picture.appearance = Appearance::of(&picture.baked.as_ref().unwrap().dataset.scene);
+        let events = ended(&start(picture));
+        let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
+        let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });
+        let steps = sizes(|e| if let LadderEvent::Step(step) = e { Some(step.illum_cut) } else { None });
+        assert_eq!((&pictures[..], &steps[..]), (&SIZES[..], &SIZES[..]));
+        assert!(matches!(&events[6], LadderEvent::Truth { what, .. } if what.contains("samples of the environment")));
+        assert!(matches!(events.last(), Some(LadderEvent::Ended(Ok(())))));
+    }
+
+    #[test]
+    fn without_a_scene_the_reason_is_told() {
+        let events = ended(&start(RenderRequest { baked: None, ..request(1) }));
+        let [LadderEvent::Ended(Err(reason))] = &events[..] else { panic!("{events:?}") };
+        assert!(reason.contains("open a scene"), "{reason}");
+    }
+
+    #[test]
+    fn the_size_is_what_half_a_minute_allows() {
+        let [width, height] = affordable([1000, 700], 32_768, 2);
+        assert!((f64::from(width) / f64::from(height) - 1.43).abs() < 0.02);
+        assert!((6500..8000).contains(&(width * height)), "{width} x {height}");
+        assert_eq!(affordable([100, 70], 256, 2), [100, 70], "never enlarged");
+        assert_eq!(affordable([1000, 500], 16, 16), [480, 240], "no larger than a tile needs");
+        assert_eq!(affordable([2, 1], usize::MAX, 1), [1, 1]);
+    }
+}

@@ -1,0 +1,103 @@
+//! Why a pixel looks as it does: the cuts of its vertices, the merged cut on the map of directions, its nodes as a table, and the
+//! picture's error by causes.
+
+mod map;
+mod nodes;
+mod split;
+#[cfg(test)]
+mod tests;
+
+use super::units::grouped;
+use crate::panels::widgets::section;
+use egui::{Grid, RichText, Ui};
+use lapidary_render::{CutMap, ErrorSplit, PixelExplanation, TreeOf};
+use std::sync::Arc;
+
+/// What the panel shows.
+#[derive(Clone, Copy, Default)]
+pub struct ExplainContext<'a> {
+    /// The pixel that was chosen.
+    pub explanation: Option<&'a PixelExplanation>,
+    /// Its merged cut; another one is told by its place in memory.
+    pub map: Option<&'a Arc<CutMap>>,
+    /// The error of the picture, as it was split last.
+    pub split: Option<&'a ErrorSplit>,
+    /// How much of a split is done, 0 to 1, while one is made.
+    pub progress: Option<f32>,
+    /// Why there is no explanation, if one was asked for.
+    pub message: Option<&'a str>,
+}
+
+/// What the panel keeps between frames.
+#[derive(Default)]
+pub struct ExplainPanel {
+    map: map::MapView,
+    table: nodes::NodeTable,
+}
+
+/// What the panel asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExplainRequest {
+    /// Split the error of the picture.
+    Split,
+    /// Stop splitting.
+    CancelSplit,
+}
+
+impl ExplainPanel {
+    /// The node under the pointer, by its position among the explanation's nodes: for showing it elsewhere too.
+    pub fn hovered_node(&self) -> Option<usize> {
+        self.table.hovered
+    }
+}
+
+/// Shows the panel. Returns what is asked for.
+pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> Option<ExplainRequest> {
+    match context.explanation {
+        Some(explanation) => show_pixel(ui, panel, context, explanation),
+        None => {
+            panel.table.hovered = None;
+            let text = context.message.unwrap_or("Choose a pixel in the picture to see what its light is made of.");
+            ui.label(RichText::new(text).weak());
+        }
+    }
+    section(ui, "Error by cause", true, |ui| split::show(ui, context.split, context.progress)).flatten()
+}
+
+fn show_pixel(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext, explanation: &PixelExplanation) {
+    let [x, y] = explanation.pixel;
+    ui.label(RichText::new(format!("Pixel {x}, {y}")).strong());
+    section(ui, "Cuts", true, |ui| cuts(ui, explanation));
+    if let Some(map) = context.map {
+        let hovered = panel.table.hovered.and_then(|i| explanation.nodes.get(i));
+        section(ui, "Merged cut", true, |ui| panel.map.show(ui, map, hovered));
+    }
+    section(ui, "Nodes", true, |ui| panel.table.show(ui, explanation));
+}
+
+/// Sizes of the cuts that are merged.
+fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
+    let nodes = |count: usize| format!("{} nodes", grouped(count as u64));
+    let mut rows: Vec<(String, String)> = Vec::new();
+    for vertex in explanation.vertices {
+        let value = format!("{}, weight {:.2}", nodes(vertex.cut_nodes), vertex.weight);
+        rows.push((format!("Vertex {}", vertex.index), value));
+    }
+    let light = match explanation.tree {
+        TreeOf::Environment => "Environment",
+        TreeOf::Sources => "Bounced light",
+    };
+    rows.push((light.into(), nodes(explanation.illumination_nodes)));
+    let dark = grouped(explanation.dark_nodes.len() as u64);
+    rows.push(("Merged".into(), format!("{}, {dark} in the dark", nodes(explanation.merged_nodes as usize))));
+    rows.push(("Evaluated".into(), nodes(explanation.nodes.len())));
+    let [r, g, b] = explanation.radiance.to_array();
+    rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));
+    Grid::new("explained cuts").num_columns(2).show(ui, |ui| {
+        for (name, value) in rows {
+            ui.label(RichText::new(name).weak());
+            ui.label(RichText::new(value).monospace());
+            ui.end_row();
+        }
+    });
+}

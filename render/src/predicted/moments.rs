@@ -1,0 +1,144 @@
+//! What a node's error can be by the variances over its leaves (paper, Eq. 7 to 9).
+
+use glam::Vec3;
+
+/// Mean and variance over the leaves of a node, by colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Mean.
+    pub mean: Vec3,
+    /// Mean squared distance from it.
+    pub variance: Vec3,
+}
+
+impl Moments {
+    /// Of as many values.
+    pub fn of<const N: usize>(values: [Vec3; N]) -> Self {
+        let scale = 1.0 / N as f32;
+        let mean = values.iter().sum::<Vec3>() * scale;
+        // Squares of the distances, and no difference of squares: equal values have no variance, not even by rounding.
+        let variance = values.iter().map(|&v| (v - mean) * (v - mean)).sum::<Vec3>() * scale;
+        Self { mean, variance }
+    }
+
+    fn deviation(&self) -> Vec3 {
+        self.variance.map(f32::sqrt)
+    }
+}
+
+/// A node of the merged cut.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeMoments {
+    /// Leaves below it, `|C|`.
+    pub leaves: f32,
+    /// Of its leaves.
+    pub radiance: Moments,
+    /// BRDF times cosine toward its leaves.
+    pub brdf: Moments,
+    /// What the renderer takes for the mean of that.
+    pub sampled_brdf: Vec3,
+    /// Mean visibility, 0 to 1.
+    pub visibility: f32,
+}
+
+impl NodeMoments {
+    /// Of a binary function of this mean.
+    fn visibility_deviation(&self) -> f32 {
+        (self.visibility * (1.0 - self.visibility)).max(0.0).sqrt()
+    }
+
+    /// `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`.
+    pub fn printed(&self) -> Vec3 {
+        let (l, rho, v) = (self.radiance.deviation(), self.brdf.deviation(), self.visibility_deviation());
+        self.leaves * (self.radiance.mean * rho * v + self.brdf.mean * l * v + l * rho * self.visibility)
+    }
+
+    /// The most that the third central moment can add: `|C| max(<v>, 1 - <v>) σl σρ`.
+    pub fn third_moment(&self) -> Vec3 {
+        let farthest = self.visibility.max(1.0 - self.visibility);
+        self.leaves * farthest * self.radiance.deviation() * self.brdf.deviation()
+    }
+
+    /// What sampling the BRDF once does: `|C| <l> <v> |ρ - <ρ>|`.
+    pub fn sampling(&self) -> Vec3 {
+        self.leaves * self.visibility * self.radiance.mean * (self.sampled_brdf - self.brdf.mean).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A node's moments, and by how much `|C| <l> <ρ> <v>` misses the sum of the products.
+    fn node<const N: usize>(l: [f32; N], rho: [f32; N], v: [bool; N]) -> (NodeMoments, f32) {
+        let moments = |values: [f32; N]| Moments::of(values.map(Vec3::splat));
+        let v = v.map(|v| f32::from(u8::from(v)));
+        let node = NodeMoments {
+            leaves: N as f32,
+            radiance: moments(l),
+            brdf: moments(rho),
+            sampled_brdf: moments(rho).mean,
+            visibility: v.iter().sum::<f32>() / N as f32,
+        };
+        let sum: f64 = (0..N).map(|i| f64::from(l[i]) * f64::from(rho[i]) * f64::from(v[i])).sum();
+        let product = f64::from(node.leaves * node.visibility) * f64::from(node.radiance.mean.x * node.brdf.mean.x);
+        (node, (sum - product).abs() as f32)
+    }
+
+    fn bound(node: &NodeMoments) -> f32 {
+        (node.printed() + node.third_moment()).x
+    }
+
+    #[test]
+    fn two_leaves_have_the_covariance_of_their_differences() {
+        // A constant BRDF: |C| <ρ> |cov(l, v)| with cov = (l1 - l0)(v1 - v0) / 4, and the bound is met exactly.
+        let (node, error) = node([1.0, 3.0], [0.5, 0.5], [false, true]);
+        assert!((error - 2.0 * 0.5 * 0.5).abs() < 1e-6, "{error}");
+        assert!((node.printed().x - error).abs() < 1e-6 && node.third_moment().x == 0.0);
+        assert!(0.5 * node.printed().x < error, "negative control: half of the bound is too little");
+        let (node, error) = self::node([1.0, 3.0], [0.2, 0.6], [true, true]);
+        assert!((error - 2.0 * 0.2).abs() < 1e-6, "cov(l, ρ) = 2 · 0.4 / 4, {error}");
+        assert!((node.printed().x - error).abs() < 1e-6);
+        let (node, error) = self::node([2.0, 2.0], [0.2, 0.6], [false, true]);
+        assert!((node.printed().x - error).abs() < 1e-6 && (error - 2.0 * 2.0 * 0.1).abs() < 1e-6, "{error}");
+    }
+
+    #[test]
+    fn constant_factors_leave_no_error() {
+        for (l, rho, v) in
+            [([2.0; 4], [0.3; 4], [true, false, true, true]), ([2.0; 4], [0.1, 0.2, 0.3, 0.4], [true; 4])]
+        {
+            let (node, error) = node(l, rho, v);
+            assert!(error < 1e-6 && bound(&node) == 0.0, "{error} {}", bound(&node));
+        }
+        let (node, _) = node([1.0, 2.0, 2.0, 1.0], [0.3; 4], [true, false, true, true]);
+        assert!(bound(&node) > 0.0, "negative control");
+    }
+
+    #[test]
+    fn no_random_node_errs_by_more_and_some_by_more_than_half() {
+        let mut rng = fastrand::Rng::with_seed(11);
+        let (mut beyond_half, mut beyond_print) = (0, 0);
+        for _ in 0..20_000 {
+            // Powers make rare bright leaves, which are what errs most.
+            let power = 1 + rng.i32(0..8);
+            let l = std::array::from_fn::<f32, 4, _>(|_| rng.f32().powi(power));
+            let rho = std::array::from_fn(|_| rng.f32().powi(power));
+            let seen = rng.f32();
+            let (node, error) = node(l, rho, std::array::from_fn(|_| rng.f32() < seen));
+            assert!(error <= bound(&node) * (1.0 + 1e-4) + 1e-6, "{error} beyond {}", bound(&node));
+            beyond_half += usize::from(error > 0.5 * bound(&node) + 1e-6);
+            beyond_print += usize::from(error > node.printed().x * (1.0 + 1e-4) + 1e-6);
+        }
+        assert!(beyond_half > 100, "negative control: half of the bound holds for all but {beyond_half}");
+        assert!(beyond_print > 0, "what the paper prints is an approximation, and no bound");
+    }
+
+    #[test]
+    fn sampling_once_errs_by_what_the_sample_is_off() {
+        let (mut node, _) = node([2.0, 2.0], [0.2, 0.6], [true, true]);
+        assert_eq!(node.sampling().x, 0.0);
+        node.sampled_brdf = Vec3::splat(0.7);
+        assert!((node.sampling().x - 2.0 * 2.0 * 0.3).abs() < 1e-6);
+    }
+}
