@@ -181,8 +181,8 @@ Examples:
     #[command(after_help = "\
 Writes explain.json; of the pixel its merged cut drawn on the map of directions (cut.png), what rays find there (traced.png), and
 where interpolated visibility lets light through (red) or holds it back (blue, visibility.png); of the region the pictures between
-the rendered one and light paths, two neighbours of which differ in one factor (EXR, and side by side with their errors in
-split.png). Takes seconds for a pixel and its surroundings, minutes for a picture.
+the rendered one and light paths, two neighbours of which differ in one factor (EXR, and all in split.png, below each what the step
+to the next one changes). Takes seconds for a pixel and its surroundings, minutes for a picture.
 
 Examples:
   lapidary explain scene.cuts --env sky.hdr --pixel 320,240 --out why

@@ -1,6 +1,7 @@
 //! `lapidary explain`: why a pixel looks as it does, and which of its causes the error of a picture has.
 
 mod report;
+mod sheet;
 
 use super::{bounces::strip, render::BrdfOption};
 use crate::{
@@ -220,11 +221,8 @@ impl<'a> Stage<'a> {
         for (number, (picture, image)) in split.pictures.iter().enumerate() {
             self.write(&format!("split-{}-{}.exr", number + 1, picture.name()), image)?;
         }
-        if let [tests @ .., (_, truth)] = &split.pictures[..] {
-            let tests: Vec<Option<&Image>> = tests.iter().map(|(_, image)| Some(image)).collect();
-            self.write("split.png", &strip::strip(truth, &tests)?)?;
-        }
-        Ok(())
+        let pictures: Vec<&Image> = split.pictures.iter().map(|(_, image)| image).collect();
+        self.write("split.png", &sheet::sheet(&pictures)?)
     }
 
     fn write(&self, name: &str, image: &Image) -> Result<()> {

@@ -166,13 +166,13 @@ fn summary(args: &PredictArgs, shown: &Image) -> String {
 }
 
 fn table(calibration: &Calibration) -> String {
-    let mut text = String::from("predicted error         pixels  true error: 10 %      50 %      90 %   not above\n");
+    let mut text = String::from("predicted error        pixels  true error: 10 %      50 %      90 %   not above\n");
     for bin in &calibration.bins {
         let ([low, high], [q10, q50, q90]) = (bin.predicted, bin.quantiles);
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{low:9.3e} to {high:9.3e} {:7}        {q10:9.3e} {q50:9.3e} {q90:9.3e}   {:7.2} %",
+            "{low:8.5} to {high:8.5} {:8}           {q10:8.5}  {q50:8.5}  {q90:8.5}   {:7.2} %",
             bin.pixels,
             100.0 * bin.within
         );

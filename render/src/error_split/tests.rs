@@ -80,33 +80,30 @@ fn steps(dataset: &Dataset, faults: &Faults) -> [f64; 5] {
 
 #[test]
 fn each_fault_appears_in_its_own_step() {
-    let fine = floor(24, 0.0);
-    let [brdf, light, clusters, interpolation, samples] = steps(&fine, &Faults::default());
-    assert!(brdf < 1e-5 && light < 1e-5 && clusters < 1e-5, "nothing is clustered: {brdf} {light} {clusters}");
-    assert!((0.001..0.3).contains(&interpolation), "the shadow's edge {interpolation}");
-    assert!(samples < 0.05, "{samples}");
-
-    // Few nodes of light: clusters that are wider than the lobe, sampled once.
-    let coarse = Faults { illum_cut: 24, ..Faults::default() };
-    let [once, clustered, same, also_same, again] = steps(&fine, &coarse);
-    assert!(once > 0.05 && clustered > 0.02, "{once} {clustered}");
-    assert_eq!((same, also_same, again), (clusters, interpolation, samples), "what comes after does not change");
-    let [refined, ..] = steps(&fine, &Faults { sampling: BrdfSampling::Refine, ..coarse });
-    assert!(refined < 0.5 * once, "{refined} for {once}");
-
-    // Coarse visibility cuts show in their step and in that of the light, which they take along, and not in the others.
-    let [_, _, coarse_cuts, unchanged, _] = steps(&floor(24, 4.0), &Faults::default());
-    assert!(coarse_cuts > 0.01 && unchanged == interpolation, "{coarse_cuts}, {unchanged}");
-
-    // Few vertices.
-    let [.., of_clusters, far_apart, unchanged] = steps(&floor(5, 0.0), &Faults::default());
-    assert!(far_apart > 2.0 * interpolation && of_clusters < 1e-5, "{far_apart} for {interpolation}");
-    assert_eq!(unchanged, samples);
-
-    // A lamp smaller than the distance of samples.
+    let fine = steps(&floor(24, 0.0), &Faults::default());
+    // Few nodes of light: clusters that are wider than the lobe, sampled once or not.
+    let few = || Faults { illum_cut: 24, ..Faults::default() };
+    let once = steps(&floor(24, 0.0), &few());
+    let refined = steps(&floor(24, 0.0), &Faults { sampling: BrdfSampling::Refine, ..few() });
+    let coarse_cuts = steps(&floor(24, 4.0), &Faults::default());
+    let far_apart = steps(&floor(5, 0.0), &Faults::default());
+    // A lamp smaller than the distance of samples, in a floor that is almost a mirror.
     let lamp = illumination([256, 128], |x, y| Vec3::splat(if (x, y) == (131, 40) { 3000.0 } else { 0.3 }));
-    let [brdf, light, clusters, _, small_lamp] = steps(&fine, &Faults { sky: lamp, ..Faults::default() });
-    assert!(small_lamp > 4.0 * samples && brdf.max(light).max(clusters) < 1e-5, "{small_lamp} for {samples}");
+    let mut mirror = floor(24, 0.0);
+    mirror.scene.materials[0].parameters.roughness = 0.2;
+    let small_lamp = steps(&mirror, &Faults { sky: lamp, ..Faults::default() });
+    let told = format!("{fine:?} {once:?} {refined:?} {coarse_cuts:?} {far_apart:?} {small_lamp:?}");
+
+    let [brdf, light, cuts, interpolation, samples] = [0, 1, 2, 3, 4];
+    assert!(fine[brdf].max(fine[light]).max(fine[cuts]) < 1e-5, "nothing is clustered: {told}");
+    assert!((0.001..0.3).contains(&fine[interpolation]) && fine[samples] < 0.1, "{told}");
+    assert!(once[brdf] > 0.05 && once[light] > 0.01 && refined[brdf] < 0.5 * once[brdf], "{told}");
+    assert_eq!(once[cuts..], fine[cuts..], "what comes after does not change");
+    assert!(coarse_cuts[cuts] > 0.003 && coarse_cuts[interpolation..] == fine[interpolation..], "{told}");
+    assert!(far_apart[interpolation] > 1.5 * fine[interpolation] && far_apart[cuts] < 1e-5, "{told}");
+    // Rays start a little farther off larger triangles.
+    assert!((far_apart[samples] / fine[samples] - 1.0).abs() < 0.1, "{told}");
+    assert!(small_lamp[samples] > 3.0 * fine[samples] && small_lamp[brdf].max(small_lamp[cuts]) < 1e-5, "{told}");
 }
 
 /// Paths of the environment's light alone, as of the split.

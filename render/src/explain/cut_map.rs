@@ -22,7 +22,8 @@ use rayon::prelude::*;
 /// Pictures of a merged cut; scene-linear, of one size.
 #[derive(Clone, Debug)]
 pub struct CutMap {
-    /// Every cluster filled with its mean radiance times its interpolated visibility. Without borders.
+    /// Every cluster filled with its mean radiance times its interpolated visibility, dimmed where the surface does not receive
+    /// light. Without borders.
     pub cut: Image,
     /// The light of each sample for itself, where rays find that it is not hidden.
     pub traced: Image,
@@ -34,8 +35,10 @@ pub struct CutMap {
     pub cluster: Vec<u32>,
 }
 
-/// Linear grey of the borders between clusters.
-const BORDER: Vec3 = Vec3::splat(0.6);
+/// Linear greys of the borders of bright and of dark clusters.
+const BORDERS: [Vec3; 2] = [Vec3::splat(0.02), Vec3::splat(0.35)];
+/// What is left of light from below the horizon: it is in the cuts of vertices that see it, and not in the pixel.
+const NOT_RECEIVED: f32 = 0.1;
 /// Distance in diagonals of the scene within which rays look for sources.
 const FAR: f32 = 2.0;
 
@@ -48,7 +51,11 @@ impl CutMap {
             let (x, y) = (i % width, i / width);
             differs(i, y * width + (x + 1) % width) || (y + 1 < height && differs(i, i + width))
         };
-        let pixel = |(i, &value): (usize, &Vec3)| if is_border(i) { BORDER } else { value * exposure };
+        let border = |shown: Vec3| if shown.max_element() > 0.15 { BORDERS[0] } else { BORDERS[1] };
+        let pixel = |(i, &value): (usize, &Vec3)| {
+            let shown = value * exposure;
+            if is_border(i) { border(shown) } else { shown }
+        };
         Image { size: self.cut.size, pixels: self.cut.pixels.iter().enumerate().map(pixel).collect() }
     }
 
@@ -89,7 +96,7 @@ impl Renderer {
         let agreement =
             |leaf| visibility_color(received(leaf).then(|| (shown.visibility[leaf], f32::from(traced[leaf]))));
         CutMap {
-            cut: image(&|leaf| shown.light[leaf]),
+            cut: image(&|leaf| shown.light[leaf] * if received(leaf) { 1.0 } else { NOT_RECEIVED }),
             traced: image(&|leaf| lighting.nodes.radiance[leaves + leaf] * f32::from(traced[leaf])),
             visibility: Some(image(&agreement)),
             cluster: leaf_of.iter().map(|&leaf| shown.cluster[leaf]).collect(),

@@ -10,7 +10,7 @@ const SHOWN: f32 = 0.98;
 /// That luminance as it is shown.
 const BRIGHT: f32 = 0.8;
 /// Pixels between pictures.
-const GAP: u32 = 4;
+pub const GAP: u32 = 4;
 
 /// `truth`, then each of `tests` and its absolute error, all at one exposure and all errors in one range.
 pub fn strip(truth: &Image, tests: &[Option<&Image>]) -> Result<Image> {
@@ -32,14 +32,15 @@ pub fn strip(truth: &Image, tests: &[Option<&Image>]) -> Result<Image> {
 }
 
 /// What maps all but the brightest pixels below white.
-fn exposure(image: &Image) -> f32 {
+pub fn exposure(image: &Image) -> f32 {
     let mut values: Vec<f32> = image.pixels.iter().map(|&p| luminance(p)).collect();
     values.sort_unstable_by(f32::total_cmp);
     let bright = values.get((SHOWN * values.len() as f32) as usize).copied().unwrap_or_default();
     if bright > 0.0 { BRIGHT / bright } else { 1.0 }
 }
 
-fn side_by_side(pictures: &[Image]) -> Image {
+/// From left to right, a gap between each two.
+pub fn side_by_side(pictures: &[Image]) -> Image {
     let height = pictures.iter().map(|p| p.size[1]).max().unwrap_or_default();
     let width = pictures.iter().map(|p| p.size[0] + GAP).sum::<u32>().saturating_sub(GAP);
     let mut result = Image::filled([width, height], Vec3::ONE);
