@@ -5,5 +5,6 @@ pub mod bench;
 pub mod bounces;
 pub mod compare;
 pub mod edit;
+pub mod export;
 pub mod reference;
 pub mod render;

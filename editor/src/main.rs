@@ -9,6 +9,7 @@ mod console;
 mod demo;
 mod document;
 mod jobs;
+mod mitsuba;
 mod options;
 mod outcome;
 mod outputs;
