@@ -29,7 +29,7 @@ fn sensor(scene: &MitsubaScene) -> String {
     let View { camera, size: [width, height], .. } = scene.view;
     let bounds = scene.dataset.scene.mesh.bounds();
     let reach = camera.eye.distance(bounds.center()) + bounds.diagonal();
-    let sampler = xml::plugin("sampler", "independent", "", &xml::value("integer", "sample_count", "$spp"));
+    let sampler = xml::plugin("sampler", "multijitter", "", &xml::value("integer", "sample_count", "$spp"));
     let film = [
         xml::value("integer", "width", width),
         xml::value("integer", "height", height),
