@@ -8,6 +8,7 @@ use crate::{
         compare::{self, CompareArgs},
         edit::{self, EditArgs},
         explain::{self, ExplainArgs},
+        export::{self, ExportArgs},
         ladder::{self, LadderArgs},
         predict::{self, PredictArgs},
         reference::{self, ReferenceArgs},
@@ -209,6 +210,15 @@ Examples:
   lapidary compare picture.exr truth.exr --map flip --out flip.png
   lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
     Compare(CompareArgs),
+    /// Write the scene for another renderer, to measure against it
+    #[command(after_help = "\
+Takes the view, material and light options of `render`. materials.xml has Mitsuba's nearest BSDFs; materials-exact.xml
+has the formulas of this program, for the plugin in tests/crosscheck.
+
+Examples:
+  lapidary export scene.cuts --env sky.hdr --rotate 30 --mitsuba /tmp/scene
+  mitsuba -m scalar_rgb -D spp=64 /tmp/scene/scene.xml")]
+    Export(ExportArgs),
 }
 
 impl Command {
@@ -232,6 +242,7 @@ impl Command {
             Self::Explain(args) => explain::run(args, console),
             Self::Predict(args) => predict::run(args, console),
             Self::Compare(args) => compare::run(args, console),
+            Self::Export(args) => export::run(args, console),
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod bounces;
 pub mod compare;
 pub mod edit;
 pub mod explain;
+pub mod export;
 pub mod ladder;
 pub mod predict;
 pub mod reference;

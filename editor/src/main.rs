@@ -11,6 +11,7 @@ mod document;
 mod evidence;
 mod jobs;
 mod ladder;
+mod mitsuba;
 mod options;
 mod outcome;
 mod outputs;

@@ -31,6 +31,10 @@ pub struct ReferenceArgs {
     /// [default: 0, or 1 if --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
     bounces: Option<u32>,
+    /// Which light paths of --kind path are followed, 0 to 4000: pictures of other numbers have noise of their own
+    /// [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
+    seed: Option<u32>,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
@@ -64,6 +68,9 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     if args.kind == Kind::Samples && args.bounces.is_some() {
         bail!("--bounces goes with --kind path; --kind samples traces no light paths");
+    }
+    if args.kind == Kind::Samples && args.seed.is_some() {
+        bail!("--seed goes with --kind path; --kind samples has no noise");
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
@@ -125,5 +132,7 @@ fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
     let components = shot.local.components.unwrap_or(Components::ALL);
     let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
     let bounces = args.bounces.unwrap_or(default);
-    PathSettings { spp: args.spp.unwrap_or(DEFAULT_SPP), first_pass: 0, bounces, components }
+    let spp = args.spp.unwrap_or(DEFAULT_SPP);
+    let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
+    PathSettings { spp, first_pass, bounces, components }
 }

@@ -1,0 +1,190 @@
+//! Materials as BSDFs of Mitsuba.
+//!
+//! `lambert` is `diffuse`, exactly. `ggx` has no equal in Mitsuba. The nearest is `principled` (Burley 2012): the same GGX distribution of
+//! the same alpha and anisotropy and, for metals, the same Fresnel factor of Schlick. By definition it differs in that
+//!
+//! * shadowing and masking are independent of each other there, and here correlated by height (Heitz 2014, Eq. 99);
+//! * the diffuse base is Burley's, brighter at grazing angles, and loses nothing to the Fresnel factor; here it is Lambert's times one
+//!   minus that factor;
+//! * a dielectric has the Fresnel factor of its index of refraction; here it is Schlick's.
+//!
+//! `ward` has none either, and becomes `principled` of the same width. The exact form of `ggx` is the plugin `lapidary_ggx` of
+//! `tests/crosscheck`, which says the formula of this program in its own words.
+
+use super::{textures::TextureFolder, xml};
+use anyhow::Result;
+use glam::{Vec3, Vec4};
+use lapidary_core::{
+    material::{BrdfModel, BrdfParameters, Material},
+    texture::TextureSlot,
+};
+
+/// Which BSDFs stand for materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Models {
+    /// Those of Mitsuba.
+    Nearest,
+    /// The same formulas, where there is a plugin for them.
+    Exact,
+}
+
+/// Identifier of a material's BSDF on one or on both sides.
+pub fn id(material: u32, two_sided: bool) -> String {
+    format!("material-{material}{}", if two_sided { "-both-sides" } else { "" })
+}
+
+/// The BSDF of a material for one-sided triangles, for two-sided ones, or for both, as `wanted` says in that order.
+///
+/// # Errors
+/// A map that cannot be written.
+pub fn bsdfs(
+    material: &Material,
+    index: u32,
+    wanted: [bool; 2],
+    models: Models,
+    textures: &mut TextureFolder,
+) -> Result<String> {
+    let mut text = String::new();
+    let mut writer = MaterialWriter { material, index, textures };
+    if wanted[0] {
+        text += &writer.bumped(&named(id(index, false)), models)?;
+    }
+    if wanted[1] {
+        let inner = writer.bumped("", models)?;
+        text += &xml::plugin("bsdf", "twosided", &named(id(index, true)), &inner);
+    }
+    Ok(text)
+}
+
+fn named(id: String) -> String {
+    format!(" id=\"{id}\"")
+}
+
+/// Writes one material.
+struct MaterialWriter<'a, 't> {
+    material: &'a Material,
+    index: u32,
+    textures: &'a mut TextureFolder<'t>,
+}
+
+impl MaterialWriter<'_, '_> {
+    /// The model within its normal map within its bump map; `attributes` belong to the outermost.
+    fn bumped(&mut self, attributes: &str, models: Models) -> Result<String> {
+        let maps = &self.material.maps;
+        let mut wrappers = Vec::new();
+        if let Some(slot) = &maps.normal {
+            // Mitsuba decodes 2 t - 1; strength and orientation are in the texels.
+            let encoded = |texel: Vec4| 0.5 * (slot.tangent_normal(texel.truncate()) + 1.0);
+            wrappers.push(("normalmap", self.map(Some("normalmap"), "normal", slot, encoded)?));
+        }
+        if let Some(slot) = &maps.bump {
+            let height = |texel: Vec4| Vec3::splat(slot.strength * texel[slot.channel as usize]);
+            wrappers.push(("bumpmap", self.map(None, "bump", slot, height)?));
+        }
+        let depth = wrappers.len();
+        let outermost = |level: usize| if level == depth { attributes } else { "" };
+        let mut bsdf = self.model(outermost(0), models)?;
+        for (level, (kind, texture)) in wrappers.into_iter().enumerate() {
+            bsdf = xml::plugin("bsdf", kind, outermost(level + 1), &(texture + &bsdf));
+        }
+        Ok(bsdf)
+    }
+
+    fn model(&mut self, attributes: &str, models: Models) -> Result<String> {
+        let (kind, properties) = match (self.material.model, models) {
+            (BrdfModel::Lambert, _) => ("diffuse", self.base_color("reflectance")?),
+            (BrdfModel::Ggx, Models::Exact) => ("lapidary_ggx", self.ggx()?),
+            (BrdfModel::Ggx | BrdfModel::Ward, _) => ("principled", self.principled()?),
+        };
+        Ok(xml::plugin("bsdf", kind, attributes, &properties))
+    }
+
+    fn ggx(&mut self) -> Result<String> {
+        let maps = &self.material.maps;
+        let p = self.material.parameters.sanitized();
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        Ok([
+            self.base_color("base_color")?,
+            self.number("roughness", "roughness", p.roughness, &maps.roughness, unit)?,
+            self.number("metalness", "metalness", p.metalness, &maps.metalness, unit)?,
+            self.number("anisotropy", "anisotropy", p.anisotropy, &maps.anisotropy, |x| x.clamp(-1.0, 1.0))?,
+            self.number("specular", "specular", p.specular, &maps.specular, unit)?,
+            // What the index has above 1, which is what its map multiplies.
+            self.number("ior_above_one", "ior", p.ior - 1.0, &maps.ior, |x| x.clamp(0.0, 9.0))?,
+        ]
+        .concat())
+    }
+
+    fn principled(&mut self) -> Result<String> {
+        let maps = &self.material.maps;
+        let p = self.material.parameters.sanitized();
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        Ok([
+            self.base_color("base_color")?,
+            self.number("roughness", "roughness", p.roughness, &maps.roughness, unit)?,
+            self.number("metallic", "metalness", p.metalness, &maps.metalness, unit)?,
+            self.number("anisotropic", "stretch", p.anisotropy.abs(), &maps.anisotropy, |x| x.abs().min(1.0))?,
+            xml::value("float", "eta", equivalent_eta(&p)),
+        ]
+        .concat())
+    }
+
+    fn base_color(&mut self, name: &str) -> Result<String> {
+        let base = self.material.parameters.sanitized().base_color;
+        match &self.material.maps.base_color {
+            None => Ok(xml::triple("rgb", name, base)),
+            Some(slot) => {
+                self.map(Some(name), "base-color", slot, |texel| (base * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE))
+            }
+        }
+    }
+
+    /// A number in its range, or its map. `quantity` names the map's file.
+    fn number(
+        &mut self,
+        name: &str,
+        quantity: &str,
+        number: f32,
+        slot: &Option<TextureSlot>,
+        range: impl Fn(f32) -> f32,
+    ) -> Result<String> {
+        match slot {
+            None => Ok(xml::value("float", name, number)),
+            Some(slot) => {
+                self.map(Some(name), quantity, slot, |texel| Vec3::splat(range(number * texel[slot.channel as usize])))
+            }
+        }
+    }
+
+    fn map(
+        &mut self,
+        name: Option<&str>,
+        quantity: &str,
+        slot: &TextureSlot,
+        value: impl Fn(Vec4) -> Vec3,
+    ) -> Result<String> {
+        self.textures.property(name, &format!("material-{}-{quantity}", self.index), slot, value)
+    }
+}
+
+/// The index of refraction whose reflectance at normal incidence is that of the material, the weight of its lobe included.
+fn equivalent_eta(p: &BrdfParameters) -> f32 {
+    let root = ((p.ior - 1.0) / (p.ior + 1.0)) * p.specular.sqrt();
+    // An index of one has no Fresnel factor to compute.
+    ((1.0 + root) / (1.0 - root)).max(1.001)
+}
+
+/// What the nearest BSDFs show otherwise of a material, beyond what they differ in by definition.
+pub fn remarks(material: &Material) -> Vec<String> {
+    let Material { name, model, parameters, maps, .. } = material;
+    let lobe = *model != BrdfModel::Lambert;
+    [
+        (*model == BrdfModel::Ward, "Mitsuba has no Ward lobe: it becomes a GGX lobe of the same width"),
+        (lobe && parameters.anisotropy < 0.0, "highlights are stretched along the tangent only, not across it"),
+        (lobe && maps.ior.is_some(), "the map of its index of refraction is left out"),
+        (lobe && maps.specular.is_some(), "the map of its specular weight is left out"),
+    ]
+    .into_iter()
+    .filter_map(|(differs, remark)| differs.then(|| format!("material \"{name}\": {remark}")))
+    .collect()
+}

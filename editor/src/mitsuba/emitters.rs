@@ -1,0 +1,97 @@
+//! Environment and local lights.
+//!
+//! Latitude-longitude maps have the same axes in both programs. Point and directional lights, and spots without penumbra,
+//! are the same by definition. What is not:
+//!
+//! * A spot's penumbra: Mitsuba falls off linearly in the angle, this program smoothly in its cosine.
+//! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light.
+
+use super::xml;
+use glam::{Mat4, Vec3};
+use lapidary_core::{
+    image::Image,
+    lights::{Emission, Light, RectangleShape},
+};
+use lapidary_render::Illumination;
+
+/// Where the map lies in the exported folder.
+pub const ENVIRONMENT_FILE: &str = "environment.exr";
+
+/// The map with twice as many rows and one more. Mitsuba interpolates between rows that lie from pole to pole, the first and the last on
+/// them; this program between texel centres, and holds the values beyond the outermost. On rows at all centres and edges of
+/// texels both are the same function. Columns need no such care, but there must be two.
+pub fn environment_map(map: &Image) -> Image {
+    let height = map.height();
+    let between = |x: usize, edge: usize| 0.5 * (map.at(x, edge.saturating_sub(1)) + map.at(x, edge.min(height - 1)));
+    Image::from_fn([map.size[0].max(2), 2 * map.size[1] + 1], |x, row| {
+        let (x, row) = (x as usize % map.width(), row as usize);
+        if row % 2 == 1 { map.at(x, row / 2) } else { between(x, row / 2) }
+    })
+}
+
+/// The environment as it is turned and scaled.
+pub fn environment(light: &Illumination) -> String {
+    let properties = [
+        xml::value("string", "filename", ENVIRONMENT_FILE),
+        xml::value("float", "scale", light.intensity),
+        xml::to_world(Mat4::from_rotation_y(light.rotation)),
+    ];
+    xml::plugin("emitter", "envmap", "", &properties.concat())
+}
+
+/// A local light; `None` for one without a direction.
+pub fn local(light: &Light) -> Option<String> {
+    let intensity = |name| xml::triple("rgb", name, light.intensity);
+    Some(match light.emission {
+        Emission::Point => {
+            let properties = xml::triple("point", "position", light.position) + &intensity("intensity");
+            xml::plugin("emitter", "point", "", &properties)
+        }
+        Emission::Spot { cone_degrees, penumbra_degrees } => {
+            let up = light.forward()?.any_orthonormal_vector();
+            let properties = [
+                xml::look_at(light.position, light.target, up),
+                intensity("intensity"),
+                xml::value("float", "cutoff_angle", cone_degrees),
+                xml::value("float", "beam_width", (cone_degrees - penumbra_degrees).max(0.0)),
+            ];
+            xml::plugin("emitter", "spot", "", &properties.concat())
+        }
+        Emission::Directional => {
+            let properties = xml::triple("vector", "direction", light.forward()?) + &intensity("irradiance");
+            xml::plugin("emitter", "directional", "", &properties)
+        }
+        Emission::Rectangle { .. } => {
+            let emitter = xml::plugin("emitter", "area", "", &intensity("radiance"));
+            // Lights reflect nothing.
+            let black = xml::plugin("bsdf", "diffuse", "", &xml::triple("rgb", "reflectance", Vec3::ZERO));
+            xml::plugin(
+                "shape",
+                "rectangle",
+                "",
+                &(xml::to_world(placed(&RectangleShape::of(light)?)) + &emitter + &black),
+            )
+        }
+    })
+}
+
+/// Takes Mitsuba's rectangle, from -1 to 1 in x and y and facing +Z, to its place.
+fn placed(shape: &RectangleShape) -> Mat4 {
+    // Width, height and normal of a light are left-handed; the rectangle is its own mirror image.
+    let columns = [-shape.half_width, shape.half_height, shape.normal].map(|axis| axis.extend(0.0));
+    Mat4::from_cols(columns[0], columns[1], columns[2], shape.center.extend(1.0))
+}
+
+/// What differs of these lights.
+pub fn remarks(lights: &[&Light]) -> Vec<String> {
+    let any = |is: fn(&Emission) -> bool| lights.iter().any(|light| is(&light.emission));
+    let penumbra = any(|e| matches!(e, Emission::Spot { penumbra_degrees, .. } if *penumbra_degrees > 0.0));
+    let rectangle = any(|e| matches!(e, Emission::Rectangle { .. }));
+    [
+        (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, and not smoothly"),
+        (rectangle, "rectangular lights are things in Mitsuba: they are seen and cast shadows"),
+    ]
+    .into_iter()
+    .filter_map(|(differs, remark)| differs.then(|| remark.to_owned()))
+    .collect()
+}

@@ -1,0 +1,92 @@
+//! Conversions whose mistakes would only show in Mitsuba's pictures.
+
+use super::*;
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    environment::{Environment, direction_from_uv},
+    image::Image,
+    lights::Emission,
+    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    texture::{Texels, Texture, TextureSlot},
+};
+use std::sync::Arc;
+
+/// Mitsuba's lookup: columns as here, rows from pole to pole with the first and last on the poles (`envmap.cpp`).
+fn as_mitsuba_interpolates(map: &Image, uv: Vec2) -> Vec3 {
+    let (width, height) = (map.width(), map.height());
+    let x = (uv.x - 0.5 / width as f32).rem_euclid(1.0) * width as f32;
+    let y = uv.y * (height - 1) as f32;
+    let (column, row) = ((x as usize).min(width - 1), (y as usize).min(height - 2));
+    let (fx, fy) = (x - column as f32, y - row as f32);
+    let line = |row| map.at(column, row).lerp(map.at((column + 1) % width, row), fx);
+    line(row).lerp(line(row + 1), fy)
+}
+
+#[test]
+fn the_map_is_the_same_function_on_both_grids() {
+    for size in [[8, 4], [1, 1], [2, 3]] {
+        let map = Image::from_fn(size, |x, y| Vec3::new(((x * 5 + y * 3) % 7) as f32, y as f32, 1.0));
+        let ours = Environment { name: "test".into(), map };
+        let exported = emitters::environment_map(&ours.map);
+        let mut plain = 0.0_f32;
+        for i in 0..500 {
+            let uv = Vec2::new((i as f32 * 0.754_877_67).fract(), (i as f32 + 0.5) / 500.0);
+            let expected = ours.radiance(direction_from_uv(uv));
+            assert!((as_mitsuba_interpolates(&exported, uv) - expected).length() < 2e-3, "{size:?} {uv}");
+            if size[1] > 1 {
+                plain = plain.max((as_mitsuba_interpolates(&ours.map, uv) - expected).length());
+            }
+        }
+        assert!(size[1] == 1 || plain > 0.3, "negative control: the rows as they are, {plain}");
+    }
+}
+
+#[test]
+fn a_rectangle_lies_where_it_is_and_faces_its_target() {
+    let light = Light {
+        name: String::new(),
+        enabled: true,
+        emission: Emission::Rectangle { width: 2.0, height: 1.0 },
+        position: Vec3::new(0.0, 3.0, 1.0),
+        target: Vec3::new(0.0, 0.0, 1.0),
+        intensity: Vec3::new(1.0, 2.0, 3.0),
+    };
+    let text = emitters::local(&light).unwrap();
+    let rows = text.split("matrix value=\"").nth(1).unwrap().split('"').next().unwrap();
+    let rows: Vec<f32> = rows.split(' ').map(|x| x.parse().unwrap()).collect();
+    let placed = |v: [f32; 4]| Vec3::from_array([0, 1, 2].map(|row| (0..4).map(|i| rows[4 * row + i] * v[i]).sum()));
+    assert_eq!(placed([0.0, 0.0, 0.0, 1.0]), light.position);
+    assert!((placed([0.0, 0.0, 1.0, 0.0]) - Vec3::NEG_Y).length() < 1e-6, "its normal");
+    let (x, y) = (placed([1.0, 0.0, 0.0, 0.0]), placed([0.0, 1.0, 0.0, 0.0]));
+    assert!((x.length() - 1.0).abs() < 1e-6 && (y.length() - 0.5).abs() < 1e-6);
+    assert!((x.cross(y).normalize() - Vec3::NEG_Y).length() < 1e-6, "right-handed");
+    assert!(text.contains("1, 2, 3") && text.contains("radiance"));
+}
+
+#[test]
+fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    let texels = Texels::F32(vec![[0.5, 0.25, -1.0, 1.0]]);
+    let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
+    let slot = || Some(TextureSlot::default());
+    let maps = MaterialMaps { roughness: slot(), normal: slot(), bump: slot(), ior: slot(), ..Default::default() };
+    let parameters = BrdfParameters { roughness: 0.6, anisotropy: -0.5, ..Default::default() };
+    let material = Material { parameters, maps, ..Default::default() };
+    let mut writer = TextureFolder::new(folder.path(), &textures);
+    let text = bsdf::bsdfs(&material, 3, [true, true], bsdf::Models::Exact, &mut writer).unwrap();
+    let read =
+        |name: &str| Image::read(&folder.path().join(format!("textures/material-3-{name}.exr"))).unwrap().pixels[0];
+    assert!((read("roughness") - 0.3).length() < 1e-6);
+    assert!((read("ior") - 0.25).length() < 1e-6, "half of what 1.5 has above 1");
+    assert!((read("normal") - Vec3::new(0.5, 0.25, -1.0)).length() < 1e-6);
+    for part in ["lapidary_ggx", "twosided", "bumpmap", "normalmap", "material-3\"", "material-3-both-sides\""] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(text.matches("<bsdf").count(), text.matches("</bsdf").count());
+    let remarks = bsdf::remarks(&material).join("\n");
+    assert!(remarks.contains("across") && remarks.contains("index of refraction"), "{remarks}");
+    let ward = Material { model: BrdfModel::Ward, ..Default::default() };
+    assert!(bsdf::remarks(&ward)[0].contains("Ward"));
+    assert!(bsdf::remarks(&Material::default()).is_empty());
+}

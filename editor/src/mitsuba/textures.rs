@@ -1,0 +1,64 @@
+//! Maps of materials as linear EXR files, multiplied by the parameters that they modulate.
+
+use super::xml;
+use anyhow::Result;
+use glam::{Vec3, Vec4};
+use lapidary_core::{
+    image::Image,
+    texture::{Texture, TextureSlot},
+};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Where maps are written, each once.
+pub struct TextureFolder<'a> {
+    folder: PathBuf,
+    textures: &'a [Arc<Texture>],
+    written: BTreeSet<String>,
+}
+
+impl<'a> TextureFolder<'a> {
+    /// In the exported `folder`, for the `textures` of a scene.
+    pub fn new(folder: &Path, textures: &'a [Arc<Texture>]) -> Self {
+        Self { folder: folder.to_owned(), textures, written: BTreeSet::new() }
+    }
+
+    /// The property `name`, or a nested texture without a name, of what `value` makes of each texel. `stem` names the file; equal stems
+    /// must stand for equal maps.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn property(
+        &mut self,
+        name: Option<&str>,
+        stem: &str,
+        slot: &TextureSlot,
+        value: impl Fn(Vec4) -> Vec3,
+    ) -> Result<String> {
+        let file = format!("textures/{stem}.exr");
+        if self.written.insert(file.clone()) {
+            let texture = &self.textures[slot.texture as usize];
+            let texel = |x: u32, y: u32| value(texture.texel(x.into(), y.into(), slot.color_space));
+            Image::from_fn(texture.size, texel).write(&self.folder.join(&file))?;
+        }
+        let properties = xml::value("string", "filename", file) + &xml::value("boolean", "raw", true) + &to_uv(slot);
+        let name = name.map(|name| format!(" name=\"{name}\"")).unwrap_or_default();
+        Ok(xml::plugin("texture", "bitmap", &name, &properties))
+    }
+}
+
+/// How a slot's map lies on the surface. Its rotation is that of the map and not of the coordinates, hence the sign.
+fn to_uv(slot: &TextureSlot) -> String {
+    let TextureSlot { scale, offset, rotation, .. } = slot;
+    format!(
+        "  <transform name=\"to_uv\"><scale x=\"{}\" y=\"{}\"/><rotate z=\"1\" angle=\"{}\"/><translate x=\"{}\" y=\"{}\"/></transform>\n",
+        scale.x,
+        scale.y,
+        -rotation.to_degrees(),
+        offset.x,
+        offset.y
+    )
+}
