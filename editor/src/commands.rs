@@ -7,3 +7,4 @@ pub mod compare;
 pub mod edit;
 pub mod reference;
 pub mod render;
+pub mod sequence;

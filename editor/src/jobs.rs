@@ -6,6 +6,7 @@
 
 pub mod bake;
 pub mod budget;
+pub mod export;
 mod imported;
 pub mod load;
 pub mod render_thread;

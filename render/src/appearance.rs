@@ -40,7 +40,7 @@ impl Appearance {
     }
 
     /// With a material for each of the scene's `own` and no map that is not there, and what was done for it, in sentences.
-    pub(crate) fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
+    pub fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
         let mut remarks = Vec::new();
         let (given, needed) = (self.materials.len(), own.len());
         if given != needed {

@@ -4,6 +4,7 @@ use super::{
     baking::Baking,
     dialogs::FileDialogs,
     environments::Environments,
+    export::Exporting,
     first_view::FirstView,
     layout::{self, Interface},
     messages::Messages,
@@ -23,6 +24,7 @@ use crate::{
     },
     jobs::{
         Imported, Wake,
+        export::{self, SharedFactory},
         load::Loader,
         render_thread::{Factory, RenderThread},
         watch::Watcher,
@@ -162,6 +164,9 @@ pub struct EditorState {
     pub(super) baking: Baking,
     pub(super) environments: Environments,
     pub(super) pictures: Pictures,
+    pub(super) exporting: Exporting,
+    /// Makes renderers for exports.
+    pub(super) factory: SharedFactory,
     pub(super) requests: Requests,
     autosave: Autosave,
     autosaved: u64,
@@ -178,6 +183,7 @@ impl EditorState {
     /// With nothing open; offers to recover what a process that ended too early left.
     pub fn new(setup: Setup) -> Self {
         let Setup { folders, bundled, factory, wake, system_dialogs } = setup;
+        let (factory, live_factory) = export::shared(factory);
         let (preferences, problem) = Preferences::load(&folders.config);
         let mut messages = Messages::default();
         problem.into_iter().for_each(|p| messages.warning(p));
@@ -199,7 +205,7 @@ impl EditorState {
             recent: RecentFiles::open(&folders.config),
             library,
             bundled,
-            render: RenderThread::start(factory, wake.clone()),
+            render: RenderThread::start(live_factory, wake.clone()),
             loader: Loader::new(wake.clone()),
             loading: HashMap::new(),
             watcher: Watcher::start(wake.clone()),
@@ -208,6 +214,8 @@ impl EditorState {
             baking: Baking::default(),
             environments: Environments::new(wake.clone()),
             pictures: Pictures::default(),
+            exporting: Exporting::default(),
+            factory,
             requests: Requests::default(),
             autosave: Autosave::new(&folders.state, AUTOSAVE_INTERVAL),
             autosaved: 0,
@@ -246,6 +254,7 @@ impl EditorState {
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
         prompts::show(&ctx, self, &mut actions);
+        self.show_sequence_dialog(&ctx, &mut actions);
         self.messages.show(&ctx, laid.status_height);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
@@ -308,6 +317,7 @@ impl EditorState {
         self.collect_loaded();
         self.collect_bake();
         self.collect_pictures(ctx);
+        self.collect_export();
         self.collect_changed_files();
         self.environments.collect(ctx);
     }
