@@ -1,101 +1,203 @@
-//! `export` from end to end, without Mitsuba: files, options, bad input.
+//! `render --layers`, `compare --layer` and `sequence` from end to end.
 
 mod common;
 
-use common::Stage;
-use lapidary_core::{image::Image, import::import};
-use std::{fs, path::Path};
+use common::{Stage, files_in, keys};
+use glam::Vec3;
+use lapidary_core::image::Image;
+use std::{fs, path::Path, time::Duration};
 
-fn scene_xml(stage: &Stage) -> String {
-    fs::read_to_string(stage.path("m/scene.xml")).expect("a scene")
+const VIEW: &str = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 40x30 --backend cpu";
+
+const LAMP: &str =
+    r#"{"lights": [{"kind": "point", "name": "lamp", "position": [0.6, 2, 0.8], "intensity": [9, 8, 6]}]}"#;
+
+fn baked(more: &str) -> Stage {
+    let stage = Stage::new();
+    stage.bake("a.cuts", more);
+    stage.write("lamp.json", LAMP.into());
+    stage
 }
 
-/// Every element that is opened is closed, in order.
-fn assert_well_formed(text: &str) {
-    let mut open = Vec::new();
-    for tag in text.split('<').skip(1).map(|rest| rest.split('>').next().expect("an end")) {
-        let name = tag.trim_start_matches('/').split_whitespace().next().expect("a name").trim_end_matches('/');
-        match tag {
-            _ if tag.starts_with('?') || tag.ends_with('/') => {}
-            _ if tag.starts_with('/') => assert_eq!(open.pop(), Some(name), "{text}"),
-            _ => open.push(name),
-        }
-    }
-    assert!(open.is_empty(), "{open:?}: {text}");
+fn layer(stage: &Stage, name: &str) -> Image {
+    Image::read_layer(&stage.path("layers.exr"), name).expect("a layer")
 }
 
-fn triangles(path: &Path) -> usize {
-    import(path).expect("a mesh").scene.mesh.triangles.len()
+fn brightness(image: &Image) -> f32 {
+    image.pixels.iter().map(|p| p.element_sum()).sum()
+}
+
+/// Sum of the absolute differences over the sum of `b`.
+fn distance(a: &Image, b: &Image) -> f32 {
+    let difference: f32 = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).abs().element_sum()).sum();
+    difference / brightness(b)
 }
 
 #[test]
-fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
-    let stage = Stage::new();
-    stage.bake("a.cuts", "");
-    let said = stage.succeed("export a.cuts --env studio --rotate 30 --intensity 2 --size 40x30 --mitsuba m");
-    let mesh = stage.dataset("a.cuts").scene.mesh;
-    assert!(said.contains(&format!("{} triangles", mesh.triangles.len())), "{said}");
-    for name in ["scene.xml", "materials.xml", "materials-exact.xml"] {
-        assert_well_formed(&fs::read_to_string(stage.path(&format!("m/{name}"))).expect("a file"));
+fn parts_of_the_light_sum_to_the_picture_and_a_missing_one_shows() {
+    let stage = baked("--mode cuts --sources 1024");
+    let view = format!("{VIEW} --env sun-sky:50 --lights lamp.json --aa 4");
+    stage.succeed(&format!("render a.cuts {view} --out layers.exr --layers all --out plain.exr"));
+    let [beauty, environment, direct, indirect] =
+        ["beauty", "environment", "direct", "indirect"].map(|name| layer(&stage, name));
+    let mut sum = environment.clone();
+    sum.add(&direct);
+    let without = distance(&sum, &beauty);
+    sum.add(&indirect);
+    let with = distance(&sum, &beauty);
+    assert!(with < 1e-5, "{with}");
+    assert!(without > 1e-3, "negative control: the bounce is {without} of the picture");
+    assert_eq!(Image::read(&stage.path("plain.exr")).expect("a picture"), beauty);
+    for name in ["normal", "albedo", "roughness", "position", "depth", "coverage"] {
+        assert!(layer(&stage, name).pixels.iter().all(|p| p.is_finite()), "{name}");
     }
-    let scene = scene_xml(&stage);
-    for part in [
-        "envmap",
-        "\"scale\" value=\"2\"",
-        "value=\"40\"",
-        "\"max_depth\" value=\"2\"",
-        "\"hide_emitters\" value=\"false\"",
-    ] {
-        assert!(scene.contains(part), "{part}: {scene}");
+    for name in ["visibility-nodes", "merged-nodes", "brdf-evaluations"] {
+        assert!(brightness(&layer(&stage, name)) > 0.0, "{name}");
     }
-    let meshes: Vec<_> =
-        fs::read_dir(stage.path("m/meshes")).expect("meshes").map(|e| e.expect("one").path()).collect();
-    assert_eq!(meshes.iter().map(|path| triangles(path)).sum::<usize>(), mesh.triangles.len());
-    assert!(Image::read(&stage.path("m/environment.exr")).is_ok());
+    assert!(layer(&stage, "coverage").pixels.iter().all(|p| (0.0..=1.0).contains(&p.x)));
 }
 
 #[test]
-fn lights_bounces_and_background_follow_the_options() {
-    let stage = Stage::new();
-    stage.bake("a.cuts", "");
-    stage.write(
-        "lamps.json",
-        r#"{"lights": [
-            {"kind": "point", "position": [0, 3, 0], "intensity": [1, 2, 3]},
-            {"kind": "spot", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1], "cone_degrees": 30, "penumbra_degrees": 5},
-            {"kind": "directional", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1]},
-            {"kind": "rectangle", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1], "width": 1, "height": 1},
-            {"kind": "point", "position": [9, 9, 9], "intensity": [0, 0, 0]}
-        ]}"#
-            .into(),
+fn compare_finds_layers_and_says_which_there_are() {
+    let stage = baked("");
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --out layers.exr --layers normal,depth --out a.png"));
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --out plain.exr"));
+    let code = |options: &str| {
+        stage.run(&format!("compare layers.exr plain.exr {options} --fail-above rmse=1e-6")).status.code()
+    };
+    assert_eq!((code(""), code("--layer beauty"), code("--layer normal")), (Some(0), Some(0), Some(3)));
+    assert_eq!(stage.run("compare layers.exr layers.exr --layer depth --reference-layer depth").status.code(), Some(0));
+    let message = stage.fail("compare layers.exr plain.exr --layer indirect");
+    for word in ["indirect", "beauty", "normal", "depth", "layers.exr"] {
+        assert!(message.contains(word), "{message}");
+    }
+    assert!(stage.fail("compare a.png plain.exr --layer normal").contains("only exr files have layers"));
+}
+
+#[test]
+fn layers_that_cannot_be_are_refused() {
+    let stage = baked("");
+    let message = stage.fail(&format!("render a.cuts {VIEW} --env studio --out a.exr --layers indirect"));
+    assert!(message.contains("indirect") && message.contains("--mode"), "{message}");
+    assert!(stage.fail(&format!("render a.cuts {VIEW} --out a.png --layers normal")).contains(".exr"));
+    let unknown = stage.run(&format!("render a.cuts {VIEW} --out a.exr --layers specular"));
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unknown.stderr).contains("brdf-evaluations"), "the list of layers");
+    assert!(!stage.path("a.exr").exists() && !stage.path("a.png").exists());
+}
+
+#[test]
+fn a_sweep_writes_numbered_frames_their_values_and_a_sheet_and_goes_on() {
+    let stage = baked("");
+    let command = format!(
+        "sequence a.cuts {VIEW} --env studio --sweep roughness=0.1..0.9 --frames 4 --out out/f.###.png \
+         --out out/f.###.exr --contact-sheet out/sheet.png --columns 2"
     );
-    let output = stage.run("export a.cuts --lights lamps.json --bounces 3 --background black --mitsuba m");
-    let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && warnings.contains("penumbra") && warnings.contains("rectangular"), "{warnings}");
-    let scene = scene_xml(&stage);
-    assert_well_formed(&scene);
-    for (part, count) in
-        [("type=\"point\"", 1), ("type=\"spot\"", 1), ("type=\"directional\"", 1), ("type=\"area\"", 1), ("envmap", 0)]
-    {
-        assert_eq!(scene.matches(part).count(), count, "{part}");
-    }
-    assert!(scene.contains("\"max_depth\" value=\"5\"") && scene.contains("\"hide_emitters\" value=\"true\""));
+    stage.succeed(&command);
+    assert_eq!(files_in(&stage.path("out")), 10);
+    let record = stage.json("out/f.json");
+    assert_eq!(keys(&record), ["frames", "settings", "size"]);
+    let value = record["frames"][3]["values"]["roughness"].as_f64().expect("a number");
+    assert!((value - 0.9).abs() < 1e-6, "{value}");
+    let sheet = lapidary_core::image::dimensions(&stage.path("out/sheet.png")).expect("a sheet");
+    assert!(sheet[0] > 2 * 40 && sheet[1] > 2 * 30, "{sheet:?}");
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --roughness 0.9 --out alone.exr"));
+    let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
+    assert!(distance(&read("out/f.004.exr"), &read("alone.exr")) < 1e-6);
+    assert!(distance(&read("out/f.001.exr"), &read("alone.exr")) > 1e-3, "negative control");
+
+    let message = stage.fail(&command);
+    assert!(message.contains("4 of the 4 frames are there") && message.contains("--resume"), "{message}");
+    fs::remove_file(stage.path("out/f.002.exr")).expect("a frame");
+    assert!(stage.succeed(&format!("{command} --resume")).contains("1 frames"));
+    let message = stage.fail(&format!("{command} --resume --size 20x15"));
+    assert!(message.contains("another sequence"), "{message}");
 }
 
 #[test]
-fn what_cannot_be_exported_is_told_before_anything_is_written() {
-    let stage = Stage::new();
-    stage.bake("a.cuts", "");
-    stage.write("file", String::new());
-    for (options, words) in [
-        ("--env studio --mitsuba file/below", "cannot create the folder"),
-        ("--env none --lights none --mitsuba m", "no light"),
-        ("--env studio --components indirect --mitsuba m", "environment and direct"),
-        ("--env studio --camera nobody --mitsuba m", "nobody"),
-    ] {
-        let message = stage.fail(&format!("export a.cuts {options}"));
-        assert!(message.contains(words), "{options}: {message}");
+fn an_object_that_turns_shows_its_other_side_before_the_same_background() {
+    let stage = baked("");
+    let view = VIEW.replace("--eye 0.5,3,3 --target 0,0.3,0", "--eye 1.5,1.2,4 --target 0,0.3,0");
+    stage.succeed(&format!("sequence a.cuts {view} --env sun-sky:40 --turn object --frames 4 --out o/f.#.exr"));
+    stage.succeed(&format!("sequence a.cuts {view} --env sun-sky:40 --turn camera --frames 4 --out c/f.#.exr"));
+    let frame = |path: &str| Image::read(&stage.path(path)).expect("a frame");
+    let sky = |image: &Image| image.pixels[..40].to_vec();
+    let far = |a: &Image, b: &Image| {
+        sky(a).iter().zip(&sky(b)).map(|(a, b)| (*a - *b).length()).fold(0.0f32, f32::max) > 1e-3
+    };
+    let (first, quarter) = (frame("o/f.1.exr"), frame("o/f.2.exr"));
+    assert!(!far(&first, &quarter), "the background stays");
+    assert!(distance(&first, &quarter) > 1e-3, "the scene turns");
+    assert!(far(&frame("c/f.1.exr"), &frame("c/f.2.exr")), "negative control: before a camera that turns it does not");
+    assert_eq!(first, frame("c/f.1.exr"), "both begin with the picture itself");
+}
+
+#[test]
+fn sequences_that_cannot_be_are_refused_before_anything_is_rendered() {
+    let stage = baked("");
+    let fail = |options: &str| stage.fail(&format!("sequence a.cuts {VIEW} --env studio {options}"));
+    assert!(fail("--turn camera --out frame.png").contains("####"));
+    assert!(fail("--out f.##.png").contains("nothing changes"));
+    assert!(fail("--turn lights --out f.##.png").contains("no local lights"));
+    assert!(fail("--sweep roughness@tin=0..1 --out f.##.png").contains("white"));
+    assert!(fail("--turn camera --layers normal --out f.##.png").contains("exr"));
+    fs::write(stage.path("file"), "").expect("a file");
+    assert!(fail("--turn camera --out file/f.##.png").contains("cannot write to the folder"));
+    let wrong = |options: &str| {
+        let output = stage.run(&format!("sequence a.cuts {VIEW} {options}"));
+        assert_eq!(output.status.code(), Some(2), "{options}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let message = wrong("--sweep gloss=0..1 --out f.##.png");
+    assert!(message.contains("gloss") && message.contains("light-position"), "{message}");
+    wrong("--turn camera --frames 0 --out f.##.png");
+    wrong("--turn camera --resume --overwrite --out f.##.png");
+    wrong("--turn camera");
+    assert!(!stage.path("f.01.png").exists() && !stage.path("f.json").exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_sequence_leaves_whole_frames_and_goes_on() {
+    let stage = baked("");
+    let command = "sequence a.cuts --eye 0.5,3,3 --target 0,0.3,0 --size 160x120 --backend cpu --env studio --turn object \
+                   --frames 60 --out out/f.##.png";
+    let mut child = stage.command(command).spawn().expect("the program starts");
+    wait_for(&stage.path("out/f.02.png"));
+    let signal = format!("kill -INT {}", child.id());
+    std::process::Command::new("sh").args(["-c", &signal]).status().expect("a signal");
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    let there = fs::read_dir(stage.path("out")).expect("a folder").filter_map(|f| Some(f.ok()?.file_name()));
+    let pictures: Vec<String> =
+        there.filter_map(|name| name.into_string().ok()).filter(|name| name.ends_with(".png")).collect();
+    assert!((2..60).contains(&pictures.len()), "{pictures:?}");
+    for name in &pictures {
+        assert_eq!(Image::read(&stage.path("out").join(name)).expect("a whole frame").size, [160, 120]);
     }
-    assert!(!stage.path("m/scene.xml").exists());
-    assert!(stage.fail("reference a.cuts --seed 1 --out a.exr").contains("--kind path"));
+    assert!(stage.succeed(&format!("{command} --resume")).contains(&format!("{} were there", pictures.len())));
+}
+
+#[cfg(unix)]
+fn wait_for(path: &Path) {
+    for _ in 0..3000 {
+        if path.exists() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("waited in vain for {}", path.display());
+}
+
+#[test]
+fn exposure_brightens_png_files_and_leaves_scene_linear_ones() {
+    let stage = baked("");
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --out a.exr --out a.png"));
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --exposure -1 --out b.exr --out b.png"));
+    let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
+    assert_eq!(read("a.exr"), read("b.exr"));
+    let (a, b) = (read("a.png"), read("b.png"));
+    let unclipped = |p: &&Vec3| p.max_element() < 0.9 && p.min_element() > 0.05;
+    let place = a.pixels.iter().position(|p| unclipped(&p)).expect("a grey pixel");
+    let ratio = a.pixels[place] / b.pixels[place];
+    assert!((ratio - 2.0).abs().max_element() < 0.1, "{ratio}");
 }

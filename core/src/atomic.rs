@@ -11,6 +11,23 @@ use std::{
 /// What the file system says; a file that was there before is kept then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = temporary_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Finds out whether files can be made in a folder, before work whose result is to go there.
+///
+/// # Errors
+/// What the file system says.
+pub fn check_writable(folder: &Path) -> io::Result<()> {
+    temporary_in(folder).map(drop)
+}
+
+/// A file that is removed unless it is renamed.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lapidary-").suffix(".tmp");
     #[cfg(unix)]
@@ -19,16 +36,22 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
+    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_is_writable_if_files_can_be_made_in_it_and_none_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_writable(folder.path()).is_ok());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        assert!(check_writable(&folder.path().join("missing")).is_err());
+        #[cfg(target_os = "linux")]
+        assert!(check_writable(Path::new("/proc")).is_err(), "it is there and takes no files, whoever asks");
+    }
 
     #[test]
     fn a_failed_write_keeps_the_old_file_and_leaves_nothing_behind() {

@@ -5,13 +5,15 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+mod layers;
 mod read;
 mod region;
 mod write;
 
+pub use layers::{Layer, LayeredImage, MetaValue, Metadata};
 pub use read::{decode, dimensions};
 pub use region::{Region, RegionError};
-pub use write::{encode_png, encode_png_pixels, encode_png_with_alpha};
+pub use write::{encode_png, encode_png_pixels};
 
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]
@@ -39,6 +41,16 @@ pub enum ImageError {
     UnknownExtension {
         /// Which file.
         path: PathBuf,
+    },
+    /// A layer was asked for by a name that it does not have.
+    #[error("there is no layer \"{name}\"; {has} ({})", path.display())]
+    NoLayer {
+        /// Which file.
+        path: PathBuf,
+        /// What was asked for.
+        name: String,
+        /// What there is, in words.
+        has: String,
     },
     /// The picture would not fit in memory.
     #[error("a picture of {width} x {height} is larger than the limit of {limit} pixels; reduce its size ({})", path.display())]

@@ -31,6 +31,14 @@ pub enum Action {
     SaveAs(Option<PathBuf>),
     /// Write the picture.
     ExportPicture(Option<PathBuf>),
+    /// Write the picture with all its layers.
+    ExportLayers(Option<PathBuf>),
+    /// Describe an image sequence to export.
+    DescribeSequence,
+    /// Choose the folder of the sequence that is described.
+    SequenceFolder(Option<PathBuf>),
+    /// Stop the export; what is complete stays.
+    CancelExport,
     /// Use a picture as a map of a material.
     LoadTexture {
         /// Which material.

@@ -13,6 +13,7 @@ use crate::{
         predict::{self, PredictArgs},
         reference::{self, ReferenceArgs},
         render::{self, RenderArgs},
+        sequence::{self, SequenceArgs},
     },
     console::Console,
     demo::{self, DemoArgs},
@@ -129,8 +130,22 @@ Examples:
   lapidary render scene.cuts --env studio --eye 0.3,0.5,3.5 --target 0,0.4,0 --fov 35 --out close.png
   lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json
   lapidary render scene.cuts --lights lamps.json --out lamps.png
-  lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr")]
+  lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr
+  lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth")]
     Render(RenderArgs),
+    /// Render turntables and sweeps of any parameter as image sequences
+    #[command(after_help = "\
+What turns, turns about the vertical through the point that the camera looks at. Visibility was baked for the scene as
+it stands, so --turn object turns it as a whole: camera, environment and lights go the other way together.
+Turn and sweeps run together. Ctrl-C leaves the finished frames (exit code 130); the same command with --resume goes on.
+
+Examples:
+  lapidary sequence scene.cuts --env studio --turn object --frames 48 --out turn/frame.####.png
+  lapidary sequence scene.cuts --env sky.hdr --turn environment --frames 24 --out env/f.##.exr --contact-sheet env.png
+  lapidary sequence scene.cuts --sweep roughness=0.05..0.8 --frames 16 --out sweep/r.##.png --contact-sheet r.png
+  lapidary sequence scene.cuts --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
+  lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
+    Sequence(SequenceArgs),
     /// Measure how long a frame takes, by pass and size of the illumination cut
     #[command(after_help = "\
 Prints medians. The passes wait for each other, which an editor's frames need not.
@@ -208,6 +223,7 @@ Bounds compare literally: for psnr and ssim, where larger is better, use --fail-
 Examples:
   lapidary compare picture.exr truth.exr
   lapidary compare picture.exr truth.exr --map flip --out flip.png
+  lapidary compare layers.exr truth.exr --layer indirect
   lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
     Compare(CompareArgs),
     /// Write the scene for another renderer, to measure against it
@@ -234,6 +250,7 @@ impl Command {
             Self::Info(args) => args.run().map(|()| Outcome::Done),
             Self::Verify(args) => args.run().map(|()| Outcome::Done),
             Self::Render(args) => render::run(args, console),
+            Self::Sequence(args) => sequence::run(args, console),
             Self::Bench(args) => bench::run(args, console),
             Self::Reference(args) => reference::run(args, console),
             Self::Bounces(args) => bounces::run(args, console),

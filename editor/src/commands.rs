@@ -11,3 +11,4 @@ pub mod ladder;
 pub mod predict;
 pub mod reference;
 pub mod render;
+pub mod sequence;

@@ -7,6 +7,7 @@
 pub mod bake;
 pub mod budget;
 pub mod comparison;
+pub mod export;
 mod imported;
 pub mod ladder;
 pub mod load;

@@ -5,7 +5,7 @@ use lapidary_render::{Backend, BackendError, BrdfSampling, CPU, RenderStats, Vie
 
 /// Rows that are rendered at once: drivers stop work that holds up a graphics adapter for seconds, as the whole of a large
 /// picture with thousands of lights may.
-const BAND_ROWS: usize = 64;
+pub const BAND_ROWS: u32 = 64;
 
 /// Renders all samples of all pixels of a lit scene. Returns the scene-linear picture, and how much of each pixel is covered by
 /// surfaces.
@@ -20,8 +20,8 @@ pub fn whole_picture(
     backend.begin(view, sampling)?;
     let height = view.size[1];
     for sample in 0..view.aa {
-        for first in (0..height).step_by(BAND_ROWS) {
-            backend.render_rows(sample, first..height.min(first + BAND_ROWS as u32))?;
+        for first in (0..height).step_by(BAND_ROWS as usize) {
+            backend.render_rows(sample, first..height.min(first + BAND_ROWS))?;
         }
     }
     backend.read(view.aa)

@@ -35,6 +35,7 @@ mod renderer;
 mod samples;
 mod shade;
 mod surface;
+mod surface_layers;
 mod view;
 mod view_mode;
 mod wireframe;
@@ -59,5 +60,6 @@ pub use predicted::{Bin, Calibration, CalibrationError, PredictedError, calibrat
 pub use refine::Refinement;
 pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
 pub use samples::SampledLight;
+pub use surface_layers::{NO_SURFACE, SurfaceLayers};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

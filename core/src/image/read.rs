@@ -41,7 +41,7 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
 }
 
 /// The first bytes of every OpenEXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
 pub(crate) fn linear_image(texture: &Texture) -> Image {
@@ -55,11 +55,11 @@ pub(crate) fn linear_image(texture: &Texture) -> Image {
     Image { size: texture.size, pixels }
 }
 
-fn damaged(path: &Path, reason: impl ToString) -> ImageError {
+pub(super) fn damaged(path: &Path, reason: impl ToString) -> ImageError {
     ImageError::Decode { path: path.into(), reason: reason.to_string() }
 }
 
-fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
+pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
     if width == 0 || height == 0 {
         return Err(damaged(path, "it has no pixels"));
     }
@@ -121,9 +121,10 @@ fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageErro
     Ok(([size.x() as u32, size.y() as u32], Texels::F32(texels)))
 }
 
-/// Interleaves the channels R, G, B and, if there is one, A; or repeats Y.
+/// Interleaves the channels R, G, B and, if there is one, A, without a layer or of the layer `beauty`; or repeats Y.
 fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usize) -> Result<Vec<[f32; 4]>, String> {
-    let named = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
+    let channel = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
+    let named = |name: &str| channel(name).or_else(|| channel(&format!("beauty.{name}")));
     let [r, g, b] = match (named("R"), named("G"), named("B"), named("Y")) {
         (Some(r), Some(g), Some(b), _) => [r, g, b],
         (None, None, None, Some(y)) => [y, y, y],

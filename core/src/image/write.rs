@@ -1,14 +1,10 @@
 //! Encoding of pictures, and replacing a file only when its successor is complete.
 
-use super::{Image, ImageError};
+use super::{Image, ImageError, Layer, LayeredImage, Metadata};
 use crate::color::srgb_from_linear;
-use exr::prelude::WritableImage;
 use glam::Vec3;
 use image::{ExtendedColorType, ImageEncoder, Rgb, codecs::hdr::HdrEncoder, codecs::png::PngEncoder};
-use std::{
-    io::{self, Cursor},
-    path::Path,
-};
+use std::{io, path::Path};
 
 /// The picture as a file of the format that the extension of `path` names: exr (32-bit float), hdr or png. `coverage`
 /// becomes its alpha channel, which hdr files do not have.
@@ -26,39 +22,14 @@ pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Re
     }
 }
 
-/// 32-bit floats, zip compressed: halves would clip a sun above 65,504.
-macro_rules! exr_layer {
-    ($image:expr, $channels:expr) => {
-        exr::image::Image::from_layer(exr::image::Layer::new(
-            ($image.width(), $image.height()),
-            exr::prelude::LayerAttributes::default(),
-            exr::prelude::Encoding {
-                compression: exr::prelude::Compression::ZIP16,
-                ..exr::prelude::Encoding::SMALL_LOSSLESS
-            },
-            $channels,
-        ))
-    };
-}
-
 /// OpenEXR, premultiplied if it has an alpha channel, as the format has it.
 fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
-    use exr::prelude::{SpecificChannels, Vec2};
-    let rgb = |at: Vec2<usize>| image.at(at.x(), at.y());
-    let mut bytes = Cursor::new(Vec::new());
-    let written = match coverage {
-        None => {
-            let channels = SpecificChannels::rgb(|at| rgb(at).into());
-            exr_layer!(image, channels).write().to_buffered(&mut bytes)
-        }
-        Some(coverage) => {
-            let alpha = |at: Vec2<usize>| coverage[at.y() * image.width() + at.x()];
-            let channels = SpecificChannels::rgba(|at| (rgb(at).x, rgb(at).y, rgb(at).z, alpha(at)));
-            exr_layer!(image, channels).write().to_buffered(&mut bytes)
-        }
+    let colors = Layer::color("", image);
+    let layer = match coverage {
+        Some(coverage) => colors.with_alpha(coverage),
+        None => colors,
     };
-    written.map_err(io::Error::other)?;
-    Ok(bytes.into_inner())
+    LayeredImage { size: image.size, layers: vec![layer], metadata: Metadata::default() }.encode()
 }
 
 /// Radiance RGBE, which holds neither negative values nor NaN: both become zero.
@@ -74,7 +45,7 @@ fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
 ///
 /// # Panics
 /// If there is not one alpha a pixel.
-pub fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
+fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
     assert_eq!(image.pixels.len(), alpha.len(), "one alpha a pixel");
     let pixel = |(&color, alpha): (&Vec3, &f32)| {
         let [r, g, b] = srgb_bytes(color);

@@ -66,8 +66,25 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Save, is_open);
     entry(ui, state, actions, Command::SaveAs, is_open);
     entry(ui, state, actions, Command::ExportPicture, state.scene.shown().is_some());
+    export(ui, state, actions);
     ui.separator();
     entry(ui, state, actions, Command::Quit, true);
+}
+
+/// What takes a renderer of its own, and one of them at a time.
+fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
+    let (shown, running) = (state.scene.shown().is_some(), state.exporting.is_running());
+    let entries = [
+        ("Export layered EXR...", Action::ExportLayers(None), shown && !running),
+        ("Export sequence...", Action::DescribeSequence, shown && !running),
+        ("Cancel the export", Action::CancelExport, running),
+    ];
+    for (label, action, enabled) in entries {
+        if ui.add_enabled(enabled, Button::new(label)).clicked() {
+            actions.push(action);
+            ui.close();
+        }
+    }
 }
 
 fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {

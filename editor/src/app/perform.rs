@@ -47,6 +47,10 @@ impl EditorState {
             Action::Save => self.save(ctx),
             Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
             Action::ExportPicture(Some(path)) => self.export_picture(path),
+            Action::ExportLayers(Some(path)) => self.export_layers(path),
+            Action::DescribeSequence => self.describe_sequence(),
+            Action::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
+            Action::CancelExport => self.cancel_export(),
             Action::LoadTexture { material, map, path: Some(path) } => {
                 self.load(Topic::Map { material, map }, Source::Texture(path.clone()), path);
             }
@@ -62,6 +66,8 @@ impl EditorState {
             Action::Open(None)
             | Action::SaveAs(None)
             | Action::ExportPicture(None)
+            | Action::ExportLayers(None)
+            | Action::SequenceFolder(None)
             | Action::LoadTexture { path: None, .. }
             | Action::LoadMaterial { path: None, .. }
             | Action::SaveMaterial { path: None, .. }
@@ -204,6 +210,7 @@ impl EditorState {
         let name = match &action {
             Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
             Action::ExportPicture(_) => Some(format!("{stem}.png")),
+            Action::ExportLayers(_) => Some(format!("{stem}-layers.exr")),
             Action::SaveLights(_) => Some(format!("{stem}-lights.json")),
             Action::SaveMaterial { material, .. } => {
                 self.document.materials.get(*material).map(|m| format!("{}.json", m.name))

@@ -8,15 +8,10 @@ use crate::{
         render_thread::{LinearPicture, RenderEvent, RenderedFrame},
         spawn,
     },
+    sheet::DisplayPicture,
 };
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use glam::Vec3;
-use lapidary_core::{
-    atomic::write_atomically,
-    color::linear_from_srgb,
-    image::{Image, encode_png, encode_png_with_alpha},
-};
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -160,13 +155,9 @@ fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Resu
 /// Writes pixels as a display shows them. Alpha says how much of a pixel is covered, and its colour is that of the
 /// surfaces alone.
 fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path) -> Result<()> {
-    let linear = |value: u8| linear_from_srgb(f32::from(value) / 255.0);
-    let color = |&[r, g, b, _]: &[u8; 4]| Vec3::from_array([r, g, b].map(linear));
-    let image = Image { size, pixels: pixels.iter().map(color).collect() };
-    let alpha = || pixels.iter().map(|pixel| f32::from(pixel[3]) / 255.0).collect::<Vec<_>>();
-    let bytes = if transparent { encode_png_with_alpha(&image, &alpha()) } else { encode_png(&image) };
-    write_atomically(path, &bytes)
-        .with_context(|| format!("cannot write the picture; check the free space and permissions ({})", path.display()))
+    let alpha = |alpha| if transparent { alpha } else { 255 };
+    let pixels = pixels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();
+    DisplayPicture { size, pixels }.write_png(path)
 }
 
 #[cfg(test)]

@@ -142,13 +142,14 @@ impl EditorState {
 }
 
 /// The components that are shown: an environment that no surface is lit by would only mislead behind the scene.
-fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
+pub fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
     let shown = document.components.shown();
     let has_environment = baked.is_none_or(|baked| baked.dataset.settings.mode.environment());
     Components { environment: shown.environment && has_environment, ..shown }
 }
 
-fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
+/// The environment as a document has it turned and scaled.
+pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
     let settings = &document.environment;
     Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
 }

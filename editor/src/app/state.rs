@@ -5,6 +5,7 @@ use super::{
     comparison::Comparison,
     dialogs::FileDialogs,
     environments::Environments,
+    export::Exporting,
     first_view::FirstView,
     ladder::LadderWindow,
     layout::{self, Interface},
@@ -168,6 +169,7 @@ pub struct EditorState {
     pub(super) ladder: LadderWindow,
     /// Makes renderers, for jobs that need one of their own.
     pub(super) factory: Factory,
+    pub(super) exporting: Exporting,
     pub(super) requests: Requests,
     autosave: Autosave,
     autosaved: u64,
@@ -216,6 +218,7 @@ impl EditorState {
             pictures: Pictures::default(),
             comparison: Comparison::new(factory.clone(), wake.clone()),
             ladder: LadderWindow::default(),
+            exporting: Exporting::default(),
             factory,
             requests: Requests::default(),
             autosave: Autosave::new(&folders.state, AUTOSAVE_INTERVAL),
@@ -256,6 +259,7 @@ impl EditorState {
         self.show_dialog(&ctx, &mut actions);
         self.show_ladder(&ctx, &mut actions);
         prompts::show(&ctx, self, &mut actions);
+        self.show_sequence_dialog(&ctx, &mut actions);
         self.messages.show(&ctx, laid.status_height);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
@@ -320,6 +324,7 @@ impl EditorState {
         self.collect_bake();
         self.collect_pictures(ctx);
         self.collect_comparison(ctx);
+        self.collect_export();
         self.collect_changed_files();
         self.environments.collect(ctx);
     }

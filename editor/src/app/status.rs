@@ -8,11 +8,19 @@ use crate::jobs::render_thread::RenderedFrame;
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows the line.
-pub fn show(ui: &mut Ui, state: &EditorState) {
+pub fn show(ui: &mut Ui, state: &mut EditorState) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             figures(ui, state.pictures.shown().filter(|_| state.scene.shown().is_some()));
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| message(ui, state));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let running = state.exporting.is_running();
+                if running
+                    && ui.small_button("Cancel").on_hover_text("Stop the export; what is complete stays").clicked()
+                {
+                    state.cancel_export();
+                }
+                message(ui, state);
+            });
         });
     });
 }
@@ -20,7 +28,8 @@ pub fn show(ui: &mut Ui, state: &EditorState) {
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
     let remark = || state.messages.last_remark().map(str::to_owned);
-    let text = match opening.or_else(|| state.baking.line()).or_else(remark) {
+    let work = || state.exporting.line().or_else(|| state.baking.line());
+    let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
         None => match state.messages.last() {
             Some(entry) if entry.severity != Severity::Note => {

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod documents;
+mod export;
 mod kept;
 mod lights;
 mod window;

@@ -14,7 +14,10 @@ use lapidary_render::compare::{
     Metrics, compare,
     map::{ErrorMap, error_map},
 };
-use std::{path::PathBuf, slice};
+use std::{
+    path::{Path, PathBuf},
+    slice,
+};
 
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -23,6 +26,12 @@ pub struct CompareArgs {
     test: PathBuf,
     /// What it should be, of the same size
     reference: PathBuf,
+    /// Layer of the picture, if it is an exr file with layers [default: the picture itself, beauty]
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
+    /// Layer of the reference [default: the picture itself, beauty]
+    #[arg(long, value_name = "NAME")]
+    reference_layer: Option<String>,
     /// Write the metrics as JSON; infinity becomes null
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
@@ -90,7 +99,8 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
     args.json.iter().try_for_each(|path| check_folder(path))?;
     check_pictures(args.out.as_slice())?;
     warn_of_literal_bounds(args, console);
-    let (test, reference) = (Image::read(&args.test)?, Image::read(&args.reference)?);
+    let test = read(&args.test, args.layer.as_deref())?;
+    let reference = read(&args.reference, args.reference_layer.as_deref())?;
     let metrics = compare(&test, &reference)?;
     if metrics.non_finite_pixels > 0 {
         console.warning(format_args!("{} pixels are not finite and were left out", metrics.non_finite_pixels));
@@ -106,6 +116,13 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
     let exceeded = exceeded(args, &metrics);
     exceeded.iter().for_each(|text| eprintln!("out of bounds: {text}"));
     Ok(if exceeded.is_empty() { Outcome::Done } else { Outcome::OutOfBounds })
+}
+
+fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
+    Ok(match layer {
+        Some(name) => Image::read_layer(path, name)?,
+        None => Image::read(path)?,
+    })
 }
 
 /// The bounds of PSNR and SSIM read the wrong way round by many.

@@ -3,12 +3,13 @@
 mod report;
 mod sheet;
 
-use super::{bounces::strip, render::BrdfOption};
+use super::bounces::strip;
 use crate::{
     console::Console,
     options,
     outcome::Outcome,
     outputs::create_folder,
+    picture_args::BrdfOption,
     progress::StepProgress,
     view_args::{LocalLightArgs, Shot, ViewArgs},
 };

@@ -2,11 +2,11 @@
 
 use crate::{
     backend_option::BackendOption,
-    commands::render::BrdfOption,
     console::Console,
     ladder::{self, Ladder, Settings, Subject, Summary, climb},
     outcome::Outcome,
     outputs::create_folder,
+    picture_args::BrdfOption,
     progress::StepProgress,
     view_args::{LocalLightArgs, ViewArgs, warn_of_buried},
 };

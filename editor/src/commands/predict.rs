@@ -1,10 +1,10 @@
 //! `lapidary predict`: the error of a picture before any ray is traced, and how far that can be trusted.
 
-use super::render::BrdfOption;
 use crate::{
     console::Console,
     outcome::{Interrupted, Outcome},
     outputs::{check_folder, check_pictures},
+    picture_args::BrdfOption,
     progress::StepProgress,
     view_args::{LocalLightArgs, Shot, ViewArgs},
 };

@@ -1,37 +1,32 @@
 //! `lapidary render`: a picture by merged cuts.
 
 use crate::{
-    backend_option::BackendOption,
     console::Console,
+    export::{LayerList, Studio},
     outcome::Outcome,
-    outputs::{check_folder, check_pictures, write_pictures},
-    view_args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
-    whole_picture::{self, whole_picture},
+    outputs::{Finished, check_folder, check_pictures, is_exr, wanted_layers},
+    picture_args::PictureArgs,
+    view_args::{LocalLightArgs, ViewArgs, warn_of_buried},
 };
-use anyhow::Result;
-use clap::{Args, ValueEnum};
-use lapidary_core::image::Image;
+use anyhow::{Result, bail};
+use clap::Args;
 use lapidary_precompute::cli::write_json;
-use lapidary_render::{
-    Backend, Background, Baked, BrdfSampling, Components, LightRig, LocalRig, RenderStats, Renderer, Solution,
-};
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use lapidary_render::{Baked, RenderStats, Renderer};
+use std::path::PathBuf;
 
 /// Options of `render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
-    /// Most nodes of the illumination cut, 1 to 32768: more follow small lights more closely, and cost time
-    #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
-    illum_cut: u32,
-    /// How the BRDF is sampled
-    #[arg(long, value_enum, default_value_t)]
-    brdf: BrdfOption,
-    /// What computes
-    #[arg(long, value_enum, default_value_t)]
-    backend: BackendOption,
-    /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Picture to write: .exr or .hdr (scene-linear), .png (as displayed); may be given several times
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
+    /// Layers of exr files beside the picture, a comma list of environment, direct and indirect (parts of the light, which sum
+    /// to the picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes, merged-nodes and
+    /// brdf-evaluations (work), or all
+    #[arg(long, value_name = "LIST")]
+    layers: Option<LayerList>,
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -41,25 +36,6 @@ pub struct RenderArgs {
     view: ViewArgs,
 }
 
-/// How the BRDF is sampled, as an option.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum BrdfOption {
-    /// Halve nodes that are wider than the lobe can bear, during the merge
-    #[default]
-    Refine,
-    /// Once for each node of the merged cut, as in the paper
-    Once,
-}
-
-impl From<BrdfOption> for BrdfSampling {
-    fn from(option: BrdfOption) -> Self {
-        match option {
-            BrdfOption::Refine => Self::Refine,
-            BrdfOption::Once => Self::Once,
-        }
-    }
-}
-
 /// Renders and writes the picture.
 ///
 /// # Errors
@@ -67,12 +43,19 @@ impl From<BrdfOption> for BrdfSampling {
 pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.stats.iter().try_for_each(|path| check_folder(path))?;
+    if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
+        bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
+    }
     let shot = args.view.resolve(&args.local, console)?;
-    let bounces = shot.local.bounces_of(&shot.dataset)?;
-    let mut backend = args.backend.open()?;
-    let (image, coverage, stats) = render_on(&mut *backend, &shot, bounces, args, console)?;
-    let transparent = shot.view.background == Background::Transparent;
-    write_pictures(&image, transparent.then_some(coverage.as_slice()), &args.out)?;
+    let look = args.picture.look(&shot)?;
+    let layers = wanted_layers(args.layers.as_ref(), &look)?;
+    let baked = Baked::from(shot.dataset.clone());
+    let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
+    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
+    let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
+    studio.remarks().iter().for_each(|remark| console.warning(remark));
+    let stats = finished.taken.stats.clone();
+    finished.write(&look, &shot.dataset, &args.out)?;
     if let Some(path) = &args.stats {
         write_json(path, &stats)?;
     }
@@ -81,34 +64,6 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     }
     console.summary(summary(&args.out, shot.view.size, &stats))?;
     Ok(Outcome::Done)
-}
-
-/// The picture, its coverage, and how it was made.
-fn render_on(
-    backend: &mut dyn Backend,
-    shot: &Shot,
-    (components, solution): (Components, Solution),
-    args: &RenderArgs,
-    console: Console,
-) -> Result<(Image, Vec<f32>, RenderStats)> {
-    let baked = Baked::from(shot.dataset.clone());
-    backend.set_scene(&baked)?;
-    let mut rig = LightRig::new(&shot.dataset.tree);
-    let mut local = LocalRig::new(&baked);
-    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
-    let start = Instant::now();
-    let lighting = Arc::new(rig.lighting(&shot.light, args.illum_cut));
-    tell(backend.set_light(&shot.light, &lighting)?, console);
-    local.set_environment(Some(&lighting));
-    local.set_lights(&shot.local.lights.clone().into());
-    tell(backend.set_local_lighting(&local.lighting(components, solution, args.illum_cut))?, console);
-    let (image, coverage) = whole_picture(backend, &shot.view, args.brdf.into())?;
-    let stats = whole_picture::stats(backend, start.elapsed().as_secs_f64())?;
-    Ok((image, coverage, stats))
-}
-
-fn tell(remarks: Vec<String>, console: Console) {
-    remarks.iter().for_each(|remark| console.warning(remark));
 }
 
 fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {

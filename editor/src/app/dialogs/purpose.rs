@@ -64,6 +64,12 @@ impl Purpose {
                 let extensions = &["png", "exr", "hdr"];
                 purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", extensions)
             }
+            Action::ExportLayers(_) => {
+                purpose(FileUse::Picture, "Export the picture with layers", "Export", Mode::Save, "Pictures", &["exr"])
+            }
+            Action::SequenceFolder(_) => {
+                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", &[])
+            }
             Action::LoadTexture { .. } => {
                 purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", PICTURES)
             }
@@ -123,6 +129,8 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
         | Action::ChooseReference(path)
         | Action::SaveAs(path)
         | Action::ExportPicture(path)
+        | Action::ExportLayers(path)
+        | Action::SequenceFolder(path)
         | Action::LoadTexture { path, .. }
         | Action::LoadMaterial { path, .. }
         | Action::SaveMaterial { path, .. }

@@ -109,7 +109,7 @@ impl Worker {
     fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
         let picture = &request.picture;
         let renderer = renderer_of(&mut self.renderer, baked);
-        renderer.set_appearance(picture.appearance.clone());
+        renderer.set_appearance(picture.appearance.fitted(&baked.dataset.scene.materials).0);
         let hearing = Hearing::new(number, &self.control, &self.outbox);
         let (image, noise) = match request.kind {
             ReferenceKind::Paths { spp } => {

@@ -1,0 +1,178 @@
+//! Exporting sequences and layered pictures: the dialog, the job, and what is said about it.
+
+use super::{
+    requests::{illumination, shown_components, view_of},
+    sequence_dialog::{SequenceAnswer, SequenceDialog, duration},
+    state::EditorState,
+};
+use crate::{
+    actions::Action,
+    document::{Bounces, folder_of, lights::shines},
+    export::{LayerList, Look},
+    jobs::export::{ExportMessage, ExportRun, ExportTask},
+};
+use egui::Context;
+use lapidary_precompute::cli::error_text;
+use lapidary_render::Baked;
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+/// Why an export does not start while there is one.
+const UNDER_WAY: &str = "An export is under way; cancel it first";
+/// Why there is nothing to export.
+const NOTHING: &str = "There is nothing to export; open and bake a scene first";
+
+/// The export at work, and the dialog that describes the next.
+#[derive(Default)]
+pub struct Exporting {
+    run: Option<Run>,
+    dialog: Option<SequenceDialog>,
+}
+
+struct Run {
+    job: ExportRun,
+    since: Instant,
+    cancelling: bool,
+}
+
+impl Exporting {
+    /// Whether an export is at work.
+    pub fn is_running(&self) -> bool {
+        self.run.is_some()
+    }
+
+    /// One line about the export at work: how far it is, and how long it may take.
+    pub fn line(&self) -> Option<String> {
+        let run = self.run.as_ref()?;
+        let (done, total) = run.job.progress();
+        Some(match (run.cancelling, total) {
+            (true, _) => "Cancelling the export...".into(),
+            (false, 0 | 1) => "Exporting...".into(),
+            (false, total) => {
+                let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));
+                let left = run.since.elapsed().as_secs_f64() / done.max(1) as f64 * (total - done) as f64;
+                if done > 0 { format!("{frame}, about {} left", duration(left)) } else { frame }
+            }
+        })
+    }
+}
+
+impl EditorState {
+    /// Everything that decides the picture of the document, with what renders it; `None` while there is none.
+    fn look(&self) -> Option<(Look, Baked)> {
+        let (baked, environment) = (self.scene.shown()?, self.environments.loaded()?);
+        let document = &self.document;
+        let bounces = Bounces::of(&baked.dataset);
+        let mut components = shown_components(document, Some(baked));
+        components.indirect &= bounces.any();
+        let look = Look {
+            appearance: document.appearance(),
+            light: illumination(document, environment.clone()),
+            lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
+            components,
+            solution: bounces.closest_to(document.solution).unwrap_or_default(),
+            illum_cut: document.view.illum_cut,
+            sampling: document.view.sampling,
+            view: view_of(document, self.interface.viewport_size),
+            post: document.view.post,
+        };
+        Some((look, baked.clone()))
+    }
+
+    /// Opens the dialog for sequences.
+    pub(super) fn describe_sequence(&mut self) {
+        let Some((look, _)) = self.look() else { return self.messages.error(NOTHING) };
+        let document = &self.document;
+        let open = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let folder = open.map_or_else(|| PathBuf::from("."), folder_of);
+        self.exporting.dialog = Some(SequenceDialog::new(&look, &folder));
+    }
+
+    /// The folder that was chosen for the frames.
+    pub(super) fn choose_sequence_folder(&mut self, folder: &Path) {
+        if let Some(dialog) = &mut self.exporting.dialog {
+            dialog.folder = folder.display().to_string();
+        }
+    }
+
+    /// Shows the dialog, if it is open, and does what is answered.
+    pub(super) fn show_sequence_dialog(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+        if self.dialogs.is_open() {
+            return;
+        }
+        let Some(mut dialog) = self.exporting.dialog.take() else { return };
+        let Some((look, baked)) = self.look() else { return };
+        match dialog.show(ctx, &look, self.pixel_secs()) {
+            Some(SequenceAnswer::Cancel) => return,
+            Some(SequenceAnswer::ChooseFolder) => actions.push(Action::SequenceFolder(None)),
+            Some(SequenceAnswer::Export) => match self.begin_sequence(&dialog, &look, baked) {
+                Ok(()) => return,
+                Err(error) => dialog.problem = Some(error_text(&error)),
+            },
+            None => {}
+        }
+        self.exporting.dialog = Some(dialog);
+    }
+
+    /// How long a sample of a pixel takes, by the picture in the window.
+    fn pixel_secs(&self) -> Option<f64> {
+        let shown = self.pictures.shown()?;
+        let samples = f64::from(shown.size[0]) * f64::from(shown.size[1]) * f64::from(shown.samples);
+        (samples > 0.0 && shown.millis > 0.0).then(|| 1e-3 * shown.millis / samples)
+    }
+
+    fn begin_sequence(&mut self, dialog: &SequenceDialog, look: &Look, baked: Baked) -> anyhow::Result<()> {
+        if self.exporting.is_running() {
+            anyhow::bail!(UNDER_WAY);
+        }
+        let task = dialog.task(look)?;
+        let record = task.prepare(&baked.dataset)?;
+        self.start_export(ExportTask::Sequence { task, record }, baked);
+        Ok(())
+    }
+
+    /// Writes the picture with all layers that it has.
+    pub(super) fn export_layers(&mut self, path: PathBuf) {
+        if self.exporting.is_running() {
+            return self.messages.note(UNDER_WAY);
+        }
+        let Some((look, baked)) = self.look() else { return self.messages.error(NOTHING) };
+        match LayerList::All.of(&look) {
+            Ok(layers) => self.start_export(ExportTask::Layers { look: look.into(), layers, path }, baked),
+            Err(error) => self.messages.error(error_text(&error)),
+        }
+    }
+
+    fn start_export(&mut self, task: ExportTask, baked: Baked) {
+        let job = ExportRun::start(task, baked, self.factory.clone(), self.wake.clone());
+        self.exporting.run = Some(Run { job, since: Instant::now(), cancelling: false });
+    }
+
+    pub(super) fn cancel_export(&mut self) {
+        if let Some(run) = &mut self.exporting.run {
+            run.cancelling = true;
+            run.job.cancel();
+        }
+    }
+
+    pub(super) fn collect_export(&mut self) {
+        let Some(run) = &mut self.exporting.run else { return };
+        for message in run.job.messages() {
+            match message {
+                ExportMessage::Remark(text) => self.messages.warning(text),
+                ExportMessage::Done(text) | ExportMessage::Cancelled(text) => {
+                    self.exporting.run = None;
+                    self.messages.withdraw(UNDER_WAY);
+                    self.messages.note(text);
+                }
+                ExportMessage::Failed(text) => {
+                    self.exporting.run = None;
+                    self.messages.withdraw(UNDER_WAY);
+                    self.messages.error(format!("The export failed: {text}"));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Renders finished pictures of one scene, one look after another; of a look that follows another only what differs is done
+//! again. The live view has a renderer of its own (`jobs/render_thread`), which can be interrupted at any band of rows.
+
+use super::Look;
+use crate::{
+    outcome::Interrupted,
+    sheet::DisplayPicture,
+    whole_picture::{BAND_ROWS, stats},
+};
+use anyhow::{Result, bail};
+use lapidary_core::image::Image;
+use lapidary_render::{Backend, Baked, LightRig, LocalRig, RenderStats, Renderer, SceneLighting, SurfaceLayers, View};
+use std::{sync::Arc, time::Instant};
+
+/// A scene with what renders it.
+pub struct Studio {
+    backend: Box<dyn Backend>,
+    baked: Baked,
+    rig: LightRig,
+    local: LocalRig,
+    /// What the renderer has, and the environment's light in it.
+    last: Option<(Look, Arc<SceneLighting>)>,
+    /// What had to be done to make something fit, each once.
+    told: Vec<String>,
+    /// How many of them were taken.
+    taken: usize,
+}
+
+/// A finished picture.
+#[derive(Clone, Debug)]
+pub struct Taken {
+    /// Scene-linear radiance, or what the view's mode shows.
+    pub image: Image,
+    /// How much of each pixel is covered by surfaces, 0 to 1.
+    pub coverage: Vec<f32>,
+    /// As a display shows it.
+    pub shown: DisplayPicture,
+    /// How it was made.
+    pub stats: RenderStats,
+}
+
+impl Studio {
+    /// Gives the scene to the renderer; some tenths of a second, and more with surface sources.
+    ///
+    /// # Errors
+    /// A dataset larger than the adapter's limits.
+    pub fn new(mut backend: Box<dyn Backend>, baked: Baked) -> Result<Self> {
+        backend.set_scene(&baked)?;
+        let (rig, local) = (LightRig::new(&baked.dataset.tree), LocalRig::new(&baked));
+        Ok(Self { backend, baked, rig, local, last: None, told: Vec::new(), taken: 0 })
+    }
+
+    /// The scene.
+    pub fn baked(&self) -> &Baked {
+        &self.baked
+    }
+
+    /// Renders a picture.
+    ///
+    /// # Errors
+    /// A lost device, a picture beyond the adapter's limits, or [`Interrupted`] soon after `cancelled` says so.
+    pub fn take(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Taken> {
+        let start = Instant::now();
+        self.light(look)?;
+        self.backend.begin(&look.view, look.sampling)?;
+        let View { aa, size, .. } = look.view;
+        for sample in 0..aa {
+            for first in (0..size[1]).step_by(BAND_ROWS as usize) {
+                if cancelled() {
+                    bail!(Interrupted);
+                }
+                self.backend.render_rows(sample, first..size[1].min(first + BAND_ROWS))?;
+            }
+        }
+        let (image, coverage) = self.backend.read(aa)?;
+        let stats = stats(&mut *self.backend, start.elapsed().as_secs_f64())?;
+        let shown = DisplayPicture { size, pixels: self.backend.display(&look.post, aa)? };
+        Ok(Taken { image, coverage, shown, stats })
+    }
+
+    /// What the surfaces of a look are, without light.
+    pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
+        let mut renderer = Renderer::new(self.baked.clone());
+        renderer.set_appearance(look.appearance.fitted(&self.baked.dataset.scene.materials).0);
+        renderer.surface_layers(&look.view)
+    }
+
+    /// What had to be done to make something fit since the last call, in sentences; none is told twice.
+    pub fn remarks(&mut self) -> Vec<String> {
+        let new = self.told[self.taken..].to_vec();
+        self.taken = self.told.len();
+        new
+    }
+
+    /// Gives the renderer materials and light, as far as they differ from those it has.
+    fn light(&mut self, look: &Look) -> Result<()> {
+        let last = self.last.take();
+        if !last.as_ref().is_some_and(|(known, _)| known.same_appearance(look)) {
+            let remarks = self.backend.set_appearance(&look.appearance)?;
+            self.tell(remarks);
+            self.local.set_appearance(&look.appearance);
+        }
+        let lighting = match last {
+            Some((known, lighting)) if known.same_environment(look) => lighting,
+            _ => {
+                let lighting = Arc::new(self.rig.lighting(&look.light, look.illum_cut));
+                let remarks = self.backend.set_light(&look.light, &lighting)?;
+                self.tell(remarks);
+                lighting
+            }
+        };
+        self.local.set_environment(Some(&lighting));
+        self.local.set_lights(&look.lights);
+        let local = self.local.lighting(look.components, look.solution, look.illum_cut);
+        let remarks = self.backend.set_local_lighting(&local)?;
+        self.tell(remarks);
+        self.last = Some((look.clone(), lighting));
+        Ok(())
+    }
+
+    fn tell(&mut self, remarks: Vec<String>) {
+        let new = remarks.into_iter().filter(|remark| !self.told.contains(remark)).collect::<Vec<_>>();
+        self.told.extend(new);
+    }
+}

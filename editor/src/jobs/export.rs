@@ -1,0 +1,165 @@
+//! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
+
+use super::{Wake, guarded, render_thread::Factory, spawn};
+use crate::{
+    export::{LayerKind, Look, Studio},
+    outcome::Interrupted,
+    outputs::Finished,
+    sequence::{Record, SequenceEnd, SequenceTask},
+};
+use anyhow::Result;
+use lapidary_render::{Baked, Progress};
+use std::{
+    path::PathBuf,
+    slice,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+        mpsc::{Receiver, Sender, channel},
+    },
+};
+
+/// What to export.
+pub enum ExportTask {
+    /// An image sequence that was prepared.
+    Sequence {
+        /// What it is.
+        task: SequenceTask,
+        /// What [`SequenceTask::prepare`] gave.
+        record: Record,
+    },
+    /// A picture with its layers.
+    Layers {
+        /// What decides it.
+        look: Box<Look>,
+        /// Which layers.
+        layers: Vec<LayerKind>,
+        /// The exr file.
+        path: PathBuf,
+    },
+}
+
+/// What happened in an export. The last three end it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ExportMessage {
+    /// What had to be done to make something fit.
+    Remark(String),
+    /// All was written, in words.
+    Done(String),
+    /// It was cancelled; what is there, in words.
+    Cancelled(String),
+    /// Why it ended.
+    Failed(String),
+}
+
+/// An export at work. Dropping it cancels.
+pub struct ExportRun {
+    messages: Receiver<ExportMessage>,
+    state: Arc<State>,
+}
+
+/// What the window and the worker share.
+struct State {
+    done: AtomicU64,
+    total: AtomicU64,
+    cancel: AtomicBool,
+    wake: Wake,
+}
+
+impl Progress for State {
+    fn advanced(&self, done: u64, total: u64) {
+        self.done.store(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+        (self.wake)();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+}
+
+impl ExportRun {
+    /// Starts an export of a scene.
+    pub fn start(task: ExportTask, baked: Baked, factory: Factory, wake: Wake) -> Self {
+        let (sender, messages) = channel();
+        let (done, total, cancel) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(false));
+        let state = Arc::new(State { done, total, cancel, wake });
+        let theirs = state.clone();
+        spawn("export", move || {
+            let end = guarded("the export", || run(task, baked, &factory, &theirs, &sender));
+            // Nobody is left to tell if the window is gone.
+            let _ = sender.send(end.unwrap_or_else(ExportMessage::Failed));
+            (theirs.wake)();
+        });
+        Self { messages, state }
+    }
+
+    /// What happened since the last call.
+    pub fn messages(&mut self) -> Vec<ExportMessage> {
+        self.messages.try_iter().collect()
+    }
+
+    /// Pictures that are done, and all of them; 0 before it is known.
+    pub fn progress(&self) -> (u64, u64) {
+        (self.state.done.load(Ordering::Relaxed), self.state.total.load(Ordering::Relaxed))
+    }
+
+    /// Asks it to stop; [`ExportMessage::Cancelled`] follows when it has.
+    pub fn cancel(&self) {
+        self.state.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for ExportRun {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+fn run(
+    task: ExportTask,
+    baked: Baked,
+    factory: &Factory,
+    state: &State,
+    sender: &Sender<ExportMessage>,
+) -> Result<ExportMessage> {
+    let backend = factory()?;
+    let mut studio = Studio::new(backend, baked)?;
+    let end = match task {
+        ExportTask::Sequence { task, record } => sequence(&task, record, &mut studio, state),
+        ExportTask::Layers { look, layers, path } => picture(&look, &layers, path, &mut studio, state),
+    };
+    for remark in studio.remarks() {
+        let _ = sender.send(ExportMessage::Remark(remark));
+    }
+    end
+}
+
+fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &State) -> Result<ExportMessage> {
+    let SequenceEnd { rendered, kept, cancelled } = task.run(record, studio, state)?;
+    let (there, all, place) = (rendered + kept, task.frames.len(), task.record_path());
+    Ok(if cancelled {
+        ExportMessage::Cancelled(format!("Export cancelled: {there} of {all} frames are there ({})", place.display()))
+    } else {
+        ExportMessage::Done(format!("Sequence written: {there} frames ({})", place.display()))
+    })
+}
+
+fn picture(
+    look: &Look,
+    layers: &[LayerKind],
+    path: PathBuf,
+    studio: &mut Studio,
+    state: &State,
+) -> Result<ExportMessage> {
+    state.advanced(0, 1);
+    match Finished::take(studio, look, layers, &|| state.cancelled()) {
+        Err(error) if error.is::<Interrupted>() => {
+            Ok(ExportMessage::Cancelled("Export cancelled: no file was written".into()))
+        }
+        finished => {
+            finished?.write(look, &studio.baked().dataset, slice::from_ref(&path))?;
+            Ok(ExportMessage::Done(format!("Picture with {} layers written ({})", layers.len(), path.display())))
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! `export` from end to end, without Mitsuba: files, options, bad input.
+
+mod common;
+
+use common::Stage;
+use lapidary_core::{image::Image, import::import};
+use std::{fs, path::Path};
+
+fn scene_xml(stage: &Stage) -> String {
+    fs::read_to_string(stage.path("m/scene.xml")).expect("a scene")
+}
+
+/// Every element that is opened is closed, in order.
+fn assert_well_formed(text: &str) {
+    let mut open = Vec::new();
+    for tag in text.split('<').skip(1).map(|rest| rest.split('>').next().expect("an end")) {
+        let name = tag.trim_start_matches('/').split_whitespace().next().expect("a name").trim_end_matches('/');
+        match tag {
+            _ if tag.starts_with('?') || tag.ends_with('/') => {}
+            _ if tag.starts_with('/') => assert_eq!(open.pop(), Some(name), "{text}"),
+            _ => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "{open:?}: {text}");
+}
+
+fn triangles(path: &Path) -> usize {
+    import(path).expect("a mesh").scene.mesh.triangles.len()
+}
+
+#[test]
+fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    let said = stage.succeed("export a.cuts --env studio --rotate 30 --intensity 2 --size 40x30 --mitsuba m");
+    let mesh = stage.dataset("a.cuts").scene.mesh;
+    assert!(said.contains(&format!("{} triangles", mesh.triangles.len())), "{said}");
+    for name in ["scene.xml", "materials.xml", "materials-exact.xml"] {
+        assert_well_formed(&fs::read_to_string(stage.path(&format!("m/{name}"))).expect("a file"));
+    }
+    let scene = scene_xml(&stage);
+    for part in [
+        "envmap",
+        "\"scale\" value=\"2\"",
+        "value=\"40\"",
+        "\"max_depth\" value=\"2\"",
+        "\"hide_emitters\" value=\"false\"",
+    ] {
+        assert!(scene.contains(part), "{part}: {scene}");
+    }
+    let meshes: Vec<_> =
+        fs::read_dir(stage.path("m/meshes")).expect("meshes").map(|e| e.expect("one").path()).collect();
+    assert_eq!(meshes.iter().map(|path| triangles(path)).sum::<usize>(), mesh.triangles.len());
+    assert!(Image::read(&stage.path("m/environment.exr")).is_ok());
+}
+
+#[test]
+fn lights_bounces_and_background_follow_the_options() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    stage.write(
+        "lamps.json",
+        r#"{"lights": [
+            {"kind": "point", "position": [0, 3, 0], "intensity": [1, 2, 3]},
+            {"kind": "spot", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1], "cone_degrees": 30, "penumbra_degrees": 5},
+            {"kind": "directional", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1]},
+            {"kind": "rectangle", "position": [0, 3, 0], "target": [0, 0, 0], "intensity": [1, 1, 1], "width": 1, "height": 1},
+            {"kind": "point", "position": [9, 9, 9], "intensity": [0, 0, 0]}
+        ]}"#
+            .into(),
+    );
+    let output = stage.run("export a.cuts --lights lamps.json --bounces 3 --background black --mitsuba m");
+    let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && warnings.contains("penumbra") && warnings.contains("rectangular"), "{warnings}");
+    let scene = scene_xml(&stage);
+    assert_well_formed(&scene);
+    for (part, count) in
+        [("type=\"point\"", 1), ("type=\"spot\"", 1), ("type=\"directional\"", 1), ("type=\"area\"", 1), ("envmap", 0)]
+    {
+        assert_eq!(scene.matches(part).count(), count, "{part}");
+    }
+    assert!(scene.contains("\"max_depth\" value=\"5\"") && scene.contains("\"hide_emitters\" value=\"true\""));
+}
+
+#[test]
+fn what_cannot_be_exported_is_told_before_anything_is_written() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "");
+    stage.write("file", String::new());
+    for (options, words) in [
+        ("--env studio --mitsuba file/below", "cannot create the folder"),
+        ("--env none --lights none --mitsuba m", "no light"),
+        ("--env studio --components indirect --mitsuba m", "environment and direct"),
+        ("--env studio --camera nobody --mitsuba m", "nobody"),
+    ] {
+        let message = stage.fail(&format!("export a.cuts {options}"));
+        assert!(message.contains(words), "{options}: {message}");
+    }
+    assert!(!stage.path("m/scene.xml").exists());
+    assert!(stage.fail("reference a.cuts --seed 1 --out a.exr").contains("--kind path"));
+}
