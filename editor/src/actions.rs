@@ -115,6 +115,8 @@ pub enum Action {
     ChooseReference(Option<PathBuf>),
     /// Hold the tracing of the reference, or go on.
     PauseReference(bool),
+    /// Explain a pixel of the live picture, by its column and row.
+    ExplainPixel([u32; 2]),
     /// Try sizes of the illumination cut on the picture, against a reference.
     StartLadder,
     /// Most nodes of the illumination cut from now on.

@@ -7,6 +7,7 @@ mod dialogs;
 mod documents;
 mod drops;
 mod environments;
+mod explain;
 mod export;
 mod files;
 mod first_view;

@@ -7,7 +7,9 @@
 pub mod bake;
 pub mod budget;
 pub mod comparison;
+pub mod explain;
 pub mod export;
+mod hearing;
 mod imported;
 pub mod ladder;
 pub mod load;

@@ -164,7 +164,8 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
     paint::picture(ui, rect, state, context);
     let view = context.compared.as_ref().map(|compared| compared.view);
     if let Some(compared) = &context.compared {
-        compare::paint(ui, rect, context.picture.map(|texture| (texture, context.picture_size)), compared);
+        let camera = &context.document.camera;
+        compare::paint(ui, rect, camera, context.picture.map(|texture| (texture, context.picture_size)), compared);
     }
     if let Some(text) = context.placeholder {
         paint::placeholder(ui, rect, text);

@@ -97,6 +97,8 @@ impl Comparison {
             labels,
             region: panel.region,
             accent,
+            explained: None,
+            marks: Vec::new(),
         }
     }
 

@@ -22,7 +22,7 @@ use crate::{
         scene::{self, SceneContext, ScenePanel},
         view::{self, ViewContext},
     },
-    viewport::{self, ViewportContext, ViewportResponse, ViewportState},
+    viewport::{self, ViewportContext, ViewportResponse, ViewportState, compare::Compared},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_render::Baked;
@@ -310,7 +310,12 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;
     let compares = panel.open && shown.is_some();
-    let compared = compares.then(|| state.comparison.compared(panel, state.document.view.illum_cut, accent));
+    let size_px = state.interface.viewport_size;
+    let compared = compares.then(|| Compared {
+        explained: state.explain.pixel().map(|pixel| pixel_share(pixel, size_px)),
+        marks: state.explain.marks(),
+        ..state.comparison.compared(panel, state.document.view.illum_cut, accent)
+    });
     let context = ViewportContext {
         document: &state.document,
         picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
@@ -336,10 +341,22 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     };
     let response = viewport::show(ui, &mut state.interface.viewport, &context, actions);
     if compares {
-        viewport::compare::interact(ui, response.rect, &mut state.interface.comparison);
+        let asked = viewport::compare::interact(ui, response.rect, &mut state.interface.comparison);
+        actions.extend(asked.map(|share| Action::ExplainPixel(pixel_at(share, response.size_px))));
     }
     if state.scene.shown().is_none() {
         notice::show(ui, response.rect, state, actions);
     }
     response
+}
+
+/// The pixel at a share of the width and height of a picture.
+fn pixel_at([x, y]: [f32; 2], [width, height]: [u32; 2]) -> [u32; 2] {
+    let pixel = |share: f32, side: u32| ((share * side as f32) as u32).min(side.saturating_sub(1));
+    [pixel(x, width), pixel(y, height)]
+}
+
+/// Where the middle of a pixel is.
+fn pixel_share([x, y]: [u32; 2], [width, height]: [u32; 2]) -> [f32; 2] {
+    [(x as f32 + 0.5) / width.max(1) as f32, (y as f32 + 0.5) / height.max(1) as f32]
 }

@@ -60,6 +60,7 @@ impl EditorState {
             Action::Relink(Some(folder)) => self.relink(folder),
             Action::ChooseReference(Some(path)) => self.choose_reference(path),
             Action::PauseReference(paused) => self.comparison.pause(paused),
+            Action::ExplainPixel(pixel) => self.explain_pixel(pixel),
             Action::StartLadder => self.start_ladder(),
             Action::UseIllumCut(size) => self.use_illum_cut(size),
             Action::ToggleComparison => self.toggle_comparison(),

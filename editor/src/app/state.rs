@@ -5,6 +5,7 @@ use super::{
     comparison::Comparison,
     dialogs::FileDialogs,
     environments::Environments,
+    explain::ExplainWindow,
     export::Exporting,
     first_view::FirstView,
     ladder::LadderWindow,
@@ -167,6 +168,7 @@ pub struct EditorState {
     pub(super) pictures: Pictures,
     pub(super) comparison: Comparison,
     pub(super) ladder: LadderWindow,
+    pub(super) explain: ExplainWindow,
     /// Makes renderers, for jobs that need one of their own.
     pub(super) factory: Factory,
     pub(super) exporting: Exporting,
@@ -218,6 +220,7 @@ impl EditorState {
             pictures: Pictures::default(),
             comparison: Comparison::new(factory.clone(), wake.clone()),
             ladder: LadderWindow::default(),
+            explain: ExplainWindow::default(),
             exporting: Exporting::default(),
             factory,
             requests: Requests::default(),
@@ -258,6 +261,7 @@ impl EditorState {
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
         self.show_ladder(&ctx, &mut actions);
+        self.show_explanation(&ctx);
         prompts::show(&ctx, self, &mut actions);
         self.show_sequence_dialog(&ctx, &mut actions);
         self.messages.show(&ctx, laid.status_height);

@@ -6,6 +6,7 @@ mod sheet;
 use super::bounces::strip;
 use crate::{
     console::Console,
+    jobs::explain::Lit,
     options,
     outcome::Outcome,
     outputs::create_folder,
@@ -21,8 +22,7 @@ use lapidary_precompute::{
     cli::{ProgressReporter, ProgressStyle, write_json},
 };
 use lapidary_render::{
-    Baked, Components, CutLight, ErrorSplit, LocalRig, PixelExplanation, Region, Renderer, SceneLighting, Solution,
-    SourceLighting, SplitJob,
+    Baked, Components, CutLight, ErrorSplit, LocalRig, PixelExplanation, Region, Renderer, Solution, SplitJob,
 };
 use serde::Serialize;
 use std::{path::PathBuf, sync::Arc};
@@ -127,21 +127,6 @@ fn region_of(args: &ExplainArgs, shot: &Shot) -> Result<Option<Region>> {
         (None, Some(pixel)) if pixel[0] < size[0] && pixel[1] < size[1] => Some(Region::around(pixel, AROUND, size)),
         (None, _) => Some(Region::whole(size)),
     })
-}
-
-/// Owner of the light that is explained.
-enum Lit {
-    Environment(Box<SceneLighting>),
-    Sources(Arc<SourceLighting>),
-}
-
-impl Lit {
-    fn light(&self) -> CutLight<'_> {
-        match self {
-            Self::Environment(lighting) => CutLight::Environment(lighting),
-            Self::Sources(lighting) => CutLight::Sources(lighting),
-        }
-    }
 }
 
 struct Stage<'a> {

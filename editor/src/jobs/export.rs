@@ -1,6 +1,6 @@
 //! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
 
-use super::{Wake, guarded, render_thread::Factory, spawn};
+use super::{Wake, guarded, hearing::Hearing, render_thread::Factory, spawn};
 use crate::{
     export::{LayerKind, Look, Studio},
     outcome::Interrupted,
@@ -14,7 +14,6 @@ use std::{
     slice,
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU64, Ordering},
         mpsc::{Receiver, Sender, channel},
     },
 };
@@ -55,43 +54,22 @@ pub enum ExportMessage {
 /// An export at work. Dropping it cancels.
 pub struct ExportRun {
     messages: Receiver<ExportMessage>,
-    state: Arc<State>,
-}
-
-/// What the window and the worker share.
-struct State {
-    done: AtomicU64,
-    total: AtomicU64,
-    cancel: AtomicBool,
-    wake: Wake,
-}
-
-impl Progress for State {
-    fn advanced(&self, done: u64, total: u64) {
-        self.done.store(done, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
-        (self.wake)();
-    }
-
-    fn cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
-    }
+    hearing: Arc<Hearing>,
 }
 
 impl ExportRun {
     /// Starts an export of a scene.
     pub fn start(task: ExportTask, baked: Baked, factory: Factory, wake: Wake) -> Self {
         let (sender, messages) = channel();
-        let (done, total, cancel) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(false));
-        let state = Arc::new(State { done, total, cancel, wake });
-        let theirs = state.clone();
+        let hearing = Arc::new(Hearing::new(wake));
+        let theirs = hearing.clone();
         spawn("export", move || {
             let end = guarded("the export", || run(task, baked, &factory, &theirs, &sender));
             // Nobody is left to tell if the window is gone.
             let _ = sender.send(end.unwrap_or_else(ExportMessage::Failed));
-            (theirs.wake)();
+            theirs.wake();
         });
-        Self { messages, state }
+        Self { messages, hearing }
     }
 
     /// What happened since the last call.
@@ -101,12 +79,12 @@ impl ExportRun {
 
     /// Pictures that are done, and all of them; 0 before it is known.
     pub fn progress(&self) -> (u64, u64) {
-        (self.state.done.load(Ordering::Relaxed), self.state.total.load(Ordering::Relaxed))
+        self.hearing.counts()
     }
 
     /// Asks it to stop; [`ExportMessage::Cancelled`] follows when it has.
     pub fn cancel(&self) {
-        self.state.cancel.store(true, Ordering::Relaxed);
+        self.hearing.cancel();
     }
 }
 
@@ -120,7 +98,7 @@ fn run(
     task: ExportTask,
     baked: Baked,
     factory: &Factory,
-    state: &State,
+    state: &Hearing,
     sender: &Sender<ExportMessage>,
 ) -> Result<ExportMessage> {
     let backend = factory()?;
@@ -135,7 +113,7 @@ fn run(
     end
 }
 
-fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &State) -> Result<ExportMessage> {
+fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &Hearing) -> Result<ExportMessage> {
     let SequenceEnd { rendered, kept, cancelled } = task.run(record, studio, state)?;
     let (there, all, place) = (rendered + kept, task.frames.len(), task.record_path());
     Ok(if cancelled {
@@ -150,7 +128,7 @@ fn picture(
     layers: &[LayerKind],
     path: PathBuf,
     studio: &mut Studio,
-    state: &State,
+    state: &Hearing,
 ) -> Result<ExportMessage> {
     state.advanced(0, 1);
     match Finished::take(studio, look, layers, &|| state.cancelled()) {

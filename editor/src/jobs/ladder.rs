@@ -2,17 +2,17 @@
 
 use super::{
     Wake, guarded,
+    hearing::Hearing,
     measure::{ShownPixels, shown},
     render_thread::{Factory, RenderRequest},
     spawn,
 };
 use crate::ladder::{Found, SIZES, Settings, Step, Subject, climb};
 use anyhow::{Context as _, Result};
-use lapidary_render::{Post, Progress, View, ViewMode, compare::Metrics};
+use lapidary_render::{Post, View, ViewMode, compare::Metrics};
 use std::{
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU64, Ordering::SeqCst},
         mpsc::{Receiver, Sender, channel},
     },
     thread::available_parallelism,
@@ -85,7 +85,7 @@ impl LadderJob {
     /// Climbs the sizes for the live picture, in a size of its own.
     pub fn start(factory: Factory, picture: RenderRequest, wake: Wake) -> Self {
         let (sender, events) = channel();
-        let hearing = Arc::new(Hearing { wake, cancelled: false.into(), done: 0.into(), total: 0.into() });
+        let hearing = Arc::new(Hearing::new(wake));
         let shared = hearing.clone();
         spawn("ladder", move || {
             let ended = guarded("the ladder", || climbed(&factory, &picture, &sender, &shared));
@@ -101,45 +101,20 @@ impl LadderJob {
 
     /// Share of the reference that is traced.
     pub fn progress(&self) -> f32 {
-        let total = self.hearing.total.load(SeqCst);
-        if total == 0 { 0.0 } else { self.hearing.done.load(SeqCst) as f32 / total as f32 }
+        self.hearing.share()
     }
 }
 
 impl Drop for LadderJob {
     fn drop(&mut self) {
-        self.hearing.cancelled.store(true, SeqCst);
-    }
-}
-
-/// Passes on how far the reference is, and that the window has gone.
-struct Hearing {
-    wake: Wake,
-    cancelled: AtomicBool,
-    done: AtomicU64,
-    total: AtomicU64,
-}
-
-impl Progress for Hearing {
-    fn advanced(&self, done: u64, total: u64) {
-        self.done.store(done, SeqCst);
-        self.total.store(total, SeqCst);
-        (self.wake)();
-    }
-
-    fn cancelled(&self) -> bool {
-        self.cancelled.load(SeqCst)
-    }
-
-    fn abandoned(&self) -> bool {
-        self.cancelled()
+        self.hearing.cancel();
     }
 }
 
 fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
     // Nobody is left to tell if the window is gone.
     let _ = sender.send(event);
-    (hearing.wake)();
+    hearing.wake();
 }
 
 fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEvent>, hearing: &Hearing) -> Result<()> {

@@ -65,6 +65,8 @@ impl CompareView {
 pub enum Tool {
     /// A drag draws the region; it began there, in shares of the viewport.
     Region(Option<[f32; 2]>),
+    /// A click explains the pixel.
+    Why,
 }
 
 /// What the strip remembers.
@@ -197,6 +199,11 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         let help = "Pictures at growing sizes of the light cut beside a reference: which is enough for this shot";
         if ui.button("Cut sizes...").on_hover_text(help).clicked() {
             actions.push(Action::StartLadder);
+        }
+        let asking = panel.tool == Some(Tool::Why);
+        let help = "Click a pixel in the viewport: its cuts, nodes and light, and what its error comes from";
+        if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
+            panel.tool = if asking { None } else { Some(Tool::Why) };
         }
         if ui.button("Close").on_hover_text("Ends the comparison (C)").clicked() {
             panel.open = false;

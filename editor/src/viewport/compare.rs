@@ -1,12 +1,14 @@
 //! The reference beside or over the picture, the map of errors, and the pointer's part in it: the line between both is
 //! dragged, and so is the region that counts.
 
-use super::{legend, paint::cover};
+use super::{gizmo::Projection, legend, paint::cover};
 use crate::panels::comparison::{CompareView, ComparisonPanel, Tool};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Key, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2,
     pos2, vec2,
 };
+use glam::Vec3;
+use lapidary_core::camera::Camera;
 use lapidary_render::compare::map::ErrorField;
 
 /// Points around the line between both that take hold of it.
@@ -15,8 +17,21 @@ const LINE: Stroke = Stroke { width: 1.5, color: Color32::from_gray(235) };
 /// Distance of labels from edges and the line, and room in them.
 const MARGIN: f32 = 10.0;
 const PADDING: Vec2 = vec2(7.0, 3.0);
+/// Half the size of the cross on a pixel in points.
+const CROSS: f32 = 7.0;
 /// Least side of a region in points: a click is none.
 const LEAST_REGION: f32 = 6.0;
+
+/// A node of the explained pixel that has a place in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeMark {
+    /// Middle of its sources, in metres.
+    pub center: Vec3,
+    /// Its contribution over that of the largest.
+    pub share: f32,
+    /// Whether the pointer is on it in the table.
+    pub hovered: bool,
+}
 
 /// What there is to compare with.
 pub struct Compared<'a> {
@@ -36,10 +51,14 @@ pub struct Compared<'a> {
     pub region: Option<[f32; 4]>,
     /// Colour of its outline.
     pub accent: Color32,
+    /// The middle of the pixel that is explained, in shares of the viewport.
+    pub explained: Option<[f32; 2]>,
+    /// Where its light comes from.
+    pub marks: Vec<NodeMark>,
 }
 
 /// Paints over the picture, which is there already.
-pub fn paint(ui: &Ui, rect: Rect, picture: Option<(TextureId, [u32; 2])>, compared: &Compared) {
+pub fn paint(ui: &Ui, rect: Rect, camera: &Camera, picture: Option<(TextureId, [u32; 2])>, compared: &Compared) {
     let painter = ui.painter_at(rect);
     match (compared.view, compared.reference) {
         (CompareView::Reference, Some(reference)) => {
@@ -57,6 +76,9 @@ pub fn paint(ui: &Ui, rect: Rect, picture: Option<(TextureId, [u32; 2])>, compar
     if let Some(region) = compared.region.filter(|_| compared.view != CompareView::SideBySide) {
         let outline = Stroke::new(1.5, compared.accent);
         painter.rect_stroke(part_of(rect, region), 0.0, outline, StrokeKind::Outside);
+    }
+    if compared.view != CompareView::SideBySide {
+        explained(&painter, rect, camera, compared);
     }
 }
 
@@ -97,6 +119,23 @@ fn difference(painter: &Painter, rect: Rect, compared: &Compared) {
     label(painter, rect.center_top(), Align2::CENTER_TOP, &format!("{}; {}", compared.labels[0], compared.labels[1]));
 }
 
+/// A cross at the pixel that is explained, and discs where its light comes from, larger for more of it.
+fn explained(painter: &Painter, rect: Rect, camera: &Camera, compared: &Compared) {
+    let projection = Projection::new(camera, rect);
+    for mark in &compared.marks {
+        let Some(at) = projection.point(mark.center) else { continue };
+        let color = if mark.hovered { Color32::WHITE } else { compared.accent };
+        painter.circle(at, 2.0 + 7.0 * mark.share.sqrt(), color.gamma_multiply(0.35), Stroke::new(1.0, color));
+    }
+    if let Some([x, y]) = compared.explained {
+        let at = rect.min + vec2(x, y) * rect.size();
+        for (width, color) in [(3.0, Color32::BLACK), (1.0, Color32::WHITE)] {
+            painter.hline(at.x - CROSS..=at.x + CROSS, at.y, Stroke::new(width, color));
+            painter.vline(at.x, at.y - CROSS..=at.y + CROSS, Stroke::new(width, color));
+        }
+    }
+}
+
 fn part_of(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
     let at = |x: f32, y: f32| rect.min + vec2(x, y) * rect.size();
     Rect::from_min_max(at(left, top), at(right, bottom))
@@ -114,16 +153,30 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     painter.galley(ground.min + PADDING, galley, Color32::WHITE);
 }
 
-/// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`.
-pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {
+/// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`. Returns a pixel that is to be
+/// explained, in shares of the viewport.
+pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
     panel.flicker = ui.input(|i| i.key_down(Key::R) && i.modifiers.is_none()) && !ui.ctx().text_edit_focused();
     match (panel.tool, panel.shown_view()) {
         (Some(Tool::Region(start)), _) => draw_region(ui, rect, panel, start),
+        (Some(Tool::Why), CompareView::SideBySide) => panel.view = CompareView::Swipe,
+        (Some(Tool::Why), _) => return asked_pixel(ui, rect, panel),
         (None, CompareView::Swipe) => drag_line(ui, rect, panel),
         // What is clicked is not where the picture alone would have it.
         (None, CompareView::SideBySide) => drop(ui.interact(rect, ui.scope_id().with("both"), Sense::click())),
         (None, _) => {}
     }
+    None
+}
+
+/// Where a click asks why.
+fn asked_pixel(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
+    let response = ui.interact(rect, ui.scope_id().with("why"), Sense::click()).on_hover_cursor(CursorIcon::Help);
+    if ui.input(|i| i.key_pressed(Key::Escape)) {
+        panel.tool = None;
+    }
+    let at = response.interact_pointer_pos().filter(|_| response.clicked())?;
+    Some(((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into())
 }
 
 fn drag_line(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {

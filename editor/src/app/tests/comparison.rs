@@ -160,3 +160,25 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     window.perform(Action::Undo);
     assert_eq!(window.0.state().document.view.illum_cut, 256);
 }
+
+#[test]
+fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_causes() {
+    let place = Place::new();
+    let mut window = comparing(&place);
+    window.click("Why?");
+    let rect = window.0.state().interface.viewport_rect;
+    let click = |window: &mut Window, at| {
+        window.0.drag_at(at);
+        window.0.run_steps(1);
+        window.0.drop_at(at);
+        window.0.run_steps(2);
+    };
+    click(&mut window, rect.center());
+    window.wait("the explanation", |s| s.explain.has_nodes());
+    assert!(window.shows("Merged cut") && window.shows("Vertex"));
+    window.click("Split the error");
+    window.wait("the causes", |s| s.explain.causes() > 3);
+    click(&mut window, rect.left_top() + vec2(4.0, 4.0));
+    window.wait("the reason", |s| s.explain.message().is_some());
+    assert!(window.shows("shows the background"), "there is no cut to explain");
+}

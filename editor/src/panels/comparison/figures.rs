@@ -67,7 +67,7 @@ fn options(ui: &mut Ui, panel: &mut ComparisonPanel, metrics: &Metrics) {
     ui.horizontal(|ui| {
         ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
             .on_hover_text("Background counts as equal, so that it hides no error");
-        let drawing = panel.tool.is_some();
+        let drawing = matches!(panel.tool, Some(Tool::Region(_)));
         let help = "Drag a rectangle in the viewport: only it is traced and measured";
         if ui.selectable_label(drawing, "Region").on_hover_text(help).clicked() {
             panel.tool = if drawing { None } else { Some(Tool::Region(None)) };

@@ -1,0 +1,178 @@
+//! Why is this pixel wrong? A click in the viewport explains it, in a window of its own.
+
+use super::state::EditorState;
+use crate::{
+    jobs::explain::{ExplainJob, ExplainSubject, Explained, Lit},
+    panels::explain::{self, ExplainContext, ExplainPanel, ExplainRequest},
+    viewport::compare::NodeMark,
+};
+use egui::{Context, ScrollArea, Window};
+use lapidary_core::image::Region;
+use lapidary_render::{ErrorSplit, TreeOf};
+
+/// Size of the window in points at first.
+const SIZE: egui::Vec2 = egui::vec2(380.0, 640.0);
+/// Side in pixels of the square around the pixel whose error is split, where no region was drawn.
+const AROUND: u32 = 48;
+/// Nodes that are drawn over the picture: those with the largest contributions.
+const DRAWN: usize = 64;
+
+/// What is explained, and what is on its way.
+#[derive(Default)]
+pub struct ExplainWindow {
+    panel: ExplainPanel,
+    open: bool,
+    pixel: Option<[u32; 2]>,
+    /// Which light, where there are both.
+    tree: Option<TreeOf>,
+    job: Option<ExplainJob<Explained>>,
+    splitting: Option<ExplainJob<Option<ErrorSplit>>>,
+    explained: Option<Explained>,
+    split: Option<ErrorSplit>,
+    message: Option<String>,
+}
+
+impl ExplainWindow {
+    /// The pixel that is explained, for a mark in the viewport.
+    pub fn pixel(&self) -> Option<[u32; 2]> {
+        self.pixel.filter(|_| self.open)
+    }
+
+    /// Where the light of the pixel comes from on surfaces.
+    pub fn marks(&self) -> Vec<NodeMark> {
+        let Some(Explained { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
+            return Vec::new();
+        };
+        let contribution = |i: usize| lapidary_core::color::luminance(explanation.nodes[i].contribution);
+        let order = explanation.by_contribution();
+        let largest = order.first().map_or(1.0, |&i| contribution(i)).max(f32::MIN_POSITIVE);
+        let hovered = self.panel.hovered_node();
+        let mark = |&i: &usize| {
+            let center = explanation.nodes[i].center?;
+            Some(NodeMark { center, share: contribution(i) / largest, hovered: hovered == Some(i) })
+        };
+        order.iter().take(DRAWN).filter_map(mark).collect()
+    }
+
+    /// Whether a pixel has been explained.
+    #[cfg(test)]
+    pub fn has_nodes(&self) -> bool {
+        self.explained.as_ref().is_some_and(|e| !e.explanation.nodes.is_empty())
+    }
+
+    /// How many causes the error was split into.
+    #[cfg(test)]
+    pub fn causes(&self) -> usize {
+        self.split.as_ref().map_or(0, |split| split.steps.len())
+    }
+
+    /// Why there is no explanation.
+    #[cfg(test)]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    fn take(&mut self) {
+        if let Some(answer) = self.job.as_ref().and_then(ExplainJob::answer) {
+            self.job = None;
+            match answer {
+                Ok(explained) => (self.explained, self.message) = (Some(explained), None),
+                Err(text) => (self.explained, self.message) = (None, Some(text)),
+            }
+        }
+        if let Some(answer) = self.splitting.as_ref().and_then(ExplainJob::answer) {
+            self.splitting = None;
+            match answer {
+                Ok(split) => self.split = split,
+                Err(text) => self.message = Some(text),
+            }
+        }
+    }
+}
+
+impl EditorState {
+    /// Explains a pixel of the live picture.
+    pub(super) fn explain_pixel(&mut self, pixel: [u32; 2]) {
+        self.explain.open = true;
+        self.explain.pixel = Some(pixel);
+        (self.explain.split, self.explain.splitting) = (None, None);
+        match self.explain_subject() {
+            Some(subject) => self.explain.job = Some(ExplainJob::pixel(subject, pixel, self.wake.clone())),
+            None => self.explain.message = Some("The picture has no light that is gathered by cuts".into()),
+        }
+    }
+
+    /// The picture on the screen, with its light.
+    fn explain_subject(&self) -> Option<ExplainSubject> {
+        let (picture, shown) = (self.requests.last_sent()?, self.pictures.shown()?);
+        let baked = picture.baked.clone()?;
+        let mode = baked.dataset.settings.mode;
+        let environment = mode.environment().then(|| Lit::Environment(shown.lighting.clone()));
+        let sources = shown.local.indirect.clone().map(Lit::Sources);
+        let lit = match self.explain.tree {
+            Some(TreeOf::Sources) => sources.or(environment),
+            _ => environment.or(sources),
+        }?;
+        Some(ExplainSubject {
+            baked,
+            appearance: picture.appearance.clone(),
+            view: picture.view.clone(),
+            sampling: picture.sampling,
+            lit,
+            illumination: picture.illumination.clone(),
+            lights: picture.lights.clone(),
+        })
+    }
+
+    fn split_error(&mut self) {
+        let Some((subject, pixel)) = self.explain_subject().zip(self.explain.pixel) else { return };
+        let size = subject.view.size;
+        let drawn = self.interface.comparison.region_of(size);
+        let region = drawn.unwrap_or_else(|| Region::around(pixel, AROUND, size));
+        self.explain.splitting = Some(ExplainJob::split(subject, region, self.wake.clone()));
+    }
+
+    /// Shows the window, while it is open. Closing it ends the work.
+    pub(super) fn show_explanation(&mut self, ctx: &Context) {
+        self.explain.take();
+        if !self.explain.open {
+            if self.explain.pixel.is_some() {
+                self.explain = ExplainWindow::default();
+            }
+            return;
+        }
+        let has_both = self.pictures.shown().is_some_and(|shown| shown.local.indirect.is_some())
+            && self.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.environment());
+        let window = &mut self.explain;
+        let before = window.tree;
+        let mut open = true;
+        let shown = Window::new("Why is this pixel wrong?").open(&mut open).default_size(SIZE).vscroll(false);
+        let asked = shown.show(ctx, |ui| {
+            if has_both {
+                ui.horizontal(|ui| {
+                    ui.selectable_value(&mut window.tree, Some(TreeOf::Environment), "Environment");
+                    ui.selectable_value(&mut window.tree, Some(TreeOf::Sources), "Bounced light");
+                });
+            }
+            let explained = window.explained.as_ref();
+            let context = ExplainContext {
+                explanation: explained.map(|e| &e.explanation),
+                map: explained.map(|e| &e.map),
+                split: window.split.as_ref(),
+                progress: window.splitting.as_ref().map(ExplainJob::progress),
+                message: window.message.as_deref(),
+            };
+            ScrollArea::vertical().show(ui, |ui| explain::show(ui, &mut window.panel, &context)).inner
+        });
+        window.open = open;
+        let changed = (window.tree != before).then_some(window.pixel).flatten();
+        match asked.and_then(|response| response.inner.flatten()) {
+            Some(ExplainRequest::Split) => self.split_error(),
+            Some(ExplainRequest::CancelSplit) => self.explain.splitting = None,
+            None => {}
+        }
+        if let Some(pixel) = changed {
+            self.explain_pixel(pixel);
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! What the window and a worker share while the worker is at it: how far it is, and whether anyone still wants it.
+
+use super::Wake;
+use lapidary_render::Progress;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
+
+/// Shared by both; to be kept in an `Arc`.
+pub struct Hearing {
+    wake: Wake,
+    cancelled: AtomicBool,
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+impl Hearing {
+    /// With nothing done; `wake` makes the window look.
+    pub fn new(wake: Wake) -> Self {
+        Self { wake, cancelled: false.into(), done: 0.into(), total: 0.into() }
+    }
+
+    /// Makes the window look.
+    pub fn wake(&self) {
+        (self.wake)();
+    }
+
+    /// Asks the worker to stop.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, SeqCst);
+    }
+
+    /// Units of work that are done, and all of them; 0 before it is known.
+    pub fn counts(&self) -> (u64, u64) {
+        (self.done.load(SeqCst), self.total.load(SeqCst))
+    }
+
+    /// Share that is done, 0 to 1.
+    pub fn share(&self) -> f32 {
+        let (done, total) = self.counts();
+        if total == 0 { 0.0 } else { done as f32 / total as f32 }
+    }
+}
+
+impl Progress for Hearing {
+    fn advanced(&self, done: u64, total: u64) {
+        self.done.store(done, SeqCst);
+        self.total.store(total, SeqCst);
+        self.wake();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(SeqCst)
+    }
+
+    fn abandoned(&self) -> bool {
+        self.cancelled()
+    }
+}
