@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 mod layers;
+mod primaries;
 mod read;
 mod region;
 mod write;
@@ -35,6 +36,14 @@ pub enum ImageError {
         path: PathBuf,
         /// What the decoder said.
         reason: String,
+    },
+    /// Its components are not those of Rec. 709.
+    #[error("the components of the picture are {space}, but pictures are compared in linear Rec. 709; convert it, or export it again with that color space ({})", path.display())]
+    Primaries {
+        /// Which file.
+        path: PathBuf,
+        /// What they are.
+        space: String,
     },
     /// The extension names no format that can be written.
     #[error("the extension of the output names no picture format; end the name in .exr, .hdr or .png ({})", path.display())]

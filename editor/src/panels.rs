@@ -4,7 +4,6 @@ pub mod bake;
 pub mod comparison;
 mod entries;
 pub mod environment;
-#[cfg_attr(not(test), expect(dead_code, reason = "waits for its place in the window"))]
 pub mod explain;
 pub mod ladder;
 pub mod lights;

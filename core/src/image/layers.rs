@@ -6,23 +6,12 @@ mod read;
 
 pub use metadata::{MetaValue, Metadata};
 
-use super::{Image, ImageError};
+use super::{Image, ImageError, primaries::REC_709};
 use crate::atomic::write_atomically;
-use exr::{
-    meta::attribute::Chromaticities,
-    prelude::{self as openexr, WritableImage},
-};
+use exr::prelude::{self as openexr, WritableImage};
 use std::{
     io::{self, Cursor},
     path::Path,
-};
-
-/// Chromaticities of Rec. 709 and its white, D65 (ITU-R BT.709-6, 1.3 and 1.4).
-const REC_709: Chromaticities = Chromaticities {
-    red: openexr::Vec2(0.64, 0.33),
-    green: openexr::Vec2(0.30, 0.60),
-    blue: openexr::Vec2(0.15, 0.06),
-    white: openexr::Vec2(0.3127, 0.3290),
 };
 
 /// A layer: channels by name, each with one value a pixel, row by row from the top left.

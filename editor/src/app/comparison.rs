@@ -5,7 +5,7 @@ use crate::{
     jobs::{
         Wake,
         comparison::{ComparisonEvent, ComparisonThread, ReferencePicture, TestPicture},
-        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownPixels},
+        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap, ShownPixels},
         render_thread::Factory,
     },
     panels::comparison::{ComparisonContext, ComparisonPanel, KindChoice},
@@ -13,7 +13,7 @@ use crate::{
 };
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_core::image::Region;
-use lapidary_render::{Post, compare::map::ErrorMap};
+use lapidary_render::Post;
 use std::{path::PathBuf, sync::Arc};
 
 /// Both threads; they are there while something is compared.
@@ -30,7 +30,7 @@ struct Asked {
     finished: bool,
     surfaces_only: bool,
     region: Option<Region>,
-    map: ErrorMap,
+    map: ShownMap,
     top: Option<f32>,
     post: Post,
 }

@@ -121,7 +121,7 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
 fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
     Ok(match layer {
         Some(name) => Image::read_layer(path, name)?,
-        None => Image::read(path)?,
+        None => Image::read_rec_709(path)?,
     })
 }
 

@@ -69,6 +69,9 @@ pub struct TestPicture {
     pub image: Image,
     /// How much of each pixel is covered by surfaces, 0 to 1.
     pub coverage: Vec<f32>,
+    /// Luminance of the error that is expected of the environment's light, where it is gathered by cuts
+    /// ([`lapidary_render::PredictedError::expected`]).
+    pub predicted: Option<Image>,
     /// Work done for it.
     pub stats: PictureStats,
     /// Milliseconds of rendering.

@@ -33,11 +33,39 @@ pub struct MeasureRequest {
     /// The only part that is measured, in pixels of the comparison.
     pub region: Option<Region>,
     /// Which error is mapped.
-    pub map: ErrorMap,
+    pub map: ShownMap,
     /// The error at the end of the map's colours, if it is not to be found.
     pub top: Option<f32>,
     /// How the reference is shown.
     pub post: Post,
+}
+
+/// What a map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShownMap {
+    /// How far the picture is from the reference.
+    Error(ErrorMap),
+    /// How far it is expected to be, by the variances of what its clusters average.
+    Predicted,
+}
+
+impl ShownMap {
+    /// All of them, in the order of menus.
+    pub const ALL: [Self; 5] = [
+        Self::Error(ErrorMap::Relative),
+        Self::Error(ErrorMap::Absolute),
+        Self::Error(ErrorMap::Signed),
+        Self::Error(ErrorMap::Flip),
+        Self::Predicted,
+    ];
+
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Error(map) => map.title(),
+            Self::Predicted => "Predicted error",
+        }
+    }
 }
 
 /// Pixels to show.
@@ -148,7 +176,13 @@ fn measure(request: &MeasureRequest) -> Result<Measured> {
     };
     let (a, b) = (part(&test.image), part(&reference.image));
     let metrics = compare(&a, &b)?;
-    let field = ErrorField::new(&a, &b, request.map, request.top)?;
+    let field = match (request.map, &test.predicted) {
+        (ShownMap::Error(map), _) => ErrorField::new(&a, &b, map, request.top)?,
+        (ShownMap::Predicted, Some(predicted)) => ErrorField::predicted(&part(predicted), request.top)?,
+        (ShownMap::Predicted, None) => {
+            bail!("only errors of the environment's light can be predicted; choose another map")
+        }
+    };
     let map = ShownPixels { size: field.size, pixels: field.colors().into_iter().map(encoded).collect() };
     let whole = reference.image.size.map(|side| side.div_ceil(step));
     let part = region.map_or([0.0, 0.0, 1.0, 1.0], |region| shares(region, whole));
@@ -176,11 +210,17 @@ mod tests {
     fn request(test: Image, reference: Image) -> MeasureRequest {
         let coverage = (0..test.pixels.len()).map(|i| if i < 4 { 0.0 } else { 1.0 }).collect();
         MeasureRequest {
-            test: Arc::new(TestPicture { image: test, coverage, stats: PictureStats::default(), millis: 1.0 }),
+            test: Arc::new(TestPicture {
+                image: test,
+                coverage,
+                predicted: None,
+                stats: PictureStats::default(),
+                millis: 1.0,
+            }),
             reference: ReferencePicture { image: reference.into(), step: 1, noise: None, finished: true, seconds: 1.0 },
             surfaces_only: false,
             region: None,
-            map: ErrorMap::Absolute,
+            map: ShownMap::Error(ErrorMap::Absolute),
             top: None,
             post: Post::default(),
         }
@@ -216,6 +256,18 @@ mod tests {
         assert_eq!(of([6, 4], [2, 2], 2).unwrap().metrics.pixels, 1, "every other pixel was traced");
         assert!(of([5, 5], [1, 1], 4).unwrap_err().to_string().contains("draw a larger one"));
         assert!(of([80, 5], [9, 9], 1).is_err());
+    }
+
+    #[test]
+    fn a_predicted_error_is_mapped_as_it_is_or_it_is_told_why_there_is_none() {
+        let mut request = request(picture(1.1), picture(1.0));
+        request.map = ShownMap::Predicted;
+        assert!(measure(&request).unwrap_err().to_string().contains("choose another map"));
+        let predicted = Some(Image::filled([8, 6], Vec3::splat(0.25)));
+        request.test = TestPicture { predicted, ..TestPicture::clone(&request.test) }.into();
+        let measured = measure(&request).unwrap();
+        assert!(measured.field.errors.iter().all(|&e| (e - 0.25).abs() < 1e-6), "not the 0.1 that they differ by");
+        assert_eq!(measured.field.title, "Predicted error");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::{
     actions::Action,
     jobs::{
         comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
-        measure::Measured,
+        measure::{Measured, ShownMap},
         render_thread::RenderRequest,
     },
 };
@@ -89,7 +89,7 @@ pub struct ComparisonPanel {
     /// Where the line between both is, as a share of the width.
     pub swipe: f32,
     /// Which error is mapped.
-    pub map: ErrorMap,
+    pub map: ShownMap,
     /// The error at the end of the map's colours, where it was set.
     pub top: Option<f32>,
     /// Pixels without surfaces do not count.
@@ -111,7 +111,7 @@ impl Default for ComparisonPanel {
             view: CompareView::default(),
             flicker: false,
             swipe: 0.5,
-            map: ErrorMap::default(),
+            map: ShownMap::Error(ErrorMap::default()),
             top: None,
             surfaces_only: true,
             region: None,
@@ -291,7 +291,7 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
         return;
     }
     let combo = ComboBox::from_id_salt("error map").width(110.0).selected_text(panel.map.title()).show_ui(ui, |ui| {
-        for map in ErrorMap::ALL {
+        for map in ShownMap::ALL {
             if ui.selectable_value(&mut panel.map, map, map.title()).on_hover_text(map_meaning(map)).changed() {
                 panel.top = None;
             }
@@ -304,7 +304,10 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
     }
 }
 
-fn map_meaning(map: ErrorMap) -> &'static str {
+fn map_meaning(map: ShownMap) -> &'static str {
+    let ShownMap::Error(map) = map else {
+        return "What the clusters are expected to err by, from their variances; no reference is needed";
+    };
     match map {
         ErrorMap::Relative => "Difference over the reference's value: dark parts count as much as bright ones",
         ErrorMap::Absolute => "Difference in scene-linear units",

@@ -54,7 +54,7 @@ pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
         ErrorMap::Signed => |place| color(ErrorMap::Signed.color(ErrorMap::Signed.error_at(place))),
         _ => |place| color(magma(place)),
     };
-    bar(painter, rect, &Scale { title: field.kind.title().into(), color, ticks: field.ticks(4) });
+    bar(painter, rect, &Scale { title: field.title.into(), color, ticks: field.ticks(4) });
 }
 
 /// What counts are of.

@@ -52,6 +52,8 @@ const SHARE_IN_RANGE: f32 = 0.99;
 pub struct ErrorField {
     /// Which error.
     pub kind: ErrorMap,
+    /// What it is called.
+    pub title: &'static str,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Errors row by row.
@@ -77,7 +79,17 @@ impl ErrorField {
             (None, ErrorMap::Flip) => 1.0,
             (None, _) => top_of_range(pair.of_finite(&errors).map(f32::abs).collect()),
         };
-        Ok(Self { kind, size: test.size, errors, finite: pair.finite, top })
+        Ok(Self { kind, title: kind.title(), size: test.size, errors, finite: pair.finite, top })
+    }
+
+    /// Errors in scene-linear units that no reference was needed for, one for all components of a pixel, in the colours of absolute
+    /// ones; `top` as in [`Self::new`].
+    ///
+    /// # Errors
+    /// A picture without pixels, or none that is finite, and a `top` that is not positive.
+    pub fn predicted(errors: &Image, top: Option<f32>) -> Result<Self, CompareError> {
+        let black = Image::filled(errors.size, Vec3::ZERO);
+        Ok(Self { title: "Predicted error", ..Self::new(errors, &black, ErrorMap::Absolute, top)? })
     }
 
     /// The sRGB-encoded colours of all pixels; magenta where one is not finite.

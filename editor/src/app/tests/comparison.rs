@@ -3,6 +3,7 @@
 use super::*;
 use crate::{
     document::Edit,
+    jobs::measure::ShownMap,
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
 };
 use egui::Event;
@@ -90,6 +91,10 @@ fn every_view_is_shown_and_the_reference_as_long_as_its_key_is_held() {
         window.click(label);
         assert_eq!(panel(&mut window).shown_view(), view);
     }
+    panel(&mut window).map = ShownMap::Predicted;
+    window.wait("the predicted error", |s| {
+        s.comparison.context().measured.is_some_and(|m| m.field.title == "Predicted error" && m.metrics.rmse > 0.0)
+    });
     let hold = |window: &mut Window, pressed| {
         let event = Event::Key { key: Key::R, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE };
         window.0.input_mut().events.push(event);
@@ -132,7 +137,7 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     Image::filled([40, 30], glam::Vec3::splat(0.5)).write(&path).unwrap();
     window.perform(Action::ChooseReference(Some(path.clone())));
     window.wait("the file", |s| s.comparison.context().measured.is_some_and(|m| m.reference.image.size == [40, 30]));
-    panel(&mut window).map = ErrorMap::Signed;
+    panel(&mut window).map = ShownMap::Error(ErrorMap::Signed);
     window
         .wait("the signed map", |s| s.comparison.context().measured.is_some_and(|m| m.field.kind == ErrorMap::Signed));
     std::fs::write(&path, b"nothing").unwrap();

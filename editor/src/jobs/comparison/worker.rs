@@ -10,7 +10,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
-use lapidary_render::{Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode};
+use lapidary_render::{Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode, predicted_error};
 use std::{
     path::Path,
     sync::{
@@ -81,7 +81,8 @@ impl Worker {
         if !self.is_wanted(number) {
             return Ok(());
         }
-        let test = self.test_picture(number, request, &view)?;
+        let mut test = self.test_picture(number, request, &view)?;
+        test.predicted = self.predicted(number, request, &baked, &view)?;
         self.tell(number, ComparisonEvent::Test(Arc::new(test)));
         let Some(image) = loaded else { return self.trace(number, request, &baked, &view) };
         let reference = ReferencePicture { image: image.into(), step: 1, noise: None, finished: true, seconds: 0.0 };
@@ -103,7 +104,27 @@ impl Worker {
         }
         let millis = 1e3 * start.elapsed().as_secs_f64();
         let (image, coverage) = backend.read(view.aa)?;
-        Ok(TestPicture { image, coverage, stats: backend.stats()?, millis })
+        Ok(TestPicture { image, coverage, predicted: None, stats: backend.stats()?, millis })
+    }
+
+    /// The error that is expected of the picture, if all its clusters are of the environment.
+    fn predicted(
+        &mut self,
+        number: u64,
+        request: &ComparisonRequest,
+        baked: &Baked,
+        view: &View,
+    ) -> Result<Option<Image>> {
+        let picture = &request.picture;
+        let Some(lighting) = self.station.light().map(|light| light.lighting.clone()) else { return Ok(None) };
+        if !picture.components.environment || !baked.dataset.settings.mode.environment() {
+            return Ok(None);
+        }
+        let renderer = renderer_of(&mut self.renderer, baked);
+        renderer.set_appearance(picture.appearance.fitted(&baked.dataset.scene.materials).0);
+        let wanted = Wanted { number, control: &self.control };
+        let predicted = predicted_error(renderer, view, &lighting, picture.sampling, &wanted)?;
+        Ok(predicted.map(|predicted| predicted.expected))
     }
 
     fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
@@ -156,7 +177,7 @@ fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View 
 }
 
 fn read(path: &Path) -> Result<Image> {
-    let image = Image::read(path)?;
+    let image = Image::read_rec_709(path)?;
     let [width, height] = image.size;
     if width.max(height) > LONGEST_SIDE {
         bail!(
@@ -165,6 +186,20 @@ fn read(path: &Path) -> Result<Image> {
         );
     }
     Ok(image)
+}
+
+/// Hears only that another comparison is wanted.
+struct Wanted<'a> {
+    number: u64,
+    control: &'a Control,
+}
+
+impl Progress for Wanted<'_> {
+    fn advanced(&self, _done: u64, _total: u64) {}
+
+    fn cancelled(&self) -> bool {
+        self.control.wanted() != self.number
+    }
 }
 
 /// Passes on how a reference advances, and what the window says meanwhile.

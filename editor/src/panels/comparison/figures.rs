@@ -100,9 +100,7 @@ fn histogram(ui: &mut Ui, field: &ErrorField) {
     let ticks = field.ticks(1);
     response.on_hover_text(format!(
         "{} from {} to {}: how many pixels have it, on a logarithmic scale",
-        field.kind.title(),
-        ticks[0],
-        ticks[1]
+        field.title, ticks[0], ticks[1]
     ));
 }
 
