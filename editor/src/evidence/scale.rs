@@ -42,7 +42,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// What the documented figures are made with: a quarter of an hour to half an hour on two cores.
+    /// What the documented figures are made with: some tens of minutes on two cores.
     pub const FULL: &'static Self = &Self {
         lights: 32_768,
         pilot_clusters: 1024,
