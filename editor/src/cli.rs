@@ -176,8 +176,8 @@ Examples:
     /// Find out which size of the illumination cut is enough for a shot
     #[command(after_help = "\
 Renders at each size, traces every light sample for the same picture, and measures. Writes all pictures (PNG and EXR),
-sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest: at
-32768 lights some two minutes for each 100 x 100 pixels of surface and core, so begin with a small --size.
+sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest, in
+proportion to pixels and lights: begin with a small --size.
 
 Examples:
   lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
@@ -185,7 +185,7 @@ Examples:
     Ladder(LadderArgs),
     /// Measure the paper's figures anew: clusters, wavelets, cut sizes, the table, and errors by setting
     #[command(after_help = "\
-Runs alone for a quarter of an hour to half an hour on two cores over the bundled scenes, and writes one page with pictures,
+Runs unattended, for some tens of minutes on two cores over the bundled scenes, and writes one page with pictures,
 evidence.html, and evidence.json. A figure that is done is on disk before the next begins; Ctrl-C keeps it (exit code 130).
 
 Examples:

@@ -16,6 +16,7 @@ use lapidary_core::{
 use lapidary_precompute::{self as precompute, BakeJob, Preset, Variant};
 use lapidary_render::{Background, Components, Illumination, Solution, View};
 use std::{
+    collections::HashSet,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -53,11 +54,13 @@ impl Plan {
 
 /// Numbers scenes of one name, which would overwrite each other's pictures.
 pub fn named_apart(mut plans: Vec<Plan>) -> Vec<Plan> {
-    for i in 1..plans.len() {
-        let (before, rest) = plans.split_at_mut(i);
-        let same = before.iter().filter(|plan| plan.name == rest[0].name).count();
-        if same > 0 {
-            rest[0].name = format!("{}-{}", rest[0].name, same + 1);
+    let mut taken = HashSet::new();
+    for plan in &mut plans {
+        let own = plan.name.clone();
+        let mut number = 1;
+        while !taken.insert(plan.name.clone()) {
+            number += 1;
+            plan.name = format!("{own}-{number}");
         }
     }
     plans

@@ -103,7 +103,8 @@ impl Shape {
     }
 }
 
-/// Length of a cluster over its width: roots of the variances of its directions along its principal axes.
+/// Length of a cluster over its width: roots of the variances of its directions along its principal axes. One where there are too
+/// few of them for a width.
 fn elongation(directions: &[Vec3]) -> f64 {
     let mean = directions.iter().sum::<Vec3>().normalize_or(Vec3::Y);
     let frame = frame_around(mean);

@@ -29,6 +29,8 @@ pub struct Scale {
     pub sweep_cut: u32,
     /// Samples a pixel of light paths; even.
     pub spp: u32,
+    /// Vertex clusters of pilot visibility there: fewer, for each point of a sweep samples its own.
+    pub sweep_pilot_clusters: usize,
     /// Weights of the geometric metric.
     pub betas: &'static [f32],
     /// Error bounds of visibility cuts.
@@ -40,7 +42,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// What the documented figures are made with: a quarter of an hour to half an hour on two cores.
+    /// What the documented figures are made with: some tens of minutes on two cores.
     pub const FULL: &'static Self = &Self {
         lights: 32_768,
         pilot_clusters: 1024,
@@ -54,6 +56,7 @@ impl Scale {
         cube_points: 256,
         sweep_cut: 512,
         spp: 512,
+        sweep_pilot_clusters: 256,
         betas: &[0.0, 0.25, 0.5, 0.75, 1.0],
         sigmas: &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0],
         light_counts: &[2048, 4096, 8192, 16_384, 32_768],
@@ -74,6 +77,7 @@ impl Scale {
         cube_points: 16,
         sweep_cut: 128,
         spp: 16,
+        sweep_pilot_clusters: 32,
         betas: &[0.0, 0.5, 1.0],
         sigmas: &[0.25, 1.0, 4.0],
         light_counts: &[256, 1024],

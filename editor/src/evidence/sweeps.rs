@@ -157,7 +157,7 @@ impl Sweeper<'_> {
         let Measurement { scale, steps, .. } = self.measurement;
         let shown = shown_vertices(study.scene(), study.intersector(), &view(study.scene(), scale.view));
         let points = study.points_of(shown);
-        let made = study.bake(lights, scale.pilot_clusters, variants, &points, &steps.reporter)?;
+        let made = study.bake(lights, scale.sweep_pilot_clusters, variants, &points, &steps.reporter)?;
         steps.reporter.finish();
         Ok(made.into_iter().map(Arc::new).collect())
     }

@@ -28,7 +28,7 @@ pub struct Chart<'a> {
     pub title: &'a str,
     /// What the horizontal axis counts.
     pub x_label: &'a str,
-    /// How the horizontal axis is spread. It has ticks at the points of the first line if they are few.
+    /// How the horizontal axis is spread. It has ticks at the points of the first line if they are few and round.
     pub x: Scale,
     /// How the vertical axis is spread.
     pub y: Scale,
@@ -45,7 +45,7 @@ const BOTTOM: f64 = 46.0;
 /// Ticks at the points themselves if there are no more.
 const MOST_POINT_TICKS: usize = 9;
 /// Least distance of the numbers at the horizontal axis.
-const TICK_ROOM: f64 = 34.0;
+const TICK_ROOM: f64 = 40.0;
 
 impl Chart<'_> {
     /// The chart as an `svg` element.
@@ -69,7 +69,9 @@ impl Chart<'_> {
 
     fn x_ticks(&self, x: &Axis) -> String {
         let own: Vec<f64> = self.lines.first().map(|l| l.points.iter().map(|p| p.0).collect()).unwrap_or_default();
-        let at = if own.len() <= MOST_POINT_TICKS { own } else { x.ticks() };
+        // Measured times and errors are no numbers to read off an axis.
+        let round = |v: &f64| short(*v).parse() == Ok(*v);
+        let at = if own.len() <= MOST_POINT_TICKS && own.iter().all(round) { own } else { x.ticks() };
         let mut right = f64::NEG_INFINITY;
         let mut svg = String::new();
         for value in at {
@@ -255,5 +257,13 @@ mod tests {
             }
         }
         assert!(chart(&[(1.0, 1.0)], Scale::Log).contains("a &amp; b"));
+    }
+
+    #[test]
+    fn ticks_are_at_points_if_those_are_round() {
+        let sizes = chart(&[(1.0, 0.5), (32.0, 0.4), (512.0, 0.3)], Scale::Linear);
+        assert!(sizes.contains(">32</text>") && sizes.contains(">512</text>"), "{sizes}");
+        let times = chart(&[(0.1234567, 0.5), (1.2345678, 0.4)], Scale::Linear);
+        assert!(times.contains(">0.2</text>") && !times.contains(">0.123</text>"), "{times}");
     }
 }
