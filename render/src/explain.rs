@@ -203,7 +203,7 @@ impl FieldJob for Explain<'_> {
         let explained = |eight: &EightTerms, lane: usize| explained_node(&field, self.tree, eight, lane);
         shader.traverse(
             &self.point,
-            |node| dark_nodes.push(node),
+            |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
             |eight| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
         let vertex = |i: usize| ExplainedVertex {

@@ -12,7 +12,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     cut::{
-        merge::merge,
+        merge::{Interval, merge},
         packed::{PackedCursor, PackedCuts},
     },
     simd::Vec3x8,
@@ -125,7 +125,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// The terms whose sum [`Self::shade`] is, left to right, and before them the nodes of the merged cut that see no light.
     #[inline(always)]
-    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(u32), visit: impl FnMut(&EightTerms)) {
+    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(Interval), visit: impl FnMut(&EightTerms)) {
         self.merge_cuts(point, dark);
         match self.sampling {
             BrdfSampling::Once => std::mem::swap(&mut self.merged, &mut self.terms),
@@ -137,7 +137,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// Fills `merged` with the nodes of the merged cut that see any light; the others are `dark`.
     #[inline(always)]
-    fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(u32)) {
+    fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(Interval)) {
         let height = self.height;
         let leaves = 1_u32 << height;
         let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
@@ -151,8 +151,11 @@ impl<'a, F: NodeField> Shader<'a, F> {
             count += 1;
             let value = |i: usize| weights[i] * self.field.cut_value(cursors[i].stored_value());
             let visibility = value(0) + value(1) + value(2);
-            let node = interval.heap_index(leaves);
-            if visibility > 0.0 { merged.push(Term { node, visibility }) } else { dark(node) }
+            if visibility > 0.0 {
+                merged.push(Term { node: interval.heap_index(leaves), visibility });
+            } else {
+                dark(interval);
+            }
         });
         self.work.merged_nodes += count;
     }
