@@ -141,6 +141,7 @@ fn sequences_that_cannot_be_are_refused_before_anything_is_rendered() {
     assert!(fail("--turn lights --out f.##.png").contains("no local lights"));
     assert!(fail("--sweep roughness@tin=0..1 --out f.##.png").contains("white"));
     assert!(fail("--turn camera --layers normal --out f.##.png").contains("exr"));
+    assert!(fail("--turn camera --out f.##.png --contact-sheet s.jpg").contains(".png"));
     fs::write(stage.path("file"), "").expect("a file");
     assert!(fail("--turn camera --out file/f.##.png").contains("cannot write to the folder"));
     let wrong = |options: &str| {

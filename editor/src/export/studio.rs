@@ -163,7 +163,8 @@ mod tests {
         let studio = || Studio::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
         let base = Look { appearance: Appearance::of(&baked.dataset.scene), ..test_look() };
         let mut looks = vec![base.clone(); 7];
-        looks[1].post.exposure = 1.0;
+        // Darker: the brightest pixels are clipped.
+        looks[1].post.exposure = -3.0;
         looks[2].light.intensity = 3.0;
         looks[3].lights = [].into();
         looks[4].components.environment = false;
