@@ -90,7 +90,7 @@ fn layers_that_cannot_be_are_refused() {
 fn a_sweep_writes_numbered_frames_their_values_and_a_sheet_and_goes_on() {
     let stage = baked("");
     let command = format!(
-        "sequence a.cuts {VIEW} --env studio --sweep roughness=0.1..0.9 --frames 4 --out out/f.###.png \
+        "sequence a.cuts {VIEW} --env studio --base-color 0.8 --sweep roughness=0.1..0.9 --frames 4 --out out/f.###.png \
          --out out/f.###.exr --contact-sheet out/sheet.png --columns 2"
     );
     stage.succeed(&command);
@@ -101,7 +101,7 @@ fn a_sweep_writes_numbered_frames_their_values_and_a_sheet_and_goes_on() {
     assert!((value - 0.9).abs() < 1e-6, "{value}");
     let sheet = lapidary_core::image::dimensions(&stage.path("out/sheet.png")).expect("a sheet");
     assert!(sheet[0] > 2 * 40 && sheet[1] > 2 * 30, "{sheet:?}");
-    stage.succeed(&format!("render a.cuts {VIEW} --env studio --roughness 0.9 --out alone.exr"));
+    stage.succeed(&format!("render a.cuts {VIEW} --env studio --base-color 0.8 --roughness 0.9 --out alone.exr"));
     let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
     assert!(distance(&read("out/f.004.exr"), &read("alone.exr")) < 1e-6);
     assert!(distance(&read("out/f.001.exr"), &read("alone.exr")) > 1e-3, "negative control");
@@ -141,6 +141,7 @@ fn sequences_that_cannot_be_are_refused_before_anything_is_rendered() {
     assert!(fail("--turn lights --out f.##.png").contains("no local lights"));
     assert!(fail("--sweep roughness@tin=0..1 --out f.##.png").contains("white"));
     assert!(fail("--turn camera --layers normal --out f.##.png").contains("exr"));
+    assert!(fail("--turn camera --out f.##.png --contact-sheet s.jpg").contains(".png"));
     fs::write(stage.path("file"), "").expect("a file");
     assert!(fail("--turn camera --out file/f.##.png").contains("cannot write to the folder"));
     let wrong = |options: &str| {

@@ -44,7 +44,8 @@ pub fn is_exr(path: &Path) -> bool {
     has_extension(path, "exr")
 }
 
-fn has_extension(path: &Path, extension: &str) -> bool {
+/// Whether a file's name ends in an extension, in letters of any case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 

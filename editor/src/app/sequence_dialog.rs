@@ -157,7 +157,7 @@ impl SequenceDialog {
     fn frame_rows(&mut self, ui: &mut Ui) {
         ui.label("Frames");
         ui.horizontal(|ui| {
-            ui.add(DragValue::new(&mut self.settings.frames).range(1..=108_000)).accessible_name("Frames");
+            ui.add(DragValue::new(&mut self.settings.frames).range(1..=108_000)).accessible_name("Frame count");
             ui.label("from number");
             ui.add(DragValue::new(&mut self.settings.first).range(0..=9_999_999)).accessible_name("First frame");
         });

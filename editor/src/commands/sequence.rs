@@ -4,7 +4,7 @@ use crate::{
     console::Console,
     export::{LayerList, Studio},
     outcome::Outcome,
-    outputs::{check_pictures, is_exr, wanted_layers},
+    outputs::{has_extension, is_exr, wanted_layers},
     picture_args::PictureArgs,
     progress::StepProgress,
     sequence::{Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan},
@@ -14,7 +14,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_precompute::cli::{ProgressReporter, ProgressStyle};
 use lapidary_render::{Baked, Renderer};
-use std::{path::PathBuf, slice, time::Instant};
+use std::{path::PathBuf, time::Instant};
 
 /// Options of `sequence`.
 #[derive(Args, Clone, Debug)]
@@ -115,8 +115,9 @@ impl SequenceArgs {
         if self.layers.is_some() && !self.out.iter().any(|path| is_exr(path)) {
             bail!("only exr files hold layers; add --out DIR/frame.####.exr, or leave --layers out");
         }
-        if let Some(sheet) = &self.contact_sheet {
-            check_pictures(slice::from_ref(sheet))?;
+        // Its folder may be that of the frames, which is made later.
+        if let Some(sheet) = self.contact_sheet.as_ref().filter(|sheet| !has_extension(sheet, "png")) {
+            bail!("a contact sheet is a png file; end its name in .png ({})", sheet.display());
         }
         self.out.iter().map(|path| FrameNames::new(path)).collect()
     }

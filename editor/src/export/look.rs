@@ -37,6 +37,16 @@ impl Look {
             && a.textures.iter().zip(&b.textures).all(same_texture)
     }
 
+    /// Whether both give one scene-linear picture; exposure and tone curve may differ.
+    pub fn same_picture(&self, other: &Self) -> bool {
+        self.same_appearance(other)
+            && self.same_environment(other)
+            && self.lights == other.lights
+            && (self.components, self.solution) == (other.components, other.solution)
+            && self.sampling == other.sampling
+            && self.view == other.view
+    }
+
     /// Whether the environment and its illumination cut are the same.
     pub fn same_environment(&self, other: &Self) -> bool {
         let (a, b) = (&self.light, &other.light);

@@ -1,7 +1,10 @@
 //! Sequences and layered pictures from the window: described in the dialog, made on a worker, cancelled.
 
 use super::{Place, Window};
-use crate::actions::Action;
+use crate::{
+    actions::Action,
+    document::{Edit, ViewSettings},
+};
 use egui_kittest::kittest::Queryable;
 use lapidary_core::image::Image;
 use std::path::Path;
@@ -28,7 +31,7 @@ fn fill(window: &mut Window, field: &str, text: &str) {
 fn describe(window: &mut Window, folder: &Path, frames: &str) {
     window.click_containing("File");
     window.click("Export sequence...");
-    fill(window, "Frames", frames);
+    fill(window, "Frame count", frames);
     fill(window, "Frame width", "24");
     fill(window, "Frame height", "16");
     fill(window, "Frame samples", "1");
@@ -102,6 +105,8 @@ fn an_export_is_cancelled_from_the_status_line_and_leaves_whole_frames() {
 fn the_picture_is_written_with_its_layers_and_is_that_of_the_window() {
     let place = Place::new();
     let mut window = opened(&place);
+    let view = ViewSettings { aa: 1, ..window.0.state().document.view.clone() };
+    window.perform(Action::Edit { edit: Edit::View(view), label: "Samples" });
     let (layers, plain) = (place.path("layers.exr"), place.path("plain.exr"));
     window.perform(Action::ExportLayers(Some(layers.clone())));
     assert!(window.0.state().exporting.is_running());

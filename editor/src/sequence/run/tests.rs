@@ -119,7 +119,7 @@ fn what_is_there_is_neither_replaced_nor_mixed_with_another_sequence() {
 #[test]
 fn a_stopped_sequence_keeps_its_frames_and_goes_on_to_the_same_end() {
     let (folder, whole, baked) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap(), baked());
-    let mut task = task(&baked, folder.path(), "roughness=0.1..0.9", 4);
+    let mut task = task(&baked, folder.path(), "intensity=0.1..0.6", 4);
     let end = run(&task, &baked, &Stop::after(2)).unwrap();
     assert_eq!(end, SequenceEnd { rendered: 2, kept: 0, cancelled: true });
     assert_eq!(files(folder.path()), ["f.01.exr", "f.01.png", "f.02.exr", "f.02.png", "f.json"]);
@@ -127,7 +127,7 @@ fn a_stopped_sequence_keeps_its_frames_and_goes_on_to_the_same_end() {
     task.existing = Existing::Resume;
     let end = run(&task, &baked, &Stop::never()).unwrap();
     assert_eq!(end, SequenceEnd { rendered: 3, kept: 1, cancelled: false }, "a frame is there in all formats or not");
-    run(&self::task(&baked, whole.path(), "roughness=0.1..0.9", 4), &baked, &Stop::never()).unwrap();
+    run(&self::task(&baked, whole.path(), "intensity=0.1..0.6", 4), &baked, &Stop::never()).unwrap();
     for name in ["f.01.png", "f.02.png", "f.04.png", "sheet.png"] {
         let read = |folder: &Path| fs::read(folder.join(name)).unwrap();
         assert!(read(folder.path()) == read(whole.path()), "{name}");
