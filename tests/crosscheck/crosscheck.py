@@ -44,16 +44,16 @@ class Bench:
         self.lapidary = args.lapidary.resolve()
         self.folder = folder
         self.mi = mi
-        self.size = args.size or ("40x30" if args.small else "96x72")
-        self.spp = args.spp or (196 if args.small else 1024)
-        self.our_spp = (4 if args.small else 16) * PLACES
+        self.size = args.size or ("40x30" if args.small else "64x48")
+        self.spp = args.spp or (196 if args.small else 400)
+        self.our_spp = (4 if args.small else 8) * PLACES
         self.baked = {}
 
     def run(self, command, *arguments):
         arguments = [str(a) for a in arguments]
         done = subprocess.run([self.lapidary, "--quiet", command, *arguments], capture_output=True, text=True)
         if done.returncode != 0:
-            sys.exit(f"lapidary {command} {' '.join(arguments)}: {done.stderr}")
+            sys.exit(f"lapidary {command} {' '.join(arguments)}: exit code {done.returncode}, {done.stderr}")
 
     def dataset(self, scene):
         """Baked with few lights: paths need the mesh only."""

@@ -185,6 +185,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
         (lobe && maps.specular.is_some(), "the map of its specular weight is left out"),
     ]
     .into_iter()
-    .filter_map(|(differs, remark)| differs.then(|| format!("material \"{name}\": {remark}")))
+    .filter(|(differs, _)| *differs)
+    .map(|(_, remark)| format!("material \"{name}\": {remark}"))
     .collect()
 }

@@ -92,6 +92,7 @@ pub fn remarks(lights: &[&Light]) -> Vec<String> {
         (rectangle, "rectangular lights are things in Mitsuba: they are seen and cast shadows"),
     ]
     .into_iter()
-    .filter_map(|(differs, remark)| differs.then(|| remark.to_owned()))
+    .filter(|(differs, _)| *differs)
+    .map(|(_, remark)| remark.to_owned())
     .collect()
 }

@@ -2,7 +2,7 @@
 """How long Blender's Cycles takes to the error of a frame of Lapidary, after an edit of a material.
 
     pip install -r tests/crosscheck/requirements-cycles.txt
-    python tests/crosscheck/cycles.py --lapidary target/release/lapidary --cuts still-life.cuts --out out/cycles
+    python tests/crosscheck/time_cycles.py --lapidary target/release/lapidary --cuts still-life.cuts --out out/cycles
 
 Both show the direct light of one environment on one conductor, a model that is the same in both by definition, on the CPU, with one
 place in a pixel. Each picture is compared with the converged picture of its own renderer; how far these are apart is told, too.
@@ -23,6 +23,8 @@ DATA = Path(__file__).resolve().parents[2] / "data"
 BASE_COLOR = (1.0, 0.78, 0.34)
 # Roughness before and after the edit.
 BEFORE, AFTER = 0.5, 0.4
+# The second converged picture has this share of the samples of the first, and tells the noise of it.
+CONTROL = 1 / 8
 
 
 def options():
@@ -34,12 +36,17 @@ def options():
     parser.add_argument("--size", default="320x240", help="pixels")
     parser.add_argument("--illum-cut", type=int, default=256)
     parser.add_argument("--spp", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64], help="samples tried of Cycles")
-    parser.add_argument("--reference-spp", type=int, default=4096, help="samples of the converged pictures")
+    parser.add_argument("--reference-spp", type=int, default=4096, help="samples of Lapidary's converged pictures")
+    parser.add_argument("--cycles-reference-spp", type=int, default=1024, help="samples of those of Cycles")
     parser.add_argument("--repeats", type=int, default=3, help="of which the median is told")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--references-only", action="store_true", help="make the converged pictures and stop")
     parser.add_argument("--out", type=Path, required=True, help="folder for pictures and cycles.json; converged ones are kept")
     return parser.parse_args()
+
+
+def samples(spp, seed):
+    return spp if seed == 0 else max(1, round(spp * CONTROL))
 
 
 class Lapidary:
@@ -66,7 +73,7 @@ class Lapidary:
     def reference(self, seed):
         path = self.args.out / f"lapidary-reference-{seed}.exr"
         if not path.exists():
-            spp = self.args.reference_spp
+            spp = samples(self.args.reference_spp, seed)
             self.run("reference", *self.view, "--kind", "path", "--spp", spp, "--seed", seed, "--out", path)
         return path
 
@@ -105,7 +112,7 @@ class Cycles:
     def reference(self, seed):
         path = self.args.out / f"cycles-reference-{seed}.exr"
         if not path.exists():
-            self.render(path.stem, self.args.reference_spp, AFTER, seed=1000 + seed)
+            self.render(path.stem, samples(self.args.cycles_reference_spp, seed), AFTER, seed=1000 + seed)
         return path
 
     def after_edit(self, spp, denoise):
@@ -149,9 +156,11 @@ def main():
         "size": args.size,
         "roughness": AFTER,
         "references": {
-            "spp": args.reference_spp,
-            "lapidary_noise": ours.error(our_truths[1], our_truths[0])[0] / math.sqrt(2.0),
-            "cycles_noise": ours.error(their_truths[1], their_truths[0])[0] / math.sqrt(2.0),
+            "lapidary_spp": args.reference_spp,
+            "cycles_spp": args.cycles_reference_spp,
+            # Variances add up: that of the second is larger by the share.
+            "lapidary_noise": ours.error(our_truths[1], our_truths[0])[0] / math.sqrt(1.0 + 1.0 / CONTROL),
+            "cycles_noise": ours.error(their_truths[1], their_truths[0])[0] / math.sqrt(1.0 + 1.0 / CONTROL),
             "cycles_against_lapidary": ours.error(their_truths[0], our_truths[0])[0],
         },
         "lapidary": {"illum_cut": args.illum_cut, "seconds": milliseconds / 1e3, "rel_rmse": our_error, "flip": our_flip},
