@@ -7,12 +7,14 @@
 Both show the direct light of one environment on one conductor, a model that is the same in both by definition, on the CPU, with one
 place in a pixel. Each picture is compared with the converged picture of its own renderer; how far these are apart is told, too.
 Lapidary's time is that of a frame with the light unchanged (`lapidary bench --backend cpu`). Cycles' time is that of a render with
-persistent data after its material was edited: geometry and ray hierarchy are kept, as in its viewport.
+persistent data after its material was edited: geometry and ray hierarchy are kept, as in its viewport. Beside seconds of the clock stand
+seconds of the processor, of all threads, which other work on the machine changes little.
 """
 
 import argparse
 import json
 import math
+import resource
 import statistics
 import subprocess
 import sys
@@ -25,6 +27,13 @@ BASE_COLOR = (1.0, 0.78, 0.34)
 BEFORE, AFTER = 0.5, 0.4
 # The second converged picture has this share of the samples of the first, and tells the noise of it.
 CONTROL = 1 / 8
+# Frames over which the processor's seconds are averaged.
+MORE_FRAMES = 10
+
+
+def children_cpu_seconds():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def options():
@@ -78,12 +87,18 @@ class Lapidary:
         return path
 
     def frame(self):
-        """Picture and median of its milliseconds."""
+        """Picture, median of its seconds, and seconds of the processor: what more frames take more."""
         path, cut = self.args.out / "lapidary.exr", self.args.illum_cut
         self.run("render", *self.view, "--backend", "cpu", "--illum-cut", cut, "--components", "environment", "--out", path)
-        bench = ["--backend", "cpu", "--illum-cuts", cut, "--frames", self.args.repeats, "--json"]
-        report = json.loads(self.run("bench", *self.view, *bench, "--components", "environment"))
-        return path, report["runs"][0]["milliseconds"]["total"]
+        few, many = self.bench(1), self.bench(1 + MORE_FRAMES)
+        return path, many[0], (many[1] - few[1]) / MORE_FRAMES
+
+    def bench(self, frames):
+        """Median seconds of a frame, and seconds of the processor of all of it."""
+        before = children_cpu_seconds()
+        options = ["--backend", "cpu", "--illum-cuts", self.args.illum_cut, "--frames", frames, "--json"]
+        report = json.loads(self.run("bench", *self.view, *options, "--components", "environment"))
+        return report["runs"][0]["milliseconds"]["total"] / 1e3, children_cpu_seconds() - before
 
 
 class Cycles:
@@ -97,17 +112,17 @@ class Cycles:
         self.scene.render.threads = args.threads
 
     def render(self, name, spp, roughness, seed=0, denoise=False):
-        """Seconds of one render; the file is written after them."""
+        """Path, seconds and seconds of the processor of one render; the file is written after them."""
         path = self.args.out / f"{name}.exr"
         cycles = self.scene.cycles
         cycles.samples, cycles.seed, cycles.use_denoising = spp, seed, denoise
         self.scene.render.filepath = str(path)
         self.parts.set_metal(self.shader, BASE_COLOR, roughness)
-        start = time.monotonic()
+        start, cpu_start = time.monotonic(), time.process_time()
         self.bpy.ops.render.render()
-        seconds = time.monotonic() - start
+        seconds, cpu_seconds = time.monotonic() - start, time.process_time() - cpu_start
         self.bpy.data.images["Render Result"].save_render(str(path))
-        return path, seconds
+        return path, seconds, cpu_seconds
 
     def reference(self, seed):
         path = self.args.out / f"cycles-reference-{seed}.exr"
@@ -116,23 +131,23 @@ class Cycles:
         return path
 
     def after_edit(self, spp, denoise):
-        """Picture and median seconds of renders that each follow an edit."""
-        seconds = []
+        """Picture, and median seconds of both kinds, of renders that each follow an edit."""
+        times = []
         for _ in range(self.args.repeats):
             self.render("before", 1, BEFORE)
-            path, elapsed = self.render("after", spp, AFTER, denoise=denoise)
-            seconds.append(elapsed)
-        return path, statistics.median(seconds)
+            path, *elapsed = self.render("after", spp, AFTER, denoise=denoise)
+            times.append(elapsed)
+        return path, *(statistics.median(column) for column in zip(*times))
 
 
-def time_to_reach(rows, error):
-    """Seconds at which the error is reached, by straight lines between the logarithms; None if it never is."""
+def time_to_reach(rows, error, seconds):
+    """`seconds`, a column, at which the error is reached, by straight lines between the logarithms; None if it never is."""
     for before, after in zip([None, *rows], rows):
         if after["rel_rmse"] <= error:
             if before is None:
-                return after["seconds"]
+                return after[seconds]
             share = math.log(before["rel_rmse"] / error) / math.log(before["rel_rmse"] / after["rel_rmse"])
-            return before["seconds"] * (after["seconds"] / before["seconds"]) ** share
+            return before[seconds] * (after[seconds] / before[seconds]) ** share
     return None
 
 
@@ -150,7 +165,7 @@ def main():
     our_truths, their_truths = ([renderer.reference(seed) for seed in (0, 1)] for renderer in (ours, theirs))
     if args.references_only:
         return 0
-    frame, milliseconds = ours.frame()
+    frame, seconds, cpu_seconds = ours.frame()
     our_error, our_flip = ours.error(frame, our_truths[0])
     report = {
         "size": args.size,
@@ -163,16 +178,25 @@ def main():
             "cycles_noise": ours.error(their_truths[1], their_truths[0])[0] / math.sqrt(1.0 + 1.0 / CONTROL),
             "cycles_against_lapidary": ours.error(their_truths[0], our_truths[0])[0],
         },
-        "lapidary": {"illum_cut": args.illum_cut, "seconds": milliseconds / 1e3, "rel_rmse": our_error, "flip": our_flip},
+        "lapidary": {
+            "illum_cut": args.illum_cut,
+            "seconds": seconds,
+            "cpu_seconds": cpu_seconds,
+            "rel_rmse": our_error,
+            "flip": our_flip,
+        },
         "cycles": {},
     }
     for name, denoise in (("plain", False), ("denoised", True)):
         rows = []
         for spp in args.spp:
-            picture, seconds = theirs.after_edit(spp, denoise)
+            picture, seconds, cpu_seconds = theirs.after_edit(spp, denoise)
             rel_rmse, flip = ours.error(picture, their_truths[0])
-            rows.append({"spp": spp, "seconds": seconds, "rel_rmse": rel_rmse, "flip": flip})
-        report["cycles"][name] = {"steps": rows, "seconds_to_our_error": time_to_reach(rows, our_error)}
+            rows.append(
+                {"spp": spp, "seconds": seconds, "cpu_seconds": cpu_seconds, "rel_rmse": rel_rmse, "flip": flip}
+            )
+        reached = {f"{kind}_to_our_error": time_to_reach(rows, our_error, kind) for kind in ("seconds", "cpu_seconds")}
+        report["cycles"][name] = {"steps": rows, **reached}
     text = json.dumps(report, indent=2)
     (args.out / "cycles.json").write_text(text + "\n")
     print(text)
