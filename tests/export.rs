@@ -110,7 +110,7 @@ fn a_sweep_writes_numbered_frames_their_values_and_a_sheet_and_goes_on() {
     assert!(message.contains("4 of the 4 frames are there") && message.contains("--resume"), "{message}");
     fs::remove_file(stage.path("out/f.002.exr")).expect("a frame");
     assert!(stage.succeed(&format!("{command} --resume")).contains("1 frames"));
-    let message = stage.fail(&format!("{command} --resume --size 20x15"));
+    let message = stage.fail(&format!("{command} --resume --exposure 1"));
     assert!(message.contains("another sequence"), "{message}");
 }
 

@@ -27,8 +27,8 @@ use crate::{
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_render::Baked;
 
-/// Least height of the comparison's strip in points: two rows.
-const STRIP: f32 = 84.0;
+/// Least height of the comparison's strip in points: two rows, the first of which may be broken.
+const STRIP: f32 = 104.0;
 
 /// What the inspector shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -205,7 +205,7 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
             panel.tool = if asking { None } else { Some(Tool::Why) };
         }
-        if ui.button("Close").on_hover_text("Ends the comparison (C)").clicked() {
+        if ui.button("×").on_hover_text("End the comparison (C)").clicked() {
             panel.open = false;
         }
     });
@@ -236,13 +236,12 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
         (KindChoice::File, "Picture file", "A picture of this view by another program"),
     ];
     let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
-    ui.label("Compare with");
     let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
         for (kind, label, help) in kinds {
             ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
         }
     });
-    combo.response.accessible_name("Reference");
+    combo.response.on_hover_text("What the picture is compared with").accessible_name("Reference");
     if panel.kind == KindChoice::File {
         if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
             actions.push(Action::ChooseReference(None));

@@ -53,20 +53,25 @@ impl ExplainPanel {
 
 /// Shows the panel. Returns what is asked for.
 pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> Option<ExplainRequest> {
-    match context.explanation {
-        Some(explanation) => show_pixel(ui, panel, context, explanation),
-        None => {
-            panel.table.hovered = None;
-            let text = context.message.unwrap_or("Choose a pixel in the picture to see what its light is made of.");
-            ui.label(RichText::new(text).weak());
-        }
-    }
+    let Some(explanation) = context.explanation else {
+        panel.table.hovered = None;
+        let text = context.message.unwrap_or("Choose a pixel in the picture to see what its light is made of.");
+        ui.label(RichText::new(text).weak());
+        return causes(ui, context);
+    };
+    let [x, y] = explanation.pixel;
+    ui.label(RichText::new(format!("Pixel {x}, {y}")).strong());
+    // Above the many nodes, for it is what one asks first.
+    let asked = causes(ui, context);
+    show_pixel(ui, panel, context, explanation);
+    asked
+}
+
+fn causes(ui: &mut Ui, context: &ExplainContext) -> Option<ExplainRequest> {
     section(ui, "Error by cause", true, |ui| split::show(ui, context.split, context.progress)).flatten()
 }
 
 fn show_pixel(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext, explanation: &PixelExplanation) {
-    let [x, y] = explanation.pixel;
-    ui.label(RichText::new(format!("Pixel {x}, {y}")).strong());
     section(ui, "Cuts", true, |ui| cuts(ui, explanation));
     if let Some(map) = context.map {
         let hovered = panel.table.hovered.and_then(|i| explanation.nodes.get(i));

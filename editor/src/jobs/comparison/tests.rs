@@ -58,7 +58,7 @@ fn both_references_of_an_open_scene_agree_with_the_cuts_and_another_scene_would_
         thread.request(comparison(kind.clone()));
         let (test, reference) = pictures(&outcome(&mut thread));
         assert_eq!((test.image.size, reference.image.size, reference.step), ([32, 24], [32, 24], 1));
-        assert!(test.coverage.iter().any(|&c| c == 0.0) && test.coverage.iter().any(|&c| c == 1.0));
+        assert!(test.coverage.contains(&0.0) && test.coverage.contains(&1.0));
         assert_eq!(reference.noise.is_some(), kind != ReferenceKind::Samples);
         let rel_rmse = |test: &Image| compare(test, &reference.image).unwrap().rel_rmse;
         assert!(rel_rmse(&test.image) < 0.1, "{kind:?}: {}", rel_rmse(&test.image));

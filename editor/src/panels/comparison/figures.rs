@@ -6,12 +6,18 @@ use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
 use lapidary_render::compare::{Metrics, map::ErrorField};
 
 /// Size of the histogram in points, and its bars.
-const HISTOGRAM: egui::Vec2 = vec2(180.0, 34.0);
-const BINS: usize = 60;
+const HISTOGRAM: egui::Vec2 = vec2(150.0, 34.0);
+const BINS: usize = 50;
+/// Points that the options take.
+const OPTIONS: f32 = 116.0;
 
 /// Shows figures, region and histogram.
 pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: &Measured) {
     ui.horizontal_wrapped(|ui| {
+        ui.vertical(|ui| {
+            ui.set_max_width(OPTIONS);
+            options(ui, panel);
+        });
         histogram(ui, &measured.field);
         for (name, value, help) in
             texts(&measured.metrics, measured.reference.noise).into_iter().chain(costs(&measured.test))
@@ -20,10 +26,13 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: &Measured) {
                 ui.weak(RichText::new(name).small()).on_hover_text(help);
                 ui.label(RichText::new(value).monospace()).on_hover_text(help);
             });
-            ui.add_space(6.0);
         }
-        ui.vertical(|ui| options(ui, panel, &measured.metrics));
     });
+    if measured.metrics.non_finite_pixels > 0 {
+        let count = measured.metrics.non_finite_pixels;
+        let text = format!("{count} pixels are not finite; they are magenta and left out");
+        ui.colored_label(ui.visuals().warn_fg_color, text);
+    }
 }
 
 /// Names, values and meanings, the most telling first.
@@ -63,23 +72,19 @@ fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
     ]
 }
 
-fn options(ui: &mut Ui, panel: &mut ComparisonPanel, metrics: &Metrics) {
+fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
+    ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
+        .on_hover_text("Background counts as equal, so that it hides no error");
     ui.horizontal(|ui| {
-        ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
-            .on_hover_text("Background counts as equal, so that it hides no error");
         let drawing = matches!(panel.tool, Some(Tool::Region(_)));
         let help = "Drag a rectangle in the viewport: only it is traced and measured";
         if ui.selectable_label(drawing, "Region").on_hover_text(help).clicked() {
             panel.tool = if drawing { None } else { Some(Tool::Region(None)) };
         }
-        if panel.region.is_some() && ui.button("Whole picture").clicked() {
+        if panel.region.is_some() && ui.button("Whole").on_hover_text("Trace and measure the whole picture").clicked() {
             panel.region = None;
         }
     });
-    if metrics.non_finite_pixels > 0 {
-        let text = format!("{} pixels are not finite; they are magenta and left out", metrics.non_finite_pixels);
-        ui.colored_label(ui.visuals().warn_fg_color, text);
-    }
 }
 
 /// Bars in the colours of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
