@@ -11,7 +11,9 @@ use lapidary_core::image::Region;
 use lapidary_render::{ErrorSplit, TreeOf};
 
 /// Size of the window in points at first.
-const SIZE: egui::Vec2 = egui::vec2(380.0, 640.0);
+const SIZE: egui::Vec2 = egui::vec2(320.0, 640.0);
+/// Where it opens, from the upper right corner: over the inspector, so that the picture stays free.
+const PLACE: egui::Vec2 = egui::vec2(-338.0, 66.0);
 /// Side in pixels of the square around the pixel whose error is split, where no region was drawn.
 const AROUND: u32 = 48;
 /// Nodes that are drawn over the picture: those with the largest contributions.
@@ -146,8 +148,9 @@ impl EditorState {
         let window = &mut self.explain;
         let before = window.tree;
         let mut open = true;
-        let shown = Window::new("Why is this pixel wrong?").open(&mut open).default_size(SIZE).vscroll(false);
-        let asked = shown.show(ctx, |ui| {
+        let place = ctx.content_rect().right_top() + PLACE;
+        let shown = Window::new("Why is this pixel wrong?").open(&mut open).default_pos(place).default_size(SIZE);
+        let asked = shown.vscroll(false).show(ctx, |ui| {
             if has_both {
                 ui.horizontal(|ui| {
                     ui.selectable_value(&mut window.tree, Some(TreeOf::Environment), "Environment");

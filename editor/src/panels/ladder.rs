@@ -3,13 +3,17 @@
 
 use crate::{actions::Action, jobs::ladder::StepFigures};
 use egui::{Button, Color32, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2};
-use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
+use egui_plot::{HoverPosition, Line, Plot, PlotPoints, Points};
 
 /// Width of a tile in points.
 const TILE: f32 = 216.0;
+/// Tiles side by side, and points between them.
+const COLUMNS: f32 = 3.0;
+const GAP: f32 = 10.0;
 /// Height of the curves.
 const CURVE: f32 = 150.0;
-/// A size is enough if its error is at most so many times that of the largest size.
+/// A size is enough if its relative RMSE and its FLIP are at most so many times those of the largest size: the one is ruled by a
+/// few dark shadows, the other by what is seen.
 const ENOUGH: f64 = 1.25;
 
 /// A picture at one size.
@@ -47,6 +51,7 @@ pub struct LadderResult {
 
 /// Shows all of it. `current` is the size in use.
 pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
+    ui.set_max_width(COLUMNS * (TILE + GAP));
     if let Some(problem) = &result.problem {
         ui.colored_label(ui.visuals().error_fg_color, problem);
     }
@@ -60,7 +65,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
     }
     ScrollArea::vertical().show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = Vec2::splat(10.0);
+            ui.spacing_mut().item_spacing = Vec2::splat(GAP);
             result.tiles.iter().for_each(|tile| show_tile(ui, tile, tile.illum_cut == current, actions));
             result.truth.iter().for_each(|truth| show_truth(ui, truth));
         });
@@ -74,15 +79,19 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
 /// The smallest size whose error is about that of the largest, in words.
 fn verdict(figures: &[StepFigures]) -> Option<String> {
     let last = figures.last()?;
-    let enough = figures.iter().find(|f| f.metrics.rel_rmse <= ENOUGH * last.metrics.rel_rmse)?;
-    let percent = |f: &StepFigures| format!("{:.1} %", 100.0 * f.metrics.rel_rmse);
+    let is_enough = |f: &&StepFigures| {
+        f.metrics.rel_rmse <= ENOUGH * last.metrics.rel_rmse && f.metrics.flip <= ENOUGH * last.metrics.flip
+    };
+    let enough = figures.iter().find(is_enough)?;
+    let percent = |f: &StepFigures| format!("{:.1} % (FLIP {:.3})", 100.0 * f.metrics.rel_rmse, f.metrics.flip);
     let time = |f: &StepFigures| time_text(f.seconds);
     Some(if enough.illum_cut == last.illum_cut {
         format!("Every size still helps: {} nodes leave {} in {}.", last.illum_cut, percent(last), time(last))
     } else {
         format!(
-            "{} nodes are enough: they leave {} in {}, and {} nodes {} in {}. The rest comes from interpolated visibility.",
-            enough.illum_cut,
+            "{} enough: {} of error in {}, where {} nodes leave {} in {}. More nodes of light do not help further: \
+             Why? tells what would.",
+            if enough.illum_cut == 1 { "1 node is".into() } else { format!("{} nodes are", enough.illum_cut) },
             percent(enough),
             time(enough),
             last.illum_cut,
@@ -132,37 +141,34 @@ fn show_truth(ui: &mut Ui, truth: &LadderTruth) {
     });
 }
 
-/// Error against size and against time, on logarithmic scales.
+/// Error in percent against size, which is on a logarithmic scale, and against time.
 fn curves(ui: &mut Ui, figures: &[StepFigures]) {
     let width = 0.5 * (ui.available_width() - 10.0);
     ui.horizontal(|ui| {
-        let by_size = points(figures, |f| f64::from(f.illum_cut));
-        curve(ui, width, "Error, % by nodes of light", by_size, |v| format!("{v:.0}"));
+        let by_size = points(figures, |f| f64::from(f.illum_cut).log10());
+        curve(ui, width, "Error, % by nodes of light", by_size, |v| 10_f64.powf(v));
         let by_time = points(figures, |f| 1e3 * f.seconds);
-        curve(ui, width, "Error, % by milliseconds of the picture", by_time, |v| format!("{v:.0}"));
+        curve(ui, width, "Error, % by milliseconds of the picture", by_time, |v| v);
     });
 }
 
-/// Logarithms of something and of the error in percent.
+/// Something and the error in percent.
 fn points(figures: &[StepFigures], of: impl Fn(&StepFigures) -> f64) -> Vec<[f64; 2]> {
-    let log = |value: f64| value.max(1e-6).log10();
-    let point = |f: &StepFigures| [log(of(f)), log(100.0 * f.metrics.rel_rmse)];
+    let point = |f: &StepFigures| [of(f), 100.0 * f.metrics.rel_rmse];
     figures.iter().filter(|f| f.metrics.rel_rmse.is_finite()).map(point).collect()
 }
 
-fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, format: fn(f64) -> String) {
+/// `value` turns a place of the horizontal axis into what is written there.
+fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, value: fn(f64) -> f64) {
     ui.vertical(|ui| {
         ui.label(RichText::new(title).small());
         let accent: Color32 = ui.visuals().selection.bg_fill;
-        let power = move |mark: GridMark| format(10_f64.powf(mark.value));
         let plot = Plot::new(title).width(width).height(CURVE).allow_drag(false).allow_zoom(false).allow_scroll(false);
         let plot = plot
-            .x_axis_formatter(move |mark, _| power(mark))
-            .y_axis_formatter(|mark, _| format!("{:.1}", 10_f64.powf(mark.value)))
-            .label_formatter(|hover| match hover {
-                HoverPosition::NearDataPoint { position: at, .. } => {
-                    Some(format!("{:.0}: {:.2} %", 10_f64.powf(at.x), 10_f64.powf(at.y)))
-                }
+            .x_axis_formatter(move |mark, _| format!("{:.0}", value(mark.value)))
+            .y_axis_formatter(|mark, _| format!("{:.2}", mark.value))
+            .label_formatter(move |hover| match hover {
+                HoverPosition::NearDataPoint { position: at, .. } => Some(format!("{:.0}: {:.2} %", value(at.x), at.y)),
                 HoverPosition::Elsewhere { .. } => None,
             });
         plot.show(ui, |plot| {
@@ -200,16 +206,22 @@ mod tests {
     #[test]
     fn the_verdict_names_the_smallest_size_that_is_about_as_good() {
         let text = verdict(&figures(&[0.3, 0.06, 0.051, 0.05])).unwrap();
-        assert!(text.starts_with("64 nodes are enough: they leave 6.0 % in 200 ms, and 256 nodes 5.0 %"), "{text}");
+        assert!(
+            text.starts_with("64 nodes are enough: 6.0 % (FLIP 0.010) of error in 200 ms, where 256 nodes leave 5.0 %"),
+            "{text}"
+        );
+        let mut seen = figures(&[0.05, 0.05, 0.05]);
+        seen[0].metrics.flip = 0.02;
+        assert!(verdict(&seen).unwrap().starts_with("64 nodes are enough"), "what is seen counts, too");
         let text = verdict(&figures(&[0.3, 0.2, 0.1])).unwrap();
-        assert!(text.starts_with("Every size still helps: 128 nodes leave 10.0 %"), "{text}");
+        assert!(text.starts_with("Every size still helps: 128 nodes leave 10.0 % (FLIP 0.010) in 300 ms"), "{text}");
         assert_eq!(verdict(&[]), None);
     }
 
     #[test]
     fn what_is_infinite_is_in_no_curve() {
-        let points = points(&figures(&[f64::INFINITY, 0.1]), |f| f64::from(f.illum_cut));
+        let points = points(&figures(&[f64::INFINITY, 0.1]), |f| f64::from(f.illum_cut).log10());
         assert_eq!(points.len(), 1);
-        assert!((points[0][0] - 64_f64.log10()).abs() < 1e-12 && (points[0][1] - 1.0).abs() < 1e-12);
+        assert!((points[0][0] - 64_f64.log10()).abs() < 1e-12 && (points[0][1] - 10.0).abs() < 1e-12);
     }
 }
