@@ -25,9 +25,7 @@ struct Jobs {
 /// What measures depend on, small enough to compare every frame.
 #[derive(PartialEq)]
 struct Asked {
-    test: usize,
-    reference: usize,
-    finished: bool,
+    pictures: u64,
     surfaces_only: bool,
     region: Option<Region>,
     map: ShownMap,
@@ -42,6 +40,8 @@ pub struct Comparison {
     jobs: Option<Jobs>,
     test: Option<Arc<TestPicture>>,
     reference: Option<ReferencePicture>,
+    /// Counts the pictures that came: places in memory are used again.
+    pictures: u64,
     measured: Option<Box<Measured>>,
     problem: Option<String>,
     asked: Option<Asked>,
@@ -58,6 +58,7 @@ impl Comparison {
             jobs: None,
             test: None,
             reference: None,
+            pictures: 0,
             measured: None,
             problem: None,
             asked: None,
@@ -131,9 +132,7 @@ impl Comparison {
         let (Some(test), Some(reference)) = (self.test.clone(), self.reference.clone()) else { return };
         let region = panel.region_of(reference.image.size);
         let asked = Asked {
-            test: Arc::as_ptr(&test) as usize,
-            reference: Arc::as_ptr(&reference.image) as usize,
-            finished: reference.finished,
+            pictures: self.pictures,
             surfaces_only: panel.surfaces_only,
             region,
             map: panel.map,
@@ -201,6 +200,7 @@ impl EditorState {
         let Some(jobs) = &mut self.comparison.jobs else { return };
         let (traced, measured) = (jobs.tracing.events(), jobs.measuring.events());
         for event in traced {
+            self.comparison.pictures += 1;
             match event {
                 ComparisonEvent::Test(test) => self.comparison.test = Some(test),
                 ComparisonEvent::Reference(reference) => self.comparison.reference = Some(reference),
