@@ -2,7 +2,7 @@
 //! enough for a shot.
 //!
 //! [`climb()`] makes the pictures and traces the truth, and hands each result on as it comes; command, demonstration and window
-//! share it. [`write_picture`], [`sheet`] and [`page`] show what came of it.
+//! share it. [`write_picture`], [`sheet()`] and [`page()`] show what came of it.
 
 mod climb;
 mod files;

@@ -42,9 +42,11 @@ impl Region {
         Self { x: 0, y: 0, width, height }
     }
 
-    /// The square of at most `side` pixels around a pixel of a picture, cut off at the picture's edges.
+    /// The square of at most `side` pixels around a pixel of a picture, or around the last one before it, cut off at the picture's
+    /// edges.
     pub fn around([x, y]: [u32; 2], side: u32, size: [u32; 2]) -> Self {
         let span = |center: u32, end: u32| {
+            let center = center.min(end.saturating_sub(1));
             let first = center.saturating_sub(side / 2);
             (first, end.min(center + side.div_ceil(2)) - first)
         };

@@ -43,7 +43,11 @@ pub struct Comparison {
     /// Counts the pictures that came: places in memory are used again.
     pictures: u64,
     measured: Option<Box<Measured>>,
-    problem: Option<String>,
+    /// Why nothing is traced, and why what was traced cannot be measured.
+    trace_problem: Option<String>,
+    measure_problem: Option<String>,
+    /// Counts what was compared, to tell measures of what was before.
+    generation: u64,
     asked: Option<Asked>,
     shown: Option<(TextureHandle, [u32; 2])>,
     map: Option<TextureHandle>,
@@ -60,7 +64,9 @@ impl Comparison {
             reference: None,
             pictures: 0,
             measured: None,
-            problem: None,
+            trace_problem: None,
+            measure_problem: None,
+            generation: 0,
             asked: None,
             shown: None,
             map: None,
@@ -74,8 +80,8 @@ impl Comparison {
             measured: self.measured.as_deref(),
             progress: tracing.map_or(0.0, ComparisonThread::progress),
             paused: tracing.is_some_and(ComparisonThread::is_paused),
-            tracing: self.test.is_some() && self.problem.is_none(),
-            problem: self.problem.as_deref(),
+            tracing: self.test.is_some() && self.trace_problem.is_none(),
+            problem: self.trace_problem.as_deref().or(self.measure_problem.as_deref()),
         }
     }
 
@@ -84,9 +90,10 @@ impl Comparison {
         let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
         let reference = self.reference.as_ref();
         let waiting = || "B: the reference is on its way".to_owned();
+        let noise = self.measured.as_ref().and_then(|measured| measured.noise);
         let labels = [
             panel.picture_label(illum_cut),
-            reference.map_or_else(waiting, |reference| panel.reference_label(reference, progress)),
+            reference.map_or_else(waiting, |reference| panel.reference_label(reference, noise, progress)),
         ];
         let measured = self.measured.as_deref();
         Compared {
@@ -96,7 +103,7 @@ impl Comparison {
             map: self.map.as_ref().zip(measured).map(|(texture, measured)| (texture.id(), measured.part)),
             field: measured.map(|measured| &measured.field),
             labels,
-            region: panel.region,
+            region: panel.drawn_region(),
             accent,
             explained: None,
             marks: Vec::new(),
@@ -117,7 +124,9 @@ impl Comparison {
     /// What was made is of another picture.
     fn forget(&mut self) {
         (self.test, self.reference, self.measured, self.asked) = (None, None, None, None);
-        (self.problem, self.shown, self.map) = (None, None, None);
+        (self.trace_problem, self.measure_problem) = (None, None);
+        (self.shown, self.map) = (None, None);
+        self.generation += 1;
     }
 
     fn jobs(&mut self) -> &mut Jobs {
@@ -128,9 +137,9 @@ impl Comparison {
     }
 
     /// Asks for measures of what there is, unless they are known or on their way.
-    fn measure(&mut self, panel: &ComparisonPanel, post: Post) {
+    fn measure(&mut self, panel: &ComparisonPanel, post: Post, [width, height]: [u32; 2]) {
         let (Some(test), Some(reference)) = (self.test.clone(), self.reference.clone()) else { return };
-        let region = panel.region_of(reference.image.size);
+        let region = panel.region_in(reference.image.size, width as f32 / height.max(1) as f32);
         let asked = Asked {
             pictures: self.pictures,
             surfaces_only: panel.surfaces_only,
@@ -145,7 +154,8 @@ impl Comparison {
         self.asked = Some(asked);
         let (surfaces_only, map, top) = (panel.surfaces_only, panel.map, panel.top);
         let request = MeasureRequest { test, reference, surfaces_only, region, map, top, post };
-        self.jobs().measuring.request(request);
+        let generation = self.generation;
+        self.jobs().measuring.request(generation, request);
     }
 
     fn take_measured(&mut self, ctx: &Context, event: MeasureEvent) {
@@ -157,9 +167,9 @@ impl Comparison {
             MeasureEvent::Measured(measured) => {
                 // Each pixel of the map is an error of its own.
                 self.map = Some(texture_of(ctx, self.map.take(), &measured.map, TextureOptions::NEAREST));
-                (self.measured, self.problem) = (Some(measured), None);
+                (self.measured, self.measure_problem) = (Some(measured), None);
             }
-            MeasureEvent::Failed(text) => self.problem = Some(text),
+            MeasureEvent::Failed(text) => self.measure_problem = Some(text),
         }
     }
 }
@@ -185,14 +195,15 @@ impl EditorState {
         let Some(picture) = self.requests.last_sent().cloned() else { return };
         let moving = picture.moving;
         let Some(request) = panel.request(picture) else { return self.comparison.end() };
-        if moving {
-            // Rays for a picture that is of yesterday would only slow down the next one.
-            return self.comparison.jobs().tracing.stop();
+        if moving && !self.comparison.jobs().tracing.is_current(&request) {
+            // Rays for a picture of before would only slow down the next one, and it would be no reference for it.
+            self.comparison.jobs().tracing.stop();
+            return self.comparison.forget();
         }
         if self.comparison.jobs().tracing.request(request) {
             self.comparison.forget();
         }
-        self.comparison.measure(panel, self.document.view.post);
+        self.comparison.measure(panel, self.document.view.post, self.interface.viewport_size);
     }
 
     /// Takes what the comparison's threads have made.
@@ -204,11 +215,13 @@ impl EditorState {
             match event {
                 ComparisonEvent::Test(test) => self.comparison.test = Some(test),
                 ComparisonEvent::Reference(reference) => self.comparison.reference = Some(reference),
-                ComparisonEvent::Failed(text) => self.comparison.problem = Some(text),
+                ComparisonEvent::Failed(text) => self.comparison.trace_problem = Some(text),
                 ComparisonEvent::Remark(text) => self.messages.warning(text),
             }
         }
-        measured.into_iter().for_each(|event| self.comparison.take_measured(ctx, event));
+        let generation = self.comparison.generation;
+        let current = measured.into_iter().filter(|(of, _)| *of == generation);
+        current.for_each(|(_, event)| self.comparison.take_measured(ctx, event));
     }
 
     /// Begins or ends the comparison; there must be a picture to begin it.
@@ -217,7 +230,8 @@ impl EditorState {
             self.messages.warning("There is no picture to compare; open and bake a scene first");
             return;
         }
-        self.interface.comparison.open ^= true;
+        let panel = &mut self.interface.comparison;
+        (panel.open, panel.tool) = (!panel.open, None);
     }
 
     /// Compares with a picture file from now on.

@@ -25,6 +25,8 @@ pub struct ExplainWindow {
     panel: ExplainPanel,
     open: bool,
     pixel: Option<[u32; 2]>,
+    /// The picture that it was chosen in.
+    subject: Option<ExplainSubject>,
     /// Which light, where there are both.
     tree: Option<TreeOf>,
     job: Option<ExplainJob<Explained>>,
@@ -98,7 +100,9 @@ impl EditorState {
         self.explain.open = true;
         self.explain.pixel = Some(pixel);
         (self.explain.split, self.explain.splitting) = (None, None);
-        match self.explain_subject() {
+        (self.explain.explained, self.explain.job, self.explain.message) = (None, None, None);
+        self.explain.subject = self.explain_subject();
+        match self.explain.subject.clone() {
             Some(subject) => self.explain.job = Some(ExplainJob::pixel(subject, pixel, self.wake.clone())),
             None => self.explain.message = Some("The picture has no light that is gathered by cuts".into()),
         }
@@ -127,7 +131,8 @@ impl EditorState {
     }
 
     fn split_error(&mut self) {
-        let Some((subject, pixel)) = self.explain_subject().zip(self.explain.pixel) else { return };
+        let Some((subject, pixel)) = self.explain.subject.clone().zip(self.explain.pixel) else { return };
+        self.explain.message = None;
         let size = subject.view.size;
         let drawn = self.interface.comparison.region_of(size);
         let region = drawn.unwrap_or_else(|| Region::around(pixel, AROUND, size));

@@ -128,7 +128,7 @@ impl ComparisonThread {
 
     /// Asks for a comparison. Returns whether one begins: it is another than before.
     pub fn request(&mut self, request: ComparisonRequest) -> bool {
-        if self.last.as_ref().is_some_and(|last| request.is_same(last)) {
+        if self.is_current(&request) {
             return false;
         }
         let request = Box::new(request);
@@ -139,6 +139,11 @@ impl ComparisonThread {
             let _ = requests.send((number, request));
         }
         true
+    }
+
+    /// Whether a request would begin nothing.
+    pub fn is_current(&self, request: &ComparisonRequest) -> bool {
+        self.last.as_ref().is_some_and(|last| request.is_same(last))
     }
 
     /// Gives up what is being traced. The next request begins anew.

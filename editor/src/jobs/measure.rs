@@ -88,6 +88,8 @@ pub struct Measured {
     pub map: ShownPixels,
     /// What of the picture the map shows, as shares of its width and height: left, top, right, bottom.
     pub part: [f32; 4],
+    /// Relative RMSE of the reference by its own noise, of the same pixels.
+    pub noise: Option<f64>,
     /// The reference that was measured.
     pub reference: ReferencePicture,
     /// The picture that was measured.
@@ -107,21 +109,21 @@ pub enum MeasureEvent {
 
 /// The window's end of the thread.
 pub struct MeasureThread {
-    requests: Sender<MeasureRequest>,
-    events: Receiver<MeasureEvent>,
+    requests: Sender<(u64, MeasureRequest)>,
+    events: Receiver<(u64, MeasureEvent)>,
 }
 
 impl MeasureThread {
     /// Starts the thread.
     pub fn start(wake: Wake) -> Self {
-        let (requests, inbox) = channel::<MeasureRequest>();
+        let (requests, inbox) = channel::<(u64, MeasureRequest)>();
         let (outbox, events) = channel();
         spawn("measure", move || {
             while let Ok(first) = inbox.recv() {
-                let request = inbox.try_iter().last().unwrap_or(first);
+                let (number, request) = inbox.try_iter().last().unwrap_or(first);
                 let tell = |event| {
                     // Nobody is left to tell if the window is gone.
-                    let _ = outbox.send(event);
+                    let _ = outbox.send((number, event));
                     wake();
                 };
                 let traced = request.reference.image.every(request.reference.step);
@@ -135,14 +137,14 @@ impl MeasureThread {
         Self { requests, events }
     }
 
-    /// Asks for the measures of two pictures.
-    pub fn request(&self, request: MeasureRequest) {
+    /// Asks for the measures of two pictures, which come with the number.
+    pub fn request(&self, number: u64, request: MeasureRequest) {
         // The thread only ends when the window does.
-        let _ = self.requests.send(request);
+        let _ = self.requests.send((number, request));
     }
 
     /// What was made since the last call.
-    pub fn events(&self) -> Vec<MeasureEvent> {
+    pub fn events(&self) -> Vec<(u64, MeasureEvent)> {
         self.events.try_iter().collect()
     }
 }
@@ -186,7 +188,14 @@ fn measure(request: &MeasureRequest) -> Result<Measured> {
     let map = ShownPixels { size: field.size, pixels: field.colors().into_iter().map(encoded).collect() };
     let whole = reference.image.size.map(|side| side.div_ceil(step));
     let part = region.map_or([0.0, 0.0, 1.0, 1.0], |region| shares(region, whole));
-    Ok(Measured { metrics, field, map, part, reference: reference.clone(), test: test.clone() })
+    let noise = reference.noise.map(|noise| noise * root_of_squares(&reference.image) / root_of_squares(&b).max(1e-30));
+    Ok(Measured { metrics, field, map, part, noise, reference: reference.clone(), test: test.clone() })
+}
+
+/// Over the finite pixels. Background has no noise, so that noise over all of a picture is that of its surfaces.
+fn root_of_squares(image: &Image) -> f64 {
+    let finite = image.pixels.iter().filter(|pixel| pixel.is_finite());
+    finite.map(|pixel| pixel.as_dvec3().length_squared()).sum::<f64>().sqrt()
 }
 
 fn shares(region: Region, [width, height]: [u32; 2]) -> [f32; 4] {
@@ -234,6 +243,15 @@ mod tests {
     #[test]
     fn a_bright_background_hides_the_error_unless_surfaces_alone_count() {
         let request = request(picture(1.1), picture(1.0));
+        let noisy = ReferencePicture { noise: Some(1e-3), ..request.reference.clone() };
+        let noise = |surfaces_only| {
+            measure(&MeasureRequest { reference: noisy.clone(), surfaces_only, ..request.clone() })
+                .unwrap()
+                .noise
+                .unwrap()
+        };
+        // The picture's root of squares is 346.5 with the background and 6.6 without.
+        assert!((noise(false) - 1e-3).abs() < 1e-9 && (noise(true) - 0.0522).abs() < 1e-4, "{}", noise(true));
         let with_background = measure(&request).unwrap().metrics;
         let on_surfaces = measure(&MeasureRequest { surfaces_only: true, ..request }).unwrap().metrics;
         assert!((on_surfaces.rel_rmse - 0.1).abs() < 1e-5, "{on_surfaces:?}");
@@ -284,18 +302,20 @@ mod tests {
     fn the_thread_shows_the_reference_exposed_and_says_what_it_cannot_compare() {
         let thread = MeasureThread::start(silent());
         let bright = Post { exposure: 1.0, ..Post::default() };
-        thread.request(MeasureRequest { post: bright, ..request(picture(0.25), picture(0.25)) });
+        thread.request(7, MeasureRequest { post: bright, ..request(picture(0.25), picture(0.25)) });
         let mut events = Vec::new();
         wait_for("both events", || {
             events.extend(thread.events());
             (events.len() == 2).then_some(())
         });
-        let [MeasureEvent::Shown(shown), MeasureEvent::Measured(measured)] = &events[..] else { panic!("{events:?}") };
+        let [(7, MeasureEvent::Shown(shown)), (7, MeasureEvent::Measured(measured))] = &events[..] else {
+            panic!("{events:?}")
+        };
         assert_eq!(shown.pixels[9], [188, 188, 188, 255], "a half, encoded");
         assert_eq!(measured.metrics.rmse, 0.0);
-        thread.request(request(picture(1.0), Image::filled([3, 3], Vec3::ONE)));
+        thread.request(8, request(picture(1.0), Image::filled([3, 3], Vec3::ONE)));
         let failed = wait_for("the failure", || {
-            thread.events().into_iter().find_map(|e| match e {
+            thread.events().into_iter().find_map(|(_, e)| match e {
                 MeasureEvent::Failed(text) => Some(text),
                 _ => None,
             })

@@ -14,7 +14,7 @@ use crate::{
 };
 use egui::{Button, ComboBox, DragValue, ProgressBar, Ui};
 use lapidary_core::image::Region;
-use lapidary_render::compare::map::ErrorMap;
+use lapidary_render::{ViewMode, compare::map::ErrorMap};
 use std::path::{Path, PathBuf};
 
 /// Pixels of the live picture along each axis for one of the comparison.
@@ -63,8 +63,8 @@ impl CompareView {
 /// What the next drag or click in the viewport does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tool {
-    /// A drag draws the region; it began there, in shares of the viewport.
-    Region(Option<[f32; 2]>),
+    /// A drag draws the region: where it began, in shares of the viewport, and the rectangle so far.
+    Region(Option<([f32; 2], [f32; 4])>),
     /// A click explains the pixel.
     Why,
 }
@@ -127,7 +127,12 @@ impl ComparisonPanel {
     }
 
     /// What is to be compared with `picture`; `None` where no file was chosen yet.
-    pub fn request(&self, picture: RenderRequest) -> Option<ComparisonRequest> {
+    pub fn request(&self, mut picture: RenderRequest) -> Option<ComparisonRequest> {
+        // What the comparison has no part in begins nothing anew.
+        (picture.view.mode, picture.view.wireframe) = (ViewMode::Shaded, false);
+        if self.kind != KindChoice::File {
+            picture.view.aa = 1;
+        }
         let kind = match self.kind {
             KindChoice::Samples => ReferenceKind::Samples,
             KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
@@ -140,7 +145,24 @@ impl ComparisonPanel {
         Some(request)
     }
 
-    /// The region in pixels of a picture, moved out to the grid.
+    /// The region that is drawn over the viewport: the one that is being dragged, or else the one that counts.
+    pub fn drawn_region(&self) -> Option<[f32; 4]> {
+        match self.tool {
+            Some(Tool::Region(Some((_, part)))) => Some(part),
+            _ => self.region,
+        }
+    }
+
+    /// The region in pixels of a picture that is as high as the viewport of shape `aspect` (width over height), and as wide as it
+    /// may be.
+    pub fn region_in(&self, size: [u32; 2], aspect: f32) -> Option<Region> {
+        let wider = aspect * size[1] as f32 / size[0].max(1) as f32;
+        let across = |x: f32| 0.5 + (x - 0.5) * wider;
+        let [left, top, right, bottom] = self.region?;
+        Self { region: Some([across(left), top, across(right), bottom]), ..self.clone() }.region_of(size)
+    }
+
+    /// The region in pixels of a picture of the viewport's shape, moved out to the grid.
     pub fn region_of(&self, size: [u32; 2]) -> Option<Region> {
         let [left, top, right, bottom] = self.region?;
         let low = |share: f32, side: u32| (share.clamp(0.0, 1.0) * side as f32) as u32 / GRID * GRID;
@@ -155,13 +177,13 @@ impl ComparisonPanel {
         format!("A: cuts, {illum_cut} nodes of light")
     }
 
-    /// What the reference is, in a few words.
-    pub fn reference_label(&self, reference: &ReferencePicture, progress: f32) -> String {
+    /// What the reference is, in a few words; its noise is that of what is measured.
+    pub fn reference_label(&self, reference: &ReferencePicture, noise: Option<f64>, progress: f32) -> String {
         let done = if reference.finished { String::new() } else { format!(", {:.0} % done", 100.0 * progress) };
         match self.kind {
             KindChoice::Samples => format!("B: all light samples, traced{done}"),
             KindChoice::Paths => {
-                let noise = reference.noise.map(|n| format!(", noise {:.1} %", 100.0 * n)).unwrap_or_default();
+                let noise = noise.map(|n| format!(", noise {:.1} %", 100.0 * n)).unwrap_or_default();
                 format!("B: {} light paths a pixel{noise}{done}", self.spp)
             }
             KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
@@ -192,7 +214,9 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
     ui.add_space(2.0);
     ui.horizontal_wrapped(|ui| {
         reference(ui, panel, actions);
-        tracing(ui, context, actions);
+        if panel.kind != KindChoice::File {
+            tracing(ui, context, actions);
+        }
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
@@ -206,18 +230,14 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
             panel.tool = if asking { None } else { Some(Tool::Why) };
         }
         if ui.button("×").on_hover_text("End the comparison (C)").clicked() {
-            panel.open = false;
+            (panel.open, panel.tool) = (false, None);
         }
     });
-    match (context.problem, context.measured) {
-        (Some(problem), _) => {
-            ui.colored_label(ui.visuals().error_fg_color, problem);
-        }
-        (None, Some(measured)) => figures::show(ui, panel, measured),
-        (None, None) => {
-            ui.weak(waiting(panel));
-        }
-    }
+    figures::show(ui, panel, context.measured, |ui, panel| match context.problem {
+        Some(problem) => drop(ui.colored_label(ui.visuals().error_fg_color, problem)),
+        None if context.measured.is_none() => drop(ui.weak(waiting(panel))),
+        None => {}
+    });
     ui.add_space(2.0);
 }
 
@@ -268,7 +288,7 @@ fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) 
     if !context.tracing {
         return;
     }
-    let finished = context.measured.filter(|m| m.reference.finished && context.progress >= 1.0);
+    let finished = context.measured.filter(|m| m.reference.finished);
     let text = match finished {
         Some(measured) => format!("{:.1} s", measured.reference.seconds),
         None => format!("{:.0} %", 100.0 * context.progress),

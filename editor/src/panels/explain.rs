@@ -61,6 +61,9 @@ pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> 
     };
     let [x, y] = explanation.pixel;
     ui.label(RichText::new(format!("Pixel {x}, {y}")).strong());
+    if let Some(message) = context.message {
+        ui.colored_label(ui.visuals().error_fg_color, message);
+    }
     // Above the many nodes, for it is what one asks first.
     let asked = causes(ui, context);
     show_pixel(ui, panel, context, explanation);

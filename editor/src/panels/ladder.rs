@@ -60,8 +60,13 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
         ui.add(ProgressBar::new(progress).text(text));
     }
     let figures: Vec<StepFigures> = result.tiles.iter().filter_map(|tile| tile.figures).collect();
-    if let Some(verdict) = verdict(&figures) {
+    let complete = result.progress.is_none() && figures.len() == result.tiles.len();
+    if let Some(verdict) = verdict(&figures).filter(|_| complete) {
         ui.label(RichText::new(verdict).strong());
+        let [width, height] = result.tiles.first().map_or([0; 2], |tile| tile.texture.size());
+        ui.weak(format!(
+            "Times are of {width} x {height} pixels with one sample each, the size that a reference is soon traced in."
+        ));
     }
     ScrollArea::vertical().show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {

@@ -1,7 +1,7 @@
 //! The reference beside or over the picture, the map of errors, and the pointer's part in it: the line between both is
 //! dragged, and so is the region that counts.
 
-use super::{gizmo::Projection, legend, paint::cover};
+use super::{gizmo::Projection, legend};
 use crate::panels::comparison::{CompareView, ComparisonPanel, Tool};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Key, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2,
@@ -62,6 +62,7 @@ pub fn paint(ui: &Ui, rect: Rect, camera: &Camera, picture: Option<(TextureId, [
     let painter = ui.painter_at(rect);
     match (compared.view, compared.reference) {
         (CompareView::Reference, Some(reference)) => {
+            painter.rect_filled(rect, 0.0, Color32::BLACK);
             image(&painter, rect, reference);
             label(&painter, rect.center_top(), Align2::CENTER_TOP, &compared.labels[1]);
         }
@@ -83,13 +84,22 @@ pub fn paint(ui: &Ui, rect: Rect, camera: &Camera, picture: Option<(TextureId, [
 }
 
 fn image(painter: &Painter, rect: Rect, (texture, size): (TextureId, [u32; 2])) {
-    painter.image(texture, rect, cover(size, rect.size()), Color32::WHITE);
+    let all = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    painter.image(texture, placed(size, rect), all, Color32::WHITE);
+}
+
+/// Where a picture of another shape lies: a camera's field of view is that of the height.
+fn placed([width, height]: [u32; 2], rect: Rect) -> Rect {
+    let width = rect.height() * width as f32 / height.max(1) as f32;
+    Rect::from_center_size(rect.center(), vec2(width, rect.height()))
 }
 
 fn swipe(painter: &Painter, rect: Rect, reference: (TextureId, [u32; 2]), compared: &Compared) {
     let x = line_at(rect, compared.swipe);
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
-    image(&painter.with_clip_rect(right), rect, reference);
+    let clipped = painter.with_clip_rect(right);
+    clipped.rect_filled(right, 0.0, Color32::BLACK);
+    image(&clipped, rect, reference);
     painter.vline(x, rect.y_range(), LINE);
     painter.circle_filled(pos2(x, rect.center().y), 4.0, LINE.color);
     label(painter, pos2(x - MARGIN, rect.top()), Align2::RIGHT_TOP, &compared.labels[0]);
@@ -112,9 +122,10 @@ fn side_by_side(painter: &Painter, rect: Rect, shown: [Option<(TextureId, [u32; 
 
 fn difference(painter: &Painter, rect: Rect, compared: &Compared) {
     let (Some((texture, part)), Some(field)) = (compared.map, compared.field) else { return };
+    let Some((_, size)) = compared.reference else { return };
     painter.rect_filled(rect, 0.0, Color32::from_black_alpha(170));
     let uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-    painter.image(texture, part_of(rect, part), uv, Color32::WHITE);
+    painter.image(texture, part_of(placed(size, rect), part), uv, Color32::WHITE);
     legend::errors(painter, rect, field);
     label(painter, rect.center_top(), Align2::CENTER_TOP, &format!("{}; {}", compared.labels[0], compared.labels[1]));
 }
@@ -158,8 +169,8 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
     panel.flicker = ui.input(|i| i.key_down(Key::R) && i.modifiers.is_none()) && !ui.ctx().text_edit_focused();
     match (panel.tool, panel.shown_view()) {
-        (Some(Tool::Region(start)), _) => draw_region(ui, rect, panel, start),
-        (Some(Tool::Why), CompareView::SideBySide) => panel.view = CompareView::Swipe,
+        (Some(_), CompareView::SideBySide) => panel.view = CompareView::Swipe,
+        (Some(Tool::Region(drawn)), _) => draw_region(ui, rect, panel, drawn),
         (Some(Tool::Why), _) => return asked_pixel(ui, rect, panel),
         (None, CompareView::Swipe) => drag_line(ui, rect, panel),
         // What is clicked is not where the picture alone would have it.
@@ -189,23 +200,24 @@ fn drag_line(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {
     }
 }
 
-fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, start: Option<[f32; 2]>) {
-    let response =
-        ui.interact(rect, ui.scope_id().with("region"), Sense::drag()).on_hover_and_drag_cursor(CursorIcon::Crosshair);
-    let share = |at: Pos2| ((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into();
-    let pointer = response.interact_pointer_pos();
+fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, drawn: Option<([f32; 2], [f32; 4])>) {
+    let response = ui.interact(rect, ui.scope_id().with("region"), Sense::drag());
+    let response = response.on_hover_and_drag_cursor(CursorIcon::Crosshair);
+    let share = |at: Pos2| -> [f32; 2] { ((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into() };
+    let pointer = response.interact_pointer_pos().map(share);
     if ui.input(|i| i.key_pressed(Key::Escape)) {
         panel.tool = None;
     } else if response.drag_started() {
-        let origin = ui.input(|i| i.pointer.press_origin()).or(pointer);
-        panel.tool = Some(Tool::Region(origin.map(share)));
-    } else if let (Some(start), Some(end)) = (start, pointer.map(share)) {
+        let origin = ui.input(|i| i.pointer.press_origin()).map(share).or(pointer);
+        panel.tool = Some(Tool::Region(origin.map(|start| (start, spanned(start, start)))));
+    } else if let (Some((start, _)), Some(end)) = (drawn, pointer) {
         let part = spanned(start, end);
-        if part_of(rect, part).size().min_elem() >= LEAST_REGION {
-            panel.region = Some(part);
-        }
+        panel.tool = Some(Tool::Region(Some((start, part))));
         if response.drag_stopped() {
+            // What counts changes once, for each change traces anew.
             panel.tool = None;
+            panel.region =
+                Some(part).filter(|part| part_of(rect, *part).size().min_elem() >= LEAST_REGION).or(panel.region);
         }
     }
 }

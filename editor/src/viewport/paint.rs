@@ -28,7 +28,7 @@ pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &Viewpor
 
 /// The part of a picture that fills a rectangle without being stretched, in texture coordinates. The two differ in
 /// shape only for the frames after the window changed size, and by the rounding of a coarser picture.
-pub(super) fn cover(picture: [u32; 2], rect: Vec2) -> Rect {
+fn cover(picture: [u32; 2], rect: Vec2) -> Rect {
     let picture = vec2(picture[0] as f32, picture[1] as f32);
     let scale = (rect.x / picture.x).max(rect.y / picture.y);
     let share = rect / (scale * picture);

@@ -56,8 +56,9 @@ impl Halves {
             return None;
         }
         let [a, b] = self.sums.each_ref().map(|sum| sum.pixels.iter().map(|p| p.as_dvec3()));
-        let squared: f64 = a.zip(b).map(|(a, b)| (a / m - b / n).length_squared()).sum();
-        let norm: f64 = mean.pixels.iter().map(|p| p.as_dvec3().length_squared()).sum();
+        let pixels = a.zip(b).zip(&mean.pixels).filter(|(_, mean)| mean.is_finite());
+        let sums = pixels.map(|((a, b), mean)| ((a / m - b / n).length_squared(), mean.as_dvec3().length_squared()));
+        let (squared, norm) = sums.fold((0.0, 0.0), |sum, (s, n)| (sum.0 + s, sum.1 + n));
         let share = 1.0 / ((m + n) * (1.0 / m + 1.0 / n));
         Some(if norm > 0.0 { (share * squared / norm).sqrt() } else { 0.0 })
     }
@@ -99,6 +100,19 @@ mod tests {
         };
         assert_eq!(noise(2), 0.0);
         assert!(noise(1) > 0.1, "negative control: each half sees one sample of the pattern only");
+    }
+
+    #[test]
+    fn a_pixel_that_is_not_finite_has_no_part_in_the_noise() {
+        let mut rng = fastrand::Rng::with_seed(2);
+        let mut halves = Halves::new([80, 80], 1);
+        for _ in 0..4 {
+            let mut pass = noisy(&mut rng, 0.3);
+            pass.pixels[9].y = f32::NAN;
+            halves.add(&pass);
+        }
+        let noise = halves.picture().noise.unwrap();
+        assert!((noise / (0.15 / 1.521_f64.hypot(0.15)) - 1.0).abs() < 0.05, "{noise}");
     }
 
     #[test]

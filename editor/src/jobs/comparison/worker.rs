@@ -7,6 +7,7 @@ use crate::{
         render_thread::{Factory, RenderRequest, Station},
     },
     ladder::{Subject, every_sample},
+    whole_picture::BAND_ROWS,
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
@@ -81,8 +82,11 @@ impl Worker {
         if !self.is_wanted(number) {
             return Ok(());
         }
-        let mut test = self.test_picture(number, request, &view)?;
+        let Some(mut test) = self.test_picture(number, request, &view)? else { return Ok(()) };
         test.predicted = self.predicted(number, request, &baked, &view)?;
+        if !self.is_wanted(number) {
+            return Ok(());
+        }
         self.tell(number, ComparisonEvent::Test(Arc::new(test)));
         let Some(image) = loaded else { return self.trace(number, request, &baked, &view) };
         let reference = ReferencePicture { image: image.into(), step: 1, noise: None, finished: true, seconds: 0.0 };
@@ -90,8 +94,8 @@ impl Worker {
         Ok(())
     }
 
-    /// The picture as the live one is made, on the same kind of renderer.
-    fn test_picture(&mut self, number: u64, request: &ComparisonRequest, view: &View) -> Result<TestPicture> {
+    /// The picture as the live one is made, on the same kind of renderer; `None` if another comparison is wanted.
+    fn test_picture(&mut self, number: u64, request: &ComparisonRequest, view: &View) -> Result<Option<TestPicture>> {
         let remark = |text| {
             let _ = self.outbox.events.send((number, ComparisonEvent::Remark(text)));
         };
@@ -99,12 +103,18 @@ impl Worker {
         let start = Instant::now();
         let backend = self.station.backend()?;
         backend.begin(view, request.picture.sampling)?;
+        let height = view.size[1];
         for sample in 0..view.aa {
-            backend.render_rows(sample, 0..view.size[1])?;
+            for first in (0..height).step_by(BAND_ROWS as usize) {
+                if self.control.wanted() != number {
+                    return Ok(None);
+                }
+                backend.render_rows(sample, first..height.min(first + BAND_ROWS))?;
+            }
         }
         let millis = 1e3 * start.elapsed().as_secs_f64();
         let (image, coverage) = backend.read(view.aa)?;
-        Ok(TestPicture { image, coverage, predicted: None, stats: backend.stats()?, millis })
+        Ok(Some(TestPicture { image, coverage, predicted: None, stats: backend.stats()?, millis }))
     }
 
     /// The error that is expected of the picture, if all its clusters are of the environment.

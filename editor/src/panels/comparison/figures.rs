@@ -11,26 +11,33 @@ const BINS: usize = 50;
 /// Points that the options take.
 const OPTIONS: f32 = 116.0;
 
-/// Shows figures, region and histogram.
-pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: &Measured) {
+/// Shows options, histogram and figures, or what `otherwise` says in their place.
+pub fn show(
+    ui: &mut Ui,
+    panel: &mut ComparisonPanel,
+    measured: Option<&Measured>,
+    otherwise: impl FnOnce(&mut Ui, &ComparisonPanel),
+) {
     ui.horizontal_wrapped(|ui| {
         ui.vertical(|ui| {
             ui.set_max_width(OPTIONS);
             options(ui, panel);
         });
-        histogram(ui, &measured.field);
-        for (name, value, help) in
-            texts(&measured.metrics, measured.reference.noise).into_iter().chain(costs(&measured.test))
-        {
-            ui.vertical(|ui| {
-                ui.weak(RichText::new(name).small()).on_hover_text(help);
-                ui.label(RichText::new(value).monospace()).on_hover_text(help);
-            });
+        if let Some(measured) = measured {
+            histogram(ui, &measured.field);
+            for (name, value, help) in texts(&measured.metrics, measured.noise).into_iter().chain(costs(&measured.test))
+            {
+                ui.vertical(|ui| {
+                    ui.weak(RichText::new(name).small()).on_hover_text(help);
+                    ui.label(RichText::new(value).monospace()).on_hover_text(help);
+                });
+            }
         }
+        otherwise(ui, panel);
     });
-    if measured.metrics.non_finite_pixels > 0 {
-        let count = measured.metrics.non_finite_pixels;
-        let text = format!("{count} pixels are not finite; they are magenta and left out");
+    let not_finite = measured.map_or(0, |measured| measured.metrics.non_finite_pixels);
+    if not_finite > 0 {
+        let text = format!("{not_finite} pixels are not finite; they are magenta and left out");
         ui.colored_label(ui.visuals().warn_fg_color, text);
     }
 }
