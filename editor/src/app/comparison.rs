@@ -110,6 +110,12 @@ impl Comparison {
         }
     }
 
+    /// How often something else was compared.
+    #[cfg(test)]
+    pub fn begun(&self) -> u64 {
+        self.generation
+    }
+
     /// Holds the tracing, or goes on.
     pub fn pause(&self, paused: bool) {
         self.jobs.iter().for_each(|jobs| jobs.tracing.pause(paused));

@@ -250,8 +250,8 @@ mod tests {
                 .noise
                 .unwrap()
         };
-        // The picture's root of squares is 346.5 with the background and 6.6 without.
-        assert!((noise(false) - 1e-3).abs() < 1e-9 && (noise(true) - 0.0522).abs() < 1e-4, "{}", noise(true));
+        // The picture's root of squares is 346.6 with the background and 11.49 without.
+        assert!((noise(false) - 1e-3).abs() < 1e-9 && (noise(true) - 0.030_167).abs() < 1e-5, "{}", noise(true));
         let with_background = measure(&request).unwrap().metrics;
         let on_surfaces = measure(&MeasureRequest { surfaces_only: true, ..request }).unwrap().metrics;
         assert!((on_surfaces.rel_rmse - 0.1).abs() < 1e-5, "{on_surfaces:?}");
