@@ -20,6 +20,10 @@ use std::collections::HashMap;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
+/// Rays start no further off a surface than this share of the least height of its triangles: from a strip of a moulding, long
+/// and a millimetre high, they would start within the next.
+const OFFSET_OF_HEIGHT: f32 = 0.05;
+
 /// A place where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakePoint {
@@ -34,6 +38,8 @@ pub struct BakePoint {
     pub horizon: f32,
     /// Sampled over the whole sphere, the lower half from the other side.
     pub two_sided: bool,
+    /// Place in metres that the upper and that the lower side sample at: the position, but in a crease.
+    pub places: [Vec3; 2],
 }
 
 /// The bake points of a mesh.
@@ -48,7 +54,12 @@ pub struct BakePoints {
 impl BakePoint {
     /// Where rays of the upper (true) or lower side start.
     pub fn origin(&self, upper: bool) -> Vec3 {
-        self.position + self.normal * if upper { self.offset } else { -self.offset }
+        self.place(upper) + self.normal * if upper { self.offset } else { -self.offset }
+    }
+
+    /// The place on the surface that the upper (true) or lower side samples at.
+    pub fn place(&self, upper: bool) -> Vec3 {
+        self.places[usize::from(!upper)]
     }
 
     /// Whether a direction is sampled from the upper side.
@@ -71,15 +82,20 @@ impl BakePoints {
             let point = BakePoint {
                 position,
                 normal,
-                offset: (0.02 * around.edge_length[v]).clamp(smallest, largest),
+                offset: (0.02 * around.edge_length[v])
+                    .min(OFFSET_OF_HEIGHT * around.height[v])
+                    .clamp(smallest, largest),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
+                places: [position; 2],
             };
             let key = (exact_key(position), exact_key(normal), point.two_sided);
             let id = *known.entry(key).or_insert_with(|| {
                 result.points.push(point);
                 result.points.len() as u32 - 1
             });
+            let shared = &mut result.points[id as usize];
+            shared.offset = shared.offset.min(point.offset);
             result.of_vertex.push(id);
         }
         result.lower_horizons(mesh);
@@ -133,6 +149,8 @@ impl BakePoints {
 struct Surroundings {
     area: Vec<Vec3>,
     edge_length: Vec<f32>,
+    /// Least height of the triangles, but of those without area.
+    height: Vec<f32>,
     two_sided: Vec<bool>,
 }
 
@@ -140,20 +158,25 @@ impl Surroundings {
     fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
         let n = mesh.positions.len();
         let (mut area, mut length, mut uses) = (vec![Vec3::ZERO; n], vec![0.0_f32; n], vec![0.0_f32; n]);
-        let mut two_sided = vec![false; n];
+        let (mut two_sided, mut height) = (vec![false; n], vec![f32::INFINITY; n]);
         for (t, corners) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.corners(t);
-            let mean_edge = (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0;
+            let edges = [a.distance(b), b.distance(c), c.distance(a)];
+            let mean_edge = edges.iter().sum::<f32>() / 3.0;
+            let height_of_triangle = mesh.area_vector(t).length() / edges.into_iter().fold(0.0, f32::max);
             for &v in corners {
                 let v = v as usize;
                 area[v] += mesh.area_vector(t);
                 length[v] += mean_edge;
                 uses[v] += 1.0;
+                if height_of_triangle > 0.0 {
+                    height[v] = height[v].min(height_of_triangle);
+                }
                 two_sided[v] |= sides.two_sided[t];
             }
         }
         let edge_length = length.iter().zip(&uses).map(|(l, u)| l / u.max(1.0)).collect();
-        Self { area, edge_length, two_sided }
+        Self { area, edge_length, height, two_sided }
     }
 
     /// The vertex normal, or that of its faces where it is unusable or points away from them.
@@ -202,6 +225,26 @@ mod tests {
             let inside = point.position.abs().max_element() < 0.4;
             assert_eq!(buried, inside, "{point:?}");
         }
+    }
+
+    #[test]
+    fn rays_from_a_thin_strip_start_within_it() {
+        // A ledge 1 mm deep and 1 m long.
+        let quad = |y: [f32; 2], z: [f32; 2]| {
+            let at = |x: f32, i: usize| Vec3::new(x, y[i], z[i]);
+            [[at(0.0, 0), at(1.0, 0), at(1.0, 1)], [at(0.0, 0), at(1.0, 1), at(0.0, 1)]]
+        };
+        let ledge = quad([0.0, 0.0], [0.001, 0.0]);
+        let (points, _) = points(&scene_of(&ledge));
+        assert!(points.points.iter().all(|p| p.offset < 1e-4), "{:?}", points.points);
+        for order in [[0.001, 1.0], [1.0, 0.001]] {
+            // Strips of both depths meet in an edge, whose vertices share their points.
+            let strips = order.map(|depth| quad([0.0, 0.0], if depth < 0.5 { [depth, 0.0] } else { [0.0, -depth] }));
+            let (points, _) = self::points(&scene_of(&strips.concat()));
+            assert!(points.points.iter().filter(|p| p.position.z == 0.0).all(|p| p.offset < 1e-4));
+        }
+        let (wide, _) = self::points(&scene_of(&quad([0.0, 0.0], [1.0, 0.0])));
+        assert!(wide.points.iter().all(|p| p.offset > 2e-4), "negative control: {:?}", wide.points);
     }
 
     #[test]

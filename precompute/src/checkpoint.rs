@@ -104,7 +104,7 @@ pub struct Checkpoint {
 }
 
 /// Changes whenever the same settings would give other chunks.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 impl Checkpoint {
     /// The folder beside an output file.
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(leftover(&output, "hash", &settings), Leftover::Nothing);
         Checkpoint::create(&output, "hash", &settings, 10, 3, &[]).unwrap();
         assert!(matches!(Checkpoint::open(&output, "other", &settings), Err(CheckpointError::Mismatch { .. })));
-        let other = BakeSettings { beta: 0.4, ..settings };
+        let other = BakeSettings { beta: 0.4, ..settings.clone() };
         assert!(matches!(Checkpoint::open(&output, "hash", &other), Err(CheckpointError::Mismatch { .. })));
         assert_eq!(leftover(&output, "hash", &other), Leftover::OfAnother);
         assert_eq!(leftover(&output, "hash", &settings), Leftover::Fitting);

@@ -113,7 +113,9 @@ impl<'a> SourceSampler<'a> {
         wanted.iter_mut().for_each(Vec::clear);
         let has_near = self.sort(point, seen, |i, upper| wanted[usize::from(!upper)].push(i as u32));
         for (wanted, upper) in wanted.iter().zip(SIDES) {
-            wanted.iter().for_each(|&i| seen[i as usize] = self.sources[i as usize].solid_angle_from(point.position));
+            wanted
+                .iter()
+                .for_each(|&i| seen[i as usize] = self.sources[i as usize].solid_angle_from(point.place(upper)));
             batch.trace(self.scene, point.origin(upper), &self.ends, wanted, |i| seen[i as usize] = 0.0);
         }
         let far: u64 = wanted.iter().map(|w| w.len() as u64).sum();
@@ -126,7 +128,7 @@ impl<'a> SourceSampler<'a> {
         let has_near = self.sort(point, seen, |i, upper| far.push((i, upper)));
         for (i, upper) in far {
             let open = !self.scene.occluded_between(point.origin(upper), self.ends[i]);
-            seen[i] = if open { self.sources[i].solid_angle_from(point.position) } else { 0.0 };
+            seen[i] = if open { self.sources[i].solid_angle_from(point.place(upper)) } else { 0.0 };
         }
         self.gather_near(point, has_near, seen);
     }
@@ -139,7 +141,7 @@ impl<'a> SourceSampler<'a> {
             *seen = 0.0;
             match facing_side(point, source) {
                 Some(upper) if self.near.holds(source, point.origin(upper)) => {
-                    has_near[usize::from(!upper)] |= self.near.is_over(source, point.position);
+                    has_near[usize::from(!upper)] |= self.near.is_over(source, point.place(upper));
                 }
                 Some(upper) => far(i, upper),
                 None => (),
@@ -162,11 +164,10 @@ impl<'a> SourceSampler<'a> {
 /// Whether a source lies on the upper side of a point (or on the lower), if both face each other.
 #[inline]
 fn facing_side(point: &BakePoint, source: &Source) -> Option<bool> {
-    if source.solid_angle_from(point.position) == 0.0 {
-        return None;
-    }
-    let upper = point.is_upper((source.surfel.position - point.position).normalize_or_zero());
-    (upper || point.two_sided).then_some(upper)
+    let toward = source.surfel.position - point.position;
+    let upper = !point.two_sided || point.is_upper(toward);
+    let faces = source.solid_angle_from(point.place(upper)) > 0.0;
+    (faces && (point.two_sided || point.is_upper(toward.normalize_or_zero()))).then_some(upper)
 }
 
 #[cfg(test)]

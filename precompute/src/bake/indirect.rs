@@ -127,5 +127,6 @@ impl Stage<'_> {
 /// Where a source samples its visibility of the environment.
 pub(crate) fn point_of(source: &Source, offset: f32) -> BakePoint {
     let surfel = source.surfel;
-    BakePoint { position: surfel.position, normal: surfel.normal, offset, horizon: 0.0, two_sided: false }
+    let Surfel { position, normal, .. } = surfel;
+    BakePoint { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
 }

@@ -10,18 +10,43 @@ use rayon::prelude::*;
 
 /// A point that lies nearer to the middle of its triangles than this many offsets stays.
 const LEAST_SHIFT: f32 = 4.0;
+/// Triangles that a point's normal leans away from by more than this cosine do not count: it would rise too far.
+const LEAST_LEAN: f32 = 0.2;
 
 impl BakePoints {
-    /// The points, those in concave edges moved to the centroid of what interpolation takes them for.
+    /// The points; those in concave edges sample at the centroid of what interpolation takes them for. An edge of a sheet is
+    /// concave from one of its sides.
     pub fn off_creases(&self, mesh: &Mesh, scene: &Intersector) -> Vec<BakePoint> {
         let centroids = self.hat_centroids(mesh);
-        let moved = |(point, &centroid): (&BakePoint, &Vec3)| {
-            // Around a vertex of a ball it lies inside the ball.
-            let below = (centroid - point.position).dot(point.normal).min(0.0);
-            let inside = BakePoint { position: centroid - point.normal * below, ..*point };
-            if is_in_crease(point, &inside, scene) { inside } else { *point }
+        let rises = self.rises(mesh, &centroids);
+        let moved = |((point, &centroid), &[above, below]): ((&BakePoint, &Vec3), &[f32; 2])| {
+            let inside = BakePoint { places: [above, -below].map(|rise| centroid + point.normal * rise), ..*point };
+            let side = |upper| if is_in_crease(point, &inside, scene, upper) { inside } else { *point }.place(upper);
+            BakePoint { places: [side(true), if point.two_sided { side(false) } else { point.position }], ..*point }
         };
-        self.points.par_iter().zip(&centroids).map(moved).collect()
+        self.points.par_iter().zip(&centroids).zip(&rises).map(moved).collect()
+    }
+
+    /// How far each centroid must rise along its point's normal, and sink against it, to lie on one side of all its triangles:
+    /// around a vertex of a ball it lies inside the ball, and where the normal leans, beside the surface. At most as far as it
+    /// is from the point.
+    fn rises(&self, mesh: &Mesh, centroids: &[Vec3]) -> Vec<[f32; 2]> {
+        let mut rises = vec![[0.0_f32; 2]; self.points.len()];
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let face = mesh.area_vector(t).normalize_or_zero();
+            for &v in corners {
+                let id = self.of_vertex[v as usize] as usize;
+                let (point, [above, below]) = (&self.points[id], &mut rises[id]);
+                let lean = face.dot(point.normal);
+                if lean.abs() > LEAST_LEAN {
+                    let shift = centroids[id] - point.position;
+                    let height = (shift.dot(face) / lean).clamp(-shift.length(), shift.length());
+                    *above = above.max(-height);
+                    *below = below.max(height);
+                }
+            }
+        }
+        rises
     }
 
     /// Centroid of the hat function of each point: one at its vertices, falling to nil at their neighbours.
@@ -43,11 +68,10 @@ impl BakePoints {
     }
 }
 
-/// Whether another surface rises just behind the point, seen from further inside its own.
-fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector) -> bool {
-    let back = point.position - inside.position;
-    // On the lower side of a sheet what curves away above comes closer.
-    let origin = inside.origin(true);
+/// Whether another surface rises just behind a side of the point, seen from further inside its own.
+fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector, upper: bool) -> bool {
+    let back = point.position - inside.place(upper);
+    let origin = inside.origin(upper);
     back.length() > LEAST_SHIFT * point.offset && scene.occluded_between(origin, origin + 2.0 * back)
 }
 
@@ -69,11 +93,56 @@ mod tests {
         let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
         for (before, after) in points.points.iter().zip(&moved) {
             let at_foot = before.position.y == 0.0 && before.normal.y == 0.0;
-            assert_eq!(before.position != after.position, at_foot, "{before:?} {after:?}");
+            assert_eq!(before.position != after.place(true), at_foot, "{before:?} {after:?}");
             // A square of two triangles: a corner of one has its centroid at a quarter of the side, of two at three eighths.
-            let height = after.position.y;
+            let height = after.place(true).y;
             assert!(!at_foot || (0.24..0.38).contains(&height), "{height}");
-            assert!((after.position - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
+            assert!((after.place(true) - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
+        }
+    }
+
+    #[test]
+    fn a_fold_of_a_sheet_is_a_crease_from_one_side() {
+        // A sheet along x that goes down to a valley at z = 0 and up again.
+        let at = |x: f32, z: f32| Vec3::new(x, z.abs(), z);
+        let strip = |from: f32, to: f32| {
+            [[at(-1.0, from), at(-1.0, to), at(1.0, to)], [at(-1.0, from), at(1.0, to), at(1.0, from)]]
+        };
+        let triangles: Vec<_> = [strip(-1.0, 0.0), strip(0.0, 1.0)].concat();
+        let mut scene = scene_of(&triangles);
+        for flip in [false, true] {
+            if flip {
+                scene.mesh.normals.iter_mut().for_each(|n| *n = -*n);
+                scene.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            let points = BakePoints::new(&scene.mesh, &classify(&scene));
+            let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
+            let in_valley = |p: &&BakePoint| p.position.z == 0.0;
+            assert!(moved.iter().filter(in_valley).count() > 0);
+            for point in moved.iter().filter(in_valley) {
+                assert!(point.two_sided);
+                let from_above = point.normal.y > 0.0;
+                assert!(point.place(from_above) != point.position, "{point:?}");
+                assert_eq!(point.place(!from_above), point.position, "outside of the fold");
+            }
+        }
+    }
+
+    #[test]
+    fn a_normal_that_leans_along_a_ridge_leaves_points_outside() {
+        // Long strips bent by 20 degrees, and normals that lean along them, as smoothing leaves them on mouldings.
+        let at = |x: f32, z: f32| Vec3::new(x, -0.3 * z.abs(), z);
+        let strip = |from: f32, to: f32| {
+            [[at(-9.0, from), at(-9.0, to), at(9.0, to)], [at(-9.0, from), at(9.0, to), at(9.0, from)]]
+        };
+        let mut scene = scene_of(&[strip(-1.0, 0.0), strip(0.0, 1.0)].concat());
+        scene.mesh.normals.fill(Vec3::new(0.3, 1.0, 0.2).normalize());
+        let intersector = Intersector::new(&scene.mesh);
+        let points = BakePoints::new(&scene.mesh, &classify(&scene));
+        for point in points.off_creases(&scene.mesh, &intersector) {
+            let (upper, lower) = (point.origin(true), point.origin(false));
+            assert!(!intersector.occluded(upper, Vec3::Y), "{point:?}");
+            assert!(!intersector.occluded(lower, Vec3::NEG_Y), "{point:?}");
         }
     }
 
@@ -98,7 +167,8 @@ mod tests {
         let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
         assert!(points.points.len() > 80);
         for (before, after) in points.points.iter().zip(&moved) {
-            assert_eq!(before, after);
+            assert_eq!(before.origin(true), after.origin(true));
+            assert!(after.origin(false).length() < 1.0 || !after.two_sided, "{after:?}");
         }
     }
 }

@@ -17,7 +17,11 @@ fn sources_of(prepared: &Prepared) -> (Vec<Source>, f32) {
 
 /// A point of the floor of a room from -1 to 1.
 fn floor_point(x: f32, z: f32) -> BakePoint {
-    BakePoint { position: Vec3::new(x, -1.0, z), normal: Vec3::Y, offset: 1e-4, horizon: 0.0, two_sided: false }
+    point_at(Vec3::new(x, -1.0, z))
+}
+
+fn point_at(position: Vec3) -> BakePoint {
+    BakePoint { position, normal: Vec3::Y, offset: 1e-4, horizon: 0.0, two_sided: false, places: [position; 2] }
 }
 
 fn sample(prepared: &Prepared, (sources, radius): (&[Source], f32), point: &BakePoint) -> Vec<f32> {
@@ -78,7 +82,7 @@ fn hidden_sources_count_for_nothing_and_two_sided_points_see_both_sides() {
         |s: &Source| s.surfel.position.y > 0.999 && s.surfel.position.abs().with_y(0.0).max_element() < 0.7;
     assert!(sources.iter().any(to_ceiling));
     assert!(seen.iter().zip(&sources).all(|(&angle, s)| !to_ceiling(s) || angle == 0.0));
-    let middle = BakePoint { position: Vec3::new(0.95, 0.0, 0.0), two_sided: true, ..floor_point(0.0, 0.0) };
+    let middle = BakePoint { two_sided: true, ..point_at(Vec3::new(0.95, 0.0, 0.0)) };
     let both: f32 = sample(&prepared, (&sources, radius), &middle).iter().sum();
     let above: f32 = sample(&prepared, (&sources, radius), &BakePoint { two_sided: false, ..middle }).iter().sum();
     assert!(both > 1.8 * above && above > 0.0, "{both} and {above}");

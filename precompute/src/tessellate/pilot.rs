@@ -117,8 +117,10 @@ impl<'a> Pilot<'a> {
 }
 
 fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
+    let position = 0.5 * (a.position + b.position);
     BakePoint {
-        position: 0.5 * (a.position + b.position),
+        position,
+        places: [position; 2],
         normal: (a.normal + b.normal).try_normalize().unwrap_or(a.normal),
         offset: a.offset.min(b.offset),
         horizon: a.horizon.min(b.horizon),
