@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{Stage, contents, keys};
+use common::{SMALL, Stage, contents, keys};
+use lapidary_core::dataset::Dataset;
 
 #[test]
 fn the_report_has_the_keys_that_scripts_depend_on() {
@@ -69,6 +70,37 @@ fn a_two_triangle_floor_is_tessellated_only_if_asked() {
     assert!(out.status.success());
     assert!(stage.dataset("a.cuts").scene.mesh.positions.len() > 300);
     assert_eq!(stage.dataset("b.cuts").scene.mesh.triangles.len(), 14);
+}
+
+#[test]
+fn a_bake_for_a_shot_has_its_vertices_there_whatever_the_threads() {
+    let stage = Stage::new();
+    // A corner of the floor from above.
+    let shot = "--shot 1.2,1.5,1.2:1.2,0,1.1:40:1";
+    stage.bake("all.cuts", "");
+    stage.bake("one.cuts", &format!("{shot} --threads 1"));
+    stage.bake("two.cuts", &format!("{shot} --threads 2"));
+    let [all, one, two] = ["all.cuts", "one.cuts", "two.cuts"].map(|name| stage.dataset(name));
+    assert!(contents(&one) == contents(&two));
+    assert_eq!(one.scene.mesh.positions, two.scene.mesh.positions);
+    let in_corner = |dataset: &Dataset| {
+        let on_floor = dataset.scene.mesh.positions.iter().filter(|p| p.y == 0.0);
+        on_floor.filter(|p| (p.x - 1.2).abs() < 0.5 && (p.z - 1.2).abs() < 0.5).count()
+    };
+    assert!(in_corner(&one) > 2 * in_corner(&all), "{} and {}", in_corner(&one), in_corner(&all));
+    assert_eq!(one.settings.shots.len(), 1);
+    let errors = stage.fail(&format!("bake scene.obj -o a.cuts {SMALL} --shot hero"));
+    assert!(errors.contains("no camera \"hero\""), "{errors}");
+    assert!(stage.succeed("info one.cuts").contains("for        1 shot"));
+}
+
+#[test]
+fn a_budget_below_the_mesh_is_remarked() {
+    let stage = Stage::new();
+    let bake = |vertices| stage.run(&format!("bake scene.obj -o a.cuts --lights 256 --max-vertices {vertices}"));
+    let errors = |vertices| String::from_utf8_lossy(&bake(vertices).stderr).into_owned();
+    assert!(errors(20).contains("no triangle is split"));
+    assert!(!errors(400).contains("no triangle is split"), "negative control");
 }
 
 /// Ctrl-C leaves a checkpoint and exit code 130; `--resume` gives what an uninterrupted bake gives.

@@ -47,6 +47,7 @@ use crate::{
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
     scene::Scene,
+    shot::Shot,
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -119,6 +120,9 @@ pub struct BakeSettings {
     pub pilot_clusters: usize,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
+    /// Pictures that most vertices are meant for; none for a bake that serves all views alike.
+    #[serde(default)]
+    pub shots: Vec<Shot>,
     /// Most bytes for the vertices' cuts over the environment, which are coarsened by a common `sigma` until they fit. Surface
     /// sources and the meshless basis are not bounded by it.
     pub max_bytes: Option<u64>,

@@ -33,6 +33,7 @@ pub mod material;
 pub mod meshless;
 pub mod ray;
 pub mod scene;
+pub mod shot;
 pub mod simd;
 pub mod source_tree;
 pub mod sphere;

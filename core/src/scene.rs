@@ -48,6 +48,29 @@ pub struct Scene {
     pub lights: Vec<Light>,
 }
 
+impl Scene {
+    /// The camera of a name.
+    ///
+    /// # Errors
+    /// [`NoSuchCamera`], which lists those that there are.
+    pub fn camera(&self, name: &str) -> Result<&Camera, NoSuchCamera> {
+        self.cameras.iter().find(|c| c.name == name).ok_or_else(|| NoSuchCamera {
+            name: name.to_owned(),
+            known: self.cameras.iter().map(|c| c.name.clone()).collect(),
+        })
+    }
+}
+
+/// A name that no camera of a scene has.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("the scene has no camera \"{name}\"; it has {}", if known.is_empty() { "none".into() } else { known.join(", ") })]
+pub struct NoSuchCamera {
+    /// What was asked for.
+    pub name: String,
+    /// Those of the scene.
+    pub known: Vec<String>,
+}
+
 /// Axis-aligned bounds in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

@@ -101,6 +101,8 @@ pub enum Action {
     SaveLights(Option<PathBuf>),
     /// Choose what the next bake is of, and show its settings.
     ChooseBake(BakeMode),
+    /// Choose the views that the next bake is for, as large as the viewport is now; none for all alike.
+    BakeForViews(Vec<Camera>),
     /// Put the camera on the clipboard as text.
     CopyCamera,
     /// Take the camera from the clipboard.

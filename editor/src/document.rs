@@ -265,7 +265,7 @@ impl Document {
 /// environment. More can be chosen.
 pub fn proposed_bake(scene: &Scene) -> BakeSettings {
     let mode = if scene.lights.is_empty() { BakeMode::Environment } else { BakeMode::Indirect };
-    BakeSettings { mode, ..Preset::Normal.settings() }
+    BakeSettings { mode, ..Preset::Normal.settings_for(scene.mesh.positions.len()) }
 }
 
 #[cfg(test)]

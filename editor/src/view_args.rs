@@ -203,15 +203,10 @@ impl CameraArgs {
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene) -> Result<Option<&'a Camera>> {
-        let Some(name) = &self.camera else { return Ok(scene.cameras.first()) };
-        let found = scene.cameras.iter().find(|c| c.name == *name);
-        if found.is_none() {
-            let names: Vec<&str> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
-            let known =
-                if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
-            bail!("the scene has no camera \"{name}\"; {known}");
+        match &self.camera {
+            Some(name) => Ok(Some(scene.camera(name)?)),
+            None => Ok(scene.cameras.first()),
         }
-        Ok(found)
     }
 
     fn check_memory(&self) -> Result<()> {

@@ -28,8 +28,9 @@ use crate::{
     meshless::check_coarse_radius,
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
+    settings::with_room,
     sidedness::{Sidedness, classify},
-    tessellate::{Stored, tessellate},
+    tessellate::{Stored, Wanted, tessellate},
     visibility::VisibilitySampler,
 };
 use lapidary_core::{
@@ -37,6 +38,7 @@ use lapidary_core::{
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     ray::Intersector,
     scene::Scene,
+    shot::Shot,
     sphere::fibonacci_directions,
 };
 use std::{path::PathBuf, time::Instant};
@@ -77,7 +79,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let mut clock = Clock::new(observer, job.import_secs);
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
     let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
-        Geometry::new(scene, settings.mode, settings.max_vertices, observer)
+        Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
     })?;
     cancelled(observer)?;
     let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
@@ -169,6 +171,7 @@ impl Geometry {
         mut scene: Scene,
         mode: BakeMode,
         budget: Option<usize>,
+        shots: &[Shot],
         observer: &dyn Observer,
     ) -> Result<Self, BakeError> {
         let source_vertices = scene.mesh.positions.len();
@@ -176,8 +179,10 @@ impl Geometry {
         let source = Intersector::new(&scene.mesh);
         let intersector = match budget {
             Some(budget) => {
+                remark_on_budget(source_vertices, budget, observer);
                 let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
-                tessellate(&mut scene.mesh, &mut sides, &source, stored, budget, observer)?;
+                let wanted = Wanted { stored, budget, shots };
+                tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
                 Intersector::new(&scene.mesh)
             }
             None => source,
@@ -185,6 +190,18 @@ impl Geometry {
         let points = BakePoints::new(&scene.mesh, &sides);
         let buried = points.buried(&intersector, &sides, observer)?;
         Ok(Self { scene, source_vertices, sides, intersector, points, buried })
+    }
+}
+
+/// Tells of a mesh that has as many vertices already as it may get.
+fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
+    if budget <= vertices {
+        let message = format!(
+            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
+             --max-vertices {} or more",
+            with_room(0, vertices)
+        );
+        observer.event(Event::Warning { message });
     }
 }
 

@@ -4,12 +4,14 @@ mod bake;
 mod info;
 mod options;
 mod progress;
+mod shot;
 mod verify;
 
 pub use bake::{BakeArgs, place};
 pub use info::InfoArgs;
 pub use options::{ModeOption, PresetOption, TreeOption};
 pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
+pub use shot::ShotOption;
 pub use verify::VerifyArgs;
 
 use anyhow::{Context, Result};

@@ -34,7 +34,7 @@ pub use memory::available as available_memory;
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
-pub use settings::{Preset, SettingsError, resolve};
+pub use settings::{Preset, SettingsError, resolve, with_room};
 pub use sidedness::{Sidedness, classify};
 pub use study::{Study, Variant};
 pub use surface_points::{Candidates, Darts, PointsError, find_viewpoint, poisson_disk};

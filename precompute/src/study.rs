@@ -59,7 +59,7 @@ impl Study {
         observer.event(Event::Started { phase: Phase::Tessellate, total: vertices, unit: "vertices" });
         let start = Instant::now();
         let hash = scene_hash(&scene);
-        let geometry = Geometry::new(scene, BakeMode::Environment, max_vertices, observer)?;
+        let geometry = Geometry::new(scene, BakeMode::Environment, max_vertices, &[], observer)?;
         Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
     }
 

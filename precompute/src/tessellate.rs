@@ -8,6 +8,7 @@
 
 mod edges;
 mod pilot;
+mod scale;
 mod split;
 
 use crate::{
@@ -17,15 +18,16 @@ use crate::{
     sidedness::Sidedness,
 };
 use edges::Edges;
-use lapidary_core::{ray::Intersector, scene::Mesh};
+use lapidary_core::{ray::Intersector, scene::Mesh, shot::Shot};
 use pilot::Pilot;
 pub use pilot::Stored;
+use scale::Scale;
 use split::split_edges;
 
 /// Part of the sphere that must be wrong at an edge's midpoint for the edge to be split, or how wrong nearness must be.
 const TOLERANCE: f32 = 0.01;
 /// Longest edge that is never left whole, and shortest that is never split, in units of the edge length at which equal
-/// triangles over the whole surface would use up the budget.
+/// triangles over the whole surface, or over the pictures, would use up the budget; see [`scale`].
 const LONGEST: f32 = 6.0;
 const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.
@@ -34,8 +36,19 @@ const ROUNDS: usize = 16;
 /// all that is left of others. With all of them in the first round a picture on the living room's wall stayed black.
 const PART_A_ROUND: f32 = 0.3;
 
-/// Splits edges of `mesh` until it has at most `budget` vertices or what vertices are to store is linear enough. `sides` keeps
-/// one entry a triangle.
+/// What vertices are for.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// What they store.
+    pub stored: Stored,
+    /// Most of them.
+    pub budget: usize,
+    /// Pictures that most of them are meant for, if any.
+    pub shots: &'a [Shot],
+}
+
+/// Splits edges of `mesh` until it has as many vertices as its budget allows, or what they are to store is linear enough.
+/// `sides` keeps one entry a triangle.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`], within the tracing of a point after the observer asked for it.
@@ -43,13 +56,14 @@ pub fn tessellate(
     mesh: &mut Mesh,
     sides: &mut Sidedness,
     scene: &Intersector,
-    stored: Stored,
-    budget: usize,
+    Wanted { stored, budget, shots }: Wanted,
     observer: &dyn Observer,
 ) -> Result<(), BakeError> {
-    let area: f32 = (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum();
-    let unit = (1.15 * area / budget.max(1) as f32).sqrt();
-    let mut pilot = Pilot::new(scene, stored, unit, observer);
+    if mesh.positions.len() >= budget {
+        return Ok(());
+    }
+    let scale = Scale::new(mesh, scene, shots, budget, observer);
+    let mut pilot = Pilot::new(scene, stored, scale.unit, observer);
     for round in 1..=ROUNDS {
         cancelled(observer)?;
         let left = budget.saturating_sub(mesh.positions.len());
@@ -57,7 +71,7 @@ pub fn tessellate(
             break;
         }
         let edges = Edges::new(mesh);
-        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, unit)?;
+        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, &scale)?;
         let part = if round < ROUNDS { (PART_A_ROUND * left as f32) as usize } else { left };
         let mut chosen = edges.within_budget(&wanted, part);
         if chosen.is_empty() {
@@ -79,9 +93,16 @@ fn wanted_edges(
     sides: &Sidedness,
     edges: &Edges,
     pilot: &mut Pilot,
-    unit: f32,
+    scale: &Scale,
 ) -> Result<Vec<u32>, BakeError> {
-    let length = |e: u32| edges.length_sq[e as usize].sqrt() / unit;
+    let of_triangles = scale.of_triangles(mesh)?;
+    let lengths: Vec<f32> = edges
+        .triangles
+        .iter()
+        .zip(&edges.length_sq)
+        .map(|(around, sq)| sq.sqrt() * around.iter().map(|&t| of_triangles[t as usize]).fold(0.0, f32::max))
+        .collect();
+    let length = |e: u32| lengths[e as usize];
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
     pilot.learn_errors(mesh, sides, edges, &candidates)?;

@@ -50,6 +50,7 @@ fn dataset() -> Dataset {
             criterion: CutCriterion::default(),
             pilot_clusters: 16,
             max_vertices: None,
+            shots: Vec::new(),
             max_bytes: None,
             mode: BakeMode::Environment,
             indirect: IndirectSettings::default(),

@@ -37,7 +37,8 @@ impl EditorState {
         scene.map(|scene| scene.mesh.bounds())
     }
 
-    fn aspect(&self) -> f32 {
+    /// Width over height of the viewport.
+    pub(super) fn aspect(&self) -> f32 {
         let [width, height] = self.interface.viewport_size;
         width as f32 / height.max(1) as f32
     }

@@ -9,7 +9,11 @@ use crate::{
     preferences::{FileUse, Preferences},
 };
 use egui::{Context, ViewportCommand};
-use lapidary_core::dataset::{BakeMode, BakeSettings};
+use lapidary_core::{
+    camera::Camera,
+    dataset::{BakeMode, BakeSettings},
+    shot::Shot,
+};
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -34,6 +38,7 @@ impl EditorState {
             Action::LoadLights(Some(path)) => self.load_lights(&path),
             Action::SaveLights(Some(path)) => self.save_lights(&path),
             Action::ChooseBake(mode) => self.choose_bake(mode),
+            Action::BakeForViews(cameras) => self.bake_for_views(cameras),
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => self.ask_for_camera(ctx),
             Action::Preferences(preferences) => self.prefer(preferences),
@@ -91,6 +96,12 @@ impl EditorState {
     fn choose_bake(&mut self, mode: BakeMode) {
         self.interface.inspector = Inspector::Bake;
         self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
+    }
+
+    fn bake_for_views(&mut self, cameras: Vec<Camera>) {
+        let aspect = self.aspect();
+        let shots = cameras.into_iter().map(|camera| Shot { camera, aspect }).collect();
+        self.do_step(Edit::Bake(Box::new(BakeSettings { shots, ..self.document.bake.clone() })), "Views of the bake");
     }
 
     /// The clipboard comes as an event, some frames later.

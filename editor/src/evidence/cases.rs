@@ -31,6 +31,11 @@ const SKY_DIRECTIONS: usize = 1024;
 pub const TREES: [(TreeKind, f32); 3] =
     [(TreeKind::DataDriven, 0.0), (TreeKind::Mixed, 0.5), (TreeKind::Geometric, 1.0)];
 
+/// Vertices that a scene gets where `most` are meant: large triangles without any have no shadows.
+fn room_in(scene: &Scene, most: usize) -> usize {
+    precompute::with_room(most, scene.mesh.positions.len())
+}
+
 /// A scene as it was read.
 pub struct Plan {
     /// The file's name without extension.
@@ -115,7 +120,7 @@ impl Measurement<'_> {
 
     fn environment_bakes(&self, scene: &Scene) -> Result<Option<Bakes>> {
         let reporter = &self.steps.reporter;
-        let study = precompute::Study::new(scene.clone(), Some(self.scale.max_vertices), reporter)?;
+        let study = precompute::Study::new(scene.clone(), Some(room_in(scene, self.scale.max_vertices)), reporter)?;
         let directions = fibonacci_directions(SKY_DIRECTIONS);
         let some = study.some_points(SKY_POINTS);
         let seen = |visible: &[u8]| visible.iter().map(|&v| f64::from(v)).sum::<f64>();
@@ -142,7 +147,7 @@ impl Measurement<'_> {
         let job = BakeJob {
             settings: BakeSettings {
                 lights: self.scale.lights,
-                max_vertices: Some(self.scale.bounce_vertices),
+                max_vertices: Some(room_in(&plan.scene, self.scale.bounce_vertices)),
                 mode: BakeMode::Indirect,
                 indirect: lapidary_core::dataset::IndirectSettings { sources: self.scale.sources, ..normal.indirect },
                 pilot_clusters: self.scale.pilot_clusters,

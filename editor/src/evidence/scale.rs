@@ -9,11 +9,11 @@ pub struct Scale {
     pub lights: usize,
     /// Vertex clusters of pilot visibility.
     pub pilot_clusters: usize,
-    /// Most vertices after tessellation, but where they are swept; a mesh that has more keeps them.
+    /// Most vertices after tessellation, but where they are swept; a mesh that has as many gets a quarter more.
     pub max_vertices: usize,
     /// Surface sources of scenes with local lights.
     pub sources: usize,
-    /// Most vertices of scenes with local lights.
+    /// Most vertices of scenes with local lights, likewise.
     pub bounce_vertices: usize,
     /// Pictures that are held against references, in pixels.
     pub view: [u32; 2],
@@ -37,8 +37,8 @@ pub struct Scale {
     pub sigmas: &'static [f32],
     /// Numbers of light samples.
     pub light_counts: &'static [usize],
-    /// Vertex budgets; nil leaves the mesh as it is.
-    pub vertex_budgets: &'static [usize],
+    /// Vertex budgets, as multiples of what the mesh has; 1 leaves it as it is.
+    pub vertex_budgets: &'static [f64],
 }
 
 impl Scale {
@@ -60,7 +60,7 @@ impl Scale {
         betas: &[0.0, 0.25, 0.5, 0.75, 1.0],
         sigmas: &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0],
         light_counts: &[2048, 4096, 8192, 16_384, 32_768],
-        vertex_budgets: &[0, 40_000, 50_000, 70_000, 100_000],
+        vertex_budgets: &[1.0, 1.05, 1.25, 1.75, 3.0],
     };
 
     /// To see that it works.
@@ -81,7 +81,7 @@ impl Scale {
         betas: &[0.0, 0.5, 1.0],
         sigmas: &[0.25, 1.0, 4.0],
         light_counts: &[256, 1024],
-        vertex_budgets: &[0, 800],
+        vertex_budgets: &[1.0, 1.2],
     };
 
     /// The error bound that means as much as sigma 2 at the paper's 32,768 lights: Eq. 5 bounds the number of lights times

@@ -119,7 +119,8 @@ impl Sweeper<'_> {
         let mut made = Vec::new();
         for &budget in scale.vertex_budgets {
             let scene = self.case.scene.clone();
-            let study = Study::new(scene, (budget > 0).then_some(budget), &self.measurement.steps.reporter)?;
+            let vertices = (budget * scene.mesh.positions.len() as f64) as usize;
+            let study = Study::new(scene, (budget > 1.0).then_some(vertices), &self.measurement.steps.reporter)?;
             made.extend(self.bake(&study, scale.lights, &[usual])?);
         }
         self.sweep("vertices", made.iter().map(|dataset| (dataset.report.vertices as f64, dataset)))

@@ -6,7 +6,9 @@ use lapidary_core::{
     dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     scene::Scene,
 };
-use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads};
+use lapidary_precompute::{
+    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads, with_room,
+};
 use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
@@ -160,8 +162,8 @@ impl Observer for Teller {
 
 /// Settings of the first bake that is shown: of the same parts of the light, seen from the same place, but coarser than
 /// a draft, for it is waited for; in nothing finer than what is wanted. On the colour box, on two cores that were busy, it
-/// took 7 s for a bounce, 20 s for all parts.
-pub fn first_draft(wanted: &BakeSettings) -> BakeSettings {
+/// took 7 s for a bounce, 20 s for all parts. The mesh has `mesh_vertices`.
+pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings {
     let draft = Preset::Draft.settings();
     let lights = (draft.lights / 4).min(wanted.lights);
     // A quarter of the lights at half the sigma is the same error in solid angle.
@@ -170,12 +172,22 @@ pub fn first_draft(wanted: &BakeSettings) -> BakeSettings {
     let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
     // Bounced light is smooth; the shadows of an environment alone want more vertices.
     let bounces = wanted.mode != BakeMode::Environment;
-    let most = if bounces { Some(15_000) } else { draft.max_vertices };
+    let most = if bounces { Some(15_000) } else { draft.max_vertices }.map(|most| with_room(most, mesh_vertices));
     // A mesh that is to stay as it is does so in the draft.
     let max_vertices = most.min(wanted.max_vertices);
     let (indirect, meshless) = (draft_of_sources(&wanted.indirect), draft_of_basis(&wanted.meshless));
     let pilot_clusters = wanted.pilot_clusters.min(64);
-    BakeSettings { mode: wanted.mode, lights, pilot_clusters, criterion, max_vertices, indirect, meshless, ..draft }
+    BakeSettings {
+        mode: wanted.mode,
+        shots: wanted.shots.clone(),
+        lights,
+        pilot_clusters,
+        criterion,
+        max_vertices,
+        indirect,
+        meshless,
+        ..draft
+    }
 }
 
 fn draft_of_sources(wanted: &IndirectSettings) -> IndirectSettings {
@@ -193,7 +205,7 @@ fn draft_of_basis(wanted: &MeshlessSettings) -> MeshlessSettings {
 
 /// Whether a draft is there sooner than the bake itself: for one of its parts it has less to do.
 pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
-    let (draft, mode) = (first_draft(wanted), wanted.mode);
+    let (draft, mode) = (first_draft(wanted, 0), wanted.mode);
     let (few, many) = (draft.meshless, wanted.meshless);
     (mode.environment() && draft.lights < wanted.lights)
         || (mode.indirect() && draft.indirect.sources < wanted.indirect.sources)
@@ -206,7 +218,7 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
     let turn = task.turn.clone();
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let draft_settings = first_draft(&task.job.settings);
+    let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
     if task.progressive && !task.job.resume && task.job.settings != draft_settings {
         let scratch = Scratch::new(&task.cache);
         let job = BakeJob { settings: draft_settings, output: scratch.0.join("draft.cuts"), ..task.job.clone() };

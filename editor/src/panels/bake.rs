@@ -8,6 +8,7 @@ mod settings;
 mod stale;
 #[cfg(test)]
 mod tests;
+mod views;
 
 pub use estimate::SceneStats;
 pub use progress::line;
@@ -36,6 +37,14 @@ pub struct BakeContext<'a> {
     pub scene_stats: Option<SceneStats>,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
+}
+
+impl BakeContext<'_> {
+    /// Vertices of the scene before tessellation, if they are known.
+    fn source_vertices(&self) -> Option<usize> {
+        let of_scene = self.scene_stats.map(|s| s.vertices);
+        of_scene.or(self.dataset.map(|d| d.report.source_vertices)).filter(|v| *v > 0)
+    }
 }
 
 /// Where a bake is that may begin with a draft.
@@ -107,6 +116,7 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         }
         let speed = Speed::known(context);
         mode::show(ui, &context.document.bake, &speed, actions);
+        views::show(ui, context.document, actions);
         buttons(ui, context, actions);
         settings::presets(ui, context, &speed, actions);
         section(ui, "Advanced", false, |ui| {

@@ -1,7 +1,7 @@
 //! The `bake` command.
 
-use super::{ModeOption, PresetOption, ProgressReporter, ProgressStyle, TreeOption, write_json};
-use crate::{BakeJob, Preset, bake};
+use super::{ModeOption, PresetOption, ProgressReporter, ProgressStyle, ShotOption, TreeOption, write_json};
+use crate::{BakeJob, Preset, bake, with_room};
 use anyhow::{Context, Result};
 use clap::Args;
 use glam::Vec3;
@@ -79,12 +79,18 @@ pub struct BakeArgs {
     /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
     #[arg(long, value_name = "M")]
     pub pilot_clusters: Option<usize>,
-    /// Most vertices after tessellation, 3 or more [default: that of the preset]
+    /// Most vertices after tessellation, 3 or more [default: that of the preset, or a quarter more than the scene
+    /// has if that is more]
     #[arg(long, value_name = "V")]
     pub max_vertices: Option<usize>,
     /// Leave the mesh as it is
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
+    /// A picture that the bake is for, again for each further one: most vertices go where its camera looks. The
+    /// name of a camera of the scene (for a picture of 16 to 9), or the places of the eye and of what it looks at in metres, the vertical field
+    /// of view in degrees (40 if left out) and width over height (1.7778) [default: all views alike]
+    #[arg(long = "shot", conflicts_with = "no_tessellate", value_name = "NAME|X,Y,Z:X,Y,Z[:DEG[:ASPECT]]", value_parser = ShotOption::parse, allow_hyphen_values = true)]
+    pub shots: Vec<ShotOption>,
     /// Worker threads; the result does not depend on them [default: one for each core]
     #[arg(long, value_name = "T")]
     pub threads: Option<usize>,
@@ -131,7 +137,7 @@ impl BakeArgs {
     /// # Errors
     /// A scene that cannot be read, options out of range, an output that cannot be written, or Ctrl-C.
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
-        let settings = crate::resolve(self.settings())?;
+        let mut settings = crate::resolve(self.settings())?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
             pool.context("cannot start the worker threads; choose a smaller --threads")?;
@@ -141,6 +147,11 @@ impl BakeArgs {
         let start = Instant::now();
         let imported = import(&self.scene)?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
+        let vertices = imported.scene.mesh.positions.len();
+        if self.max_vertices.is_none() {
+            settings.max_vertices = settings.max_vertices.map(|most| with_room(most, vertices));
+        }
+        settings.shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
         let job = BakeJob {
             settings,
             output: self.output.clone(),

@@ -54,6 +54,10 @@ fn info_text(dataset: &Dataset) -> String {
         scene.textures.len(),
         scene.cameras.len()
     );
+    if !s.shots.is_empty() {
+        let plural = if s.shots.len() == 1 { "" } else { "s" };
+        text += &format!("for        {} shot{plural}, where most vertices are\n", s.shots.len());
+    }
     if s.mode.environment() {
         text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
         text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);

@@ -10,10 +10,13 @@ use crate::{
     },
 };
 use glam::Vec3;
-use lapidary_core::scene::Scene;
+use lapidary_core::{camera::Camera, scene::Scene};
 use std::{
     collections::{HashMap, HashSet},
-    sync::atomic::{AtomicUsize, Ordering},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
 const DISTANT: Stored = Stored { environment: true, bounces: false };
@@ -25,13 +28,14 @@ fn box_over_floor() -> Scene {
 }
 
 fn tessellated(budget: usize) -> Scene {
-    tessellated_for(DISTANT, box_over_floor(), budget)
+    tessellated_for(DISTANT, &[], box_over_floor(), budget)
 }
 
-fn tessellated_for(stored: Stored, mut scene: Scene, budget: usize) -> Scene {
+fn tessellated_for(stored: Stored, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
-    tessellate(&mut scene.mesh, &mut sides, &intersector, stored, budget, &Silent).unwrap();
+    let wanted = Wanted { stored, budget, shots };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &Silent).unwrap();
     assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
     scene
 }
@@ -90,12 +94,66 @@ fn in_a_closed_room_vertices_gather_where_bounced_light_changes() {
     let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0));
     triangles.extend(cuboid(Vec3::new(0.3, -1.7, 0.2), Vec3::splat(0.25)));
     let ratio = |stored| {
-        let mesh = tessellated_for(stored, scene_of(&triangles), 6000).mesh;
+        let mesh = tessellated_for(stored, &[], scene_of(&triangles), 6000).mesh;
         density(&mesh, -2.0, 0.0, 0.6) / density(&mesh, -2.0, 0.9, 1.4)
     };
     let (bounced, distant) = (ratio(Stored { environment: false, bounces: true }), ratio(DISTANT));
     assert!(bounced > 3.0, "{bounced}");
     assert!(distant < 1.5, "negative control: the sky is hidden everywhere, {distant}");
+}
+
+/// A room with a pillar between its halves, and a camera in one of them.
+fn halved_room() -> (Scene, Shot) {
+    let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0));
+    triangles.extend(cuboid(Vec3::new(0.01, 0.02, 0.53), Vec3::new(0.2, 1.9, 1.4)));
+    let camera = Camera::look_at(Vec3::new(-1.5, 1.0, 1.5), Vec3::new(-1.0, -2.0, 0.0), 50.0);
+    (scene_of(&triangles), Shot { camera, aspect: 16.0 / 9.0 })
+}
+
+#[test]
+fn vertices_gather_where_a_shot_looks() {
+    let (scene, shot) = halved_room();
+    let eye = shot.camera.eye;
+    let room = Intersector::new(&scene.mesh);
+    let seen =
+        |p: &Vec3| shot.frame().magnification(*p, Vec3::Y) > 0.0 && !room.occluded_between(eye, *p + (eye - *p) * 1e-3);
+    let bounced = Stored { environment: false, bounces: true };
+    let count = |shots: &[Shot]| {
+        let scene = tessellated_for(bounced, shots, scene.clone(), 6000);
+        assert!(is_conforming(&scene.mesh));
+        let inside = scene.mesh.positions.iter().filter(|p| seen(p)).count();
+        (inside, scene.mesh.positions.len() - inside)
+    };
+    let (in_shot, elsewhere) = count(std::slice::from_ref(&shot));
+    let (before, rest) = count(&[]);
+    assert!(in_shot > 3 * before, "{in_shot} vertices in the shot, {before} without it");
+    assert!(8 * elsewhere > rest, "the rest keeps some: {elsewhere} of {rest}");
+}
+
+#[test]
+fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
+    let (mut scene, shot) = halved_room();
+    let away = Shot { camera: Camera { eye: Vec3::splat(9.0), target: Vec3::splat(10.0), ..shot.camera }, ..shot };
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    let without = tessellated_for(DISTANT, &[], scene.clone(), 3000).mesh;
+    let remarks = Remarks(Mutex::default());
+    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[away] };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &remarks).unwrap();
+    assert_eq!(scene.mesh, without);
+    let remarks = remarks.0.into_inner().unwrap();
+    assert!(remarks.len() == 1 && remarks[0].contains("shot 1 sees no surface"), "{remarks:?}");
+}
+
+/// Keeps what is remarked.
+struct Remarks(Mutex<Vec<String>>);
+
+impl Observer for Remarks {
+    fn event(&self, event: Event) {
+        if let Event::Warning { message } = event {
+            self.0.lock().unwrap().push(message);
+        }
+    }
 }
 
 #[test]
@@ -122,7 +180,8 @@ fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let observer = Impatient { asked: AtomicUsize::new(0), limit };
-    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, DISTANT, 3000, &observer);
+    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[] };
+    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &observer);
     (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
 }
 

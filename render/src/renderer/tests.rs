@@ -89,6 +89,7 @@ pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f3
         criterion,
         pilot_clusters: 1,
         max_vertices: None,
+        shots: Vec::new(),
         max_bytes: None,
         mode: Default::default(),
         indirect: Default::default(),

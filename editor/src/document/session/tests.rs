@@ -84,7 +84,8 @@ impl Project {
             illum_cut: 400,
             ..Default::default()
         };
-        document.bake = BakeSettings { max_bytes: Some(1 << 30), beta: 0.3, ..document.bake };
+        let shots = vec![lapidary_core::shot::Shot { camera: document.camera.clone(), aspect: 1.5 }];
+        document.bake = BakeSettings { max_bytes: Some(1 << 30), beta: 0.3, shots, ..document.bake };
         document
     }
 

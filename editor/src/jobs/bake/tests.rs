@@ -51,7 +51,7 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
     let [BakeMessage::Draft(draft), BakeMessage::Done(dataset)] = &messages[..] else { panic!("{messages:?}") };
     assert_eq!(
         (draft.dataset.tree.len(), dataset.dataset.tree.len()),
-        (first_draft(&Preset::Normal.settings()).lights, MANY_LIGHTS)
+        (first_draft(&Preset::Normal.settings(), 0).lights, MANY_LIGHTS)
     );
     assert_eq!(Dataset::read(&output).unwrap().tree.len(), MANY_LIGHTS);
     assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
@@ -82,7 +82,7 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         }
         let sources = |baked: &Baked| baked.dataset.indirect.as_ref().map_or(0, |bake| bake.sources.len());
         assert!(sources(draft) <= sources(whole) / 2, "{mode:?}");
-        assert_eq!(first_draft(&task.job.settings).indirect.viewpoint, task.job.settings.indirect.viewpoint);
+        assert_eq!(first_draft(&task.job.settings, 0).indirect.viewpoint, task.job.settings.indirect.viewpoint);
     }
 }
 
@@ -106,10 +106,10 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
         meshless,
         ..normal.clone()
     };
-    let draft = first_draft(&few);
+    let draft = first_draft(&few, 0);
     assert_eq!(draft, BakeSettings { tree: draft.tree, beta: draft.beta, ..few.clone() });
-    assert_eq!(first_draft(&BakeSettings { max_vertices: None, ..few.clone() }).max_vertices, None);
-    assert_eq!(first_draft(&normal).criterion.sigma, 0.75, "negative control");
+    assert_eq!(first_draft(&BakeSettings { max_vertices: None, ..few.clone() }, 0).max_vertices, None);
+    assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.75, "negative control");
     assert!(!draft_is_sooner(&few));
     for (mode, [lights, sources, basis]) in [
         (BakeMode::Environment, [true, false, false]),

@@ -73,10 +73,9 @@ impl Speed {
     /// From the last report, or from averages.
     pub fn known(context: &BakeContext) -> Self {
         let report = context.dataset.map(|d| &d.report);
-        let scene = context.scene_stats.map(|s| s.vertices);
         let known = Self::from_report(report, context.cores);
         Self {
-            source_vertices: scene.or(report.map(|r| r.source_vertices)).filter(|v| *v > 0),
+            source_vertices: context.source_vertices(),
             mean_source_cut: context.dataset.and_then(mean_source_cut).unwrap_or(known.mean_source_cut),
             ..known
         }

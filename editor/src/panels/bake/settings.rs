@@ -44,14 +44,14 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
         }
         ui.end_row();
         for (preset, name, help) in PRESETS {
-            let settings = of_preset(preset, bake);
+            let settings = of_preset(preset, context);
             if ui.add(Button::selectable(*bake == settings, name)).on_hover_text(help).clicked() {
                 let edit = Edit::Bake(Box::new(settings.clone()));
                 actions.extend([Action::Edit { edit, label: "Bake preset" }, Action::EndGesture]);
             }
             cost(ui, speed.estimate(&settings));
         }
-        if PRESETS.iter().all(|(preset, ..)| *bake != of_preset(*preset, bake)) {
+        if PRESETS.iter().all(|(preset, ..)| *bake != of_preset(*preset, context)) {
             ui.label("Custom").on_hover_text("The settings below.");
             cost(ui, speed.estimate(bake));
         }
@@ -60,11 +60,12 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 
-/// A preset for what is baked now, seen from the same place.
-fn of_preset(preset: Preset, bake: &BakeSettings) -> BakeSettings {
-    let settings = preset.settings();
+/// A preset for what is baked now, for the same views and from the same viewpoint.
+fn of_preset(preset: Preset, context: &BakeContext) -> BakeSettings {
+    let bake = &context.document.bake;
+    let settings = preset.settings_for(context.source_vertices().unwrap_or(0));
     let indirect = IndirectSettings { viewpoint: bake.indirect.viewpoint, ..settings.indirect };
-    BakeSettings { mode: bake.mode, indirect, ..settings }
+    BakeSettings { mode: bake.mode, shots: bake.shots.clone(), indirect, ..settings }
 }
 
 /// The rest of a preset's row; a dash where the size of the scene is not known.

@@ -2,9 +2,11 @@
 
 use super::mode::name as mode_name;
 use crate::{document::Document, panels::units::grouped};
+use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeMode, BakeSettings, Dataset},
     light_tree::TreeKind,
+    shot::Shot,
 };
 
 /// What differs between what the document asks for and what the dataset was baked with, in sentences; empty if nothing.
@@ -29,6 +31,17 @@ pub fn tree_name(tree: TreeKind) -> &'static str {
     }
 }
 
+/// Which views a bake is for, with all that tells one from another.
+fn described_shots(shots: &[Shot]) -> String {
+    let place = |Vec3 { x, y, z }: Vec3| format!("({x}, {y}, {z})");
+    let described = |Shot { camera, aspect }: &Shot| {
+        let (eye, target, degrees) = (place(camera.eye), place(camera.target), camera.fov_y.to_degrees());
+        let roll = if camera.up == Vec3::Y { String::new() } else { format!(", {} upward", place(camera.up)) };
+        format!("from {eye} to {target}{roll} at {degrees}°, {aspect} to 1")
+    };
+    if shots.is_empty() { "all alike".into() } else { shots.iter().map(described).collect::<Vec<_>>().join("; ") }
+}
+
 /// All settings in words. Beta counts in a mixed tree only.
 fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
     // Destructured, so that a new setting cannot be forgotten here.
@@ -39,6 +52,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         criterion,
         pilot_clusters,
         max_vertices,
+        shots,
         max_bytes,
         mode,
         indirect,
@@ -59,6 +73,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Total error", criterion.total_error.map_or("no limit".into(), |e| e.to_string())),
         ("Pilot clusters", grouped(*pilot_clusters as u64)),
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
+        ("Views", described_shots(shots)),
         ("Bytes", limit(*max_bytes)),
         ("Bake of", mode_name(*mode).to_lowercase()),
         ("Sources", of_sources(grouped(indirect.sources as u64))),

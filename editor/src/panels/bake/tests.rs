@@ -8,9 +8,12 @@ use egui_kittest::{
     Harness,
     kittest::{NodeT, Queryable},
 };
+use glam::Vec3;
 use lapidary_core::{
+    camera::Camera,
     dataset::{BakeMode, BakeReport, BakeSettings},
     light_tree::TreeKind,
+    shot::Shot,
 };
 use lapidary_precompute::Preset;
 
@@ -44,9 +47,18 @@ fn document() -> Document {
 }
 
 fn panel(status: BakeStatus, document: Document, dataset: Option<Dataset>) -> Harness<'static, Probe> {
-    let show = |ui: &mut Ui, probe: &mut Probe| {
+    panel_of_scene(1000, status, document, dataset)
+}
+
+fn panel_of_scene(
+    vertices: usize,
+    status: BakeStatus,
+    document: Document,
+    dataset: Option<Dataset>,
+) -> Harness<'static, Probe> {
+    let show = move |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, dataset, status, actions } = probe;
-        let scene_stats = Some(SceneStats { vertices: 1000, triangles: 2000 });
+        let scene_stats = Some(SceneStats { vertices, triangles: 2 * vertices });
         let dataset = dataset.as_ref();
         let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, cores: 2 };
         show(ui, &context, actions);
@@ -218,6 +230,49 @@ fn advanced_settings_are_typed_ticked_and_chosen() {
     assert_eq!(bake_asked(&clicked(&mut panel, "Max vertices")).expect("an edit").max_vertices, None);
     clicked(&mut panel, "Lights");
     assert_eq!(bake_asked(&clicked(&mut panel, "8,192")).expect("an edit").lights, 8192);
+}
+
+#[test]
+fn a_bake_is_for_the_views_that_are_chosen() {
+    let asked = |document: Document, name: &str| {
+        let mut panel = panel(BakeStatus::None, document, None);
+        panel.get_by_label("For").click();
+        panel.run();
+        match &clicked(&mut panel, name)[..] {
+            [Action::BakeForViews(cameras)] => cameras.clone(),
+            _ => panic!("no views"),
+        }
+    };
+    let shown = |document: &Document, name: &str| {
+        panel(BakeStatus::None, document.clone(), None).query_by_value(name).is_some()
+    };
+    let mut document = document();
+    assert!(shown(&document, "All views") && !shown(&document, "This view"));
+    assert_eq!(asked(document.clone(), "This view"), [document.camera.clone()]);
+    let shot = |camera: &Camera| Shot { camera: camera.clone(), aspect: 1.5 };
+    document.bake.shots = vec![shot(&document.camera)];
+    assert!(shown(&document, "This view"));
+    assert_eq!(asked(document.clone(), "All views"), []);
+    document.camera.eye.x += 1.0;
+    assert!(shown(&document, "Another view"), "the camera has moved");
+    document.bookmarks = vec![document.camera.clone(), Camera::look_at(Vec3::ONE, Vec3::ZERO, 30.0)];
+    assert_eq!(asked(document.clone(), "Bookmarked views"), document.bookmarks);
+    document.bake.shots = document.bookmarks.iter().map(shot).collect();
+    assert!(shown(&document, "Bookmarked views"));
+    document.bookmarks.pop();
+    assert!(shown(&document, "Other views"));
+}
+
+#[test]
+fn presets_leave_room_for_vertices_and_keep_the_views() {
+    let mut dense = document();
+    dense.bake.shots = vec![Shot { camera: dense.camera.clone(), aspect: 1.5 }];
+    let shots = dense.bake.shots.clone();
+    let mut panel = panel_of_scene(57_810, BakeStatus::None, dense, None);
+    panel.get_by_label("Draft").click();
+    panel.run();
+    let asked = bake_asked(&panel.state().actions).expect("a preset");
+    assert_eq!((asked.max_vertices, asked.shots), (Some(72_262), shots));
 }
 
 #[test]

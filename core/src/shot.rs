@@ -1,0 +1,129 @@
+//! The pictures that a bake is for: where their cameras look, vertices are worth most.
+
+use crate::camera::Camera;
+use glam::{Mat3, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// Surfaces seen at a more grazing angle count as seen at this cosine: they are never left without vertices.
+const LEAST_COSINE: f32 = 0.05;
+/// The frame counts as so much larger, so that a camera may move a little.
+const MARGIN: f32 = 1.1;
+
+/// Width over height of a picture whose is not known.
+pub const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
+
+/// One picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shot {
+    /// Where it is taken from.
+    pub camera: Camera,
+    /// Width over height.
+    pub aspect: f32,
+}
+
+impl Shot {
+    /// Whether it looks anywhere: finite, from an eye to another place, through an angle and into a frame of some size.
+    pub fn is_valid(&self) -> bool {
+        let Camera { eye, target, up, fov_y, .. } = &self.camera;
+        let looks = eye.is_finite() && target.is_finite() && up.is_finite() && eye != target && *up != Vec3::ZERO;
+        looks && *fov_y > 0.0 && *fov_y < std::f32::consts::PI && self.aspect > 0.0 && self.aspect.is_finite()
+    }
+
+    /// What it sees.
+    pub fn frame(&self) -> Frame {
+        Frame {
+            eye: self.camera.eye,
+            view_from_world: self.camera.world_from_view().transpose(),
+            half_height: (0.5 * self.camera.fov_y).tan(),
+            aspect: self.aspect,
+        }
+    }
+}
+
+/// What a shot sees, for many places.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Where it is seen from, in metres.
+    pub eye: Vec3,
+    view_from_world: Mat3,
+    /// Half the height of the picture at a depth of 1.
+    half_height: f32,
+    aspect: f32,
+}
+
+impl Frame {
+    /// How large a surface at `position` appears if nothing hides it: the area in the picture, in squares of its height, for
+    /// each m². 0 outside the frame. Works from both sides.
+    pub fn magnification(&self, position: Vec3, normal: Vec3) -> f32 {
+        let Self { half_height, .. } = *self;
+        let view = self.view_from_world * (position - self.eye);
+        let depth = -view.z;
+        let inside =
+            view.y.abs() <= MARGIN * half_height * depth && view.x.abs() <= MARGIN * self.aspect * half_height * depth;
+        if !(depth > 0.0 && inside) {
+            return 0.0;
+        }
+        let to_eye = self.eye - position;
+        let cosine = (to_eye.dot(normal) / to_eye.length()).abs().max(LEAST_COSINE);
+        // The picture plane at distance 1 is 2 tan(fov / 2) high; dA' = dA cos distance / depth³.
+        cosine * to_eye.length() / (depth.powi(3) * (2.0 * half_height).powi(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shot() -> Shot {
+        Shot { camera: Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 90.0), aspect: 2.0 }
+    }
+
+    /// Area of a small square's picture by its corners.
+    fn by_projection(shot: &Shot, position: Vec3, normal: Vec3) -> f32 {
+        let side = normal.any_orthonormal_vector();
+        let frame = shot.camera.world_from_view().transpose();
+        let project = |p: Vec3| {
+            let view = frame * (p - shot.camera.eye);
+            view.truncate() / (-view.z * 2.0 * (0.5 * shot.camera.fov_y).tan())
+        };
+        let step = 1e-2;
+        let [o, a, b] = [Vec3::ZERO, side, normal.cross(side)].map(|offset| project(position + offset * step));
+        (a - o).perp_dot(b - o).abs() / (step * step)
+    }
+
+    #[test]
+    fn magnification_is_that_of_a_projected_square() {
+        let shot = shot();
+        let tilted = Vec3::new(0.3, 0.5, 0.8).normalize();
+        for (position, normal) in
+            [(Vec3::ZERO, Vec3::Z), (Vec3::new(6.0, 2.0, 1.0), tilted), (Vec3::new(-3.0, -4.0, -2.0), -tilted)]
+        {
+            let (found, known) = (shot.frame().magnification(position, normal), by_projection(&shot, position, normal));
+            assert!((found / known - 1.0).abs() < 0.02, "{found} for {known}");
+        }
+        let (near, far) =
+            (shot.frame().magnification(Vec3::Z, Vec3::Z), shot.frame().magnification(-5.0 * Vec3::Z, Vec3::Z));
+        assert!(near > 5.0 * far, "negative control");
+    }
+
+    #[test]
+    fn nothing_is_seen_out_of_the_frame_or_behind() {
+        let seen = |x: f32, y: f32, z: f32| shot().frame().magnification(Vec3::new(x, y, z), Vec3::Z) > 0.0;
+        assert!(seen(9.0, 4.0, 0.0) && seen(10.5, 0.0, 0.0));
+        assert!(!seen(12.0, 0.0, 0.0) && !seen(0.0, 6.0, 0.0) && !seen(0.0, 0.0, 6.0) && !seen(0.0, 0.0, 5.0));
+    }
+
+    #[test]
+    fn cameras_that_look_nowhere_are_not_valid() {
+        assert!(shot().is_valid());
+        let with = |change: fn(&mut Shot)| {
+            let mut shot = shot();
+            change(&mut shot);
+            shot.is_valid()
+        };
+        assert!(!with(|s| s.camera.target = s.camera.eye));
+        assert!(!with(|s| s.camera.eye.x = f32::NAN));
+        assert!(!with(|s| s.camera.fov_y = 0.0));
+        assert!(!with(|s| s.aspect = f32::INFINITY));
+    }
+}

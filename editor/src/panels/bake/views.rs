@@ -1,0 +1,50 @@
+//! Which views a bake is for: all alike, or those that most vertices are meant for.
+
+use crate::{actions::Action, document::Document, panels::entries::combo_row};
+use egui::Ui;
+use lapidary_core::camera::Camera;
+
+/// A choice of views.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Views {
+    All,
+    Present,
+    Bookmarked,
+    Others,
+}
+
+/// The choice.
+pub fn show(ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {
+    let mut chosen = chosen(document);
+    let present = "Most vertices go where the camera looks now, so that shadows and bounced light are finer there. Views from \
+                   elsewhere get the rest.";
+    let mut choices = vec![
+        (Views::All, "All views", "Vertices are spread for every view alike."),
+        (Views::Present, "This view", present),
+    ];
+    if !document.bookmarks.is_empty() {
+        choices.push((Views::Bookmarked, "Bookmarked views", "Likewise for all views of Scene > Cameras."));
+    }
+    if chosen == Views::Others {
+        let name = if document.bake.shots.len() == 1 { "Another view" } else { "Other views" };
+        choices.push((Views::Others, name, "Where the camera was when this was chosen, or as the command line said."));
+    }
+    if combo_row(ui, "For", "Which views the bake is for.", &mut chosen, &choices).changed {
+        match chosen {
+            Views::All => actions.push(Action::BakeForViews(Vec::new())),
+            Views::Present => actions.push(Action::BakeForViews(vec![document.camera.clone()])),
+            Views::Bookmarked => actions.push(Action::BakeForViews(document.bookmarks.clone())),
+            Views::Others => {}
+        }
+    }
+}
+
+fn chosen(document: &Document) -> Views {
+    let are_of = |cameras: &[Camera]| document.bake.shots.iter().map(|shot| &shot.camera).eq(cameras);
+    match document.bake.shots.len() {
+        0 => Views::All,
+        _ if are_of(std::slice::from_ref(&document.camera)) => Views::Present,
+        _ if are_of(&document.bookmarks) => Views::Bookmarked,
+        _ => Views::Others,
+    }
+}
