@@ -2,7 +2,10 @@
 
 use super::state::EditorState;
 use crate::{
-    jobs::explain::{ExplainJob, ExplainSubject, Explained, Lit},
+    jobs::{
+        explain::{ExplainJob, ExplainSubject, Explained, Lit},
+        render_thread::{Changes, RenderRequest, changes},
+    },
     panels::explain::{self, ExplainContext, ExplainPanel, ExplainRequest},
     viewport::compare::NodeMark,
 };
@@ -27,6 +30,8 @@ pub struct ExplainWindow {
     pixel: Option<[u32; 2]>,
     /// The picture that it was chosen in.
     subject: Option<ExplainSubject>,
+    /// What was asked for when it was.
+    picture: Option<RenderRequest>,
     /// Which light, where there are both.
     tree: Option<TreeOf>,
     job: Option<ExplainJob<Explained>>,
@@ -102,6 +107,7 @@ impl EditorState {
         (self.explain.split, self.explain.splitting) = (None, None);
         (self.explain.explained, self.explain.job, self.explain.message) = (None, None, None);
         self.explain.subject = self.explain_subject();
+        self.explain.picture = self.requests.last_sent().cloned();
         match self.explain.subject.clone() {
             Some(subject) => self.explain.job = Some(ExplainJob::pixel(subject, pixel, self.wake.clone())),
             None => self.explain.message = Some("The picture has no light that is gathered by cuts".into()),
@@ -130,6 +136,12 @@ impl EditorState {
         })
     }
 
+    /// Whether the picture on the screen is another than the one that is explained.
+    fn explanation_is_outdated(&self) -> bool {
+        let (then, now) = (self.explain.picture.as_ref(), self.requests.last_sent());
+        then.zip(now).is_some_and(|(then, now)| changes(Some(then), now) == Changes::Picture)
+    }
+
     fn split_error(&mut self) {
         let Some((subject, pixel)) = self.explain.subject.clone().zip(self.explain.pixel) else { return };
         self.explain.message = None;
@@ -150,6 +162,7 @@ impl EditorState {
         }
         let has_both = self.pictures.shown().is_some_and(|shown| shown.local.indirect.is_some())
             && self.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.environment());
+        let outdated = self.explanation_is_outdated();
         let window = &mut self.explain;
         let before = window.tree;
         let mut open = true;
@@ -169,15 +182,18 @@ impl EditorState {
                 split: window.split.as_ref(),
                 progress: window.splitting.as_ref().map(ExplainJob::progress),
                 message: window.message.as_deref(),
+                outdated,
             };
             ScrollArea::vertical().show(ui, |ui| explain::show(ui, &mut window.panel, &context)).inner
         });
         window.open = open;
-        let changed = (window.tree != before).then_some(window.pixel).flatten();
-        match asked.and_then(|response| response.inner.flatten()) {
+        let asked = asked.and_then(|response| response.inner.flatten());
+        let again = window.tree != before || asked == Some(ExplainRequest::Again);
+        let changed = again.then_some(window.pixel).flatten();
+        match asked {
             Some(ExplainRequest::Split) => self.split_error(),
             Some(ExplainRequest::CancelSplit) => self.explain.splitting = None,
-            None => {}
+            Some(ExplainRequest::Again) | None => {}
         }
         if let Some(pixel) = changed {
             self.explain_pixel(pixel);

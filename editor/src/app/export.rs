@@ -33,7 +33,8 @@ pub struct Exporting {
 
 struct Run {
     job: ExportRun,
-    since: Instant,
+    /// When its pace began to be known, and how many pictures were there then.
+    since: Option<(Instant, u64)>,
     cancelling: bool,
 }
 
@@ -52,8 +53,13 @@ impl Exporting {
             (false, 0 | 1) => "Exporting...".into(),
             (false, total) => {
                 let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));
-                let left = run.since.elapsed().as_secs_f64() / done.max(1) as f64 * (total - done) as f64;
-                if done > 0 { format!("{frame}, about {} left", duration(left)) } else { frame }
+                match run.since.filter(|&(_, there)| done > there) {
+                    Some((since, there)) => {
+                        let left = since.elapsed().as_secs_f64() / (done - there) as f64 * (total - done) as f64;
+                        format!("{frame}, about {} left", duration(left))
+                    }
+                    None => frame,
+                }
             }
         })
     }
@@ -147,7 +153,7 @@ impl EditorState {
 
     fn start_export(&mut self, task: ExportTask, baked: Baked) {
         let job = ExportRun::start(task, baked, self.factory.clone(), self.wake.clone());
-        self.exporting.run = Some(Run { job, since: Instant::now(), cancelling: false });
+        self.exporting.run = Some(Run { job, since: None, cancelling: false });
     }
 
     pub(super) fn cancel_export(&mut self) {
@@ -159,6 +165,10 @@ impl EditorState {
 
     pub(super) fn collect_export(&mut self) {
         let Some(run) = &mut self.exporting.run else { return };
+        let (done, total) = run.job.progress();
+        if run.since.is_none() && total > 0 {
+            run.since = Some((Instant::now(), done));
+        }
         for message in run.job.messages() {
             match message {
                 ExportMessage::Remark(text) => self.messages.warning(text),

@@ -6,7 +6,7 @@ mod stage;
 mod station;
 mod worker;
 
-pub(super) use changes::{Changes, changes};
+pub use changes::{Changes, changes};
 pub(super) use station::Station;
 
 use super::{Wake, spawn};

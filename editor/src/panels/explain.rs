@@ -26,6 +26,8 @@ pub struct ExplainContext<'a> {
     pub progress: Option<f32>,
     /// Why there is no explanation, if one was asked for.
     pub message: Option<&'a str>,
+    /// Whether the picture has changed since.
+    pub outdated: bool,
 }
 
 /// What the panel keeps between frames.
@@ -42,6 +44,8 @@ pub enum ExplainRequest {
     Split,
     /// Stop splitting.
     CancelSplit,
+    /// Explain the same pixel of the picture as it is now.
+    Again,
 }
 
 impl ExplainPanel {
@@ -64,10 +68,20 @@ pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> 
     if let Some(message) = context.message {
         ui.colored_label(ui.visuals().error_fg_color, message);
     }
+    let again = context.outdated && outdated(ui);
     // Above the many nodes, for it is what one asks first.
-    let asked = causes(ui, context);
+    let asked = causes(ui, context).or(again.then_some(ExplainRequest::Again));
     show_pixel(ui, panel, context, explanation);
     asked
+}
+
+/// Whether to explain again.
+fn outdated(ui: &mut Ui) -> bool {
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new("The picture has changed since.").color(ui.visuals().warn_fg_color));
+        ui.button("Explain again").clicked()
+    })
+    .inner
 }
 
 fn causes(ui: &mut Ui, context: &ExplainContext) -> Option<ExplainRequest> {

@@ -116,8 +116,11 @@ impl SequenceTask {
         let mut end = SequenceEnd { rendered: 0, kept: 0, cancelled: false };
         let mut tiles = Vec::new();
         record.write(&self.record_path())?;
+        let all = self.frames.len() as u64;
+        // Those that are there first: from then on progress tells the pace.
+        let mut done = self.frames.iter().filter(|frame| self.is_there(frame)).count() as u64;
         for (index, frame) in self.frames.iter().enumerate() {
-            progress.advanced(index as u64, self.frames.len() as u64);
+            progress.advanced(done, all);
             if self.is_there(frame) {
                 end.kept += 1;
                 tiles.extend(self.sheet.as_ref().map(|_| self.read_tile(frame)).transpose()?);
@@ -135,8 +138,9 @@ impl SequenceTask {
             finished.write(&frame.look, &dataset, &self.files(frame)).with_context(|| self.so_far(end))?;
             record.write(&self.record_path())?;
             end.rendered += 1;
+            done += 1;
         }
-        progress.advanced(self.frames.len() as u64, self.frames.len() as u64);
+        progress.advanced(all, all);
         self.write_sheet(&tiles)?;
         Ok(end)
     }

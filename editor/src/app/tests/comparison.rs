@@ -175,6 +175,13 @@ fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_cau
     assert!(window.shows("Merged cut") && window.shows("Vertex"));
     window.click("Split the error");
     window.wait("the causes", |s| s.explain.causes() > 3);
+    assert!(!window.shows("The picture has changed since"));
+    window.0.state_mut().document.view.illum_cut = 32;
+    window.0.run_steps(3);
+    assert!(window.shows("The picture has changed since"));
+    window.click("Explain again");
+    window.wait("the explanation of the new picture", |s| s.explain.has_nodes());
+    assert!(!window.shows("The picture has changed since"));
     click(&mut window, rect.left_top() + vec2(4.0, 4.0));
     window.wait("the reason", |s| s.explain.message().is_some());
     assert!(window.shows("shows the background"), "there is no cut to explain");

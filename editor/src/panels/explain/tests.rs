@@ -17,6 +17,7 @@ struct Probe {
     split: Option<ErrorSplit>,
     progress: Option<f32>,
     message: Option<&'static str>,
+    outdated: bool,
     panel: ExplainPanel,
     asked: Option<ExplainRequest>,
 }
@@ -55,6 +56,7 @@ fn panel(probe: Probe) -> Harness<'static, Probe> {
             split: probe.split.as_ref(),
             progress: probe.progress,
             message: probe.message,
+            outdated: probe.outdated,
         };
         let asked = show(ui, &mut probe.panel, &context);
         probe.asked = asked.or(probe.asked);
@@ -79,6 +81,17 @@ fn a_pixel_has_its_cuts_its_map_and_its_greatest_nodes() {
     let without = self::panel(Probe { message: Some("That is the background."), ..Probe::default() });
     assert!(without.query_by_label("That is the background.").is_some());
     assert!(without.query_by_label("Merged").is_none(), "negative control");
+}
+
+#[test]
+fn an_explanation_of_what_was_before_says_so() {
+    let mut old = panel(Probe { outdated: true, ..explained() });
+    assert_fits(&old, WIDTH);
+    assert!(old.query_by_label("The picture has changed since.").is_some());
+    old.get_by_label("Explain again").click();
+    old.run();
+    assert_eq!(old.state().asked, Some(ExplainRequest::Again));
+    assert!(panel(explained()).query_by_label("Explain again").is_none(), "negative control");
 }
 
 #[test]

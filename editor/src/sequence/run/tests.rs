@@ -7,13 +7,18 @@ use crate::{
 use lapidary_render::{Appearance, Baked, CpuBackend, View};
 use std::{
     fs,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        OnceLock,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 /// Cancels after some frames were begun.
 struct Stop {
     after: u64,
     begun: AtomicU64,
+    /// What it was told first.
+    first: OnceLock<(u64, u64)>,
 }
 
 impl Stop {
@@ -22,12 +27,13 @@ impl Stop {
     }
 
     fn after(after: u64) -> Self {
-        Self { after, begun: AtomicU64::new(0) }
+        Self { after, begun: AtomicU64::new(0), first: OnceLock::new() }
     }
 }
 
 impl Progress for Stop {
-    fn advanced(&self, done: u64, _total: u64) {
+    fn advanced(&self, done: u64, total: u64) {
+        self.first.get_or_init(|| (done, total));
         self.begun.store(done, Ordering::Relaxed);
     }
 
@@ -125,8 +131,10 @@ fn a_stopped_sequence_keeps_its_frames_and_goes_on_to_the_same_end() {
     assert_eq!(files(folder.path()), ["f.01.exr", "f.01.png", "f.02.exr", "f.02.png", "f.json"]);
     fs::remove_file(folder.path().join("f.02.png")).unwrap();
     task.existing = Existing::Resume;
-    let end = run(&task, &baked, &Stop::never()).unwrap();
+    let resumed = Stop::never();
+    let end = run(&task, &baked, &resumed).unwrap();
     assert_eq!(end, SequenceEnd { rendered: 3, kept: 1, cancelled: false }, "a frame is there in all formats or not");
+    assert_eq!(resumed.first.get(), Some(&(1, 4)), "so that what it keeps does not count for its pace");
     run(&self::task(&baked, whole.path(), "intensity=0.1..0.6", 4), &baked, &Stop::never()).unwrap();
     for name in ["f.01.png", "f.02.png", "f.04.png", "sheet.png"] {
         let read = |folder: &Path| fs::read(folder.join(name)).unwrap();
