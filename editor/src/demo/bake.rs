@@ -3,11 +3,14 @@
 use super::{data::DataFolder, steps::Steps};
 use anyhow::Result;
 use lapidary_core::{
-    dataset::Dataset,
+    dataset::{BakeSettings, Dataset},
     import::{Imported, import},
 };
 use lapidary_precompute::{BakeError, BakeJob, Preset, bake};
 use std::{path::Path, time::Instant};
+
+/// Most vertices: the scene's own, and some for the shadows on the backdrop.
+const MAX_VERTICES: usize = 60_000;
 
 /// Imports and bakes into the output folder; goes on with an interrupted bake.
 ///
@@ -18,7 +21,7 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
     let start = Instant::now();
     let Imported { scene, report } = import(&data.still_life())?;
     let job = BakeJob {
-        settings: Preset::Draft.settings_for(scene.mesh.positions.len()),
+        settings: BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() },
         output: out.join("still-life.cuts"),
         chunks: None,
         resume: true,
