@@ -81,7 +81,8 @@ pub enum SettingsError {
     Sources(usize),
     /// A shot of a camera that looks nowhere.
     #[error(
-        "shot {0} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 degrees and a width over height above 0"
+        "shot {0} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 degrees and a \
+         width over height above 0"
     )]
     Shot(usize),
     /// A number outside its range.

@@ -27,7 +27,7 @@ use split::split_edges;
 /// Part of the sphere that must be wrong at an edge's midpoint for the edge to be split, or how wrong nearness must be.
 const TOLERANCE: f32 = 0.01;
 /// Longest edge that is never left whole, and shortest that is never split, in units of the edge length at which equal
-/// triangles over the whole surface, or over the pictures, would use up the budget; see [`scale`].
+/// triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
 const LONGEST: f32 = 6.0;
 const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.

@@ -87,9 +87,16 @@ pub struct BakeArgs {
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
     /// A picture that the bake is for, again for each further one: most vertices go where its camera looks. The
-    /// name of a camera of the scene (for a picture of 16 to 9), or the places of the eye and of what it looks at in metres, the vertical field
-    /// of view in degrees (40 if left out) and width over height (1.7778) [default: all views alike]
-    #[arg(long = "shot", conflicts_with = "no_tessellate", value_name = "NAME|X,Y,Z:X,Y,Z[:DEG[:ASPECT]]", value_parser = ShotOption::parse, allow_hyphen_values = true)]
+    /// name of a camera of the scene (for a picture of 16 to 9), or the places of the eye and of what it looks at
+    /// in metres, the vertical field of view in degrees (40 if left out) and width over height (1.7778)
+    /// [default: all views alike]
+    #[arg(
+        long = "shot",
+        conflicts_with = "no_tessellate",
+        value_name = "NAME|X,Y,Z:X,Y,Z[:DEG[:ASPECT]]",
+        value_parser = ShotOption::parse,
+        allow_hyphen_values = true
+    )]
     pub shots: Vec<ShotOption>,
     /// Worker threads; the result does not depend on them [default: one for each core]
     #[arg(long, value_name = "T")]
