@@ -87,7 +87,7 @@ impl Window {
         let start = Instant::now();
         self.0.step();
         while !is_so(self.0.state()) {
-            assert!(start.elapsed() < Duration::from_secs(30), "waited in vain for {what}");
+            assert!(start.elapsed() < Duration::from_secs(90), "waited in vain for {what}");
             std::thread::sleep(Duration::from_millis(5));
             self.0.step();
         }

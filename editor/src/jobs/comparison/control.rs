@@ -16,7 +16,8 @@ pub struct Control {
     paused: AtomicBool,
     /// Wakes those who wait for the end of a pause.
     resumed: Condvar,
-    waiting: Mutex<()>,
+    /// Whether the tracing thread waits for that.
+    waiting: Mutex<bool>,
     /// Units of work, done and in all.
     done: AtomicU64,
     total: AtomicU64,
@@ -53,9 +54,17 @@ impl Control {
         let start = Instant::now();
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         while self.is_paused() && self.wanted() == number {
+            *waiting = true;
             waiting = self.resumed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
         }
+        *waiting = false;
         start.elapsed()
+    }
+
+    /// Whether the tracing thread has come to the end of its pass, and waits.
+    #[cfg(test)]
+    pub fn is_held(&self) -> bool {
+        *self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Keeps how far the reference is.

@@ -91,8 +91,7 @@ fn a_pause_holds_the_reference_and_a_new_request_ends_it() {
     thread.request(comparison(ReferenceKind::Paths { spp: 1_000_000 }));
     wait_for("a first pass", || (thread.progress() > 0.0).then_some(()));
     thread.pause(true);
-    // A pass may still be under way.
-    std::thread::sleep(Duration::from_millis(200));
+    wait_for("the end of the pass that is under way", || thread.control.is_held().then_some(()));
     let held = thread.progress();
     std::thread::sleep(Duration::from_millis(200));
     assert!(thread.is_paused() && thread.progress() == held);
