@@ -98,4 +98,5 @@ fn what_cannot_be_exported_is_told_before_anything_is_written() {
     }
     assert!(!stage.path("m/scene.xml").exists());
     assert!(stage.fail("reference a.cuts --seed 1 --out a.exr").contains("--kind path"));
+    assert!(stage.fail("reference a.cuts --places shifted --out a.exr").contains("--kind path"));
 }

@@ -288,7 +288,7 @@ impl Chain<'_> {
         };
         let bounces = u32::from(components.indirect);
         let job = self.job;
-        let settings = PathSettings { spp: 2 * half, first_pass: 0, bounces, components };
+        let settings = PathSettings { bounces, components, ..PathSettings::direct(2 * half) };
         let view = View { region: Some(job.region), ..self.frame.view.clone() };
         let part = self.part(5, 0, 2 * u64::from(half));
         let picture = self.renderer.path_picture(&view, job.illumination, job.lights, settings, &part);

@@ -46,8 +46,13 @@ impl<'a> Frame<'a> {
 
     /// What one of a pixel's samples sees.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
+        self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
+    }
+
+    /// What is seen at a place of the pixel's unit square.
+    fn sight_at(&self, x: u32, y: u32, place: Vec2) -> Sight {
         let camera = &self.view.camera;
-        let position = Vec2::new(x as f32, y as f32) + self.offsets[sample % self.offsets.len()];
+        let position = Vec2::new(x as f32, y as f32) + place;
         let direction = camera.direction_through(position, self.view.size);
         Sight { position, direction, seen: self.surfaces.seen_along(camera.eye, direction) }
     }
@@ -64,8 +69,16 @@ impl<'a> Frame<'a> {
     }
 
     /// One of the pixel's samples: `shade`, or what is seen where there is no surface.
-    pub fn sample(&self, x: u32, y: u32, sample: usize, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
-        let sight = self.sight(x, y, sample);
+    pub fn sample(&self, x: u32, y: u32, sample: usize, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        self.radiance(self.sight(x, y, sample), shade)
+    }
+
+    /// [`Self::sample`] at any place of the pixel's unit square.
+    pub fn sample_at(&self, x: u32, y: u32, place: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        self.radiance(self.sight_at(x, y, place), shade)
+    }
+
+    fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         match sight.seen {
             Seen::Surface(point) => shade(&point),
             Seen::Back => Vec3::ZERO,

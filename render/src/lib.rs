@@ -54,7 +54,7 @@ pub use indirect::{SourceLighting, SourceRig};
 pub use lapidary_core::image::{Region, RegionError};
 pub use lighting::{LightRig, LocalLighting, SceneLighting};
 pub use local_rig::LocalRig;
-pub use path::{PathPicture, PathSettings};
+pub use path::{PathPicture, PathSettings, Places};
 pub use post::{Post, ToneMap};
 pub use predicted::{Bin, Calibration, CalibrationError, PredictedError, calibrate, predicted_error};
 pub use refine::Refinement;

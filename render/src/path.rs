@@ -14,9 +14,10 @@ use crate::{
     components::Components,
     frame::Frame,
     renderer::{Illumination, Renderer},
-    view::{Preview, Progress, View},
+    surface::SurfacePoint,
+    view::{Preview, Progress, View, place_in_pixel},
 };
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use halves::Halves;
 pub use halves::PathPicture;
 use lapidary_core::{image::Image, lights::Light};
@@ -35,12 +36,26 @@ pub struct PathSettings {
     pub bounces: u32,
     /// What of the light is in the picture.
     pub components: Components,
+    /// Where in the pixels paths begin.
+    pub places: Places,
+}
+
+/// Where in its pixel a path begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Places {
+    /// Where cuts are shaded ([`View::pixel_offsets`]): pictures of the two differ by light alone.
+    #[default]
+    Shared,
+    /// Anywhere: in each pixel, and for each first path, the pattern is shifted by another random vector (Cranley and
+    /// Patterson 1976), and no place comes twice. The mean is that over the whole pixel, as other renderers have it, and
+    /// what a pattern misses is noise.
+    Shifted,
 }
 
 impl PathSettings {
     /// All direct light.
     pub fn direct(spp: u32) -> Self {
-        Self { spp, first_pass: 0, bounces: 0, components: Components::ALL }
+        Self { spp, first_pass: 0, bounces: 0, components: Components::ALL, places: Places::Shared }
     }
 }
 
@@ -81,7 +96,7 @@ impl Renderer {
             if progress.abandoned() || (progress.cancelled() && pass > 0) {
                 break;
             }
-            let image = trace_pass(&frame, &tracer, pass, settings.first_pass, progress);
+            let image = trace_pass(&frame, &tracer, pass, settings, progress);
             if progress.abandoned() {
                 break;
             }
@@ -98,7 +113,7 @@ impl Renderer {
 }
 
 /// One path for every pixel. What is abandoned stays black.
-fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, first_pass: u32, progress: &dyn Progress) -> Image {
+fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, settings: PathSettings, progress: &dyn Progress) -> Image {
     let size = frame.view.size;
     let mut image = Image::filled(size, Vec3::ZERO);
     let width = size[0] as usize;
@@ -107,11 +122,26 @@ fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, first_pass: u32, progre
             return;
         }
         for x in frame.columns(y as u32) {
-            let mut rng = fastrand::Rng::with_seed(seed(y * width + x as usize, first_pass + pass));
-            row[x as usize] = frame.sample(x, y as u32, pass as usize, |p| tracer.radiance(p, &mut rng));
+            let pixel = y * width + x as usize;
+            let mut rng = fastrand::Rng::with_seed(seed(pixel, settings.first_pass + pass));
+            let radiance = |point: &SurfacePoint| tracer.radiance(point, &mut rng);
+            row[x as usize] = match settings.places {
+                Places::Shared => frame.sample(x, y as u32, pass as usize, radiance),
+                Places::Shifted => {
+                    let place = place_in_pixel(pass, shift(pixel, settings.first_pass));
+                    frame.sample_at(x, y as u32, place, radiance)
+                }
+            };
         }
     });
     image
+}
+
+/// Where a pixel's pattern begins.
+fn shift(pixel: usize, first_pass: u32) -> DVec2 {
+    // Other numbers than those of the pass's path.
+    let mut rng = fastrand::Rng::with_seed(!seed(pixel, first_pass));
+    DVec2::new(rng.f64(), rng.f64())
 }
 
 /// A seed for a pixel and pass, with all bits mixed (SplitMix64).

@@ -1,7 +1,7 @@
 //! What a picture shows and how its pixels are sampled.
 
 use crate::view_mode::ViewMode;
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
     image::{Image, Region},
@@ -50,9 +50,15 @@ impl View {
     /// Positions inside a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
     /// (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
-        const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3); // 1/p and 1/p² for the plastic number p
-        (0..self.aa.max(1)).map(|i| (Vec2::splat(0.5) + STEP * i as f32).fract()).collect()
+        (0..self.aa.max(1)).map(|i| place_in_pixel(i, DVec2::splat(0.5))).collect()
     }
+}
+
+/// Point `i` of the R2 sequence that starts at `first`, in the unit square.
+pub(crate) fn place_in_pixel(i: u32, first: DVec2) -> Vec2 {
+    const STEP: DVec2 = DVec2::new(0.754_877_666_246_693, 0.569_840_290_998_053); // 1/p and 1/p² for the plastic number p
+    // Rounding to single precision may end at 1, which belongs to the next pixel.
+    (first + STEP * f64::from(i)).fract().as_vec2().min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
 /// A reference as far as it is.

@@ -19,6 +19,8 @@ class Case:
     # Which BSDFs Mitsuba has: its nearest, or the formula of Lapidary in a plugin.
     materials: str = "materials-exact.xml"
     integrator: str = "direct"
+    # How many times the samples of other cases tell as much of this one.
+    samples: int = 1
     # Pictures of Lapidary that must differ: options added, and changes of the material.
     controls: dict = field(default_factory=dict)
 
@@ -164,6 +166,7 @@ def large():
             material=DIFFUSE,
             bounces=1,
             integrator="path",
+            samples=4,
             controls={"no bounce": Control(bounces=0)},
         )
     )
@@ -172,6 +175,7 @@ def large():
             "still life in its own materials, studio",
             "still-life",
             _light("studio"),
+            samples=4,
             controls={"turned by 10 degrees": TURNED},
         )
     )

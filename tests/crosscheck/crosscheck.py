@@ -20,8 +20,8 @@ from cases import Case, Control
 
 # Relative RMSE.
 BOUND = 0.02
-# Places in a pixel at which Lapidary looks: enough to stand for its square.
-PLACES = 256
+# Samples a pixel of Lapidary for a negative control, each at another place in it; comparisons take several times as many.
+SAMPLES = 256
 # An estimate whose spread reaches beyond this is too noisy to tell.
 SHARP = 1.25 * BOUND
 
@@ -46,7 +46,7 @@ class Bench:
         self.mi = mi
         self.size = args.size or ("40x30" if args.small else "64x48")
         self.spp = args.spp or (196 if args.small else 400)
-        self.our_spp = (4 if args.small else 8) * PLACES
+        self.our_spp = (4 if args.small else 8) * SAMPLES
         self.baked = {}
 
     def run(self, command, *arguments):
@@ -89,8 +89,8 @@ class Bench:
                 at = arguments.index(name)
                 arguments[at + 1] = value
             self.run(
-                "reference", *arguments, "--kind", "path", "--bounces", bounces, "--aa", PLACES, "--spp", spp,
-                "--seed", seed, "--out", path,
+                "reference", *arguments, "--kind", "path", "--bounces", bounces, "--places", "shifted",
+                "--spp", spp, "--seed", seed, "--out", path,
             )
             pictures.append(self.picture(path))
         return pictures
@@ -109,7 +109,8 @@ class Bench:
         integrator = scene.integrator()
         if case.integrator == "direct":
             integrator = self.mi.load_dict({"type": "direct", "hide_emitters": "black" in case.options})
-        return [np.array(self.mi.render(scene, integrator=integrator, spp=self.spp, seed=seed)) for seed in (0, 1)]
+        spp = self.spp * case.samples
+        return [np.array(self.mi.render(scene, integrator=integrator, spp=spp, seed=seed)) for seed in (0, 1)]
 
     def compare(self, case, keep):
         """The estimate for the case and for each of its controls."""
@@ -117,12 +118,12 @@ class Bench:
 
         start = time.monotonic()
         theirs = self.by_mitsuba(case)
-        ours = self.by_lapidary(case, self.our_spp)
+        ours = self.by_lapidary(case, self.our_spp * case.samples)
         if keep:
             self.keep(case, ours, theirs, keep)
         row = {"case": case.name, **relative_error(ours, theirs).as_dict()}
         row["controls"] = {
-            name: relative_error(self.by_lapidary(case, PLACES, control), theirs).error for name, control in case.controls.items()
+            name: relative_error(self.by_lapidary(case, SAMPLES, control), theirs).error for name, control in case.controls.items()
         }
         row["seconds"] = time.monotonic() - start
         return row

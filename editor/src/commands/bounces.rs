@@ -175,7 +175,7 @@ impl<'a> Stage<'a> {
 
     fn truth(&self, bounces: u32) -> Truth {
         let progress = self.progress("light paths", "passes");
-        let settings = PathSettings { spp: self.args.spp, first_pass: 0, bounces, components: INDIRECT };
+        let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(self.args.spp) };
         let Shot { view, light, local, .. } = &self.shot;
         let picture = self.renderer.path_picture(view, light, &local.lights, settings, &progress);
         progress.finish();

@@ -15,7 +15,7 @@ use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::{Components, PathSettings, Renderer, Solution};
+use lapidary_render::{Components, PathSettings, Places, Renderer, Solution};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -35,6 +35,9 @@ pub struct ReferenceArgs {
     /// [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
     seed: Option<u32>,
+    /// Where in the pixels paths of --kind path begin [default: shared]
+    #[arg(long, value_enum)]
+    places: Option<PlacesArg>,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
@@ -54,6 +57,23 @@ enum Kind {
     Path,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PlacesArg {
+    /// At the --aa places of `render`, the same in all pixels: what differs from its pictures is light alone
+    Shared,
+    /// Anywhere, in each pixel and for each --seed elsewhere: the mean over whole pixels, as other renderers have it
+    Shifted,
+}
+
+impl From<PlacesArg> for Places {
+    fn from(places: PlacesArg) -> Self {
+        match places {
+            PlacesArg::Shared => Self::Shared,
+            PlacesArg::Shifted => Self::Shifted,
+        }
+    }
+}
+
 /// Samples a pixel by default: noise about that of a clean preview.
 const DEFAULT_SPP: u32 = 64;
 
@@ -71,6 +91,9 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     if args.kind == Kind::Samples && args.seed.is_some() {
         bail!("--seed goes with --kind path; --kind samples has no noise");
+    }
+    if args.kind == Kind::Samples && args.places.is_some() {
+        bail!("--places goes with --kind path; --kind samples takes those of `render`");
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
@@ -134,5 +157,6 @@ fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
     let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
-    PathSettings { spp, first_pass, bounces, components }
+    let places = args.places.map_or(Places::Shared, Places::from);
+    PathSettings { spp, first_pass, bounces, components, places }
 }

@@ -143,7 +143,7 @@ fn ggx(mut dataset: Dataset) -> Dataset {
     dataset
 }
 
-fn rel_rmse(test: &Image, reference: &Image) -> f64 {
+pub(crate) fn rel_rmse(test: &Image, reference: &Image) -> f64 {
     compare(test, reference).unwrap().rel_rmse
 }
 

@@ -160,7 +160,7 @@ impl Worker {
 /// As many bounces as the solution that is shown has.
 fn paths(renderer: &Renderer, picture: &RenderRequest, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
     let bounces = if picture.components.indirect { picture.solution.bounces() } else { 0 };
-    let settings = PathSettings { spp, first_pass: 0, bounces, components: picture.components };
+    let settings = PathSettings { bounces, components: picture.components, ..PathSettings::direct(spp) };
     renderer.path_picture(view, &picture.illumination, &picture.lights, settings, progress)
 }
 
