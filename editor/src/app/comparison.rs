@@ -80,6 +80,7 @@ impl Comparison {
             measured: self.measured.as_deref(),
             progress: tracing.map_or(0.0, ComparisonThread::progress),
             paused: tracing.is_some_and(ComparisonThread::is_paused),
+            held: tracing.is_some_and(ComparisonThread::is_held),
             tracing: self.test.is_some() && self.trace_problem.is_none(),
             problem: self.trace_problem.as_deref().or(self.measure_problem.as_deref()),
         }
@@ -119,6 +120,11 @@ impl Comparison {
     /// Holds the tracing, or goes on.
     pub fn pause(&self, paused: bool) {
         self.jobs.iter().for_each(|jobs| jobs.tracing.pause(paused));
+    }
+
+    /// Gives the cores to other work, or goes on.
+    pub fn hold(&self, held: bool) {
+        self.jobs.iter().for_each(|jobs| jobs.tracing.hold(held));
     }
 
     /// Nothing is compared any more.

@@ -10,10 +10,7 @@ use crate::{
     },
     panels::ladder::{self, LadderResult, LadderTile, LadderTruth},
 };
-use egui::{ColorImage, Context, TextureHandle, TextureOptions, Window, vec2};
-
-/// Size of the window in points at first: three tiles side by side.
-const SIZE: egui::Vec2 = vec2(700.0, 620.0);
+use egui::{ColorImage, Context, TextureHandle, TextureOptions, Window};
 
 /// The ladder, while its window is open.
 #[derive(Default)]
@@ -59,6 +56,14 @@ impl EditorState {
         };
         let job = LadderJob::start(self.factory.clone(), picture, self.wake.clone());
         self.ladder = LadderWindow { job: Some(job), result: LadderResult::default(), open: true };
+        self.hold_for_ladder();
+    }
+
+    /// While the ladder is climbed all cores are for it: it is waited for, and its times are those of a machine at rest.
+    fn hold_for_ladder(&self) {
+        let climbing = self.ladder.job.is_some();
+        self.render.hold(climbing);
+        self.comparison.hold(climbing);
     }
 
     /// Another size of the illumination cut, as a step of undo.
@@ -73,14 +78,16 @@ impl EditorState {
         let events = window.job.as_ref().map(LadderJob::events).unwrap_or_default();
         events.into_iter().for_each(|event| window.take(ctx, event));
         if !window.open {
-            if !window.result.tiles.is_empty() || window.job.is_some() {
-                *window = LadderWindow::default();
-            }
+            *window = LadderWindow::default();
+        }
+        self.hold_for_ladder();
+        let window = &mut self.ladder;
+        if !window.open {
             return;
         }
         window.result.progress = window.job.as_ref().map(LadderJob::progress);
         let current = self.document.view.illum_cut;
-        let shown = Window::new("Which cut size is enough?").open(&mut window.open).default_size(SIZE);
+        let shown = Window::new("Which cut size is enough?").open(&mut window.open).default_size(ladder::SIZE);
         shown.show(ctx, |ui| ladder::show(ui, &window.result, current, actions));
     }
 

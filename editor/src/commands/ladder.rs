@@ -52,7 +52,7 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     warn_of_buried(&subject.renderer(), &subject.lights, console);
     let mut backend = args.backend.open()?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
-    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf.into() };
+    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf.into(), ..Settings::default() };
     let ladder = climb(&subject, &settings, &mut *backend, None, &progress, &mut |found| {
         tell(found, console)?;
         ladder::write_picture(found, &args.out, "")

@@ -99,7 +99,7 @@ pub fn climb(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, st
 
 fn rungs(stage: &Stage, subject: &Subject, refine: bool, truth: &Truth, progress: &dyn Progress) -> Result<Vec<Rung>> {
     let sampling = if refine { BrdfSampling::Refine } else { BrdfSampling::Once };
-    let climbing = Settings { sizes: CUT_SIZES.into(), sampling };
+    let climbing = Settings { sizes: CUT_SIZES.into(), sampling, ..Settings::default() };
     let known = Some(truth.clone());
     let ladder = ladder::climb(subject, &climbing, &mut CpuBackend::new(), known, progress, &mut |_| Ok(()))?;
     let steps = ladder.ok_or(Interrupted)?.steps;

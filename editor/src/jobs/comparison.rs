@@ -162,6 +162,16 @@ impl ComparisonThread {
         self.control.is_paused()
     }
 
+    /// Gives the cores to other work, within a pass, or goes on.
+    pub fn hold(&self, held: bool) {
+        self.control.hold(held);
+    }
+
+    /// Whether it gives the cores to other work.
+    pub fn is_held(&self) -> bool {
+        self.control.is_held()
+    }
+
     /// Share of the reference that is done, 0 to 1.
     pub fn progress(&self) -> f32 {
         self.control.progress()

@@ -7,12 +7,15 @@ use super::{
     render_thread::{Factory, RenderRequest},
     spawn,
 };
-use crate::ladder::{Found, SIZES, Settings, Step, Subject, climb};
+use crate::ladder::{Found, Rung, Settings, Subject, climb};
 use anyhow::{Context as _, Result};
-use lapidary_render::{Post, View, ViewMode, compare::Metrics};
+use lapidary_render::{
+    Post, Preview, Progress, RenderStats, View, ViewMode,
+    compare::{Metrics, compare},
+};
 use std::{
     sync::{
-        Arc,
+        Arc, Mutex, MutexGuard, PoisonError,
         mpsc::{Receiver, Sender, channel},
     },
     thread::available_parallelism,
@@ -24,6 +27,9 @@ const PATIENCE_SECS: f64 = 30.0;
 const RAYS_A_SECOND: f64 = 4e6;
 /// Longest side of the pictures in pixels, however few lights there are.
 const LONGEST_SIDE: f64 = 480.0;
+
+/// How often each picture is rendered: whatever else was at work has a moment to come to rest.
+const FRAMES: usize = 3;
 
 /// What has been found.
 #[derive(Debug)]
@@ -44,7 +50,7 @@ pub enum LadderEvent {
         /// What was traced.
         what: String,
     },
-    /// A picture's figures.
+    /// A picture's figures. They come again as more of the reference is traced, and are final after [`Self::Truth`].
     Step(StepFigures),
     /// There is nothing more, but for a reason if it failed.
     Ended(Result<(), String>),
@@ -63,15 +69,10 @@ pub struct StepFigures {
     pub metrics: Metrics,
 }
 
-impl From<&Step> for StepFigures {
-    fn from(step: &Step) -> Self {
-        let stats = &step.rung.stats;
-        Self {
-            illum_cut: step.rung.illum_cut,
-            seconds: stats.seconds,
-            mean_merged_nodes: stats.mean_merged_nodes,
-            metrics: step.metrics,
-        }
+impl StepFigures {
+    fn new(rung: &Rung, metrics: Metrics) -> Self {
+        let RenderStats { seconds, mean_merged_nodes, .. } = rung.stats;
+        Self { illum_cut: rung.illum_cut, seconds, mean_merged_nodes, metrics }
     }
 }
 
@@ -118,15 +119,56 @@ fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
 }
 
 fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEvent>, hearing: &Hearing) -> Result<()> {
-    let (post, settings) = (picture.post, Settings { sizes: SIZES.into(), sampling: picture.sampling });
+    let (post, settings) =
+        (picture.post, Settings { sampling: picture.sampling, frames: FRAMES, ..Settings::default() });
     let subject = subject(picture)?;
     let mut backend = factory()?;
+    let climbing = Climbing { hearing, sender, rungs: Mutex::default() };
     let mut found = |found: Found| {
+        if let Found::Picture(rung) = found {
+            locked(&climbing.rungs).push(rung.clone());
+        }
         tell(sender, hearing, event_of(found, &post));
         Ok(())
     };
-    climb(&subject, &settings, &mut *backend, None, hearing, &mut found)?;
+    climb(&subject, &settings, &mut *backend, None, &climbing, &mut found)?;
     Ok(())
+}
+
+/// Measures the pictures by what of the reference is traced: every fourth pixel along each axis is there after a sixteenth of
+/// the time, and says nearly as much.
+struct Climbing<'a> {
+    hearing: &'a Hearing,
+    sender: &'a Sender<LadderEvent>,
+    rungs: Mutex<Vec<Rung>>,
+}
+
+impl Progress for Climbing<'_> {
+    fn advanced(&self, done: u64, total: u64) {
+        self.hearing.advanced(done, total);
+    }
+
+    fn preview(&self, preview: &Preview) {
+        let traced = preview.image.every(preview.step);
+        for rung in locked(&self.rungs).iter() {
+            // Pictures that cannot be compared are an error of the ladder's end.
+            if let Ok(metrics) = compare(&rung.image.every(preview.step), &traced) {
+                tell(self.sender, self.hearing, LadderEvent::Step(StepFigures::new(rung, metrics)));
+            }
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.hearing.cancelled()
+    }
+
+    fn abandoned(&self) -> bool {
+        self.hearing.abandoned()
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn event_of(found: Found, post: &Post) -> LadderEvent {
@@ -135,7 +177,7 @@ fn event_of(found: Found, post: &Post) -> LadderEvent {
         Found::Truth(truth) => {
             LadderEvent::Truth { shown: shown(&truth.image, post), seconds: truth.seconds, what: truth.what.clone() }
         }
-        Found::Step(step) => LadderEvent::Step(step.into()),
+        Found::Step(step) => LadderEvent::Step(StepFigures::new(&step.rung, step.metrics)),
     }
 }
 
@@ -166,6 +208,7 @@ mod tests {
         render_thread::tests::request,
         testing::{silent, wait_for},
     };
+    use crate::ladder::SIZES;
     use lapidary_render::{Appearance, CpuBackend};
 
     fn start(picture: RenderRequest) -> LadderJob {
@@ -188,9 +231,23 @@ mod tests {
         let events = ended(&start(picture));
         let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
         let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });
-        let steps = sizes(|e| if let LadderEvent::Step(step) = e { Some(step.illum_cut) } else { None });
-        assert_eq!((&pictures[..], &steps[..]), (&SIZES[..], &SIZES[..]));
-        assert!(matches!(&events[6], LadderEvent::Truth { what, .. } if what.contains("samples of the environment")));
+        assert_eq!(pictures, SIZES);
+        let truth = events.iter().position(|e| matches!(e, LadderEvent::Truth { .. })).unwrap();
+        assert!(
+            matches!(&events[truth], LadderEvent::Truth { what, .. } if what.contains("samples of the environment"))
+        );
+        let figures = |events: &[LadderEvent]| {
+            let of = |e: &LadderEvent| if let LadderEvent::Step(step) = e { Some(*step) } else { None };
+            events.iter().filter_map(of).collect::<Vec<_>>()
+        };
+        let (early, last) = (figures(&events[..truth]), figures(&events[truth..]));
+        assert_eq!(last.iter().map(|step| step.illum_cut).collect::<Vec<_>>(), SIZES);
+        // Once for each grid: a sixteenth, a quarter, and all of the pixels.
+        let pixels: Vec<usize> = early.iter().step_by(SIZES.len()).map(|step| step.metrics.pixels).collect();
+        let all = last[0].metrics.pixels;
+        assert!(pixels.len() == 3 && pixels[0] * 16 <= all + 64 && pixels[2] == all, "{pixels:?} of {all}");
+        assert_eq!(early[12].metrics, last[0].metrics);
+        assert_ne!(early[0].metrics, last[0].metrics, "negative control: another part of the picture");
         assert!(matches!(events.last(), Some(LadderEvent::Ended(Ok(())))));
     }
 

@@ -18,6 +18,7 @@ use lapidary_render::{
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering::SeqCst},
         mpsc::{Receiver, Sender, channel},
     },
     thread::JoinHandle,
@@ -146,6 +147,7 @@ pub struct RenderThread {
     messages: Option<Sender<Message>>,
     frame: Arc<Mutex<Option<RenderedFrame>>>,
     events: Receiver<RenderEvent>,
+    held: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -156,8 +158,15 @@ impl RenderThread {
         let (events_sender, events) = channel();
         let frame = Arc::new(Mutex::new(None));
         let outbox = Outbox { frame: frame.clone(), events: events_sender, wake };
-        let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox).run());
-        Self { messages: Some(messages), frame, events, thread: Some(thread) }
+        let held = Arc::new(AtomicBool::new(false));
+        let shared = held.clone();
+        let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox, shared).run());
+        Self { messages: Some(messages), frame, events, held, thread: Some(thread) }
+    }
+
+    /// Gives the cores to other work: only coarse pictures are made meanwhile, and the full one goes on afterwards.
+    pub fn hold(&self, held: bool) {
+        self.held.store(held, SeqCst);
     }
 
     /// Asks for a picture; costs nothing if nothing has changed since the last time.

@@ -14,7 +14,7 @@ fn subject() -> Subject {
 }
 
 fn settings(sizes: &[u32]) -> Settings {
-    Settings { sizes: sizes.into(), sampling: BrdfSampling::Once }
+    Settings { sizes: sizes.into(), sampling: BrdfSampling::Once, ..Settings::default() }
 }
 
 fn climbed(sizes: &[u32]) -> Ladder {

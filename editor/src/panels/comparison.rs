@@ -12,7 +12,7 @@ use crate::{
         render_thread::RenderRequest,
     },
 };
-use egui::{Button, ComboBox, DragValue, ProgressBar, Ui};
+use egui::{Button, ComboBox, DragValue, ProgressBar, Ui, vec2};
 use lapidary_core::image::Region;
 use lapidary_render::{ViewMode, compare::map::ErrorMap};
 use std::path::{Path, PathBuf};
@@ -21,6 +21,8 @@ use std::path::{Path, PathBuf};
 const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
 /// Regions begin and end at multiples of it, so that coarse references have pixels in them.
 const GRID: u32 = 4;
+/// Width in points of the button that pauses tracing and goes on.
+const PAUSE_WIDTH: f32 = 50.0;
 
 /// Which reference, apart from the figures that go with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -203,6 +205,8 @@ pub struct ComparisonContext<'a> {
     pub progress: f32,
     /// Whether tracing was paused.
     pub paused: bool,
+    /// Whether tracing waits until other work is done.
+    pub held: bool,
     /// Whether there is something to pause.
     pub tracing: bool,
     /// Why there is no comparison.
@@ -284,21 +288,21 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
     combo.response.on_hover_text(help).accessible_name("Comparison size");
 }
 
+/// Always as wide, so that nothing behind it moves when tracing begins or ends.
 fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) {
-    if !context.tracing {
-        return;
-    }
     let finished = context.measured.filter(|m| m.reference.finished);
     let text = match finished {
+        _ if !context.tracing => String::new(),
         Some(measured) => format!("{:.1} s", measured.reference.seconds),
+        None if context.held => format!("{:.0} %, waits", 100.0 * context.progress),
         None => format!("{:.0} %", 100.0 * context.progress),
     };
-    ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text("Of the reference");
-    if finished.is_none() {
-        let label = if context.paused { "Go on" } else { "Pause" };
-        if ui.button(label).clicked() {
-            actions.push(Action::PauseReference(!context.paused));
-        }
+    let help = if context.held { "Of the reference: waits until cut sizes are tried" } else { "Of the reference" };
+    ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text(help);
+    let label = if context.paused { "Go on" } else { "Pause" };
+    let button = Button::new(label).min_size(vec2(PAUSE_WIDTH, 0.0));
+    if ui.add_enabled(context.tracing && finished.is_none(), button).clicked() {
+        actions.push(Action::PauseReference(!context.paused));
     }
 }
 

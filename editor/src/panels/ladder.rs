@@ -1,15 +1,18 @@
 //! Which size of the illumination cut is enough for this shot: pictures at growing sizes beside the reference, each with its error
 //! and time, both curves, and a sentence.
 
-use crate::{actions::Action, jobs::ladder::StepFigures};
-use egui::{Button, Color32, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2};
-use egui_plot::{HoverPosition, Line, Plot, PlotPoints, Points};
+use crate::{actions::Action, jobs::ladder::StepFigures, ladder::SIZES, report_html::chart::tick_step};
+use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
+use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
 
 /// Width of a tile in points.
 const TILE: f32 = 216.0;
-/// Tiles side by side, and points between them.
-const COLUMNS: f32 = 3.0;
+/// Points between tiles.
 const GAP: f32 = 10.0;
+/// Points beside them for the scroll bar.
+const BAR: f32 = 16.0;
+/// Size of a window in points that has four of them side by side, and both curves below.
+pub const SIZE: Vec2 = vec2(4.0 * (TILE + GAP) + BAR, 800.0);
 /// Height of the curves.
 const CURVE: f32 = 150.0;
 /// A size is enough if its relative RMSE and its FLIP are at most so many times those of the largest size: the one is ruled by a
@@ -22,7 +25,7 @@ pub struct LadderTile {
     pub illum_cut: u32,
     /// The picture.
     pub texture: TextureHandle,
-    /// Its figures, once the reference is there.
+    /// Its figures, once there is some of the reference.
     pub figures: Option<StepFigures>,
 }
 
@@ -51,7 +54,6 @@ pub struct LadderResult {
 
 /// Shows all of it. `current` is the size in use.
 pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
-    ui.set_max_width(COLUMNS * (TILE + GAP));
     if let Some(problem) = &result.problem {
         ui.colored_label(ui.visuals().error_fg_color, problem);
     }
@@ -60,24 +62,38 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
         ui.add(ProgressBar::new(progress).text(text));
     }
     let figures: Vec<StepFigures> = result.tiles.iter().filter_map(|tile| tile.figures).collect();
-    let complete = result.progress.is_none() && figures.len() == result.tiles.len();
-    if let Some(verdict) = verdict(&figures).filter(|_| complete) {
-        ui.label(RichText::new(verdict).strong());
+    let complete = result.progress.is_none();
+    if let Some(verdict) = verdict(&figures).filter(|_| figures.len() == SIZES.len()) {
+        if complete {
+            ui.label(RichText::new(verdict).strong());
+        } else {
+            ui.label(format!("By what is traced so far: {verdict}"));
+        }
         let [width, height] = result.tiles.first().map_or([0; 2], |tile| tile.texture.size());
         ui.weak(format!(
             "Times are of {width} x {height} pixels with one sample each, the size that a reference is soon traced in."
         ));
     }
-    ScrollArea::vertical().show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = Vec2::splat(GAP);
-            result.tiles.iter().for_each(|tile| show_tile(ui, tile, tile.illum_cut == current, actions));
-            result.truth.iter().for_each(|truth| show_truth(ui, truth));
-        });
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        tiles(ui, result, current, actions);
         if figures.len() > 1 {
             ui.add_space(6.0);
             curves(ui, &figures);
         }
+    });
+}
+
+/// As many side by side as there is room for.
+fn tiles(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
+    let columns = (((ui.available_width() + GAP) / (TILE + GAP)) as usize).max(1);
+    Grid::new("cut sizes").num_columns(columns).spacing(Vec2::splat(GAP)).show(ui, |ui| {
+        for (i, tile) in result.tiles.iter().enumerate() {
+            show_tile(ui, tile, tile.illum_cut == current, actions);
+            if (i + 1) % columns == 0 {
+                ui.end_row();
+            }
+        }
+        result.truth.iter().for_each(|truth| show_truth(ui, truth));
     });
 }
 
@@ -133,7 +149,8 @@ fn show_tile(ui: &mut Ui, of: &LadderTile, current: bool, actions: &mut Vec<Acti
         let text = of.figures.map_or("error not known yet".into(), |f| {
             let merged = f.mean_merged_nodes;
             let error = 100.0 * f.metrics.rel_rmse;
-            format!("error {error:.2} %, FLIP {:.3}, {}, {merged:.0} merged", f.metrics.flip, time_text(f.seconds))
+            let time = time_text(f.seconds);
+            format!("error {error:.2} %, FLIP {:.3}\n{time}, merged cut of {merged:.0} nodes", f.metrics.flip)
         });
         ui.label(RichText::new(text).small());
     });
@@ -146,14 +163,28 @@ fn show_truth(ui: &mut Ui, truth: &LadderTruth) {
     });
 }
 
+/// Marks of one strength, as far apart as they are from zero to the last.
+fn marks(at: impl Iterator<Item = f64>, largest: f64) -> Vec<GridMark> {
+    at.map(|value| GridMark { value, step_size: largest }).collect()
+}
+
+/// From zero to `largest`, at round values.
+fn round_marks(largest: f64) -> Vec<GridMark> {
+    let step = tick_step(largest);
+    let count = (largest / step) as i32;
+    marks((0..=count).map(|i| f64::from(i) * step), largest)
+}
+
 /// Error in percent against size, which is on a logarithmic scale, and against time.
 fn curves(ui: &mut Ui, figures: &[StepFigures]) {
     let width = 0.5 * (ui.available_width() - 10.0);
     ui.horizontal(|ui| {
         let by_size = points(figures, |f| f64::from(f.illum_cut).log10());
-        curve(ui, width, "Error, % by nodes of light", by_size, |v| 10_f64.powf(v));
+        let sizes = Horizontal { value: |v| 10_f64.powf(v), marks: |at, largest| marks(at.iter().copied(), largest) };
+        curve(ui, width, "Error, % by nodes of light", by_size, sizes);
         let by_time = points(figures, |f| 1e3 * f.seconds);
-        curve(ui, width, "Error, % by milliseconds of the picture", by_time, |v| v);
+        let times = Horizontal { value: |v| v, marks: |_, largest| round_marks(largest) };
+        curve(ui, width, "Error, % by milliseconds of the picture", by_time, times);
     });
 }
 
@@ -163,12 +194,31 @@ fn points(figures: &[StepFigures], of: impl Fn(&StepFigures) -> f64) -> Vec<[f64
     figures.iter().filter(|f| f.metrics.rel_rmse.is_finite()).map(point).collect()
 }
 
-/// `value` turns a place of the horizontal axis into what is written there.
-fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, value: fn(f64) -> f64) {
+/// The horizontal axis of a curve.
+struct Horizontal {
+    /// Turns a place into what is written there.
+    value: fn(f64) -> f64,
+    /// Where something is written, of the places of points and the largest place shown.
+    marks: fn(&[f64], f64) -> Vec<GridMark>,
+}
+
+/// Both axes begin at zero.
+fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, across: Horizontal) {
+    let Horizontal { value, marks } = across;
     ui.vertical(|ui| {
         ui.label(RichText::new(title).small());
         let accent: Color32 = ui.visuals().selection.bg_fill;
-        let plot = Plot::new(title).width(width).height(CURVE).allow_drag(false).allow_zoom(false).allow_scroll(false);
+        let plot = Plot::new(title)
+            .width(width)
+            .height(CURVE)
+            .include_x(0.0)
+            .include_y(0.0)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .allow_scroll(false);
+        let at: Vec<f64> = points.iter().map(|point| point[0]).collect();
+        let plot =
+            plot.x_grid_spacer(move |axis| marks(&at, axis.bounds.1)).y_grid_spacer(|axis| round_marks(axis.bounds.1));
         let plot = plot
             .x_axis_formatter(move |mark, _| format!("{:.0}", value(mark.value)))
             .y_axis_formatter(|mark, _| format!("{:.2}", mark.value))

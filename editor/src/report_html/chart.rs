@@ -181,7 +181,7 @@ fn labels(lines: &[Line], y: &Axis) -> String {
 }
 
 /// A round distance of ticks that gives three to six of them.
-fn tick_step(largest: f64) -> f64 {
+pub fn tick_step(largest: f64) -> f64 {
     let decade = 10_f64.powf(largest.max(1e-9).log10().floor());
     [0.2, 0.5, 1.0, 2.0].into_iter().map(|s| s * decade).find(|s| largest / s <= 6.0).unwrap_or(2.0 * decade)
 }

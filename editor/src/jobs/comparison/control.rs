@@ -14,6 +14,8 @@ pub struct Control {
     /// Number of the comparison that is wanted.
     wanted: AtomicU64,
     paused: AtomicBool,
+    /// Whether other work needs the cores for a while.
+    held: AtomicBool,
     /// Wakes those who wait for the end of a pause.
     resumed: Condvar,
     /// Whether the tracing thread waits for that.
@@ -40,6 +42,17 @@ impl Control {
     /// Pauses or goes on.
     pub fn pause(&self, paused: bool) {
         self.paused.store(paused, SeqCst);
+        self.wake();
+    }
+
+    /// Gives the cores to other work, or goes on.
+    pub fn hold(&self, held: bool) {
+        if self.held.swap(held, SeqCst) != held {
+            self.wake();
+        }
+    }
+
+    fn wake(&self) {
         let _waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         self.resumed.notify_all();
     }
@@ -49,11 +62,16 @@ impl Control {
         self.paused.load(SeqCst)
     }
 
-    /// Waits until a pause ends, or another comparison than `number` is wanted. Returns how long.
+    /// Whether it gives the cores to other work.
+    pub fn is_held(&self) -> bool {
+        self.held.load(SeqCst)
+    }
+
+    /// Waits until nothing holds or pauses it, or another comparison than `number` is wanted. Returns how long.
     pub fn wait(&self, number: u64) -> Duration {
         let start = Instant::now();
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        while self.is_paused() && self.wanted() == number {
+        while (self.is_paused() || self.is_held()) && self.wanted() == number {
             *waiting = true;
             waiting = self.resumed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
         }
@@ -63,7 +81,7 @@ impl Control {
 
     /// Whether the tracing thread has come to the end of its pass, and waits.
     #[cfg(test)]
-    pub fn is_held(&self) -> bool {
+    pub fn is_waiting(&self) -> bool {
         *self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -91,7 +91,7 @@ fn a_pause_holds_the_reference_and_a_new_request_ends_it() {
     thread.request(comparison(ReferenceKind::Paths { spp: 1_000_000 }));
     wait_for("a first pass", || (thread.progress() > 0.0).then_some(()));
     thread.pause(true);
-    wait_for("the end of the pass that is under way", || thread.control.is_held().then_some(()));
+    wait_for("the end of the pass that is under way", || thread.control.is_waiting().then_some(()));
     let held = thread.progress();
     std::thread::sleep(Duration::from_millis(200));
     assert!(thread.is_paused() && thread.progress() == held);
@@ -102,6 +102,20 @@ fn a_pause_holds_the_reference_and_a_new_request_ends_it() {
     assert!(!thread.is_paused());
     let (_, reference) = pictures(&outcome(&mut thread));
     assert!(reference.finished, "the million paths of before hold nothing up");
+}
+
+#[test]
+fn other_work_holds_the_reference_even_a_new_one() {
+    let mut thread = start();
+    thread.hold(true);
+    thread.request(comparison(ReferenceKind::Paths { spp: 4 }));
+    wait_for("the end of the first pass", || thread.control.is_waiting().then_some(()));
+    let held = thread.progress();
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(thread.is_held() && !thread.is_paused() && thread.progress() == held && held < 1.0);
+    thread.hold(false);
+    let (_, reference) = pictures(&outcome(&mut thread));
+    assert!(reference.finished);
 }
 
 #[test]

@@ -90,6 +90,18 @@ fn a_coarse_picture_comes_first_and_all_samples_of_all_rows_follow_once() {
 }
 
 #[test]
+fn other_work_holds_the_full_picture_and_no_coarse_one() {
+    let (log, mut thread) = start(Log { micros_per_pixel: 10, ..Log::default() });
+    thread.hold(true);
+    thread.request(request(2));
+    assert!(!wait_for("a picture", || thread.frames()).full_size);
+    linger();
+    assert_eq!(work(&log), (1, 1), "a coarse picture alone");
+    thread.hold(false);
+    assert_eq!(complete(&mut thread).samples, 2);
+}
+
+#[test]
 fn nothing_is_rendered_when_nothing_changed() {
     let (log, mut thread) = start(Log::default());
     let same = request(2);

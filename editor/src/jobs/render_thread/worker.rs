@@ -13,10 +13,14 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Arc,
+        atomic::{AtomicBool, Ordering::SeqCst},
         mpsc::{Receiver, RecvTimeoutError, TryRecvError},
     },
     time::{Duration, Instant},
 };
+
+/// How soon the full picture goes on when other work has ended.
+const HELD_WAIT: Duration = Duration::from_millis(100);
 
 /// The picture that the renderer is at.
 struct Begun {
@@ -32,6 +36,8 @@ struct Begun {
 pub struct Worker {
     inbox: Receiver<Message>,
     outbox: Outbox,
+    /// Whether other work needs the cores.
+    held: Arc<AtomicBool>,
     station: Station,
     wanted: Option<Arc<RenderRequest>>,
     stage: Stage,
@@ -55,10 +61,11 @@ pub struct Worker {
 
 impl Worker {
     /// With nothing to do yet.
-    pub fn new(factory: Factory, inbox: Receiver<Message>, outbox: Outbox) -> Self {
+    pub fn new(factory: Factory, inbox: Receiver<Message>, outbox: Outbox, held: Arc<AtomicBool>) -> Self {
         Self {
             inbox,
             outbox,
+            held,
             station: Station::new(factory),
             wanted: None,
             stage: Stage::Rest,
@@ -126,7 +133,15 @@ impl Worker {
         if self.stage == Stage::Rest && !self.reads.is_empty() {
             return Some(Duration::ZERO);
         }
+        if self.waits() {
+            return Some(HELD_WAIT);
+        }
         self.stage.patience(self.wanted.as_ref().is_some_and(|w| w.moving), Instant::now())
+    }
+
+    /// Whether the full picture waits for other work.
+    fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Full { .. }) && self.held.load(SeqCst)
     }
 
     /// Builds the renderer's shaders anew; those of before go on if that fails.
@@ -174,6 +189,7 @@ impl Worker {
             Stage::Coarse => self.coarse(&request),
             Stage::Settle { .. } if self.stage.settled(request.moving, Instant::now()) => self.begin_full(&request),
             Stage::Settle { .. } => Ok(()),
+            Stage::Full { .. } if self.waits() => Ok(()),
             Stage::Full { sample, row } => self.band(&request, sample, row),
         }
     }
