@@ -44,6 +44,26 @@ fn both_backends_make_the_same_picture_but_for_silhouettes() {
 }
 
 #[test]
+fn a_sequence_with_layers_is_the_same_on_both_backends() {
+    let Some(stage) = baked() else { return };
+    for backend in ["gpu", "cpu"] {
+        let out = format!("--layers environment,normal,depth --backend {backend} --out {backend}.#.exr");
+        stage.succeed(&format!("sequence a.cuts {VIEW} --aa 4 --turn environment --frames 2 {out}"));
+    }
+    let of_layer = |layer: &str, test: &str, reference: &str| {
+        error(&stage, &format!("{test} --layer {layer}"), &format!("{reference} --reference-layer {layer}"))
+    };
+    for layer in ["environment", "normal", "depth"] {
+        for frame in 1..=2 {
+            let same = of_layer(layer, &format!("gpu.{frame}.exr"), &format!("cpu.{frame}.exr"));
+            assert!(same < 2e-3, "{layer} of frame {frame}: {same}");
+        }
+    }
+    let other = of_layer("environment", "gpu.1.exr", "cpu.2.exr");
+    assert!(other > 0.01, "negative control: {other}");
+}
+
+#[test]
 fn a_transparent_background_leaves_alpha_and_no_light() {
     let Some(stage) = baked() else { return };
     let sky = "--env sun-sky:50 --eye 0.5,0.6,3 --target 0,0.9,0 --fov 60 --size 64x48 --background transparent";

@@ -2,6 +2,7 @@
 
 use super::{
     first_view::FirstView,
+    ladder::LadderWindow,
     opening::{Opened, Ready, Target},
     prompts::{Prompt, Then},
     state::{EditorState, OpenScene, Selection},
@@ -114,6 +115,7 @@ impl EditorState {
             ready;
         self.forget_autosave();
         self.baking.clear();
+        self.ladder = LadderWindow::default();
         self.loader.forget_document();
         self.loading.clear();
         self.document = document;

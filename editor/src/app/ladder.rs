@@ -21,6 +21,11 @@ pub struct LadderWindow {
 }
 
 impl LadderWindow {
+    /// Whether sizes are being tried.
+    pub fn is_climbing(&self) -> bool {
+        self.job.is_some()
+    }
+
     fn take(&mut self, ctx: &Context, event: LadderEvent) {
         match event {
             LadderEvent::Picture { illum_cut, shown } => {
@@ -59,9 +64,9 @@ impl EditorState {
         self.hold_for_ladder();
     }
 
-    /// While the ladder is climbed all cores are for it: it is waited for, and its times are those of a machine at rest.
+    /// While the ladder is climbed, comparison and full picture leave the cores to it: it is waited for, and it takes times.
     fn hold_for_ladder(&self) {
-        let climbing = self.ladder.job.is_some();
+        let climbing = self.ladder.is_climbing();
         self.render.hold(climbing);
         self.comparison.hold(climbing);
     }
@@ -87,7 +92,10 @@ impl EditorState {
         }
         window.result.progress = window.job.as_ref().map(LadderJob::progress);
         let current = self.document.view.illum_cut;
-        let shown = Window::new("Which cut size is enough?").open(&mut window.open).default_size(ladder::SIZE);
+        let shown = Window::new("Which cut size is enough?")
+            .open(&mut window.open)
+            .default_size(ladder::SIZE)
+            .min_width(ladder::LEAST_WIDTH);
         shown.show(ctx, |ui| ladder::show(ui, &window.result, current, actions));
     }
 

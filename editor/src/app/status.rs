@@ -28,7 +28,8 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
     let remark = || state.messages.last_remark().map(str::to_owned);
-    let work = || state.exporting.line().or_else(|| state.baking.line());
+    let held = || state.ladder.is_climbing().then(|| "The full picture waits until the cut sizes are tried".to_owned());
+    let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
     let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
         None => match state.messages.last() {

@@ -1,7 +1,12 @@
 //! Which size of the illumination cut is enough for this shot: pictures at growing sizes beside the reference, each with its error
 //! and time, both curves, and a sentence.
 
-use crate::{actions::Action, jobs::ladder::StepFigures, ladder::SIZES, report_html::chart::tick_step};
+use crate::{
+    actions::Action,
+    jobs::ladder::StepFigures,
+    ladder::SIZES,
+    report_html::{chart::tick_step, text::short},
+};
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
 
@@ -18,6 +23,9 @@ const CURVE: f32 = 150.0;
 /// A size is enough if its relative RMSE and its FLIP are at most so many times those of the largest size: the one is ruled by a
 /// few dark shadows, the other by what is seen.
 const ENOUGH: f64 = 1.25;
+
+/// Width in points below which the curves' numbers would run together.
+pub const LEAST_WIDTH: f32 = 2.0 * (TILE + GAP) + BAR;
 
 /// A picture at one size.
 pub struct LadderTile {
@@ -62,7 +70,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
         ui.add(ProgressBar::new(progress).text(text));
     }
     let figures: Vec<StepFigures> = result.tiles.iter().filter_map(|tile| tile.figures).collect();
-    let complete = result.progress.is_none();
+    let complete = result.progress.is_none() && result.problem.is_none();
     if let Some(verdict) = verdict(&figures).filter(|_| figures.len() == SIZES.len()) {
         if complete {
             ui.label(RichText::new(verdict).strong());
@@ -220,10 +228,12 @@ fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, across: Ho
         let plot =
             plot.x_grid_spacer(move |axis| marks(&at, axis.bounds.1)).y_grid_spacer(|axis| round_marks(axis.bounds.1));
         let plot = plot
-            .x_axis_formatter(move |mark, _| format!("{:.0}", value(mark.value)))
+            .x_axis_formatter(move |mark, _| short(value(mark.value)))
             .y_axis_formatter(|mark, _| format!("{:.2}", mark.value))
             .label_formatter(move |hover| match hover {
-                HoverPosition::NearDataPoint { position: at, .. } => Some(format!("{:.0}: {:.2} %", value(at.x), at.y)),
+                HoverPosition::NearDataPoint { position: at, .. } => {
+                    Some(format!("{}: {:.2} %", short(value(at.x)), at.y))
+                }
                 HoverPosition::Elsewhere { .. } => None,
             });
         plot.show(ui, |plot| {

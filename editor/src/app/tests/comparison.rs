@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{
+    app::ladder::LadderWindow,
     document::Edit,
     jobs::measure::ShownMap,
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
@@ -145,6 +146,11 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
 fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     let place = Place::new();
     let mut window = comparing(&place);
+    window.0.state_mut().start_ladder();
+    assert!(window.0.state().comparison.context().held);
+    window.0.state_mut().ladder = LadderWindow::default();
+    window.0.run_steps(1);
+    assert!(!window.0.state().comparison.context().held, "a window that is closed gives the cores back");
     window.click("Cut sizes...");
     window.wait("all figures", |s| s.ladder_figures() == 6);
     window.0.run_steps(3);

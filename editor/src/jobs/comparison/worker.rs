@@ -104,15 +104,17 @@ impl Worker {
         let backend = self.station.backend()?;
         backend.begin(view, request.picture.sampling)?;
         let height = view.size[1];
+        let mut waited = Duration::ZERO;
         for sample in 0..view.aa {
             for first in (0..height).step_by(BAND_ROWS as usize) {
                 if self.control.wanted() != number {
                     return Ok(None);
                 }
+                waited += self.control.wait(number);
                 backend.render_rows(sample, first..height.min(first + BAND_ROWS))?;
             }
         }
-        let millis = 1e3 * start.elapsed().as_secs_f64();
+        let millis = 1e3 * start.elapsed().saturating_sub(waited).as_secs_f64();
         let (image, coverage) = backend.read(view.aa)?;
         Ok(Some(TestPicture { image, coverage, predicted: None, stats: backend.stats()?, millis }))
     }
@@ -141,6 +143,7 @@ impl Worker {
         let picture = &request.picture;
         let renderer = renderer_of(&mut self.renderer, baked);
         renderer.set_appearance(picture.appearance.fitted(&baked.dataset.scene.materials).0);
+        self.control.wait(number);
         let hearing = Hearing::new(number, &self.control, &self.outbox);
         let (image, noise) = match request.kind {
             ReferenceKind::Paths { spp } => {
@@ -205,7 +208,9 @@ struct Wanted<'a> {
 }
 
 impl Progress for Wanted<'_> {
-    fn advanced(&self, _done: u64, _total: u64) {}
+    fn advanced(&self, _done: u64, _total: u64) {
+        self.control.wait(self.number);
+    }
 
     fn cancelled(&self) -> bool {
         self.control.wanted() != self.number
