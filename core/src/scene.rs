@@ -1,6 +1,12 @@
 //! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
 
-use crate::{camera::Camera, lights::Light, material::Material, texture::Texture};
+use crate::{
+    camera::Camera,
+    lights::Light,
+    material::Material,
+    surfel::{MeshPlace, Surfel},
+    texture::Texture,
+};
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
@@ -153,6 +159,16 @@ impl Mesh {
     pub fn area_vector(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a)
+    }
+
+    /// The unit normal that a surface point receives light by: that of the vertices, interpolated, on the point's side.
+    pub fn shading_normal(&self, at: &Surfel) -> Vec3 {
+        let MeshPlace { triangle, barycentric: b } = at.place;
+        let weights = [1.0 - b.x - b.y, b.x, b.y];
+        let weighted = |(&v, w): (&u32, f32)| self.normals[v as usize] * w;
+        let smooth: Vec3 = self.triangles[triangle as usize].iter().zip(weights).map(weighted).sum();
+        let side = self.area_vector(triangle as usize).dot(at.normal).signum();
+        (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
     /// Checks lengths, indices and finiteness, against `materials` and `objects` entries to refer to.

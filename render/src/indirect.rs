@@ -15,7 +15,6 @@ use irradiance::environment_irradiance;
 use lapidary_core::{
     cut::illumination::{IlluminationCriterion, intensity_cut},
     dataset::Dataset,
-    indirect::IndirectBake,
     lights::Light,
     source_tree::{SourceRadiance, SourceTree},
     surfel::OFFSET,
@@ -88,7 +87,7 @@ impl SourceRig {
 
     /// Shines the environment on the sources, or none.
     pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
-        let irradiance = lighting.and_then(|lighting| environment_irradiance(self.bake()?, lighting));
+        let irradiance = lighting.and_then(|lighting| environment_irradiance(&self.dataset, lighting));
         self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
     }
 
@@ -120,10 +119,6 @@ impl SourceRig {
         let irradiance = self.irradiance_of_parts();
         let sent = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
         SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
-    }
-
-    fn bake(&self) -> Option<&IndirectBake> {
-        self.dataset.indirect.as_ref()
     }
 }
 

@@ -78,10 +78,12 @@ fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
 /// The nearest sample that a point belongs to.
 fn owner(surface: &MeshSurface, grid: &SurfelGrid, point: &Surfel, radius: f32) -> Option<u32> {
     let sample = grid.nearest(point, OWNED_WITHIN * radius)?;
-    let reaches = |lift: f32| {
-        let lifted = |s: &Surfel| s.position + s.normal * lift;
-        surface.sees(lifted(point), lifted(&grid.points()[sample]))
-    };
+    let ends = [point, &grid.points()[sample]];
+    let lifted = |s: &Surfel, lift: f32| s.position + s.normal * lift;
+    let reaches = |lift: f32| surface.sees(lifted(ends[0], lift), lifted(ends[1], lift));
+    let (low, high) = (4.0 * surface.offset(), 0.25 * radius);
+    // Nothing may lie over the ends: a wall close behind tiles is none of theirs.
+    let rises = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
     // Close to the surface, or over what bulges between the two.
-    (reaches(4.0 * surface.offset()) || reaches(0.25 * radius)).then_some(sample as u32)
+    (reaches(low) || (ends.into_iter().all(rises) && reaches(high))).then_some(sample as u32)
 }

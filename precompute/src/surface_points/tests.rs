@@ -93,6 +93,19 @@ fn areas_add_up_to_what_light_reaches() {
     assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
 }
 
+/// A tile of 1.6 m stands 5 mm out of a wall, whose hidden part faces as the tile does: radii are ten times as far.
+#[test]
+fn a_wall_close_behind_a_tile_has_no_part_in_the_tiles_area() {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.8, 0.8, 0.005)));
+    let tiled = Prepared::new(&triangles);
+    let (points, radius) = poisson_count(&tiled.surface(), INSIDE, 2048, 1, &Silent).unwrap();
+    assert!(radius > 0.05, "{radius}");
+    let total: f32 = sample_areas(&tiled.surface(), &points, radius, 2, &Silent).unwrap().iter().sum();
+    // The tile's face for the wall behind it, and its narrow sides.
+    assert!((total / (24.0 + 4.0 * 1.6 * 0.005) - 1.0).abs() < 0.02, "{total}; 26.5 with the wall");
+}
+
 /// Keeps warnings.
 #[derive(Default)]
 struct Warnings(std::sync::Mutex<String>);

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
     dataset::Dataset,
-    indirect::{IndirectBake, Source},
+    indirect::Source,
     lights::Light,
     ray::Intersector,
     surfel::Surfel,
@@ -24,18 +24,24 @@ pub struct ShadowRays {
     pub offset: f32,
 }
 
-/// What `lights` give each point.
-pub fn light_irradiance(points: &[Surfel], lights: &[Light], intersector: &Intersector, rays: ShadowRays) -> Vec<Vec3> {
+/// What `lights` give each point, received by a normal each.
+pub fn light_irradiance(
+    points: &[Surfel],
+    normals: &[Vec3],
+    lights: &[Light],
+    intersector: &Intersector,
+    rays: ShadowRays,
+) -> Vec<Vec3> {
     let patterns: Vec<(&Light, Vec<Vec2>)> =
         lights.iter().map(|light| (light, pattern(light, rays.area_samples))).collect();
-    let of_point = |point: &Surfel| {
+    let of_point = |(point, &normal): (&Surfel, &Vec3)| {
         let received = |(light, pattern): &(&Light, Vec<Vec2>)| {
-            let samples = pattern.iter().map(|&u| light_sample(point, light, u, intersector, rays.offset));
+            let samples = pattern.iter().map(|&u| light_sample(point, normal, light, u, intersector, rays.offset));
             samples.sum::<Vec3>() / pattern.len() as f32
         };
         patterns.iter().map(received).sum()
     };
-    points.par_iter().with_min_len(64).map(of_point).collect()
+    points.par_iter().zip(normals).with_min_len(64).map(of_point).collect()
 }
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
@@ -46,14 +52,14 @@ fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-fn light_sample(point: &Surfel, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
-    let &Surfel { position, normal, .. } = point;
+fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
+    let position = point.position;
     let Some(sample) = light.sample(position, u) else { return Vec3::ZERO };
     let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
     if !(received.max_element() > 0.0) {
         return Vec3::ZERO;
     }
-    let origin = position + normal * offset;
+    let origin = position + point.normal * offset;
     // A light may lie on a surface, which does not hide it.
     let blocked = intersector.occluded_before(origin, sample.direction, (1.0 - NEAR_THE_LIGHT) * sample.distance);
     if blocked { Vec3::ZERO } else { received }
@@ -61,13 +67,14 @@ fn light_sample(point: &Surfel, light: &Light, u: Vec2, intersector: &Intersecto
 
 /// What the environment gives each source: its cut merged with the illumination cut, times the cosine. `None` if sources
 /// have no cuts of it.
-pub fn environment_irradiance(bake: &IndirectBake, lighting: &SceneLighting) -> Option<Vec<Vec3>> {
+pub fn environment_irradiance(dataset: &Dataset, lighting: &SceneLighting) -> Option<Vec<Vec3>> {
+    let (bake, mesh) = (dataset.indirect.as_ref()?, &dataset.scene.mesh);
     if bake.environment_cuts.len() != bake.sources.len() {
         return None;
     }
     let of_source = |(i, source): (usize, &Source)| {
         let visible = [(1.0, bake.environment_cuts.nodes_from(i as u32))];
-        received(&visible, source.surfel.normal, lighting)
+        received(&visible, mesh.shading_normal(&source.surfel), lighting)
     };
     Some(bake.sources.par_iter().enumerate().with_min_len(64).map(of_source).collect())
 }
@@ -75,10 +82,11 @@ pub fn environment_irradiance(bake: &IndirectBake, lighting: &SceneLighting) -> 
 /// What the environment gives points of a dataset's mesh: the cuts of their vertices, interpolated.
 pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting: &SceneLighting) -> Vec<Vec3> {
     let of_point = |point: &Surfel| {
-        let vertices = dataset.scene.mesh.triangles[point.place.triangle as usize];
+        let mesh = &dataset.scene.mesh;
+        let vertices = mesh.triangles[point.place.triangle as usize];
         let weights = dataset.interpolation_weights(vertices, point.place.barycentric);
         let visible: [_; 3] = std::array::from_fn(|i| (weights[i], dataset.cuts.nodes_from(vertices[i])));
-        received(&visible, point.normal, lighting)
+        received(&visible, mesh.shading_normal(point), lighting)
     };
     points.par_iter().with_min_len(64).map(of_point).collect()
 }

@@ -15,6 +15,8 @@ pub(super) struct LitPoints {
     dataset: Arc<Dataset>,
     intersector: Arc<Intersector>,
     points: Vec<Surfel>,
+    /// Of shading, one a point: the bounce is as bright as the surface that is seen.
+    normals: Vec<Vec3>,
     area_samples: u32,
     albedo: Vec<Vec3>,
     /// What local lights give the points.
@@ -27,7 +29,8 @@ impl LitPoints {
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
         let (dataset, intersector) = (baked.dataset.clone(), baked.intersector());
         let (albedo, lights) = (Vec::new(), LightGroups::default());
-        let mut lit = Self { dataset, intersector, points, area_samples, albedo, lights, environment: None };
+        let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
+        let mut lit = Self { dataset, intersector, points, normals, area_samples, albedo, lights, environment: None };
         lit.set_appearance(&Appearance::of(&lit.dataset.scene));
         lit
     }
@@ -52,7 +55,8 @@ impl LitPoints {
     /// such.
     pub fn set_lights(&mut self, lights: &[Light]) -> bool {
         let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
-        self.lights.update(lights, |lights| light_irradiance(&self.points, lights, &self.intersector, rays))
+        self.lights
+            .update(lights, |lights| light_irradiance(&self.points, &self.normals, lights, &self.intersector, rays))
     }
 
     /// Shines an environment on the points that gives each of them so much, or none.

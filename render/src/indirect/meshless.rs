@@ -85,7 +85,9 @@ impl MeshlessRig {
             self.at_sources = Some(Flattening::new(basis, transport, &points));
         }
         let vectors = self.at_sources.as_ref()?.apply(&solved.coefficients);
-        let received = |(vector, source): (&Mat3A, &Surfel)| irradiance(vector, source.normal).max(Vec3::ZERO);
+        let mesh = &dataset.scene.mesh;
+        let received =
+            |(vector, source): (&Mat3A, &Surfel)| irradiance(vector, mesh.shading_normal(source)).max(Vec3::ZERO);
         Some(vectors.par_iter().zip(sources).map(received).collect())
     }
 

@@ -4,6 +4,7 @@
 use super::*;
 use crate::{
     Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
+    direct::tests::light,
     renderer::tests::{LIGHTS, dataset, from_above, from_the_side, illumination, mesh, white},
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -14,7 +15,7 @@ use lapidary_core::{
     },
     dataset::BakeMode,
     image::Image,
-    indirect::{Source, solid_angle, solid_angle_code},
+    indirect::{IndirectBake, Source, solid_angle, solid_angle_code},
     lights::Emission,
     material::{BrdfModel, BrdfParameters, Material},
     scene::Mesh,
@@ -253,6 +254,29 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
     let thousands: Vec<Light> = (0..1000).map(|i| point_light(Vec3::new(-1.0, 1.0, 1e-3 * i as f32), 1.0)).collect();
     rig.set_lights(&thousands);
     assert!(rig.lit.lights.groups.len() <= light_groups::LIGHT_GROUPS && rig.irradiance()[0].x > 100.0);
+}
+
+/// The wall's vertices lean by 60 degrees, so that it looks as if it did; what it sends is what is seen of it.
+#[test]
+fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
+    let sun = |toward: Vec3| light(Emission::Directional, -3.0 * toward, Vec3::ZERO, 2.0);
+    let mean = |leaning: bool, side: f32, toward: Vec3| {
+        let mut dataset = floor_and_wall(4);
+        let lean = Vec3::new(0.5, 0.75_f32.sqrt(), 0.0);
+        let normals = dataset.scene.mesh.normals.iter_mut().filter(|n| leaning && **n == Vec3::X);
+        normals.for_each(|n| *n = lean);
+        let sources = &mut dataset.indirect.as_mut().unwrap().sources;
+        sources.iter_mut().for_each(|source| source.surfel.normal *= side);
+        let mut rig = SourceRig::new(&Arc::new(dataset).into()).unwrap();
+        rig.set_lights(&[sun(toward)]);
+        rig.irradiance().iter().map(|e| e.x).sum::<f32>() / SOURCES as f32
+    };
+    for side in [1.0, -1.0] {
+        let toward = Vec3::NEG_X * side;
+        assert!((mean(true, side, toward) - 1.0).abs() < 1e-4, "{}", mean(true, side, toward));
+        assert!((mean(false, side, toward) - 2.0).abs() < 1e-4, "negative control: it does not lean");
+        assert_eq!(mean(true, side, -toward), 0.0, "from behind");
+    }
 }
 
 #[test]

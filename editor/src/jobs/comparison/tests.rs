@@ -109,7 +109,7 @@ fn other_work_holds_the_reference_even_a_new_one() {
     let mut thread = start();
     thread.hold(true);
     thread.request(comparison(ReferenceKind::Paths { spp: 4 }));
-    wait_for("the end of the first pass", || thread.control.is_waiting().then_some(()));
+    wait_for("the thread to wait", || thread.control.is_waiting().then_some(()));
     let held = thread.progress();
     std::thread::sleep(Duration::from_millis(200));
     assert!(thread.is_held() && !thread.is_paused() && thread.progress() == held && held < 1.0);
