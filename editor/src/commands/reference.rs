@@ -157,6 +157,6 @@ fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
     let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
-    let places = args.places.map_or(Places::Shared, Places::from);
+    let places = args.places.map(Places::from).unwrap_or_default();
     PathSettings { spp, first_pass, bounces, components, places }
 }

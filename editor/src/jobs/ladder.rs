@@ -236,6 +236,7 @@ mod tests {
         let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
         let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });
         assert_eq!(pictures, SIZES);
+        assert!(events[..SIZES.len()].iter().all(|e| matches!(e, LadderEvent::Picture { .. })), "before all else");
         let truth = events.iter().position(|e| matches!(e, LadderEvent::Truth { .. })).unwrap();
         assert!(
             matches!(&events[truth], LadderEvent::Truth { what, .. } if what.contains("samples of the environment"))
