@@ -6,7 +6,10 @@ struct VertexIrradiance {
     vector: mat3x3<f32>,
 }
 
-@group(2) @binding(0) var<storage, read> vertex_irradiance: array<VertexIrradiance>;
+// One a vertex.
+@group(2) @binding(0) var<storage, read> front_irradiance: array<VertexIrradiance>;
+// Of surfaces that are seen from behind: likewise, or a single one where no light reaches any.
+@group(2) @binding(1) var<storage, read> back_irradiance: array<VertexIrradiance>;
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 @fragment
@@ -19,15 +22,25 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let point = surface_point(g, pixel, ray_direction(pixel));
     let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
-    return sum + vec4(albedo(point.brdf, alpha) * irradiance_at(point) * FRAC_1_PI, 0.0);
+    return sum + vec4(albedo(point.brdf, alpha) * irradiance_at(point, (g.w & FLAG_BACK) != 0u) * FRAC_1_PI, 0.0);
 }
 
 // Irradiance on the surface as bump and normal map have it.
-fn irradiance_at(point: SurfacePoint) -> vec3<f32> {
+fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
     let v = point.vertices;
     let w = point.weights;
-    let vector = vertex_irradiance[v.x].vector * w.x
-        + vertex_irradiance[v.y].vector * w.y
-        + vertex_irradiance[v.z].vector * w.z;
+    let vector = vector_irradiance(v.x, from_behind) * w.x
+        + vector_irradiance(v.y, from_behind) * w.y
+        + vector_irradiance(v.z, from_behind) * w.z;
     return max(point.world_from_local[2] * vector, vec3(0.0));
+}
+
+fn vector_irradiance(vertex: u32, from_behind: bool) -> mat3x3<f32> {
+    if !from_behind {
+        return front_irradiance[vertex].vector;
+    }
+    if vertex >= arrayLength(&back_irradiance) {
+        return mat3x3<f32>();
+    }
+    return back_irradiance[vertex].vector;
 }

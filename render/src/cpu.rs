@@ -105,7 +105,7 @@ impl Backend for CpuBackend {
             let light = PictureLight {
                 environment: self.shown_environment().map(|(_, lighting)| &**lighting),
                 sources: self.local.shown_indirect().map(|lighting| &**lighting),
-                vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| vertices.as_slice()),
+                vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
                 local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
             };
             let Begun { view, sampling, backdrop, picture } = &mut begun;

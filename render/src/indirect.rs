@@ -8,6 +8,7 @@ mod light_groups;
 mod lit_points;
 mod meshless;
 mod source_parts;
+mod vertices;
 
 use crate::{appearance::Appearance, baked::Baked, lighting::SceneLighting};
 use glam::Vec3;
@@ -23,7 +24,8 @@ use lit_points::LitPoints;
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
-pub use meshless::{MeshlessRig, VertexIrradiance};
+pub use meshless::MeshlessRig;
+pub use vertices::VertexIrradiance;
 
 /// Samples of an area light along each of its sides, at each of a source's parts.
 const AREA_SAMPLES: u32 = 2;

@@ -2,14 +2,14 @@
 
 use crate::{
     direct::direct_light,
-    indirect::SourceLighting,
+    indirect::{SourceLighting, VertexIrradiance},
     lighting::SceneLighting,
     node_field::SourceField,
     shade::{BrdfSampling, Shader, Work},
     surface::SurfacePoint,
     view_mode::{ViewMode, visibility_cuts},
 };
-use glam::{Mat3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
 use std::f32::consts::FRAC_1_PI;
 
@@ -21,7 +21,7 @@ pub(crate) struct PictureLight<'a> {
     /// Bounced light, for a dataset that has sources.
     pub sources: Option<&'a SourceLighting>,
     /// Bounced light at the vertices, as vector irradiance.
-    pub vertex_irradiance: Option<&'a [Mat3A]>,
+    pub vertex_irradiance: Option<&'a VertexIrradiance>,
     /// Local lights whose direct light is shown, and what casts their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
 }
@@ -33,7 +33,7 @@ pub(crate) struct Painter<'a> {
     /// `None` without a light: what depends on it is black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     sources: Option<Shader<'a, SourceField<'a>>>,
-    vertex_irradiance: Option<&'a [Mat3A]>,
+    vertex_irradiance: Option<&'a VertexIrradiance>,
     local: Option<(&'a [Light], &'a Intersector)>,
     points: u64,
     /// Work that was shown and has not been taken.
@@ -90,7 +90,7 @@ impl<'a> Painter<'a> {
     /// What a diffuse surface of the same albedo reflects of the vertices' irradiance.
     fn interpolated(&self, point: &SurfacePoint) -> Vec3 {
         let Some(vertices) = self.vertex_irradiance else { return Vec3::ZERO };
-        let at = |i: usize| vertices[point.vertices[i] as usize] * point.weights[i];
+        let at = |i: usize| vertices.at(point.vertices[i], point.from_behind) * point.weights[i];
         let received = irradiance(&(at(0) + at(1) + at(2)), point.world_from_local.z_axis).max(Vec3::ZERO);
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }

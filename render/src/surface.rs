@@ -20,6 +20,8 @@ pub struct SurfacePoint {
     pub corners: [Vec3; 3],
     /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
     pub weights: [f32; 3],
+    /// Whether the back of its triangle is seen.
+    pub from_behind: bool,
     /// Where it is, in metres.
     pub position: Vec3,
     /// Where shadow rays start: just off the face, on the side that is seen.
@@ -140,6 +142,7 @@ impl<'a> Surfaces<'a> {
             vertices,
             corners: [p0, p1, p2],
             weights: self.dataset.interpolation_weights(vertices, hit.barycentric),
+            from_behind: hit.back_face,
             position,
             ray_origin: position + face_normal * offset,
             smooth_normal,

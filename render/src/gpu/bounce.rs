@@ -26,7 +26,7 @@ impl BouncePass {
     /// # Errors
     /// A shader that cannot be read.
     pub fn new(gpu: &GpuDevice, source: &ShaderSource, layouts: &Layouts) -> Result<Self, BackendError> {
-        let irradiance = bind_layout(gpu, "vertex irradiance", &[Binding::Storage]);
+        let irradiance = bind_layout(gpu, "vertex irradiance", &[Binding::Storage, Binding::Storage]);
         let pipeline = Pipeline {
             layouts: &[&layouts.frame, &layouts.scene, &irradiance, &layouts.addition],
             targets: &[format::FLOATS],
@@ -39,7 +39,7 @@ impl BouncePass {
 /// Bounced light at the vertices as it was last shown.
 #[derive(Default)]
 pub struct VertexBounce {
-    uploaded: Option<(Arc<VertexIrradiance>, wgpu::Buffer)>,
+    uploaded: Option<(Arc<VertexIrradiance>, [wgpu::Buffer; 2])>,
     sum: SumTexture,
 }
 
@@ -52,24 +52,26 @@ impl VertexBounce {
         previous: [&wgpu::TextureView; 2],
     ) -> Addition {
         let known = self.uploaded.take().filter(|(known, _)| Arc::ptr_eq(known, vertices));
-        let (_, buffer) =
-            self.uploaded.insert(known.unwrap_or_else(|| (vertices.clone(), upload(picture.gpu, vertices))));
+        let make = || (vertices.clone(), [&vertices.front, &vertices.back].map(|side| upload(picture.gpu, side)));
+        let (_, buffers) = self.uploaded.insert(known.unwrap_or_else(make));
         let pass = &picture.passes.bounce;
-        let light = bind(picture.gpu, "vertex irradiance", &pass.irradiance, &[buffer.as_entire_binding()]);
+        let sides = buffers.each_ref().map(|side| side.as_entire_binding());
+        let light = bind(picture.gpu, "vertex irradiance", &pass.irradiance, &sides);
         Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
     }
 
     /// What the pass reads, to see whether it was uploaded again.
     #[cfg(test)]
     pub fn buffer(&self) -> Option<&wgpu::Buffer> {
-        self.uploaded.as_ref().map(|(_, buffer)| buffer)
+        self.uploaded.as_ref().map(|(_, [front, _])| front)
     }
 }
 
-/// A vertex takes less room than in the buffer of the mesh, which has been found small enough.
+/// A vertex takes less room than in the buffer of the mesh, which has been found small enough. There is always one, for
+/// buffers cannot be empty.
 fn upload(gpu: &GpuDevice, vertices: &[Mat3A]) -> wgpu::Buffer {
     const { assert!(size_of::<layout::VertexIrradiance>() <= size_of::<layout::Vertex>()) };
     let padded = |v: &Mat3A| layout::VertexIrradiance { vector: v.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]) };
-    let contents: Vec<_> = vertices.iter().map(padded).collect();
+    let contents: Vec<_> = vertices.iter().chain(vertices.is_empty().then_some(&Mat3A::ZERO)).map(padded).collect();
     storage(gpu, "vertex irradiance", bytemuck::cast_slice(&contents))
 }

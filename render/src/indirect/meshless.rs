@@ -1,7 +1,11 @@
 //! Bounced light through the meshless basis: direct light on the points of the senders, some bounces through the operator,
 //! and what arrives at the vertices, for display, or at the surface sources, for the bounce that cuts gather.
 
-use super::{irradiance::environment_irradiance_of, lit_points::LitPoints};
+use super::{
+    irradiance::environment_irradiance_of,
+    lit_points::LitPoints,
+    vertices::{VertexFlattening, VertexIrradiance},
+};
 use crate::{appearance::Appearance, baked::Baked, lighting::SceneLighting};
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
@@ -16,16 +20,13 @@ use std::sync::Arc;
 /// Samples of an area light along each of its sides, at a sender.
 const AREA_SAMPLES: u32 = 3;
 
-/// Vector irradiance of bounced light in W/m², one a vertex, a column a colour channel.
-pub type VertexIrradiance = Vec<Mat3A>;
-
 /// Solves for the bounces of a dataset again and again: what an edit does not change is kept.
 pub struct MeshlessRig {
     dataset: Arc<Dataset>,
     solver: Solver,
     senders: LitPoints,
     /// Weights of the vertices, and of the sources if there are any; found at the first use.
-    at_vertices: Option<Flattening>,
+    at_vertices: Option<VertexFlattening>,
     at_sources: Option<Flattening>,
     solved: Option<Solution>,
 }
@@ -63,14 +64,10 @@ impl MeshlessRig {
 
     /// What arrives at the vertices after all bounces.
     pub fn at_vertices(&mut self) -> Option<VertexIrradiance> {
-        let bake = self.solve()?;
+        let dataset = self.solve()?;
         let solved = self.solved.as_ref()?;
-        let mesh = &self.dataset.scene.mesh;
-        let vertices = || mesh.positions.iter().copied().zip(mesh.normals.iter().copied()).collect::<Vec<_>>();
-        let make =
-            || Flattening::new(&bake.meshless.as_ref()?.basis, &bake.meshless.as_ref()?.transport, &vertices()).into();
         if self.at_vertices.is_none() {
-            self.at_vertices = make();
+            self.at_vertices = Some(VertexFlattening::new(dataset.meshless.as_ref()?, &dataset.scene.mesh));
         }
         Some(self.at_vertices.as_ref()?.apply(&solved.coefficients))
     }
@@ -111,11 +108,12 @@ impl MeshlessRig {
 pub(crate) mod tests {
     use super::*;
     use crate::{
-        Backend, BrdfSampling, Components, CpuBackend, LocalRig, indirect::tests::floor_and_wall,
+        Backend, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, View, indirect::tests::floor_and_wall,
         renderer::tests::from_above,
     };
     use glam::Vec2;
     use lapidary_core::{
+        camera::Camera,
         lights::Emission,
         meshless::{Basis, Transport},
         surfel::MeshPlace,
@@ -127,13 +125,18 @@ pub(crate) mod tests {
 
     /// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
     pub(crate) fn dataset() -> Dataset {
+        linked(Vec3::Y, LINK)
+    }
+
+    /// The same with the floor's function on the side of `normal`.
+    fn linked(normal: Vec3, link: Vec3) -> Dataset {
         let mut dataset = floor_and_wall(4);
         let sources = &dataset.indirect.as_ref().unwrap().sources;
         let on_wall = sources[sources.len() / 2].surfel;
         let place = MeshPlace { triangle: 0, barycentric: Vec2::splat(0.3) };
-        let on_floor = Surfel { position: Vec3::ZERO, normal: Vec3::Y, place };
+        let on_floor = Surfel { position: Vec3::ZERO, normal, place };
         let basis = Basis::new(&[vec![on_wall, on_floor]], 20.0, 1).unwrap();
-        let transport = Transport::from_rows(&[Vec::new(), vec![(0, LINK)]], 2);
+        let transport = Transport::from_rows(&[Vec::new(), vec![(0, link)]], 2);
         dataset.meshless = Some(MeshlessBake { basis, transport });
         dataset
     }
@@ -156,7 +159,9 @@ pub(crate) mod tests {
             Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.senders.points()[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
         let found = rig.at_vertices().unwrap();
-        for (vector, normal) in found.iter().zip(&baked.dataset.scene.mesh.normals).filter(|(_, n)| **n == Vec3::Y) {
+        for (vector, normal) in
+            found.front.iter().zip(&baked.dataset.scene.mesh.normals).filter(|(_, n)| **n == Vec3::Y)
+        {
             let expected = LINK.dot(*normal) * sent;
             let received = super::irradiance(vector, *normal);
             assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
@@ -165,7 +170,37 @@ pub(crate) mod tests {
         assert!(rig.energy().is_some(), "the same light needs no other solution");
         rig.set_lights(&[]);
         assert!(rig.energy().is_none());
-        assert!(rig.at_vertices().unwrap().iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+    }
+
+    fn bounce_at_center(baked: &Baked, lighting: &LocalLighting, view: &View) -> Vec3 {
+        let mut backend = CpuBackend::new();
+        backend.set_scene(baked).unwrap();
+        backend.set_local_lighting(lighting).unwrap();
+        backend.begin(view, BrdfSampling::Refine).unwrap();
+        backend.render_rows(0, 0..8).unwrap();
+        backend.read(1).unwrap().0.pixels[27]
+    }
+
+    #[test]
+    fn a_floor_whose_normals_point_away_is_lit_on_the_side_that_light_reaches() {
+        let from_below =
+            View { camera: Camera::look_at(Vec3::new(0.0, -6.0, 0.01), Vec3::ZERO, 30.0), ..from_above(8) };
+        let shown = |normal: Vec3, view: &View| {
+            let mut dataset = linked(normal, LINK * Vec3::new(1.0, normal.y, 1.0));
+            dataset.two_sided.fill(true);
+            let baked = Baked::from(dataset);
+            let mut rig = LocalRig::new(&baked);
+            rig.set_lights(&lamp(3.0));
+            let indirect = Components { indirect: true, ..Components::NONE };
+            let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
+            bounce_at_center(&baked, &lighting, view)
+        };
+        let above = shown(Vec3::Y, &from_above(8));
+        let below = shown(Vec3::NEG_Y, &from_below);
+        assert!(above.x > 0.0 && (below - above).length() < 1e-5 * above.length(), "{below} for {above}");
+        assert_eq!(shown(Vec3::Y, &from_below), Vec3::ZERO, "negative control: no light below");
+        assert_eq!(shown(Vec3::NEG_Y, &from_above(8)), Vec3::ZERO, "negative control: no light above");
     }
 
     #[test]
@@ -173,21 +208,16 @@ pub(crate) mod tests {
         let baked = Baked::from(dataset());
         let mut rig = LocalRig::new(&baked);
         let picture = |rig: &mut LocalRig| {
-            let mut backend = CpuBackend::new();
-            backend.set_scene(&baked).unwrap();
             let indirect = Components { indirect: true, ..Components::NONE };
             let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
-            backend.set_local_lighting(&lighting).unwrap();
-            backend.begin(&from_above(8), BrdfSampling::Refine).unwrap();
-            backend.render_rows(0, 0..8).unwrap();
-            (backend.read(1).unwrap().0.pixels[27], lighting.vertex_irradiance.unwrap())
+            (bounce_at_center(&baked, &lighting, &from_above(8)), lighting.vertex_irradiance.unwrap())
         };
         rig.set_lights(&lamp(3.0));
         let (once, vertices) = picture(&mut rig);
         let (again, same) = picture(&mut rig);
         assert!(Arc::ptr_eq(&vertices, &same) && once == again);
         let floor = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, MeshPlace::default());
-        let expected = floor * super::irradiance(&vertices[0], Vec3::Y) * FRAC_1_PI;
+        let expected = floor * super::irradiance(&vertices.front[0], Vec3::Y) * FRAC_1_PI;
         assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");
         rig.set_lights(&lamp(6.0));
         let (twice, other) = picture(&mut rig);

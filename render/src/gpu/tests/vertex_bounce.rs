@@ -38,11 +38,15 @@ fn dark_view() -> View {
     View { background: Background::Flat(Vec3::ZERO), ..view(ViewMode::Shaded) }
 }
 
-/// Light mostly from above, other at each vertex and in each channel, and at some of them from below.
+/// Light mostly from above, or from below on backs; other at each vertex and in each channel, and at some of them from the
+/// other side.
 fn vectors(count: usize) -> VertexIrradiance {
     let mut random = fastrand::Rng::with_seed(7);
     let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() - 0.5)) + Vec3A::new(0.0, 0.3, 0.0);
-    (0..count).map(|_| Mat3A::from_cols(vector(), vector() * 2.0, vector() * 0.5)).collect()
+    let mut side = |sign: f32| {
+        (0..count).map(|_| Mat3A::from_cols(vector(), vector() * 2.0, vector() * 0.5) * sign).collect::<Vec<_>>()
+    };
+    VertexIrradiance { front: side(1.0), back: side(-0.7) }
 }
 
 fn picture(gpu: &mut dyn Backend, view: &View) -> Image {
@@ -77,10 +81,37 @@ impl Rig {
     }
 
     /// The bounce alone, by the CPU renderer.
-    fn on_cpu(&self, vertices: &[Mat3A]) -> Image {
-        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
-        on_the_cpu(&self.gpu, &self.renderer, &dark_view(), light, BrdfSampling::Refine)
+    fn on_cpu(&self, vertices: &VertexIrradiance) -> Image {
+        self.seen_on_cpu(&dark_view(), vertices)
     }
+
+    fn seen_on_cpu(&self, view: &View, vertices: &VertexIrradiance) -> Image {
+        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
+        on_the_cpu(&self.gpu, &self.renderer, view, light, BrdfSampling::Refine)
+    }
+}
+
+/// Others in the place of all vectors.
+fn changed(vertices: &VertexIrradiance, change: impl Fn(&Mat3A) -> Mat3A) -> VertexIrradiance {
+    let [front, back] = [&vertices.front, &vertices.back].map(|side| side.iter().map(&change).collect());
+    VertexIrradiance { front, back }
+}
+
+#[test]
+fn backs_have_light_of_their_own_and_none_where_none_is_given() {
+    let Some(mut rig) = Rig::new() else { return };
+    let camera = Camera::look_at(Vec3::new(1.5, -1.9, 2.2), Vec3::ZERO, 50.0);
+    let from_below = View { camera, ..dark_view() };
+    let (gpu, both) = (picture(&mut rig.gpu, &from_below), rig.vertices.clone());
+    let cpu = rig.seen_on_cpu(&from_below, &both);
+    assert!(agrees(&gpu, &cpu) && cpu.pixels.iter().any(|p| p.x > 0.0), "{:?}", difference(&gpu, &cpu));
+    let swapped = VertexIrradiance { front: both.back.clone(), back: both.front.clone() };
+    assert!(!agrees(&gpu, &rig.seen_on_cpu(&from_below, &swapped)), "negative control: the fronts' light");
+    rig.vertices = VertexIrradiance { back: Vec::new(), ..(*both).clone() }.into();
+    rig.show(BOUNCE);
+    let (gpu, cpu) = (picture(&mut rig.gpu, &from_below), rig.seen_on_cpu(&from_below, &rig.vertices));
+    assert!(gpu == cpu && cpu.pixels.iter().all(|&p| p == Vec3::ZERO), "no light on backs");
+    assert!(picture(&mut rig.gpu, &dark_view()).pixels.iter().any(|p| p.x > 0.0), "fronts as before");
 }
 
 #[test]
@@ -92,9 +123,9 @@ fn every_model_agrees_and_what_is_scaled_or_turned_does_not() {
             rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
             let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
             assert!(agrees(&gpu, &cpu), "{model:?} {roughness} {anisotropy}: {:?}", difference(&gpu, &cpu));
-            let scaled: Vec<Mat3A> = rig.vertices.iter().map(|&v| v * 1.001).collect();
+            let scaled = changed(&rig.vertices, |&v| v * 1.001);
             assert!(!agrees(&gpu, &rig.on_cpu(&scaled)), "{model:?}: one part in a thousand more");
-            let turned: Vec<Mat3A> = rig.vertices.iter().map(Mat3A::transpose).collect();
+            let turned = changed(&rig.vertices, Mat3A::transpose);
             assert!(!agrees(&gpu, &rig.on_cpu(&turned)), "{model:?}: channels for axes");
         }
         let other = |roughness| appearance(&dataset, model, parameters(roughness, 0.0), MaterialMaps::default());
@@ -192,7 +223,7 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
     let (view, light) = (wall_view(), lamp(-1.0));
     let (before, vertices) = shine(&mut gpu, &light, &view);
     let uploaded = gpu.vertex_irradiance().cloned().unwrap();
-    let on_cpu = |gpu: &GpuBackend, vertices: &[Mat3A]| {
+    let on_cpu = |gpu: &GpuBackend, vertices: &VertexIrradiance| {
         let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
         on_the_cpu(gpu, &renderer, &view, light, BrdfSampling::Refine)
     };
