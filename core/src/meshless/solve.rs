@@ -83,16 +83,28 @@ impl Solution {
 pub struct Solver {
     pub(super) projection: Projection,
     pub(super) at_senders: Flattening,
+    /// By which the points of the senders receive.
+    normals: Vec<Vec3>,
 }
 
 impl Solver {
-    /// For a bake.
+    /// For a bake whose points receive light by their own normals.
     pub fn new(bake: &MeshlessBake) -> Self {
+        Self::receiving_by(bake, sender_points(bake).iter().map(|p| p.normal).collect())
+    }
+
+    /// For points of senders that receive light by other unit normals, as those that smooth surfaces are seen with.
+    ///
+    /// # Panics
+    /// If there is not one normal a sender.
+    pub fn receiving_by(bake: &MeshlessBake, normals: Vec<Vec3>) -> Self {
+        assert_eq!(normals.len(), sender_points(bake).len(), "one normal a sender");
         let points: Vec<_> = sender_points(bake).iter().map(|p| (p.position, p.normal)).collect();
         let levels = bake.basis.sender_levels();
         Self {
             projection: Projection::new(&bake.basis, levels),
             at_senders: Flattening::of_levels(&bake.basis, &bake.transport, levels, &points),
+            normals,
         }
     }
 
@@ -117,7 +129,7 @@ impl Solver {
             let radiance = self.radiance(&arriving, reflectance);
             sent.iter_mut().zip(&radiance).for_each(|(sum, r)| *sum += *r);
             let received = bake.transport.apply(&radiance, threshold(&radiance, settings), points.len());
-            arriving = self.arriving(&received, points);
+            arriving = self.arriving(&received);
             mean_irradiance.push(self.mean(bake, &arriving));
         }
         let coefficients = bake.transport.apply(&sent, threshold(&sent, settings), bake.basis.len());
@@ -132,9 +144,9 @@ impl Solver {
     }
 
     /// Irradiance at the points of the senders from coefficients of their levels.
-    fn arriving(&self, received: &[Mat3A], points: &[Surfel]) -> Vec<Vec3> {
+    fn arriving(&self, received: &[Mat3A]) -> Vec<Vec3> {
         let at_points = self.at_senders.apply(received);
-        at_points.par_iter().zip(points).with_min_len(512).map(|(v, p)| irradiance(v, p.normal)).collect()
+        at_points.par_iter().zip(&self.normals).with_min_len(512).map(|(v, &normal)| irradiance(v, normal)).collect()
     }
 
     fn mean(&self, bake: &MeshlessBake, irradiance: &[Vec3]) -> Vec3 {
@@ -146,7 +158,7 @@ impl Solver {
 
     /// Bytes in memory.
     pub fn bytes(&self) -> u64 {
-        self.projection.bytes() + self.at_senders.bytes()
+        self.projection.bytes() + self.at_senders.bytes() + size_of_val(&self.normals[..]) as u64
     }
 }
 
@@ -175,6 +187,7 @@ mod tests {
         meshless::{Basis, Transport},
         surfel::MeshPlace,
     };
+    use std::f32::consts::PI;
 
     fn fading(energies: &[f32]) -> BounceEnergy {
         let mean_irradiance = energies.iter().map(|e| Vec3::new(*e, 0.5 * e, 0.0)).collect();
@@ -210,6 +223,24 @@ mod tests {
         assert!((mean([Vec3::ONE, Vec3::ZERO]) - 0.9).abs().max_element() < 1e-5);
         assert!((mean([Vec3::ZERO, Vec3::X]) - Vec3::X * 0.1).abs().max_element() < 1e-5);
         assert!((mean([Vec3::ONE; 2]) - 1.0).abs().max_element() < 1e-6);
+    }
+
+    #[test]
+    fn bounces_arrive_by_the_normals_that_are_given() {
+        let at = |x: f32| Surfel { position: Vec3::X * x, normal: Vec3::Y, place: MeshPlace::default() };
+        let basis = Basis::new(&[vec![at(0.0), at(10.0)]], 1.0, 1).unwrap();
+        let vector = Vec3::new(0.8, 0.5, 0.0);
+        let transport = Transport::from_rows(&[Vec::new(), vec![(0, vector)]], 2);
+        let bake = MeshlessBake { basis, transport };
+        let arrived = |solver: Solver| {
+            let found =
+                solver.solve(&bake, &[Vec3::splat(PI), Vec3::ZERO], &[Vec3::ONE; 2], SolveSettings::default());
+            2.0 * found.mean_irradiance[1].x
+        };
+        assert!((arrived(Solver::new(&bake)) - 0.5).abs() < 1e-4);
+        let tilted = Vec3::new(0.6, 0.8, 0.0);
+        let by_tilted = arrived(Solver::receiving_by(&bake, vec![Vec3::Y, tilted]));
+        assert!((by_tilted - vector.dot(tilted)).abs() < 1e-4, "{by_tilted}");
     }
 
     #[test]

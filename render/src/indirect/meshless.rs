@@ -36,8 +36,10 @@ impl MeshlessRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
-        let solver = Solver::new(bake);
-        let senders = LitPoints::new(baked, bake.basis.points()[bake.basis.senders()].to_vec(), AREA_SAMPLES);
+        let points = bake.basis.points()[bake.basis.senders()].to_vec();
+        let normals = points.iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
+        let solver = Solver::receiving_by(bake, normals);
+        let senders = LitPoints::new(baked, points, AREA_SAMPLES);
         Some(Self { solver, senders, at_vertices: None, at_sources: None, solved: None, dataset })
     }
 
