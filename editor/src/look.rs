@@ -49,10 +49,11 @@ impl Look {
 
     /// Whether the environment and its illumination cut are the same.
     pub fn same_environment(&self, other: &Self) -> bool {
-        let (a, b) = (&self.light, &other.light);
-        Arc::ptr_eq(&a.environment, &b.environment)
-            && a.rotation == b.rotation
-            && a.intensity == b.intensity
-            && self.illum_cut == other.illum_cut
+        same_light(&self.light, &other.light) && self.illum_cut == other.illum_cut
     }
+}
+
+/// Whether both give the same light.
+pub fn same_light(a: &Illumination, b: &Illumination) -> bool {
+    Arc::ptr_eq(&a.environment, &b.environment) && a.rotation == b.rotation && a.intensity == b.intensity
 }

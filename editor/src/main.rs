@@ -12,6 +12,7 @@ mod evidence;
 mod export;
 mod jobs;
 mod ladder;
+mod look;
 mod mitsuba;
 mod options;
 mod outcome;

@@ -1,6 +1,9 @@
 //! Pictures to write: checked before the work, written after it.
 
-use crate::export::{LayerKind, LayerList, Look, Studio, Taken, layered, take_layers};
+use crate::{
+    export::{LayerKind, LayerList, Studio, Taken, layered, take_layers},
+    look::Look,
+};
 use anyhow::{Context, Result, bail};
 use lapidary_core::{
     atomic::check_writable,

@@ -1,6 +1,6 @@
 //! The options about how finished pictures are made and shown, which `render` and `sequence` share.
 
-use crate::{backend_option::BackendOption, export::Look, options, view_args::Shot};
+use crate::{backend_option::BackendOption, look::Look, options, view_args::Shot};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use lapidary_render::{Appearance, BrdfSampling, Post, ToneMap};

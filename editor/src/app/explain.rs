@@ -117,7 +117,7 @@ impl EditorState {
     /// The picture on the screen, with its light.
     fn explain_subject(&self) -> Option<ExplainSubject> {
         let (picture, shown) = (self.requests.last_sent()?, self.pictures.shown()?);
-        let baked = picture.baked.clone()?;
+        let (baked, look) = (picture.baked.clone()?, &picture.look);
         let mode = baked.dataset.settings.mode;
         let environment = mode.environment().then(|| Lit::Environment(shown.lighting.clone()));
         let sources = shown.local.indirect.clone().map(Lit::Sources);
@@ -127,12 +127,12 @@ impl EditorState {
         }?;
         Some(ExplainSubject {
             baked,
-            appearance: picture.appearance.clone(),
-            view: picture.view.clone(),
-            sampling: picture.sampling,
+            appearance: look.appearance.clone(),
+            view: look.view.clone(),
+            sampling: look.sampling,
             lit,
-            illumination: picture.illumination.clone(),
-            lights: picture.lights.clone(),
+            illumination: look.light.clone(),
+            lights: look.lights.clone(),
         })
     }
 

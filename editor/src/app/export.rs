@@ -1,15 +1,15 @@
 //! Exporting sequences and layered pictures: the dialog, the job, and what is said about it.
 
 use super::{
-    requests::{illumination, shown_components, view_of},
     sequence_dialog::{SequenceAnswer, SequenceDialog, duration},
     state::EditorState,
 };
 use crate::{
     actions::Action,
-    document::{Bounces, folder_of, lights::shines},
-    export::{LayerList, Look},
+    document::folder_of,
+    export::LayerList,
     jobs::export::{ExportMessage, ExportRun, ExportTask},
+    look::Look,
 };
 use egui::Context;
 use lapidary_precompute::cli::error_text;
@@ -66,30 +66,15 @@ impl Exporting {
 }
 
 impl EditorState {
-    /// Everything that decides the picture of the document, with what renders it; `None` while there is none.
-    fn look(&self) -> Option<(Look, Baked)> {
-        let (baked, environment) = (self.scene.shown()?, self.environments.loaded()?);
-        let document = &self.document;
-        let bounces = Bounces::of(&baked.dataset);
-        let mut components = shown_components(document, Some(baked));
-        components.indirect &= bounces.any();
-        let look = Look {
-            appearance: document.appearance(),
-            light: illumination(document, environment.clone()),
-            lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
-            components,
-            solution: bounces.closest_to(document.solution).unwrap_or_default(),
-            illum_cut: document.view.illum_cut,
-            sampling: document.view.sampling,
-            view: view_of(document, self.interface.viewport_size),
-            post: document.view.post,
-        };
-        Some((look, baked.clone()))
+    /// The picture that is exported, and its scene; `None` while there is none.
+    fn exported(&mut self) -> Option<(Look, Baked)> {
+        let baked = self.scene.shown()?.clone();
+        Some((self.look(self.interface.viewport_size)?, baked))
     }
 
     /// Opens the dialog for sequences.
     pub(super) fn describe_sequence(&mut self) {
-        let Some((look, _)) = self.look() else { return self.messages.error(NOTHING) };
+        let Some((look, _)) = self.exported() else { return self.messages.error(NOTHING) };
         let document = &self.document;
         let open = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
         let folder = open.map_or_else(|| PathBuf::from("."), folder_of);
@@ -109,7 +94,7 @@ impl EditorState {
             return;
         }
         let Some(mut dialog) = self.exporting.dialog.take() else { return };
-        let Some((look, baked)) = self.look() else { return };
+        let Some((look, baked)) = self.exported() else { return };
         match dialog.show(ctx, &look, self.pixel_secs()) {
             Some(SequenceAnswer::Cancel) => return,
             Some(SequenceAnswer::ChooseFolder) => actions.push(Action::SequenceFolder(None)),
@@ -144,7 +129,7 @@ impl EditorState {
         if self.exporting.is_running() {
             return self.messages.note(UNDER_WAY);
         }
-        let Some((look, baked)) = self.look() else { return self.messages.error(NOTHING) };
+        let Some((look, baked)) = self.exported() else { return self.messages.error(NOTHING) };
         match LayerList::All.of(&look) {
             Ok(layers) => self.start_export(ExportTask::Layers { look: look.into(), layers, path }, baked),
             Err(error) => self.messages.error(error_text(&error)),

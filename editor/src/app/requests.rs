@@ -5,11 +5,12 @@ use super::state::EditorState;
 use crate::{
     document::{Bounces, Document, lights::shines},
     jobs::render_thread::RenderRequest,
+    look::Look,
     viewport::ViewportResponse,
 };
 use egui::Context;
 use lapidary_core::{environment::Environment, lights::Light, material::Material};
-use lapidary_render::{Appearance, Baked, BrdfSampling, Components, Illumination, Post, Solution, View};
+use lapidary_render::{Appearance, Baked, Components, Illumination, View};
 use std::sync::Arc;
 
 /// What was asked for last.
@@ -18,39 +19,21 @@ pub struct Requests {
     appearance: Appearance,
     appearance_revision: u64,
     lights: Arc<[Light]>,
-    last: Option<Key>,
     sent: Option<RenderRequest>,
+    /// The next one is sent even if it is the same.
+    is_forgotten: bool,
     /// Revision of the document when no button was held.
     at_rest: u64,
 }
 
-/// Everything that decides a picture, small enough to compare every frame.
-#[derive(PartialEq)]
-struct Key {
-    dataset: Option<usize>,
-    appearance: u64,
-    environment: usize,
-    rotation: f32,
-    intensity: f32,
-    lights: usize,
-    components: Components,
-    solution: Solution,
-    illum_cut: u32,
-    sampling: BrdfSampling,
-    view: View,
-    post: Post,
-    moving: bool,
-    frame_budget_ms: f32,
-}
-
 impl Requests {
-    /// The number of the document's appearance, which is another whenever a material or texture is.
-    fn revision_of(&mut self, document: &Document) -> u64 {
+    /// The document's appearance, which has another revision whenever a material or texture is another.
+    fn appearance_of(&mut self, document: &Document) -> &Appearance {
         if self.appearance_revision == 0 || !same_appearance(&self.appearance, document) {
             self.appearance = document.appearance();
             self.appearance_revision += 1;
         }
-        self.appearance_revision
+        &self.appearance
     }
 
     /// The lights that shine, in one place in memory as long as they are the same.
@@ -69,7 +52,7 @@ impl Requests {
 
     /// Sends the next request even if it is that of before: the scene was replaced in place.
     pub fn forget(&mut self) {
-        self.last = None;
+        self.is_forgotten = true;
     }
 }
 
@@ -85,50 +68,41 @@ fn same_appearance(appearance: &Appearance, document: &Document) -> bool {
 impl EditorState {
     /// Asks for a picture of the document as it is now, in the size of the viewport.
     pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
-        let Some(environment) = self.environments.loaded().cloned() else { return };
         let moving = viewport.moving || self.is_editing_by_pointer(ctx);
-        let appearance_revision = self.requests.revision_of(&self.document);
-        let lights = self.requests.lights_of(&self.document);
+        let Some(look) = self.look(viewport.size_px) else { return };
+        let request = RenderRequest {
+            baked: self.scene.shown().cloned(),
+            look,
+            appearance_revision: self.requests.appearance_revision,
+            moving,
+            frame_budget_ms: self.document.view.frame_budget_ms,
+        };
+        let sent = self.requests.sent.as_ref().filter(|_| !self.requests.is_forgotten);
+        if sent.is_some_and(|sent| sent.is_same(&request)) {
+            return;
+        }
+        self.render.request(request.clone());
+        (self.requests.sent, self.requests.is_forgotten) = (Some(request), false);
+    }
+
+    /// Everything that decides the picture of the document in a viewport of `size` pixels; `None` before there is an
+    /// environment.
+    pub(super) fn look(&mut self, size: [u32; 2]) -> Option<Look> {
+        let environment = self.environments.loaded()?.clone();
         let document = &self.document;
-        let baked = self.scene.shown().cloned();
-        let bounces = baked.as_ref().map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
-        let view = view_of(document, viewport.size_px);
-        let key = Key {
-            dataset: baked.as_ref().map(|b| Arc::as_ptr(&b.dataset) as usize),
-            appearance: appearance_revision,
-            environment: Arc::as_ptr(&environment) as usize,
-            rotation: document.environment.rotation(),
-            intensity: document.environment.intensity,
-            lights: lights.as_ptr() as usize,
-            components: shown_components(document, baked.as_ref()),
+        let baked = self.scene.shown();
+        let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
+        Some(Look {
+            appearance: self.requests.appearance_of(document).clone(),
+            light: illumination(document, environment),
+            lights: self.requests.lights_of(document),
+            components: shown_components(document, baked),
             solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
             sampling: document.view.sampling,
-            view: view.clone(),
+            view: view_of(document, size),
             post: document.view.post,
-            moving,
-            frame_budget_ms: document.view.frame_budget_ms,
-        };
-        if self.requests.last.as_ref() == Some(&key) {
-            return;
-        }
-        let request = RenderRequest {
-            baked,
-            appearance: self.requests.appearance.clone(),
-            appearance_revision,
-            illumination: illumination(document, environment),
-            lights,
-            components: key.components,
-            solution: key.solution,
-            illum_cut: key.illum_cut,
-            sampling: key.sampling,
-            view,
-            post: key.post,
-            moving,
-            frame_budget_ms: key.frame_budget_ms,
-        };
-        self.render.request(request.clone());
-        (self.requests.last, self.requests.sent) = (Some(key), Some(request));
+        })
     }
 
     /// Whether a button is held and has changed the document, as a slider that is dragged has.
@@ -141,11 +115,13 @@ impl EditorState {
     }
 }
 
-/// The components that are shown: an environment that no surface is lit by would only mislead behind the scene.
-pub fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
+/// The components that are shown: an environment that no surface is lit by would only mislead behind the scene, and a
+/// reference would have a bounce that the picture cannot have.
+fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
     let shown = document.components.shown();
-    let has_environment = baked.is_none_or(|baked| baked.dataset.settings.mode.environment());
-    Components { environment: shown.environment && has_environment, ..shown }
+    let Some(dataset) = baked.map(|baked| &baked.dataset) else { return shown };
+    let (has_environment, has_bounces) = (dataset.settings.mode.environment(), Bounces::of(dataset).any());
+    Components { environment: shown.environment && has_environment, indirect: shown.indirect && has_bounces, ..shown }
 }
 
 /// The environment as a document has it turned and scaled.
@@ -170,7 +146,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 mod tests {
     use super::*;
     use crate::document::{TextureEntry, test_data};
-    use lapidary_core::{dataset::BakeMode, texture::Texture};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, texture::Texture};
 
     #[test]
     fn lights_stay_where_they_are_until_what_shines_changes() {
@@ -186,13 +162,18 @@ mod tests {
     }
 
     #[test]
-    fn an_environment_that_was_not_baked_is_not_shown() {
+    fn light_that_was_not_baked_is_not_shown() {
         let document = Document::empty();
         let mut dataset = test_data::dataset(&["a"], &[]);
-        assert_eq!(shown_components(&document, Some(&dataset.clone().into())), Components::ALL, "negative control");
+        let shown = shown_components(&document, Some(&dataset.clone().into()));
+        assert_eq!(shown, Components { indirect: false, ..Components::ALL }, "no bounces were baked");
         dataset.settings.mode = BakeMode::Indirect;
+        let shown = shown_components(&document, Some(&dataset.clone().into()));
+        assert_eq!(shown, Components { direct: true, ..Components::NONE });
+        let none = (Vec::new(), PackedCuts::default(), PackedCuts::default());
+        dataset.indirect = Some(IndirectBake { sources: none.0, cuts: none.1, environment_cuts: none.2 });
         let shown = shown_components(&document, Some(&dataset.into()));
-        assert_eq!(shown, Components { environment: false, ..Components::ALL });
+        assert_eq!(shown, Components { environment: false, ..Components::ALL }, "negative control: bounces were");
         assert_eq!(shown_components(&document, None), Components::ALL);
     }
 
@@ -200,16 +181,20 @@ mod tests {
     fn the_appearance_has_another_number_only_when_it_is_another() {
         let mut requests = Requests::default();
         let mut document = Document { materials: vec![Material::default()], ..Document::empty() };
-        let first = requests.revision_of(&document);
+        let mut revision_of = |document: &Document| {
+            requests.appearance_of(document);
+            requests.appearance_revision
+        };
+        let first = revision_of(&document);
         document.view.post.exposure = 1.0;
-        assert_eq!(requests.revision_of(&document), first);
+        assert_eq!(revision_of(&document), first);
         document.materials[0].parameters.roughness = 0.1;
-        let second = requests.revision_of(&document);
+        let second = revision_of(&document);
         assert_ne!(second, first);
         document.textures.push(TextureEntry { texture: Arc::new(Texture::missing("a")), file: None });
-        let third = requests.revision_of(&document);
+        let third = revision_of(&document);
         assert_ne!(third, second);
         document.textures[0].texture = Arc::new(Texture::missing("a"));
-        assert_ne!(requests.revision_of(&document), third);
+        assert_ne!(revision_of(&document), third);
     }
 }

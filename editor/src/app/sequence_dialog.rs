@@ -1,7 +1,8 @@
 //! The dialog in which an image sequence is described: what turns, what is swept, how many frames, and where they go.
 
 use crate::{
-    export::{LayerList, Look},
+    export::LayerList,
+    look::Look,
     outputs::wanted_layers,
     panels::widgets::check_box,
     sequence::{

@@ -1,6 +1,7 @@
 //! The layers of a picture: its parts by where the light came from, what its surfaces are, and the work that was done.
 
-use super::{Look, Studio, Taken};
+use super::{Studio, Taken};
+use crate::look::Look;
 use anyhow::{Result, bail};
 use glam::Vec3;
 use lapidary_core::image::Layer;

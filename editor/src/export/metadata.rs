@@ -1,6 +1,7 @@
 //! What files say about their picture: everything that it takes to make it again, and what it took.
 
-use super::{Look, Taken};
+use super::Taken;
+use crate::look::Look;
 use lapidary_core::{
     dataset::Dataset,
     image::{Layer, LayeredImage, MetaValue, Metadata},

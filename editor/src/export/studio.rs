@@ -1,7 +1,7 @@
 //! Renders finished pictures of one scene, one look after another; of a look that follows another only what differs is done
 //! again. The live view has a renderer of its own (`jobs/render_thread`), which can be interrupted at any band of rows.
 
-use super::Look;
+use crate::look::Look;
 use crate::{
     outcome::Interrupted,
     sheet::DisplayPicture,

@@ -50,7 +50,7 @@ pub struct ComparisonRequest {
 impl ComparisonRequest {
     /// Width and height of the comparison in pixels, unless it is with a file.
     pub fn size(&self) -> [u32; 2] {
-        self.picture.view.size.map(|side| side.div_ceil(self.scale.max(1)))
+        self.picture.look.view.size.map(|side| side.div_ceil(self.scale.max(1)))
     }
 
     /// Whether pictures made for `other` are those of `self`.

@@ -2,7 +2,8 @@
 
 use super::{Wake, guarded, hearing::Hearing, render_thread::Factory, spawn};
 use crate::{
-    export::{LayerKind, Look, Studio},
+    export::{LayerKind, Studio},
+    look::Look,
     outcome::Interrupted,
     outputs::Finished,
     sequence::{Record, SequenceEnd, SequenceTask},

@@ -120,7 +120,7 @@ fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
 
 fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEvent>, hearing: &Hearing) -> Result<()> {
     let (post, settings) =
-        (picture.post, Settings { sampling: picture.sampling, frames: FRAMES, ..Settings::default() });
+        (picture.look.post, Settings { sampling: picture.look.sampling, frames: FRAMES, ..Settings::default() });
     let subject = subject(picture)?;
     let mut backend = factory()?;
     let climbing = Climbing { hearing, sender, rungs: Mutex::default() };
@@ -188,13 +188,13 @@ fn event_of(found: Found, post: &Post) -> LadderEvent {
 /// The live picture in a size whose reference takes no longer than anyone waits.
 fn subject(picture: &RenderRequest) -> Result<Subject> {
     let baked = picture.baked.as_ref().context("there is no picture to compare; open a scene")?;
-    let sources = baked.dataset.indirect.as_ref().filter(|_| picture.components.indirect);
+    let sources = baked.dataset.indirect.as_ref().filter(|_| picture.look.components.indirect);
     let lights = baked.dataset.tree.len() + sources.map_or(0, |indirect| indirect.sources.len());
     let cores = available_parallelism().map_or(1, usize::from);
-    let size = affordable(picture.view.size, lights, cores);
-    let view = picture.view.clone();
+    let size = affordable(picture.look.view.size, lights, cores);
+    let view = picture.look.view.clone();
     let view = View { size, aa: 1, mode: ViewMode::Shaded, wireframe: false, region: None, ..view };
-    Ok(Subject::of_picture(picture, baked, view))
+    Ok(Subject::of_look(&picture.look, baked, view))
 }
 
 /// `size`, smaller if a ray from each pixel to each light would take too long.
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn every_size_has_a_picture_and_figures_and_the_reference_comes_between() {
         let mut picture = request(1);
-        picture.appearance = Appearance::of(&picture.baked.as_ref().unwrap().dataset.scene);
+        picture.look.appearance = Appearance::of(&picture.baked.as_ref().unwrap().dataset.scene);
         let events = ended(&start(picture));
         let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
         let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });

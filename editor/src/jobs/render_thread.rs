@@ -10,11 +10,9 @@ pub use changes::{Changes, changes};
 pub(super) use station::Station;
 
 use super::{Wake, spawn};
-use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
-use lapidary_render::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, Illumination, LocalLighting, PictureStats,
-    Post, SceneLighting, Solution, View,
-};
+use crate::look::Look;
+use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_render::{Backend, BackendError, Baked, LocalLighting, PictureStats, SceneLighting};
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
@@ -33,30 +31,22 @@ pub type Factory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send
 pub struct RenderRequest {
     /// The scene; compared by pointer. `None` while nothing is open.
     pub baked: Option<Baked>,
-    /// Materials and textures.
-    pub appearance: Appearance,
+    /// What it looks like, in the size of the full picture; its environment and its local lights are compared by pointer.
+    pub look: Look,
     /// Changes whenever the appearance does.
     pub appearance_revision: u64,
-    /// The environment; its map is compared by pointer.
-    pub illumination: Illumination,
-    /// The local lights that shine; compared by pointer.
-    pub lights: Arc<[Light]>,
-    /// Which parts of the light are in the picture.
-    pub components: Components,
-    /// How bounced light is computed; one that the dataset has.
-    pub solution: Solution,
-    /// Most nodes of the illumination cut.
-    pub illum_cut: u32,
-    /// How the BRDF is sampled.
-    pub sampling: BrdfSampling,
-    /// Camera, size in pixels of the full picture, and its samples a pixel.
-    pub view: View,
-    /// Exposure and tone curve.
-    pub post: Post,
     /// Whether the user is at it, as during a drag: only coarse pictures are made.
     pub moving: bool,
     /// Milliseconds that a coarse picture may take.
     pub frame_budget_ms: f32,
+}
+
+impl RenderRequest {
+    /// Whether both ask for the same, made in the same way.
+    pub fn is_same(&self, other: &Self) -> bool {
+        changes(Some(self), other) == Changes::Nothing
+            && (self.moving, self.frame_budget_ms) == (other.moving, other.frame_budget_ms)
+    }
 }
 
 /// A picture to show.

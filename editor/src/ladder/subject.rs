@@ -1,6 +1,6 @@
 //! What is shown at every size of the illumination cut.
 
-use crate::{jobs::render_thread::RenderRequest, view_args::Shot};
+use crate::{look::Look, view_args::Shot};
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, lights::Light};
 use lapidary_render::{Appearance, Baked, Components, Illumination, Renderer, Solution, View};
@@ -40,16 +40,16 @@ impl Subject {
         })
     }
 
-    /// What the window shows, seen by `view`.
-    pub fn of_picture(picture: &RenderRequest, baked: &Baked, view: View) -> Self {
+    /// A dataset as it looks in a picture, seen by `view`.
+    pub fn of_look(look: &Look, baked: &Baked, view: View) -> Self {
         Self {
             baked: baked.clone(),
-            appearance: picture.appearance.clone(),
+            appearance: look.appearance.clone(),
             view,
-            light: picture.illumination.clone(),
-            lights: picture.lights.clone(),
-            components: picture.components,
-            solution: picture.solution,
+            light: look.light.clone(),
+            lights: look.lights.clone(),
+            components: look.components,
+            solution: look.solution,
         }
     }
 

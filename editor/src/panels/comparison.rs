@@ -131,9 +131,9 @@ impl ComparisonPanel {
     /// What is to be compared with `picture`; `None` where no file was chosen yet.
     pub fn request(&self, mut picture: RenderRequest) -> Option<ComparisonRequest> {
         // What the comparison has no part in begins nothing anew.
-        (picture.view.mode, picture.view.wireframe) = (ViewMode::Shaded, false);
+        (picture.look.view.mode, picture.look.view.wireframe) = (ViewMode::Shaded, false);
         if self.kind != KindChoice::File {
-            picture.view.aa = 1;
+            picture.look.view.aa = 1;
         }
         let kind = match self.kind {
             KindChoice::Samples => ReferenceKind::Samples,

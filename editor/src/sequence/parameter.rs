@@ -1,7 +1,7 @@
 //! What sweeps can change, by name.
 
 use super::{Value, sweep::SweepError};
-use crate::export::Look;
+use crate::look::Look;
 use glam::Vec3;
 use lapidary_core::{
     lights::Light,

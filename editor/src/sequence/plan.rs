@@ -1,7 +1,7 @@
 //! What each frame of a sequence shows, decided before any is rendered.
 
 use super::{Sweep, Turn, Value, sweep::SweepError};
-use crate::export::Look;
+use crate::look::Look;
 use lapidary_core::lights::LightProblem;
 use thiserror::Error;
 

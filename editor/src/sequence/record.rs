@@ -2,7 +2,7 @@
 //! are there belong to the same sequence.
 
 use super::{Frame, FrameNames, Value};
-use crate::export::{Look, settings};
+use crate::{export::settings, look::Look};
 use anyhow::{Context, Result};
 use lapidary_core::dataset::Dataset;
 use lapidary_precompute::cli::write_json;

@@ -1,7 +1,7 @@
 //! Sweeps: a parameter that goes from one value to another over the frames.
 
 use super::parameter::{Domain, Parameter};
-use crate::{export::Look, options};
+use crate::{look::Look, options};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};

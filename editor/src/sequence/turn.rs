@@ -1,6 +1,6 @@
 //! Turntables: what turns about the vertical through the point that the camera looks at.
 
-use crate::export::Look;
+use crate::look::Look;
 use clap::ValueEnum;
 use glam::{Quat, Vec3};
 use lapidary_core::{camera::Camera, lights::Light};

@@ -16,8 +16,8 @@ fn start() -> ComparisonThread {
 fn comparison(kind: ReferenceKind) -> ComparisonRequest {
     let mut picture = request(1);
     let baked = picture.baked.clone().unwrap();
-    picture.appearance = Appearance::of(&baked.dataset.scene);
-    picture.view.camera =
+    picture.look.appearance = Appearance::of(&baked.dataset.scene);
+    picture.look.view.camera =
         lapidary_core::camera::Camera::look_at(Vec3::new(0.3, 2.0, 0.3), Vec3::new(0.3, 0.0, 0.3), 60.0);
     ComparisonRequest { picture, kind, scale: 2, region: None }
 }
@@ -76,9 +76,9 @@ fn exposure_begins_nothing_anew_and_light_does() {
     assert!(thread.request(first.clone()));
     outcome(&mut thread);
     let mut other = first.clone();
-    other.picture.post = Post { exposure: 2.0, ..Post::default() };
+    other.picture.look.post = Post { exposure: 2.0, ..Post::default() };
     assert!(!thread.request(other.clone()));
-    other.picture.illumination.rotation = 1.0;
+    other.picture.look.light.rotation = 1.0;
     assert!(thread.request(other.clone()));
     assert!(thread.request(ComparisonRequest { kind: ReferenceKind::Samples, ..other }));
     thread.stop();

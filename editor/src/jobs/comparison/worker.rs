@@ -4,9 +4,10 @@ use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, Referenc
 use crate::{
     jobs::{
         Wake, guarded,
-        render_thread::{Factory, RenderRequest, Station},
+        render_thread::{Factory, Station},
     },
     ladder::{Subject, every_sample},
+    look::Look,
     whole_picture::BAND_ROWS,
 };
 use anyhow::{Result, bail};
@@ -102,7 +103,7 @@ impl Worker {
         self.station.update(&request.picture, &remark)?;
         let start = Instant::now();
         let backend = self.station.backend()?;
-        backend.begin(view, request.picture.sampling)?;
+        backend.begin(view, request.picture.look.sampling)?;
         let height = view.size[1];
         let mut waited = Duration::ZERO;
         for sample in 0..view.aa {
@@ -127,30 +128,30 @@ impl Worker {
         baked: &Baked,
         view: &View,
     ) -> Result<Option<Image>> {
-        let picture = &request.picture;
+        let look = &request.picture.look;
         let Some(lighting) = self.station.light().map(|light| light.lighting.clone()) else { return Ok(None) };
-        if !picture.components.environment || !baked.dataset.settings.mode.environment() {
+        if !look.components.environment || !baked.dataset.settings.mode.environment() {
             return Ok(None);
         }
         let renderer = renderer_of(&mut self.renderer, baked);
-        renderer.set_appearance(picture.appearance.fitted(&baked.dataset.scene.materials).0);
+        renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
         let wanted = Wanted { number, control: &self.control };
-        let predicted = predicted_error(renderer, view, &lighting, picture.sampling, &wanted)?;
+        let predicted = predicted_error(renderer, view, &lighting, look.sampling, &wanted)?;
         Ok(predicted.map(|predicted| predicted.expected))
     }
 
     fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
-        let picture = &request.picture;
+        let look = &request.picture.look;
         let renderer = renderer_of(&mut self.renderer, baked);
-        renderer.set_appearance(picture.appearance.fitted(&baked.dataset.scene.materials).0);
+        renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
         self.control.wait(number);
         let hearing = Hearing::new(number, &self.control, &self.outbox);
         let (image, noise) = match request.kind {
             ReferenceKind::Paths { spp } => {
-                let PathPicture { image, noise, .. } = paths(renderer, picture, view, spp, &hearing);
+                let PathPicture { image, noise, .. } = paths(renderer, look, view, spp, &hearing);
                 (image, noise)
             }
-            _ => (every_sample(&Subject::of_picture(picture, baked, view.clone()), renderer, &hearing)?, None),
+            _ => (every_sample(&Subject::of_look(look, baked, view.clone()), renderer, &hearing)?, None),
         };
         if !hearing.abandoned() {
             let (image, seconds) = (Arc::new(image), hearing.seconds());
@@ -161,10 +162,10 @@ impl Worker {
 }
 
 /// As many bounces as the solution that is shown has.
-fn paths(renderer: &Renderer, picture: &RenderRequest, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
-    let bounces = if picture.components.indirect { picture.solution.bounces() } else { 0 };
-    let settings = PathSettings { bounces, components: picture.components, ..PathSettings::direct(spp) };
-    renderer.path_picture(view, &picture.illumination, &picture.lights, settings, progress)
+fn paths(renderer: &Renderer, look: &Look, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
+    let bounces = if look.components.indirect { look.solution.bounces() } else { 0 };
+    let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
+    renderer.path_picture(view, &look.light, &look.lights, settings, progress)
 }
 
 /// Makes rays for a scene that is new.
@@ -178,7 +179,7 @@ fn renderer_of<'a>(known: &'a mut Option<(Baked, Renderer)>, baked: &Baked) -> &
 /// A lit picture in the size of the comparison. Traced references look at the centre of each pixel, as the picture with cuts then
 /// does; that of another program filters, as the live picture does.
 fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View {
-    let live = &request.picture.view;
+    let live = &request.picture.look.view;
     View {
         size: loaded.map_or(request.size(), |image| image.size),
         aa: if loaded.is_some() { live.aa.max(1) } else { 1 },

@@ -1,7 +1,8 @@
 //! What two requests differ in, and so what must be done again.
 
 use super::RenderRequest;
-use lapidary_render::{Baked, Illumination};
+use crate::look::Look;
+use lapidary_render::Baked;
 use std::sync::Arc;
 
 /// The least that must be done again.
@@ -25,14 +26,14 @@ pub enum Changes {
 /// What `new` changes in a renderer that was last asked for `old`.
 pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
     let Some(old) = old else { return Changes::Picture };
+    let (was, is) = (&old.look, &new.look);
     let same_picture = same_dataset(old.baked.as_ref(), new.baked.as_ref())
         && old.appearance_revision == new.appearance_revision
-        && same_light(&old.illumination, &new.illumination)
-        && same_local_light(old, new)
-        && old.illum_cut == new.illum_cut
-        && old.sampling == new.sampling
-        && old.view == new.view;
-    match (same_picture, old.post == new.post) {
+        && was.same_environment(is)
+        && same_local_light(was, is)
+        && was.sampling == is.sampling
+        && was.view == is.view;
+    match (same_picture, was.post == is.post) {
         (false, _) => Changes::Picture,
         (true, false) => Changes::Post,
         (true, true) => Changes::Nothing,
@@ -40,7 +41,7 @@ pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
 }
 
 /// Whether both have the same lights, of which they show the same, bounced in the same way.
-pub fn same_local_light(a: &RenderRequest, b: &RenderRequest) -> bool {
+fn same_local_light(a: &Look, b: &Look) -> bool {
     Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components && a.solution == b.solution
 }
 
@@ -50,9 +51,4 @@ pub fn same_dataset(a: Option<&Baked>, b: Option<&Baked>) -> bool {
         (Some(a), Some(b)) => a.is_same(b),
         (a, b) => a.is_none() && b.is_none(),
     }
-}
-
-/// Whether both give the same light.
-pub fn same_light(a: &Illumination, b: &Illumination) -> bool {
-    Arc::ptr_eq(&a.environment, &b.environment) && a.rotation == b.rotation && a.intensity == b.intensity
 }

@@ -1,9 +1,7 @@
 //! The renderer and what it holds: brought up to date step by step, so that an edit redoes only what it changed.
 
-use super::{
-    Factory, RenderRequest,
-    changes::{same_dataset, same_light},
-};
+use super::{Factory, RenderRequest, changes::same_dataset};
+use crate::look::same_light;
 use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, LocalRig, SceneLighting};
 use std::sync::Arc;
 
@@ -87,14 +85,15 @@ impl Station {
             self.set_scene(baked)?;
         }
         if self.appearance_revision != Some(request.appearance_revision) {
-            let remarks = self.backend()?.set_appearance(&request.appearance)?;
+            let remarks = self.backend()?.set_appearance(&request.look.appearance)?;
             remarks.into_iter().for_each(remark);
             if let Some(rig) = &mut self.local_rig {
-                rig.set_appearance(&request.appearance);
+                rig.set_appearance(&request.look.appearance);
             }
             self.appearance_revision = Some(request.appearance_revision);
         }
-        let same = |l: &Light| same_light(&l.illumination, &request.illumination) && l.illum_cut == request.illum_cut;
+        let same =
+            |l: &Light| same_light(&l.illumination, &request.look.light) && l.illum_cut == request.look.illum_cut;
         if !self.light.as_ref().is_some_and(same) {
             self.set_light(request, remark)?;
         }
@@ -121,13 +120,13 @@ impl Station {
 
     fn set_light(&mut self, request: &RenderRequest, remark: &dyn Fn(String)) -> Result<(), BackendError> {
         let Some(rig) = &mut self.rig else { return Ok(()) };
-        let lighting = Arc::new(rig.lighting(&request.illumination, request.illum_cut));
-        let remarks = self.backend()?.set_light(&request.illumination, &lighting)?;
+        let lighting = Arc::new(rig.lighting(&request.look.light, request.look.illum_cut));
+        let remarks = self.backend()?.set_light(&request.look.light, &lighting)?;
         remarks.into_iter().for_each(remark);
         self.light_revision += 1;
         self.light = Some(Light {
-            illumination: request.illumination.clone(),
-            illum_cut: request.illum_cut,
+            illumination: request.look.light.clone(),
+            illum_cut: request.look.illum_cut,
             lighting,
             revision: self.light_revision,
         });
@@ -138,8 +137,8 @@ impl Station {
     fn set_local_lighting(&mut self, request: &RenderRequest, remark: &dyn Fn(String)) -> Result<(), BackendError> {
         let Some(rig) = &mut self.local_rig else { return Ok(()) };
         rig.set_environment(self.light.as_ref().map(|light| &light.lighting));
-        rig.set_lights(&request.lights);
-        let local = rig.lighting(request.components, request.solution, request.illum_cut);
+        rig.set_lights(&request.look.lights);
+        let local = rig.lighting(request.look.components, request.look.solution, request.look.illum_cut);
         if self.local.as_ref().is_some_and(|known| known.is_same(&local)) {
             return Ok(());
         }

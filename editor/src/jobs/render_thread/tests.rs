@@ -11,7 +11,9 @@ use crate::{
 use fake::{Fake, Log, Shared};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment};
-use lapidary_render::{CpuBackend, LocalLighting, Renderer};
+use lapidary_render::{
+    Appearance, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Post, Renderer, Solution, View,
+};
 use std::ops::Range;
 
 fn dataset() -> Arc<Dataset> {
@@ -23,16 +25,18 @@ pub fn request(aa: u32) -> RenderRequest {
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
     RenderRequest {
         baked: Some(dataset().into()),
-        appearance: Appearance::default(),
+        look: Look {
+            appearance: Appearance::default(),
+            light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+            lights: Arc::new([]),
+            components: Components::ALL,
+            solution: Solution::Cuts,
+            illum_cut: 16,
+            sampling: BrdfSampling::Refine,
+            view: View { aa, ..View::new(camera, [64, 48]) },
+            post: Post::default(),
+        },
         appearance_revision: 1,
-        illumination: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
-        lights: Arc::new([]),
-        components: Components::ALL,
-        solution: Solution::Cuts,
-        illum_cut: 16,
-        sampling: BrdfSampling::Refine,
-        view: View { aa, ..View::new(camera, [64, 48]) },
-        post: Post::default(),
         moving: false,
         frame_budget_ms: 10.0,
     }
@@ -116,7 +120,7 @@ fn nothing_is_rendered_when_nothing_changed() {
     assert!(thread.frames().is_none());
     assert_eq!(work(&log), before);
     let mut other = same;
-    other.view.camera.eye.x = 9.0;
+    other.look.view.camera.eye.x = 9.0;
     thread.request(other);
     assert_eq!(complete(&mut thread).pixels[0][0], 9, "negative control: a change is rendered");
 }
@@ -124,17 +128,18 @@ fn nothing_is_rendered_when_nothing_changed() {
 #[test]
 fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not() {
     let lights: Arc<[_]> = Arc::new([test_data::light()]);
-    let old = RenderRequest { lights: lights.clone(), ..request(1) };
+    let mut old = request(1);
+    old.look.lights = lights.clone();
     let change = |change: &dyn Fn(&mut RenderRequest)| {
         let mut new = old.clone();
         change(&mut new);
         changes::changes(Some(&old), &new)
     };
-    assert_eq!(change(&|r| r.lights = lights.clone()), changes::Changes::Nothing);
-    assert_eq!(change(&|r| r.lights = Arc::new([test_data::light()])), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.components = Components::UNBOUNCED), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.solution = Solution::Meshless), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.post.exposure = 1.0), changes::Changes::Post, "negative control");
+    assert_eq!(change(&|r| r.look.lights = lights.clone()), changes::Changes::Nothing);
+    assert_eq!(change(&|r| r.look.lights = Arc::new([test_data::light()])), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.look.components = Components::UNBOUNCED), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.look.solution = Solution::Meshless), changes::Changes::Picture);
+    assert_eq!(change(&|r| r.look.post.exposure = 1.0), changes::Changes::Post, "negative control");
 }
 
 #[test]
@@ -143,15 +148,15 @@ fn local_light_is_given_when_it_changes_and_not_again_for_the_camera() {
     let mut edited = request(1);
     thread.request(edited.clone());
     complete(&mut thread);
-    edited.view.camera.eye.x = 4.0;
+    edited.look.view.camera.eye.x = 4.0;
     thread.request(edited.clone());
     complete(&mut thread);
-    edited.lights = Arc::new([test_data::light()]);
-    edited.view.camera.eye.x = 5.0;
+    edited.look.lights = Arc::new([test_data::light()]);
+    edited.look.view.camera.eye.x = 5.0;
     thread.request(edited.clone());
     complete(&mut thread);
-    edited.components.environment = false;
-    edited.view.camera.eye.x = 6.0;
+    edited.look.components.environment = false;
+    edited.look.view.camera.eye.x = 6.0;
     thread.request(edited);
     complete(&mut thread);
     let log = log.lock().unwrap();
@@ -167,7 +172,7 @@ fn a_post_edit_only_displays() {
     thread.request(edited.clone());
     complete(&mut thread);
     let (bands, displays) = work(&log);
-    edited.post.exposure = 7.0;
+    edited.look.post.exposure = 7.0;
     thread.request(edited);
     let shown = complete(&mut thread);
     assert_eq!(shown.pixels[0][1], 7);
@@ -190,14 +195,14 @@ fn an_edit_redoes_only_what_it_changed() {
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 1);
     assert_eq!(counts(&log), (1, 2, 1));
-    edited.illumination.rotation = 1.0;
+    edited.look.light.rotation = 1.0;
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 2);
-    edited.illum_cut = 4;
+    edited.look.illum_cut = 4;
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).lighting.max_nodes, 4);
     assert_eq!(counts(&log), (1, 2, 3));
-    edited.view.mode = lapidary_render::ViewMode::Normals;
+    edited.look.view.mode = lapidary_render::ViewMode::Normals;
     thread.request(edited.clone());
     complete(&mut thread);
     assert_eq!(counts(&log), (1, 2, 3));
@@ -212,7 +217,7 @@ fn moving_gives_reduced_pictures_and_rest_the_full_one() {
     let (_log, mut thread) = start(Log { micros_per_pixel: 20, ..Log::default() });
     let mut moved = RenderRequest { moving: true, ..request(1) };
     for x in 1..=6 {
-        moved.view.camera.eye.x = x as f32;
+        moved.look.view.camera.eye.x = x as f32;
         thread.request(moved.clone());
         let frame = wait_for("a picture", || thread.frames().filter(|f| f.pixels[0][0] == x));
         // 10 ms at 20 µs a pixel are 500 pixels: three eighths of each axis, if sleeping were exact.
@@ -231,7 +236,7 @@ fn a_picture_that_fits_the_budget_is_full_at_once_and_not_made_twice() {
     thread.request(moved.clone());
     complete(&mut thread);
     log.lock().unwrap().begun.clear();
-    moved.view.camera.eye.x = 5.0;
+    moved.look.view.camera.eye.x = 5.0;
     thread.request(moved);
     assert!(wait_for("a picture", || thread.frames()).full_size);
     complete(&mut thread);
@@ -245,7 +250,7 @@ fn the_latest_request_wins_and_interrupts() {
     thread.request(moved.clone());
     wait_for("the full picture to begin", || (log.lock().unwrap().begun.len() == 2).then_some(()));
     for x in 0..100 {
-        moved.view.camera.eye.x = x as f32;
+        moved.look.view.camera.eye.x = x as f32;
         thread.request(moved.clone());
     }
     wait_for("the newest", || thread.frames().filter(|f| f.pixels[0][0] == 99));
@@ -281,7 +286,7 @@ fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
     let mut thread = RenderThread::start(Arc::new(factory), silent());
     let mut request = request(3);
     let dataset = request.baked.clone().unwrap().dataset;
-    request.appearance = Appearance::of(&dataset.scene);
+    request.look.appearance = Appearance::of(&dataset.scene);
     thread.request(request.clone());
     thread.read_picture(1);
     let picture = wait_for("the answer", || match thread.events().pop() {
@@ -289,9 +294,12 @@ fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
         _ => None,
     });
     let renderer = Renderer::new(dataset);
-    let (light, cut) = (&request.illumination, request.illum_cut);
-    assert!(picture.image == renderer.render(&request.view, light, cut, request.sampling).0);
+    let (light, cut) = (&request.look.light, request.look.illum_cut);
+    assert!(picture.image == renderer.render(&request.look.view, light, cut, request.look.sampling).0);
     assert!(picture.coverage.iter().any(|&c| c > 0.0) && picture.coverage.contains(&0.0));
-    request.view.aa = 1;
-    assert!(picture.image != renderer.render(&request.view, light, cut, request.sampling).0, "negative control");
+    request.look.view.aa = 1;
+    assert!(
+        picture.image != renderer.render(&request.look.view, light, cut, request.look.sampling).0,
+        "negative control"
+    );
 }

@@ -201,11 +201,11 @@ impl Worker {
         if self.station.update(request, &remark)? {
             self.pace = Pace::default();
         }
-        if request.baked.is_none() || request.view.size.contains(&0) {
+        if request.baked.is_none() || request.look.view.size.contains(&0) {
             self.stage = Stage::Rest;
             return Ok(());
         }
-        let size = self.pace.reduced_size(request.view.size, request.frame_budget_ms);
+        let size = self.pace.reduced_size(request.look.view.size, request.frame_budget_ms);
         self.begin(request, size)?;
         let millis = self.render(0, 0..size[1])?;
         self.pace.measured(u64::from(size[0]) * u64::from(size[1]), millis);
@@ -219,7 +219,7 @@ impl Worker {
         self.band_pace = self.pace;
         let done = self.begun.as_ref().filter(|begun| begun.full_size).map(|begun| begun.complete);
         if done.is_none() {
-            self.begin(request, request.view.size)?;
+            self.begin(request, request.look.view.size)?;
         }
         self.stage = Stage::Full { sample: done.unwrap_or(0), row: 0 };
         Ok(())
@@ -227,7 +227,7 @@ impl Worker {
 
     /// A band of rows of the full picture.
     fn band(&mut self, request: &RenderRequest, sample: u32, row: u32) -> Result<(), BackendError> {
-        let [width, height] = request.view.size;
+        let [width, height] = request.look.view.size;
         let end = row.saturating_add(self.band_pace.band_rows(width)).min(height);
         let millis = self.render(sample, row..end)?;
         self.band_pace.measured(u64::from(width) * u64::from(end - row), millis);
@@ -245,11 +245,11 @@ impl Worker {
     }
 
     fn begin(&mut self, request: &RenderRequest, size: [u32; 2]) -> Result<(), BackendError> {
-        let full_size = size == request.view.size;
-        let aa = if full_size { request.view.aa.max(1) } else { 1 };
+        let full_size = size == request.look.view.size;
+        let aa = if full_size { request.look.view.aa.max(1) } else { 1 };
         self.begun = None;
-        let view = View { size, aa, ..request.view.clone() };
-        self.station.backend()?.begin(&view, request.sampling)?;
+        let view = View { size, aa, ..request.look.view.clone() };
+        self.station.backend()?.begin(&view, request.look.sampling)?;
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0 });
         Ok(())
     }
@@ -286,11 +286,11 @@ impl Worker {
         let backend = self.station.backend()?;
         let frame = RenderedFrame {
             dataset: baked.dataset,
-            pixels: backend.display(&request.post, begun.complete)?,
+            pixels: backend.display(&request.look.post, begun.complete)?,
             size: begun.size,
             full_size: begun.full_size,
             samples: begun.complete,
-            of_samples: request.view.aa.max(1),
+            of_samples: request.look.view.aa.max(1),
             stats: if request.moving { self.stats } else { backend.stats()? },
             millis: begun.millis,
             lighting: light.lighting,

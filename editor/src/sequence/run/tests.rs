@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     document::test_data,
-    export::Look,
+    look::Look,
     sequence::{SequenceSettings, plan, plan::tests::look},
 };
 use lapidary_render::{Appearance, Baked, CpuBackend, View};

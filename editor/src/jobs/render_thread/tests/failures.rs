@@ -34,12 +34,12 @@ fn a_refused_scene_is_reported_once() {
     let mut refused = request(1);
     thread.request(refused.clone());
     assert!(failure(&mut thread).contains("too large"));
-    refused.view.camera.eye.x = 4.0;
+    refused.look.view.camera.eye.x = 4.0;
     thread.request(refused.clone());
     linger();
     assert!(thread.events().is_empty() && thread.frames().is_none());
     log.lock().unwrap().refuse_scenes = false;
-    refused.view.camera.eye.x = 5.0;
+    refused.look.view.camera.eye.x = 5.0;
     thread.request(refused);
     complete(&mut thread);
 }
