@@ -35,6 +35,7 @@ fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
     return max(point.world_from_local[2] * vector, vec3(0.0));
 }
 
+// Twin of `VertexIrradiance::at`.
 fn vector_irradiance(vertex: u32, from_behind: bool) -> mat3x3<f32> {
     if !from_behind {
         return front_irradiance[vertex].vector;

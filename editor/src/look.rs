@@ -39,12 +39,19 @@ impl Look {
 
     /// Whether both give one scene-linear picture; exposure and tone curve may differ.
     pub fn same_picture(&self, other: &Self) -> bool {
-        self.same_appearance(other)
-            && self.same_environment(other)
-            && self.lights == other.lights
-            && (self.components, self.solution) == (other.components, other.solution)
-            && self.sampling == other.sampling
-            && self.view == other.view
+        self.same_appearance(other) && self.same_but_for_surfaces(other)
+    }
+
+    /// The same, whatever the surfaces look like.
+    pub fn same_but_for_surfaces(&self, other: &Self) -> bool {
+        // All fields by name, so that a new one is not forgotten.
+        let Self { appearance: _, light: _, lights, components, solution, illum_cut: _, sampling, view, post: _ } =
+            self;
+        self.same_environment(other)
+            && *lights == other.lights
+            && (*components, *solution) == (other.components, other.solution)
+            && *sampling == other.sampling
+            && *view == other.view
     }
 
     /// Whether the environment and its illumination cut are the same.

@@ -112,7 +112,7 @@ impl Solver {
     /// channel. What is not finite or negative counts as zero, and reflectance above one as one.
     ///
     /// # Panics
-    /// If there is not one of each a sender, or the bake is not that of [`Self::new`].
+    /// If there is not one of each a sender, or the bake is not the one it was made for.
     pub fn solve(
         &self,
         bake: &MeshlessBake,
@@ -233,8 +233,7 @@ mod tests {
         let transport = Transport::from_rows(&[Vec::new(), vec![(0, vector)]], 2);
         let bake = MeshlessBake { basis, transport };
         let arrived = |solver: Solver| {
-            let found =
-                solver.solve(&bake, &[Vec3::splat(PI), Vec3::ZERO], &[Vec3::ONE; 2], SolveSettings::default());
+            let found = solver.solve(&bake, &[Vec3::splat(PI), Vec3::ZERO], &[Vec3::ONE; 2], SolveSettings::default());
             2.0 * found.mean_irradiance[1].x
         };
         assert!((arrived(Solver::new(&bake)) - 0.5).abs() < 1e-4);

@@ -73,6 +73,7 @@ impl EditorState {
         let request = RenderRequest {
             baked: self.scene.shown().cloned(),
             look,
+            // That of the look, which has just been made.
             appearance_revision: self.requests.appearance_revision,
             moving,
             frame_budget_ms: self.document.view.frame_budget_ms,
@@ -170,8 +171,8 @@ mod tests {
         dataset.settings.mode = BakeMode::Indirect;
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { direct: true, ..Components::NONE });
-        let none = (Vec::new(), PackedCuts::default(), PackedCuts::default());
-        dataset.indirect = Some(IndirectBake { sources: none.0, cuts: none.1, environment_cuts: none.2 });
+        let [cuts, environment_cuts] = [PackedCuts::default(), PackedCuts::default()];
+        dataset.indirect = Some(IndirectBake { sources: Vec::new(), cuts, environment_cuts });
         let shown = shown_components(&document, Some(&dataset.into()));
         assert_eq!(shown, Components { environment: false, ..Components::ALL }, "negative control: bounces were");
         assert_eq!(shown_components(&document, None), Components::ALL);

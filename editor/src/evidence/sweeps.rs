@@ -62,7 +62,7 @@ pub fn record(
     truth: Option<&Truth>,
     notebook: &mut Notebook,
 ) -> Result<()> {
-    let truth = truth.cloned().map_or_else(|| traced(measurement, bakes), Ok)?;
+    let truth = truth.cloned().map_or_else(|| traced(measurement, bakes.mixed()), Ok)?;
     let sweeper = Sweeper { measurement, case, truth };
     let [beta, sigma] = sweeper.beta_and_sigma(bakes)?;
     for (key, heading, text, sweep) in
@@ -82,11 +82,12 @@ const LIGHTS: &str = "Samples of the environment, each with its own tree, and si
                       that it bounds the same solid angle. Against light paths of the continuous environment, whose noise is \
                       taken off.";
 const VERTICES: &str = "Vertices after tessellation, from the mesh as it is: linear interpolation of visibility needs them where \
-                        shadows fall.";
+                        shadows fall. Each against its own surfaces, for splits also turn the normals between vertices a little.";
 
-fn traced(measurement: &Measurement, bakes: &Bakes) -> Result<Truth> {
+/// All light samples on the surfaces of a dataset.
+fn traced(measurement: &Measurement, dataset: &Arc<Dataset>) -> Result<Truth> {
     let progress = measurement.steps.progress("reference", "pixels");
-    let truth = Truth::trace(&measurement.lit_from_afar(bakes.mixed(), measurement.scale.view), &progress)?;
+    let truth = Truth::trace(&measurement.lit_from_afar(dataset, measurement.scale.view), &progress)?;
     progress.finish();
     measurement.steps.check()?;
     Ok(truth)
@@ -108,22 +109,25 @@ impl Sweeper<'_> {
         let made = self.bake(&bakes.study, scale.lights, &variants)?;
         let (by_beta, by_sigma) = made.split_at(scale.betas.len());
         Ok([
-            self.sweep("beta", scale.betas.iter().zip(by_beta).map(|(&b, d)| (b.into(), d)))?,
-            self.sweep("sigma", scale.sigmas.iter().zip(by_sigma).map(|(&s, d)| (s.into(), d)))?,
+            self.sweep("beta", self.points(scale.betas, by_beta)?),
+            self.sweep("sigma", self.points(scale.sigmas, by_sigma)?),
         ])
     }
 
     fn vertices(&self) -> Result<Sweep> {
         let scale = self.measurement.scale;
         let usual = Variant { criterion: self.measurement.criterion(scale.lights), ..weighted(0.5) };
-        let mut made = Vec::new();
+        let mut points = Vec::new();
         for &budget in scale.vertex_budgets {
             let scene = self.case.scene.clone();
             let vertices = (budget * scene.mesh.positions.len() as f64) as usize;
             let study = Study::new(scene, (budget > 1.0).then_some(vertices), &self.measurement.steps.reporter)?;
-            made.extend(self.bake(&study, scale.lights, &[usual])?);
+            for dataset in self.bake(&study, scale.lights, &[usual])? {
+                let error = self.picture(&dataset, &traced(self.measurement, &dataset)?)?.1;
+                points.push(Point::new(dataset.report.vertices as f64, error, &dataset));
+            }
         }
-        self.sweep("vertices", made.iter().map(|dataset| (dataset.report.vertices as f64, dataset)))
+        Ok(self.sweep("vertices", points))
     }
 
     fn lights(&self, bakes: &Bakes) -> Result<Sweep> {
@@ -140,7 +144,7 @@ impl Sweeper<'_> {
         for &lights in scale.light_counts {
             let variant = Variant { criterion: self.measurement.criterion(lights), ..weighted(0.5) };
             for dataset in self.bake(&bakes.study, lights, &[variant])? {
-                let error = paths.against(&self.picture(&dataset)?.0)?.error;
+                let error = paths.against(&self.picture(&dataset, &self.truth)?.0)?.error;
                 points.push(Point::new(lights as f64, error, &dataset));
             }
         }
@@ -163,25 +167,27 @@ impl Sweeper<'_> {
         Ok(made.into_iter().map(Arc::new).collect())
     }
 
-    fn sweep<'d>(&self, swept: &'static str, datasets: impl Iterator<Item = (f64, &'d Arc<Dataset>)>) -> Result<Sweep> {
-        let point = |(value, dataset): (f64, &Arc<Dataset>)| Ok(Point::new(value, self.picture(dataset)?.1, dataset));
-        Ok(Sweep {
-            scene: self.case.name.clone(),
-            swept,
-            reference: self.truth.what.clone(),
-            reference_noise: 0.0,
-            points: datasets.map(point).collect::<Result<_>>()?,
-        })
+    /// The errors of datasets that differ in one value and have the same surfaces.
+    fn points(&self, values: &[f32], datasets: &[Arc<Dataset>]) -> Result<Vec<Point>> {
+        let point = |(&value, dataset): (&f32, &Arc<Dataset>)| {
+            Ok(Point::new(value.into(), self.picture(dataset, &self.truth)?.1, dataset))
+        };
+        values.iter().zip(datasets).map(point).collect()
+    }
+
+    fn sweep(&self, swept: &'static str, points: Vec<Point>) -> Sweep {
+        let (scene, reference) = (self.case.name.clone(), self.truth.what.clone());
+        Sweep { scene, swept, reference, reference_noise: 0.0, points }
     }
 
     /// The picture of a dataset, and its relative RMSE against all light samples.
-    fn picture(&self, dataset: &Arc<Dataset>) -> Result<(Image, f64)> {
+    fn picture(&self, dataset: &Arc<Dataset>, truth: &Truth) -> Result<(Image, f64)> {
         self.measurement.steps.check()?;
         let scale = self.measurement.scale;
         let subject = self.measurement.lit_from_afar(dataset, scale.view);
         let settings = Settings { sizes: vec![scale.sweep_cut], ..Default::default() };
         let mut backend = BackendOption::Cpu.open()?;
-        let known = Some(self.truth.clone());
+        let known = Some(truth.clone());
         let ladder = climb(&subject, &settings, &mut *backend, known, &Quiet, &mut |_| Ok(()))?;
         let step = ladder.and_then(|ladder| ladder.steps.into_iter().next()).ok_or(Interrupted)?;
         Ok((step.rung.image, step.metrics.rel_rmse))

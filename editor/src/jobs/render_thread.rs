@@ -31,7 +31,7 @@ pub type Factory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send
 pub struct RenderRequest {
     /// The scene; compared by pointer. `None` while nothing is open.
     pub baked: Option<Baked>,
-    /// What it looks like, in the size of the full picture; its environment and its local lights are compared by pointer.
+    /// What it looks like, in the size of the full picture; its environment is compared by pointer.
     pub look: Look,
     /// Changes whenever the appearance does.
     pub appearance_revision: u64,

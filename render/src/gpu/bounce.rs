@@ -1,4 +1,4 @@
-//! Bounced light of the meshless basis, flattened to the vertices: a buffer of vector irradiance, uploaded when the
+//! Bounced light of the meshless basis, flattened to the vertices: a buffer of vector irradiance for each side, uploaded when the
 //! solution changes and not when the camera moves, and a pass that interpolates it at every pixel before the merge.
 
 use super::{

@@ -39,6 +39,11 @@ impl LitPoints {
         &self.points
     }
 
+    /// By which the points receive light.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
     /// Diffuse reflectance of the points.
     pub fn albedo(&self) -> &[Vec3] {
         &self.albedo

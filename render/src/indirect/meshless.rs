@@ -37,9 +37,8 @@ impl MeshlessRig {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
         let points = bake.basis.points()[bake.basis.senders()].to_vec();
-        let normals = points.iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
-        let solver = Solver::receiving_by(bake, normals);
         let senders = LitPoints::new(baked, points, AREA_SAMPLES);
+        let solver = Solver::receiving_by(bake, senders.normals().to_vec());
         Some(Self { solver, senders, at_vertices: None, at_sources: None, solved: None, dataset })
     }
 
@@ -69,7 +68,7 @@ impl MeshlessRig {
         let dataset = self.solve()?;
         let solved = self.solved.as_ref()?;
         if self.at_vertices.is_none() {
-            self.at_vertices = Some(VertexFlattening::new(dataset.meshless.as_ref()?, &dataset.scene.mesh));
+            self.at_vertices = Some(VertexFlattening::new(&dataset, dataset.meshless.as_ref()?));
         }
         Some(self.at_vertices.as_ref()?.apply(&solved.coefficients))
     }
@@ -173,6 +172,28 @@ pub(crate) mod tests {
         rig.set_lights(&[]);
         assert!(rig.energy().is_none());
         assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+    }
+
+    #[test]
+    fn further_bounces_arrive_by_smooth_normals() {
+        const BACK: Vec3 = Vec3::new(0.3, -0.2, 0.1);
+        // Both send. The light stands behind the wall and shines over it on the floor, so that the wall has what the floor sends alone.
+        let over_the_wall = Light { position: Vec3::new(-3.0, 5.0, 0.0), ..lamp(3.0)[0].clone() };
+        let means = |wall_normal: Vec3| {
+            let mut dataset = linked(Vec3::Y, LINK);
+            let meshless = dataset.meshless.as_mut().unwrap();
+            meshless.transport = Transport::from_rows(&[vec![(1, BACK)], vec![(0, LINK)]], 2);
+            dataset.scene.mesh.normals.iter_mut().filter(|n| **n == Vec3::X).for_each(|n| *n = wall_normal);
+            let mut rig = MeshlessRig::new(&Baked::from(dataset)).unwrap();
+            rig.set_lights(std::slice::from_ref(&over_the_wall));
+            rig.solve();
+            rig.solved.unwrap().mean_irradiance
+        };
+        let smooth = Vec3::new(0.8, -0.6, 0.0);
+        let (by_face, by_smooth) = (means(Vec3::X), means(smooth));
+        assert!(by_face[0] == by_smooth[0] && by_face[0].x > 0.0, "direct light on the floor alone");
+        let (found, expected) = (by_smooth[1].x / by_face[1].x, BACK.dot(smooth) / BACK.dot(Vec3::X));
+        assert!((found - expected).abs() < 1e-3 && expected > 1.1, "{found} for {expected}");
     }
 
     fn bounce_at_center(baked: &Baked, lighting: &LocalLighting, view: &View) -> Vec3 {

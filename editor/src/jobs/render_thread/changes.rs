@@ -1,9 +1,7 @@
 //! What two requests differ in, and so what must be done again.
 
 use super::RenderRequest;
-use crate::look::Look;
 use lapidary_render::Baked;
-use std::sync::Arc;
 
 /// The least that must be done again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,23 +24,14 @@ pub enum Changes {
 /// What `new` changes in a renderer that was last asked for `old`.
 pub fn changes(old: Option<&RenderRequest>, new: &RenderRequest) -> Changes {
     let Some(old) = old else { return Changes::Picture };
-    let (was, is) = (&old.look, &new.look);
     let same_picture = same_dataset(old.baked.as_ref(), new.baked.as_ref())
         && old.appearance_revision == new.appearance_revision
-        && was.same_environment(is)
-        && same_local_light(was, is)
-        && was.sampling == is.sampling
-        && was.view == is.view;
-    match (same_picture, was.post == is.post) {
+        && old.look.same_but_for_surfaces(&new.look);
+    match (same_picture, old.look.post == new.look.post) {
         (false, _) => Changes::Picture,
         (true, false) => Changes::Post,
         (true, true) => Changes::Nothing,
     }
-}
-
-/// Whether both have the same lights, of which they show the same, bounced in the same way.
-fn same_local_light(a: &Look, b: &Look) -> bool {
-    Arc::ptr_eq(&a.lights, &b.lights) && a.components == b.components && a.solution == b.solution
 }
 
 /// Whether both are one dataset, or none.

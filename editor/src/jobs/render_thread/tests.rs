@@ -10,7 +10,7 @@ use crate::{
 };
 use fake::{Fake, Log, Shared};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, environment::Environment};
+use lapidary_core::{camera::Camera, environment::Environment, lights::Light};
 use lapidary_render::{
     Appearance, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Post, Renderer, Solution, View,
 };
@@ -136,10 +136,37 @@ fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not()
         changes::changes(Some(&old), &new)
     };
     assert_eq!(change(&|r| r.look.lights = lights.clone()), changes::Changes::Nothing);
-    assert_eq!(change(&|r| r.look.lights = Arc::new([test_data::light()])), changes::Changes::Picture);
+    let moved = Light { position: Vec3::splat(7.0), ..test_data::light() };
+    assert_eq!(change(&|r| r.look.lights = Arc::new([moved.clone()])), changes::Changes::Picture);
     assert_eq!(change(&|r| r.look.components = Components::UNBOUNCED), changes::Changes::Picture);
     assert_eq!(change(&|r| r.look.solution = Solution::Meshless), changes::Changes::Picture);
     assert_eq!(change(&|r| r.look.post.exposure = 1.0), changes::Changes::Post, "negative control");
+}
+
+#[test]
+fn requests_are_the_same_until_anything_of_them_is_not() {
+    let old = request(1);
+    assert!(old.is_same(&old.clone()), "negative control");
+    let edits: [fn(&mut RenderRequest); 13] = [
+        |r| r.baked = Some(dataset().into()),
+        |r| r.baked = None,
+        |r| r.appearance_revision += 1,
+        |r| r.look.light.environment = Arc::new((*r.look.light.environment).clone()),
+        |r| r.look.light.rotation = 0.1,
+        |r| r.look.light.intensity = 2.0,
+        |r| r.look.illum_cut = 17,
+        |r| r.look.sampling = BrdfSampling::Once,
+        |r| r.look.view.aa = 2,
+        |r| r.look.post.exposure = 1.0,
+        |r| r.look.components.direct = false,
+        |r| r.moving = true,
+        |r| r.frame_budget_ms = 11.0,
+    ];
+    for (i, edit) in edits.into_iter().enumerate() {
+        let mut new = old.clone();
+        edit(&mut new);
+        assert!(!old.is_same(&new) && !new.is_same(&old), "edit {i}");
+    }
 }
 
 #[test]
