@@ -56,7 +56,8 @@ use std::collections::BTreeMap;
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
 /// Version 3 added lights, modes, surface sources and the meshless basis.
-pub const FORMAT_VERSION: u32 = 3;
+/// Version 4 added the spacing of each source; sources of version 3 are all as far apart as was reported.
+pub const FORMAT_VERSION: u32 = 4;
 
 /// A baked scene.
 #[derive(Clone, Debug)]
@@ -92,15 +93,6 @@ impl Dataset {
         let kept: [f32; 3] = std::array::from_fn(|i| if is_valid[i] { weights[i].max(0.0) } else { 0.0 });
         let sum: f32 = kept.iter().sum();
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights }
-    }
-
-    /// How far surface sources are apart in metres: the radius of their Poisson-disk set, or where none was reported the side
-    /// of a square of their mean area, which is about as long.
-    pub fn source_spacing(&self) -> f32 {
-        let reported = self.report.indirect.as_ref().map(|report| report.radius).filter(|&radius| radius > 0.0);
-        let sources = self.indirect.as_ref().map_or(&[][..], |indirect| &indirect.sources);
-        let mean_area = sources.iter().map(|s| s.area).sum::<f32>() / sources.len().max(1) as f32;
-        reported.unwrap_or(mean_area.sqrt())
     }
 }
 

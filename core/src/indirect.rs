@@ -6,7 +6,7 @@
 
 mod near_field;
 
-pub use near_field::{NearField, OWNED_WITHIN};
+pub use near_field::{NearField, OWNED_WITHIN, owners};
 
 use crate::{cut::packed::PackedCuts, surfel::Surfel};
 use glam::Vec3;
@@ -18,6 +18,8 @@ pub struct Source {
     pub surfel: Surfel,
     /// Area in m² that it stands for.
     pub area: f32,
+    /// How far sources are apart here, in metres: the radius of its Poisson disk.
+    pub spacing: f32,
 }
 
 impl Source {
@@ -90,6 +92,7 @@ mod tests {
         let disc = Source {
             surfel: Surfel { position: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Y, place: Default::default() },
             area: 0.25 * std::f32::consts::PI,
+            spacing: 0.5,
         };
         let radius = 0.5_f32;
         for distance in [1e-4_f32, 0.1, 0.3, 0.5, 1.0, 3.0, 30.0] {

@@ -129,7 +129,7 @@ pub(crate) mod tests {
             let at = |c: u32| 100.0 - half + cell * (c as f32 + 0.5);
             let position = Vec3::new(at(coordinate(i)), 0.0, at(coordinate(i >> 1)));
             let surfel = Surfel { position, normal: Vec3::Y, place: MeshPlace::default() };
-            Source { surfel, area: cell * cell }
+            Source { surfel, area: cell * cell, spacing: cell }
         };
         (0..side * side).map(source).collect()
     }

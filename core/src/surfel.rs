@@ -1,7 +1,9 @@
 //! Points of surfaces that light is gathered at and sent from, whatever the surface is made of.
 
+mod graded_grid;
 mod grid;
 
+pub use graded_grid::GradedGrid;
 pub use grid::SurfelGrid;
 
 use crate::scene::Bounds;

@@ -5,7 +5,7 @@ use crate::{
     BakeError, MeshSurface, Observer, PointsError,
     bake_points::{BakePoint, BakePoints},
     pilot::pilot_of,
-    surface_points::{poisson_count, sample_areas},
+    surface_points::{Candidates, Spacing, poisson_count, sample_areas},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -13,15 +13,19 @@ use lapidary_core::{
     indirect::{NearField, Source},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::{Intersector, SegmentBatch},
+    shot::Shot,
     surfel::{Surface, Surfel},
 };
 
 /// Seed of the particles, so that the same scene gets the same sources.
 const POINTS_SEED: u64 = 0x736f_7572_6365_7301;
+/// Seed of the particles that tell how close together sources are to be.
+const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
 /// Seed of the points that areas are estimated by.
 const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
 
-/// `count` sources on the surfaces that light reaches from the viewpoint, and their least distance in metres.
+/// `count` sources on the surfaces that light reaches from the viewpoint, closer together where they light what is near by, above
+/// all what the shots see.
 ///
 /// # Errors
 /// See [`poisson_count`].
@@ -29,22 +33,25 @@ pub fn place_sources(
     surface: &MeshSurface,
     viewpoint: Vec3,
     count: usize,
+    shots: &[Shot],
     observer: &dyn Observer,
-) -> Result<(Vec<Source>, f32), PointsError> {
-    let (surfels, radius) = poisson_count(surface, viewpoint, count, POINTS_SEED, observer)?;
-    let areas = sample_areas(surface, &surfels, radius, AREAS_SEED, observer)?;
-    let sources = surfels.into_iter().zip(areas).map(|(surfel, area)| Source { surfel, area }).collect();
-    Ok((sources, radius))
+) -> Result<Vec<Source>, PointsError> {
+    let mut candidates = Candidates::new(surface, viewpoint, SPACING_SEED, observer)?.for_shots(shots);
+    let spacing = Spacing::new(&mut candidates, count)?;
+    let mut candidates = Candidates::new(surface, viewpoint, POINTS_SEED, observer)?.for_shots(shots);
+    let samples = poisson_count(&mut candidates, count, |place, factor| spacing.at(place, factor))?;
+    let areas = sample_areas(surface, &samples, AREAS_SEED, observer)?;
+    let source = |((surfel, spacing), area)| Source { surfel, area, spacing };
+    Ok(samples.into_iter().zip(areas).map(source).collect())
 }
 
-/// Arranges sources that are about `radius` metres apart as the leaves of their complete binary tree, by position and
+/// Arranges sources as the leaves of their complete binary tree, by position and
 /// normal, by pilot visibility, or by both.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
 pub fn order_sources(
     sources: Vec<Source>,
-    radius: f32,
     points: &BakePoints,
     scene: &Intersector,
     surface: &dyn Surface,
@@ -58,7 +65,7 @@ pub fn order_sources(
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);
     }
-    let sampler = SourceSampler::new(scene, &sources, radius, surface.offset());
+    let sampler = SourceSampler::new(scene, &sources, surface.offset());
     let sample = |point: &BakePoint, seen: &mut [u8]| {
         let mut solid_angles = vec![0.0; sources.len()];
         sampler.sample(point, &mut SourceScratch::default(), &mut solid_angles);
@@ -95,10 +102,10 @@ pub struct SourceScratch {
 const SIDES: [bool; 2] = [true, false];
 
 impl<'a> SourceSampler<'a> {
-    /// For sources in tree order that are about `radius` metres apart; segments end `offset` metres off their surface.
-    pub fn new(scene: &'a Intersector, sources: &'a [Source], radius: f32, offset: f32) -> Self {
+    /// For sources in tree order; segments end `offset` metres off their surface.
+    pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32) -> Self {
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
-        Self { scene, sources, ends, near: NearField::new(sources, radius) }
+        Self { scene, sources, ends, near: NearField::new(sources) }
     }
 
     /// Number of sources.

@@ -4,11 +4,13 @@
 mod areas;
 mod candidates;
 mod disk;
+mod spacing;
 mod viewpoint;
 
 pub use areas::sample_areas;
 pub use candidates::Candidates;
 pub use disk::{Darts, poisson_count, poisson_disk, poisson_levels};
+pub use spacing::Spacing;
 pub use viewpoint::{Surroundings, check_viewpoint, find_viewpoint};
 
 use glam::Vec3;

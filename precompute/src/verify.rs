@@ -109,7 +109,7 @@ fn check_sources(
     let Some(indirect) = &dataset.indirect else { return (0, 0) };
     let height = indirect.sources.len().ilog2();
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
-    let sampler = SourceSampler::new(intersector, &indirect.sources, dataset.source_spacing(), offset);
+    let sampler = SourceSampler::new(intersector, &indirect.sources, offset);
     let places = points.off_creases(&dataset.scene.mesh, intersector);
     let differs = |vertex: &&usize| {
         let mut seen = vec![0.0; indirect.sources.len()];

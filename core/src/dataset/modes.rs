@@ -67,6 +67,8 @@ pub struct IndirectReport {
     pub sources: usize,
     /// Least distance of any two in position and normal, in metres.
     pub radius: f32,
+    /// How far they are apart where they are farthest; 0 for a dataset whose sources are all as far apart.
+    pub widest_spacing: f32,
     /// Area in m² that they stand for together: the surface that light reaches.
     pub area: f64,
     /// How many of the sources stand for no area, so that nothing bounces off them.

@@ -59,7 +59,8 @@ impl Reader<'_> {
         let scene = self.scene(&header)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
         let cuts = self.cuts(["cuts", "cut_offsets"], tree.height(), vertices)?;
-        let indirect = self.indirect(tree.height(), vertices, triangles)?;
+        let reported = header.report.indirect.as_ref().map_or(0.0, |report| report.radius);
+        let indirect = self.indirect(tree.height(), vertices, triangles, reported)?;
         let meshless = self.meshless(triangles)?;
         Ok(Dataset {
             two_sided: self.flags("triangle_two_sided", triangles)?,

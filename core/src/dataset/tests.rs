@@ -118,7 +118,7 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
 #[test]
 fn a_file_of_version_1_is_read_without_the_maps_that_it_does_not_know() {
     let (_folder, path, mut bytes) = written();
-    replace(&mut bytes, r#"\"format_version\":3"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"format_version\":4"#, r#"\"format_version\":1"#);
     replace(&mut bytes, r#"\"anisotropy\":null,"#, "");
     replace(&mut bytes, r#"\"ior\":null,"#, "");
     std::fs::write(&path, &bytes).unwrap();
@@ -195,7 +195,7 @@ fn with_sources() -> Dataset {
     let source = |i: u32| {
         let place = MeshPlace { triangle: 0, barycentric: Vec2::new(0.25, 0.125 * i as f32) };
         let surfel = Surfel { position: Vec3::new(i as f32, 0.0, 1.0), normal: Vec3::Y, place };
-        Source { surfel, area: 0.5 + i as f32 }
+        Source { surfel, area: 0.5 + i as f32, spacing: 0.25 + i as f32 }
     };
     let mut cuts = PackedCuts::default();
     for node in [[1 << 12, 1 << 12 | 7], [1 << 12 | 9, 1 << 12]] {
@@ -230,17 +230,26 @@ fn sources_and_their_cuts_survive_the_disk() {
 }
 
 #[test]
-fn the_spacing_of_sources_is_the_reported_one_or_follows_from_their_areas() {
-    let mut dataset = with_sources();
-    let report = |radius| Some(IndirectReport { radius, ..Default::default() });
-    let areas = dataset.indirect.as_ref().unwrap().sources.iter().map(|s| s.area);
-    let side = (areas.sum::<f32>() / 4.0).sqrt();
-    for (reported, expected) in [(report(0.3), 0.3), (report(0.0), side), (None, side)] {
-        dataset.report.indirect = reported;
-        assert_eq!(dataset.source_spacing(), expected);
-    }
-    dataset.indirect = None;
-    assert_eq!(dataset.source_spacing(), 0.0, "no sources");
+fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_their_areas() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let spacings = |radius: f32, is_older: bool| -> Vec<f32> {
+        let mut dataset = with_sources();
+        dataset.report.indirect.as_mut().unwrap().radius = radius;
+        dataset.write(&path).unwrap();
+        if is_older {
+            let mut bytes = std::fs::read(&path).unwrap();
+            replace(&mut bytes, r#"\"format_version\":4"#, r#"\"format_version\":3"#);
+            // Its checksum and the tensor itself.
+            replace(&mut bytes, "source_spacings", "what_is_unknown");
+            replace(&mut bytes, "source_spacings", "what_is_unknown");
+            std::fs::write(&path, bytes).unwrap();
+        }
+        Dataset::read(&path).unwrap().indirect.unwrap().sources.iter().map(|s| s.spacing).collect()
+    };
+    assert_eq!(spacings(0.3, true), [0.3; 4]);
+    assert_eq!(spacings(0.0, true), [2.0_f32.sqrt(); 4], "areas of 0.5 to 3.5 m²");
+    assert_eq!(spacings(0.3, false), [0.25, 1.25, 2.25, 3.25], "negative control");
 }
 
 #[test]
@@ -254,6 +263,7 @@ fn damaged_sources_are_named() {
         Dataset::read(&path).unwrap_err().to_string()
     };
     assert!(error_of(&|b| b.sources[1].area = -1.0).contains("surface source 1"));
+    assert!(error_of(&|b| b.sources[1].spacing = f32::NAN).contains("surface source 1"));
     assert!(error_of(&|b| b.sources[2].surfel.position.x = f32::NAN).contains("surface source 2"));
     assert!(error_of(&|b| b.sources[3].surfel.place.triangle = 1).contains("lies on triangle 1, but there are 1"));
     let three = error_of(&|b| b.sources.truncate(3));

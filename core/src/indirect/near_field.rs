@@ -10,54 +10,66 @@ use super::Source;
 use crate::{
     ray::Intersector,
     sphere::fibonacci_directions,
-    surfel::{Surfel, SurfelGrid},
+    surfel::{GradedGrid, Surfel},
 };
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Sources within so many radii of their Poisson-disk set are near.
+/// Sources within so many of their spacings are near.
 const REACH: f32 = 8.0;
-/// A place that is further than so many radii from all sources belongs to none: light does not reach it.
+/// A place that is further from all sources than so many of their spacings belongs to none: light does not reach it.
 pub const OWNED_WITHIN: f32 = 2.0;
 /// Rays over the sphere. In the living room of the measurements four times as many are no better.
 const RAYS: usize = 1024;
-/// A point no higher than so many radii over a source's plane lies in the same surface.
+/// A point no higher than so many spacings over a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
 
 /// Cosines count as no less: what is interpolated is shaded at other places than it was sampled at, where a centre that lay at
 /// the horizon may stand high. In the living room with 0.05 a single pixel held 0.4 of the squared error.
 const LEAST_COSINE: f32 = 0.3;
 
+/// Which sources have an area, and by place which of these a place belongs to.
+pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
+    let members: Vec<u32> = (0..sources.len() as u32).filter(|&i| sources[i as usize].area > 0.0).collect();
+    let reach = |&i: &u32| {
+        let Source { surfel, spacing, .. } = sources[i as usize];
+        (surfel, OWNED_WITHIN * spacing)
+    };
+    let grid = GradedGrid::of(members.iter().map(reach));
+    (members, grid)
+}
+
 /// Sources by place, for the rays of points next to them.
 pub struct NearField {
     /// The sources that have an area.
-    grid: SurfelGrid,
+    owners: GradedGrid,
     /// Which they are.
     members: Vec<u32>,
     directions: Vec<Vec3>,
-    radius: f32,
+    /// How far rays go, in metres.
+    longest: f32,
 }
 
 impl NearField {
-    /// For sources that are about `radius` metres apart.
-    pub fn new(sources: &[Source], radius: f32) -> Self {
-        let members: Vec<u32> = (0..sources.len() as u32).filter(|&i| sources[i as usize].area > 0.0).collect();
-        let surfels: Vec<Surfel> = members.iter().map(|&i| sources[i as usize].surfel).collect();
-        let grid = SurfelGrid::of((OWNED_WITHIN * radius).max(f32::MIN_POSITIVE), &surfels);
-        Self { grid, members, directions: fibonacci_directions(RAYS), radius }
+    /// For all that sources may be seen from.
+    pub fn new(sources: &[Source]) -> Self {
+        let (members, owners) = owners(sources);
+        let widest = sources.iter().map(|source| source.spacing).fold(0.0, f32::max);
+        let longest = (REACH + OWNED_WITHIN) * widest;
+        Self { owners, members, directions: fibonacci_directions(RAYS), longest }
     }
 
     /// Whether rays from `origin` say what it sees of a source, and not the source's disc.
     #[inline(always)]
     pub fn holds(&self, source: &Source, origin: Vec3) -> bool {
-        let reach = REACH * self.radius;
+        let reach = REACH * source.spacing;
         source.surfel.position.distance_squared(origin) < reach * reach
     }
 
     /// Whether `origin` lies in front of a source's plane, and not just by rounding.
     #[inline(always)]
     pub fn is_over(&self, source: &Source, origin: Vec3) -> bool {
-        (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * self.radius
+        (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * source.spacing
     }
 
     /// Calls `add` with sources that [`Self::holds`] of a point at `origin`, which lies off all surfaces, and the solid angle
@@ -75,7 +87,7 @@ impl NearField {
         let mut rays = 0;
         for &direction in self.directions.iter().filter(|&&d| receives(d)) {
             rays += 1;
-            let met = scene.surfel_before(origin, direction, (REACH + OWNED_WITHIN) * self.radius);
+            let met = scene.surfel_before(origin, direction, self.longest);
             if let Some(owner) = met.and_then(|met| self.owner(sources, origin, &met)) {
                 let to_center = (sources[owner].surfel.position - origin).normalize_or_zero();
                 add(owner, 2.0 * TAU / RAYS as f32 * cosine(direction) / cosine(to_center));
@@ -87,9 +99,9 @@ impl NearField {
     /// The near source that stands for a place; none for one of the surface that `origin` itself lies in, which rays below
     /// the tangent plane of a rounded edge meet.
     fn owner(&self, sources: &[Source], origin: Vec3, place: &Surfel) -> Option<usize> {
-        let owner = self.members[self.grid.nearest(place, OWNED_WITHIN * self.radius)?] as usize;
+        let owner = self.members[self.owners.nearest(place)?] as usize;
         let source = &sources[owner];
-        let is_beside = source.surfel.position.distance(origin) < OWNED_WITHIN * self.radius;
+        let is_beside = source.surfel.position.distance(origin) < OWNED_WITHIN * source.spacing;
         let is_own = is_beside && !self.is_over(source, origin);
         (self.holds(source, origin) && !is_own).then_some(owner)
     }
@@ -121,7 +133,7 @@ mod tests {
         let surfel =
             |x, z| Surfel { position: Vec3::new(at(x), 0.0, at(z)), normal: Vec3::Y, place: Default::default() };
         let places = (0..40).flat_map(|x| (-40..40).map(move |z| (x, z)));
-        let sources = places.map(|(x, z)| Source { surfel: surfel(x, z), area: CELL * CELL }).collect();
+        let sources = places.map(|(x, z)| Source { surfel: surfel(x, z), area: CELL * CELL, spacing: CELL }).collect();
         (Intersector::new(&mesh), sources)
     }
 
@@ -134,7 +146,7 @@ mod tests {
     #[test]
     fn the_foot_of_a_wall_is_lit_by_the_floor() {
         let (scene, sources) = floor_and_wall();
-        let near = NearField::new(&sources, CELL);
+        let near = NearField::new(&sources);
         let foot = Vec3::new(1e-4, 0.02 * CELL, 0.0);
         let lit = |angles: Vec<f32>| {
             let cosine = |s: &Source| (s.surfel.position - foot).normalize().x.max(0.0);
@@ -150,7 +162,7 @@ mod tests {
     #[test]
     fn sources_have_their_solid_angle_and_only_near_ones() {
         let (scene, sources) = floor_and_wall();
-        let near = NearField::new(&sources, CELL);
+        let near = NearField::new(&sources);
         let origin = Vec3::new(2.05, 0.3, 0.05);
         let seen = gathered(&near, &scene, &sources, origin, Vec3::NEG_Y);
         let below = sources.iter().position(|s| s.surfel.position.distance(origin) < 0.301).unwrap();
@@ -167,26 +179,58 @@ mod tests {
     fn light_from_where_no_source_is_does_not_count() {
         let (scene, sources) = floor_and_wall();
         let (origin, left) = (Vec3::new(0.01, 0.5, 0.0), Vec3::NEG_X);
-        let near = NearField::new(&sources, CELL);
+        let near = NearField::new(&sources);
         let seen: f32 = gathered(&near, &scene, &sources, origin, left).iter().sum();
         assert!(seen < 0.1, "the wall has none: {seen}");
-        let none = NearField::new(&sources, 0.0);
-        assert!(gathered(&none, &scene, &sources, origin, left).iter().all(|&angle| angle == 0.0));
+        let none: Vec<Source> = sources.iter().map(|s| Source { spacing: 0.0, ..*s }).collect();
+        let (near, sources) = (NearField::new(&none), none);
+        assert!(gathered(&near, &scene, &sources, origin, left).iter().all(|&angle| angle == 0.0));
     }
 
     #[test]
     fn what_has_no_area_takes_no_light_and_neither_does_one_s_own_surface() {
         let (scene, mut sources) = floor_and_wall();
         let (origin, down) = (Vec3::new(2.05, 0.1, 0.05), Vec3::NEG_Y);
-        let all = NearField::new(&sources, CELL);
+        let all = NearField::new(&sources);
         let below = sources.iter().position(|s| s.surfel.position.distance(origin) < 0.101).unwrap();
         let full = gathered(&all, &scene, &sources, origin, down);
         sources[below].area = 0.0;
-        let seen = gathered(&NearField::new(&sources, CELL), &scene, &sources, origin, down);
+        let seen = gathered(&NearField::new(&sources), &scene, &sources, origin, down);
         assert!(full[below] > 0.0 && seen[below] == 0.0);
         let sums = [&seen, &full].map(|angles| angles.iter().sum::<f32>());
         assert!((sums[0] / sums[1] - 1.0).abs() < 0.1, "its neighbours stand for its place: {sums:?}");
         let in_floor = Vec3::new(2.05, 1e-5, 0.05);
         assert!(gathered(&all, &scene, &sources, in_floor, down).iter().sum::<f32>() < 1e-2 * sums[1]);
+    }
+
+    /// Where sources stand half as far apart, four times as many give what the others did.
+    #[test]
+    fn sources_of_two_spacings_give_as_much_as_of_one() {
+        let (scene, even) = floor_and_wall();
+        let halves = [-0.25, 0.25].map(|step| step * CELL);
+        let quarters = |s: &Source| {
+            let at = s.surfel.position;
+            let quarter = move |(x, z)| {
+                let surfel = Surfel { position: at + Vec3::new(x, 0.0, z), ..s.surfel };
+                Source { surfel, area: 0.25 * s.area, spacing: 0.5 * s.spacing }
+            };
+            halves.into_iter().flat_map(move |x| halves.map(|z| (x, z))).map(quarter).collect::<Vec<_>>()
+        };
+        let (fine, coarse): (Vec<_>, Vec<_>) = even.iter().partition(|s| s.surfel.position.x < 1.5);
+        let graded: Vec<Source> = fine.iter().flat_map(quarters).chain(coarse).collect();
+        // Over the border of the two, by rays near by and discs beyond.
+        let origin = Vec3::new(1.5, 0.15, 0.0);
+        let lit = |sources: &[Source]| {
+            let near = NearField::new(sources);
+            let mut angles = gathered(&near, &scene, sources, origin, Vec3::NEG_Y);
+            let far = sources.iter().zip(&mut angles).filter(|(s, _)| !near.holds(s, origin));
+            far.for_each(|(s, angle)| *angle = s.solid_angle_from(origin));
+            let cosine = |s: &Source| -(s.surfel.position - origin).normalize().y;
+            angles.iter().zip(sources).map(|(angle, s)| angle * cosine(s)).sum::<f32>()
+        };
+        let (found, known) = (lit(&graded), lit(&even));
+        assert!((found / known - 1.0).abs() < 0.01, "{found} for {known}");
+        let holes: Vec<Source> = graded.iter().filter(|s| s.spacing < CELL).copied().collect();
+        assert!(lit(&holes) < 0.8 * known, "negative control: places whose sources are missing belong to none");
     }
 }

@@ -95,7 +95,7 @@ pub(super) mod tests {
         let source = |i: usize| {
             let place = MeshPlace { triangle: 0, barycentric: Vec2::ZERO };
             let surfel = Surfel { position: Vec3::new(i as f32 - 1.5, 0.0, 0.0), normal: Vec3::Z, place };
-            Source { surfel, area: 0.1 }
+            Source { surfel, area: 0.1, spacing: 0.3 }
         };
         let sources: Vec<Source> = (0..4).map(source).collect();
         let radiance = [9.0, 3.0, 0.1, 0.1].map(Vec3::splat);

@@ -37,14 +37,16 @@ pub(super) struct Stage<'a> {
 impl Stage<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
-        let (sources, radius) = self.sources(clock)?;
+        let sources = self.sources(clock)?;
         self.bind(&sources, clock)?;
-        let seen = self.source_cuts(&sources, radius, clock)?;
+        let seen = self.source_cuts(&sources, clock)?;
         let environment = self.environment_cuts(&sources, clock)?;
+        let spacings = || sources.iter().map(|source| source.spacing);
         let report = IndirectReport {
             viewpoint: self.viewpoint.into(),
             sources: sources.len(),
-            radius,
+            radius: spacings().fold(f32::INFINITY, f32::min),
+            widest_spacing: spacings().fold(0.0, f32::max),
             area: sources.iter().map(|s| f64::from(s.area)).sum(),
             without_area: sources.iter().filter(|s| s.area == 0.0).count(),
             mean_cut: seen.mean_cut(),
@@ -57,31 +59,31 @@ impl Stage<'_> {
         Ok((IndirectBake { sources, cuts: seen.cuts, environment_cuts: environment.cuts }, report))
     }
 
-    /// Sources in the order of their tree, and their distance.
-    fn sources(&self, clock: &mut Clock) -> Result<(Vec<Source>, f32), BakeError> {
+    /// Sources in the order of their tree.
+    fn sources(&self, clock: &mut Clock) -> Result<Vec<Source>, BakeError> {
         let count = self.settings.indirect.sources;
         let observer = clock.observer;
-        let (sources, radius) =
-            clock.time(Phase::Points, 0, "points", || place_sources(self.surface, self.viewpoint, count, observer))?;
+        let sources = clock.time(Phase::Points, 0, "points", || {
+            place_sources(self.surface, self.viewpoint, count, &self.settings.shots, observer)
+        })?;
         let clusters = self.settings.pilot_clusters as u64;
-        let sources = clock.time(Phase::SourceTree, clusters, "clusters", || {
+        clock.time(Phase::SourceTree, clusters, "clusters", || {
             order_sources(
                 sources,
-                radius,
                 &self.geometry.points,
                 &self.geometry.intersector,
                 self.surface,
                 self.settings,
                 observer,
             )
-        })?;
-        Ok((sources, radius))
+        })
     }
 
     /// Chunks about other sources do not count.
     fn bind(&self, sources: &[Source], clock: &Clock) -> Result<(), BakeError> {
-        let (places, areas): (Vec<Surfel>, Vec<f32>) = sources.iter().map(|s| (s.surfel, s.area)).unzip();
-        if self.checkpoint.bind(Part::Sources, &places, &areas)? {
+        let places: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
+        let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
+        if self.checkpoint.bind(Part::Sources, &places, &sizes)? {
             let message = "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or objects have \
                            changed: what was finished of their cuts is baked again";
             clock.observer.event(Event::Warning { message: message.into() });
@@ -89,12 +91,12 @@ impl Stage<'_> {
         Ok(())
     }
 
-    fn source_cuts(&self, sources: &[Source], radius: f32, clock: &mut Clock) -> Result<Packed, BakeError> {
+    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let places = points.off_creases(&scene.mesh, intersector);
         let maker = SourceCuts {
             points: &places,
-            sampler: SourceSampler::new(intersector, sources, radius, self.surface.offset()),
+            sampler: SourceSampler::new(intersector, sources, self.surface.offset()),
             criterion: self.settings.indirect.criterion,
         };
         let observer = clock.observer;

@@ -86,12 +86,16 @@ fn info_text(dataset: &Dataset) -> String {
 fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
     let [x, y, z] = r.viewpoint;
     let without = if r.without_area > 0 { format!(" ({} of them on none)", r.without_area) } else { String::new() };
+    let apart = if r.widest_spacing > r.radius {
+        format!("{:.3} to {:.3}", r.radius, r.widest_spacing)
+    } else {
+        format!("{:.3}", r.radius)
+    };
     format!(
-        "sources    {} on {:.1} m²{without}, {:.3} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
+        "sources    {} on {:.1} m²{without}, {apart} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
          seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB\n",
         r.sources,
         r.area,
-        r.radius,
         r.mean_cut,
         r.max_cut,
         s.indirect.criterion.sigma,

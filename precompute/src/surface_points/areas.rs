@@ -4,7 +4,7 @@ use super::PointsError;
 use crate::{Event, MeshSurface, Observer};
 use lapidary_core::{
     indirect::OWNED_WITHIN,
-    surfel::{Surface, Surfel, SurfelGrid},
+    surfel::{GradedGrid, Surface, Surfel},
 };
 use rayon::prelude::*;
 
@@ -15,27 +15,28 @@ const POINTS_PER_SAMPLE: usize = 64;
 const OWNED_PER_SAMPLE: usize = 48;
 /// Draws at most. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
 const DRAWS: usize = 64;
+/// Samples that are asked in turn whether a point belongs to them: things that stand on a surface part it from the nearest.
+const TRIED: usize = 4;
 /// Owned points a sample below which it is remarked upon.
 const FEW: usize = 16;
 /// Samples without any area above which that is remarked upon, as a share.
 const WITHOUT_AREA: f32 = 0.01;
 
-/// Areas in m² of the samples of a Poisson-disk set of `radius`.
+/// Areas in m² of the samples of a Poisson-disk set, which come with their radii.
 ///
-/// Uniformly distributed points of the mesh are given to the sample nearest by Eq. 11. A point counts only if that is within
-/// two radii and sees it, so that enclosed surfaces count for nothing: not even a floor beneath a box beside whose wall a
+/// Uniformly distributed points of the mesh are given to the sample nearest by Eq. 11, of those within two radii that see
+/// them, so that enclosed surfaces count for nothing: not even a floor beneath a box beside whose wall a
 /// sample lies. Points are drawn until enough of them count: a room may be a small part of a building.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
 pub fn sample_areas(
     surface: &MeshSurface,
-    samples: &[Surfel],
-    radius: f32,
+    samples: &[(Surfel, f32)],
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<Vec<f32>, PointsError> {
-    let grid = SurfelGrid::of(OWNED_WITHIN * radius, samples);
+    let grid = GradedGrid::of(samples.iter().map(|&(sample, radius)| (sample, OWNED_WITHIN * radius)));
     let mut points_of = vec![0_u32; samples.len()];
     let (mut owned, mut draws, mut area) = (0, 0, 0.0);
     while draws < DRAWS && owned < samples.len() * OWNED_PER_SAMPLE {
@@ -43,7 +44,7 @@ pub fn sample_areas(
             return Err(PointsError::Cancelled);
         }
         let (points, area_of_point) = surface.uniform_points(samples.len() * POINTS_PER_SAMPLE, seed + draws as u64);
-        let owners: Vec<Option<u32>> = points.par_iter().map(|p| owner(surface, &grid, p, radius)).collect();
+        let owners: Vec<Option<u32>> = points.par_iter().map(|p| owner(surface, &grid, p)).collect();
         for sample in owners.into_iter().flatten() {
             points_of[sample as usize] += 1;
             owned += 1;
@@ -76,14 +77,25 @@ fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
 }
 
 /// The nearest sample that a point belongs to.
-fn owner(surface: &MeshSurface, grid: &SurfelGrid, point: &Surfel, radius: f32) -> Option<u32> {
-    let sample = grid.nearest(point, OWNED_WITHIN * radius)?;
-    let ends = [point, &grid.points()[sample]];
+fn owner(surface: &MeshSurface, grid: &GradedGrid, point: &Surfel) -> Option<u32> {
+    let mut near: Vec<(f32, u32)> = Vec::new();
+    grid.any_reaching(point, |i, distance| {
+        near.push((distance, i as u32));
+        false
+    });
+    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.dedup();
+    near.into_iter().map(|n| n.1).take(TRIED).find(|&i| belongs(surface, point, &grid.points()[i as usize]))
+}
+
+/// Whether a point and a sample that reaches it lie on one surface, with nothing in between.
+fn belongs(surface: &MeshSurface, point: &Surfel, (sample, reach): &(Surfel, f32)) -> bool {
+    let ends = [point, sample];
     let lifted = |s: &Surfel, lift: f32| s.position + s.normal * lift;
     let reaches = |lift: f32| surface.sees(lifted(ends[0], lift), lifted(ends[1], lift));
-    let (low, high) = (4.0 * surface.offset(), 0.25 * radius);
+    let (low, high) = (4.0 * surface.offset(), 0.25 / OWNED_WITHIN * reach);
     // Nothing may lie over the ends: a wall close behind tiles is none of theirs.
     let rises = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
     // Close to the surface, or over what bulges between the two.
-    (reaches(low) || (ends.into_iter().all(rises) && reaches(high))).then_some(sample as u32)
+    reaches(low) || (ends.into_iter().all(rises) && reaches(high))
 }

@@ -3,11 +3,14 @@
 //! A particle reflects about with cosine-distributed directions, up to [`BOUNCES`] times; the first [`DROPPED`] landings
 //! do not count, so that the density does not depend on where the viewpoint is. Where most particles escape before that, as
 //! over an open plane, all landings count.
+//!
+//! Where pictures are given, most candidates are what lights these: ends of flights from the surfaces that they show.
 
 use super::PointsError;
 use crate::{Observer, surface_points::check_viewpoint};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::{
+    shot::Shot,
     sphere::{cosine_direction, frame_around, uniform_direction},
     surfel::{Surface, Surfel},
 };
@@ -24,6 +27,10 @@ const BATCH: u64 = 256;
 const EMPTY_BATCHES: usize = 16;
 /// Share of particles that must land more than [`DROPPED`] times for these to be dropped.
 const ENOUGH: f64 = 0.1;
+/// Candidates that pictures have for each other one: four fifths are theirs.
+const PICTURED: usize = 4;
+/// Rows of a picture among whose places flights are spread; any number would do.
+const ROWS: f32 = 1024.0;
 
 /// An endless supply of points on surfaces from which light reaches the viewpoint; the same ones for the same seed.
 pub struct Candidates<'a> {
@@ -32,8 +39,9 @@ pub struct Candidates<'a> {
     viewpoint: Vec3,
     seed: u64,
     dropped: usize,
+    shots: &'a [Shot],
     next_particle: u64,
-    ready: VecDeque<Surfel>,
+    ready: VecDeque<Flight>,
 }
 
 impl<'a> Candidates<'a> {
@@ -49,11 +57,17 @@ impl<'a> Candidates<'a> {
     ) -> Result<Self, PointsError> {
         check_viewpoint(surface, viewpoint)?;
         let ready = VecDeque::new();
-        let mut candidates = Self { surface, observer, viewpoint, seed, dropped: 0, next_particle: 0, ready };
+        let mut candidates =
+            Self { surface, observer, viewpoint, seed, dropped: 0, shots: &[], next_particle: 0, ready };
         let paths: Vec<_> = (0..BATCH).into_par_iter().map(|p| candidates.particle(p).len()).collect();
         let long = paths.iter().filter(|&&length| length > DROPPED).count();
         candidates.dropped = if long as f64 >= ENOUGH * BATCH as f64 { DROPPED } else { 0 };
         Ok(candidates)
+    }
+
+    /// With most of the candidates where light comes from that the shots see.
+    pub fn for_shots(self, shots: &'a [Shot]) -> Self {
+        Self { shots, ..self }
     }
 
     /// The next candidate. `None` if particles land nowhere any more.
@@ -61,6 +75,11 @@ impl<'a> Candidates<'a> {
     /// # Errors
     /// [`PointsError::Cancelled`].
     pub fn draw(&mut self) -> Result<Option<Surfel>, PointsError> {
+        Ok(self.draw_flight()?.map(|flight| flight.end))
+    }
+
+    /// [`Self::draw`], and how long the flight was that ends there.
+    pub(super) fn draw_flight(&mut self) -> Result<Option<Flight>, PointsError> {
         for _ in 0..EMPTY_BATCHES {
             if let Some(candidate) = self.ready.pop_front() {
                 return Ok(Some(candidate));
@@ -70,38 +89,89 @@ impl<'a> Candidates<'a> {
             }
             let particles = self.next_particle..self.next_particle + BATCH;
             self.next_particle = particles.end;
-            let landed: Vec<Vec<Surfel>> = particles.into_par_iter().map(|p| self.particle(p)).collect();
+            let landed: Vec<Vec<Flight>> = particles.into_par_iter().map(|p| self.flights(p)).collect();
             self.ready.extend(landed.into_iter().flatten());
         }
         Ok(self.ready.pop_front())
+    }
+
+    /// At least `count` flights of particles whatever the pictures, spread evenly over the surface; fewer if they escape.
+    ///
+    /// # Errors
+    /// [`PointsError::Cancelled`].
+    pub(super) fn strays(&self, count: usize) -> Result<Vec<Flight>, PointsError> {
+        if self.observer.cancelled() {
+            return Err(PointsError::Cancelled);
+        }
+        let particles = (count / (BOUNCES - DROPPED)) as u64 + BATCH;
+        Ok((0..particles).into_par_iter().flat_map_iter(|p| self.particle(p)).collect())
     }
 
     pub(super) fn surface(&self) -> &'a dyn Surface {
         self.surface
     }
 
-    /// Where a particle lands.
-    fn particle(&self, index: u64) -> Vec<Surfel> {
+    /// Those of a particle, and [`PICTURED`] times as many from what the shots see.
+    fn flights(&self, index: u64) -> Vec<Flight> {
+        let mut flights = self.particle(index);
+        if !self.shots.is_empty() {
+            let mut rng = fastrand::Rng::with_seed(!self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            let wanted = PICTURED * flights.len();
+            flights.extend((0..wanted).filter_map(|_| self.flight_in_picture(&mut rng)));
+        }
+        flights
+    }
+
+    /// Where a particle flies.
+    fn particle(&self, index: u64) -> Vec<Flight> {
         let mut rng = fastrand::Rng::with_seed(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let direction = uniform_direction(rng.f32(), rng.f32());
-        landings(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
+        flights(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
     }
+
+    /// From a random place of one of the pictures, cosine-distributed about its normal.
+    fn flight_in_picture(&self, rng: &mut fastrand::Rng) -> Option<Flight> {
+        let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
+        let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
+        let pixel = Vec2::new(rng.f32() * size[0] as f32, rng.f32() * size[1] as f32);
+        flights(self.surface, camera.eye, camera.direction_through(pixel, size), 2, rng).nth(1)
+    }
+}
+
+/// A straight way of a particle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flight {
+    /// Where it lands.
+    pub end: Surfel,
+    /// How long the way was, in metres.
+    pub flown: f32,
 }
 
 /// Where a particle lands that is sent along a direction and reflected about, at most `most` times.
 pub(super) fn landings<'a>(
     surface: &'a dyn Surface,
+    origin: Vec3,
+    direction: Vec3,
+    most: usize,
+    rng: &'a mut fastrand::Rng,
+) -> impl Iterator<Item = Surfel> + 'a {
+    flights(surface, origin, direction, most, rng).map(|flight| flight.end)
+}
+
+fn flights<'a>(
+    surface: &'a dyn Surface,
     mut origin: Vec3,
     mut direction: Vec3,
     most: usize,
     rng: &'a mut fastrand::Rng,
-) -> impl Iterator<Item = Surfel> + 'a {
+) -> impl Iterator<Item = Flight> + 'a {
     let offset = surface.offset();
     let next = move || {
         let hit = surface.first_hit(origin, direction)?;
+        let flown = hit.position.distance(origin);
         origin = step_back(origin, direction, &hit, offset);
         direction = frame_around(hit.normal) * cosine_direction(rng.f32(), rng.f32());
-        Some(hit)
+        Some(Flight { end: hit, flown })
     };
     std::iter::from_fn(next).take(most)
 }

@@ -4,9 +4,8 @@ use super::{Candidates, PointsError};
 use crate::{Event, Observer};
 use glam::Vec3;
 use lapidary_core::{
-    meshless::distance::distance,
     sphere::{fibonacci_directions, frame_around},
-    surfel::{Surface, Surfel, SurfelGrid},
+    surfel::{GradedGrid, Surface, Surfel},
 };
 
 /// Rejections in a row after which a set counts as full (the paper's 2000).
@@ -34,16 +33,28 @@ pub struct Darts {
 pub fn poisson_disk(candidates: &mut Candidates, darts: Darts) -> Result<Vec<Surfel>, PointsError> {
     let hemisphere: Vec<Vec3> = fibonacci_directions(2 * OPENNESS_RAYS).into_iter().filter(|d| d.z > 0.0).collect();
     let surface = candidates.surface();
-    let mut accepted = SurfelGrid::new(darts.radius);
+    let is_open = |place: &Surfel| !darts.open_only || !is_narrow(surface, place, darts.radius, &hemisphere);
+    let points = thrown(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
+    Ok(points.into_iter().map(|(point, _)| point).collect())
+}
+
+/// Candidates that are nearer to none before than its radius, at most `most`, with their radii in metres. `radius` is that of
+/// a place, or none where no point may be.
+fn thrown(
+    candidates: &mut Candidates,
+    most: usize,
+    radius: impl Fn(&Surfel) -> Option<f32>,
+) -> Result<Vec<(Surfel, f32)>, PointsError> {
+    let mut accepted = GradedGrid::default();
     let mut failures = 0;
-    while failures < FAILURES && accepted.points().len() < darts.most {
+    while failures < FAILURES && accepted.points().len() < most {
         let Some(candidate) = candidates.draw()? else { break };
-        let near = accepted.any_near(candidate.position, |_, p| distance(p, &candidate) < darts.radius);
-        if near || (darts.open_only && is_narrow(surface, &candidate, darts.radius, &hemisphere)) {
-            failures += 1;
-        } else {
+        let is_free = !accepted.any_reaching(&candidate, |_, _| true);
+        if let Some(radius) = is_free.then(|| radius(&candidate)).flatten() {
             failures = 0;
-            accepted.push(candidate);
+            accepted.push(candidate, radius);
+        } else {
+            failures += 1;
         }
     }
     Ok(accepted.into_points())
@@ -108,50 +119,50 @@ pub(super) fn levels_of_at_most(
     (0..levels).map(set).collect()
 }
 
-/// A Poisson-disk set of exactly `count` points, and its radius in metres.
+/// A Poisson-disk set of exactly `count` points whose radius goes by place, and the radius of each in metres.
 ///
-/// The radius is searched for that gives some more, and the closest of these are left out.
+/// `radius` is that of a place by a factor; the factor is searched for that gives some more points, and the closest of these
+/// are left out.
 ///
 /// # Errors
-/// A viewpoint that sees nothing, surfaces too small for so many points, or a cancelled job.
+/// Surfaces too small for so many points, or a cancelled job.
 pub fn poisson_count(
-    surface: &dyn Surface,
-    viewpoint: Vec3,
+    candidates: &mut Candidates,
     count: usize,
-    seed: u64,
-    observer: &dyn Observer,
-) -> Result<(Vec<Surfel>, f32), PointsError> {
+    radius: impl Fn(&Surfel, f32) -> f32,
+) -> Result<Vec<(Surfel, f32)>, PointsError> {
     /// Points that are left out at most, as a share.
     const SURPLUS: f32 = 0.06;
     const ATTEMPTS: usize = 16;
-    let mut candidates = Candidates::new(surface, viewpoint, seed, observer)?;
+    /// Attempts that end if the factor is all but nil.
+    const LEAST_FACTOR: f32 = 1e-6;
     let most = (count as f32 * (1.0 + SURPLUS)) as usize + 1;
-    let mut radius = 0.02 * surface.bounds().diagonal();
-    let mut best: Option<(Vec<Surfel>, f32)> = None;
+    let mut factor = 2.0;
+    let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        let points = poisson_disk(&mut candidates, Darts { radius, open_only: false, most: 2 * most })?;
+        let points = thrown(candidates, 2 * most, |place| Some(radius(place, factor)))?;
         let found = points.len();
-        if found >= count && best.as_ref().is_none_or(|(b, _)| found < b.len()) {
-            best = Some((points, radius));
+        if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {
+            best = Some(points);
         }
         // The number of points goes with the inverse square of the radius; the first sets may be far from that law.
         let good_enough = if attempt < ATTEMPTS / 2 { most } else { 2 * most };
         match &best {
-            Some((b, _)) if b.len() <= good_enough => break,
-            _ => radius *= (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt().clamp(0.02, 4.0),
+            Some(b) if b.len() <= good_enough => break,
+            _ => factor *= (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt().clamp(0.02, 4.0),
         }
-        if !(radius > 1e-7 * surface.bounds().diagonal()) {
+        if factor < LEAST_FACTOR {
             break;
         }
     }
-    let (points, radius) = best.ok_or(PointsError::TooLittleSurface { wanted: count })?;
-    Ok((thin(points, count, radius), radius))
+    let points = best.ok_or(PointsError::TooLittleSurface { wanted: count })?;
+    Ok(thin(points, count))
 }
 
 /// Leaves out the points with the nearest neighbours until `count` are left; of two neighbours only one goes where possible.
-fn thin(mut points: Vec<Surfel>, count: usize, radius: f32) -> Vec<Surfel> {
+fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     while points.len() > count {
-        let grid = SurfelGrid::of(2.0 * radius, &points);
+        let grid = GradedGrid::of(points.iter().map(|&(point, radius)| (point, 2.0 * radius)));
         let mut by_gap: Vec<(f32, u32, u32)> = (0..points.len())
             .map(|i| {
                 let (gap, neighbour) = nearest_other(&grid, i);
@@ -176,13 +187,11 @@ fn thin(mut points: Vec<Surfel>, count: usize, radius: f32) -> Vec<Surfel> {
     points
 }
 
-/// Distance and index of the nearest other point; itself if none is in reach.
-fn nearest_other(grid: &SurfelGrid, of: usize) -> (f32, usize) {
+/// Distance, as a share of its reach, and index of the nearest other point that reaches one; itself if there is none.
+fn nearest_other(grid: &GradedGrid, of: usize) -> (f32, usize) {
     let mut nearest = (f32::INFINITY, of);
-    let point = grid.points()[of];
-    grid.any_near(point.position, |i, p| {
-        let d = if i == of { f32::INFINITY } else { distance(p, &point) };
-        if d < nearest.0 {
+    grid.any_reaching(&grid.points()[of].0, |i, d| {
+        if i != of && d < nearest.0 {
             nearest = (d, i);
         }
         false

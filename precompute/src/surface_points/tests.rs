@@ -7,7 +7,9 @@ use crate::{
     sidedness::tests::{cuboid, floor},
 };
 use lapidary_core::{
+    camera::Camera,
     meshless::distance::distance,
+    shot::Shot,
     surfel::{Surface, Surfel},
 };
 
@@ -19,6 +21,21 @@ fn furnished() -> Prepared {
     triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.3), Vec3::splat(0.3)));
     triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.3), Vec3::splat(0.1)));
     Prepared::new(&triangles)
+}
+
+/// `count` points that are all as far apart, and their radii.
+fn even_points(prepared: &Prepared, count: usize) -> Vec<(Surfel, f32)> {
+    let surface = prepared.surface();
+    let mut candidates = Candidates::new(&surface, INSIDE, 1, &Silent).unwrap();
+    poisson_count(&mut candidates, count, |_, factor| 0.05 * factor).unwrap()
+}
+
+/// `count` points as sources are placed.
+fn graded_points(prepared: &Prepared, count: usize, shots: &[Shot]) -> Vec<(Surfel, f32)> {
+    let surface = prepared.surface();
+    let candidates = |seed| Candidates::new(&surface, INSIDE, seed, &Silent).unwrap().for_shots(shots);
+    let spacing = Spacing::new(&mut candidates(1), count).unwrap();
+    poisson_count(&mut candidates(2), count, |place, factor| spacing.at(place, factor)).unwrap()
 }
 
 fn disk(prepared: &Prepared, radius: f32, seed: u64) -> Vec<Surfel> {
@@ -77,9 +94,9 @@ fn density_is_even() {
 #[test]
 fn areas_add_up_to_what_light_reaches() {
     let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
-    let (points, radius) = poisson_count(&prepared.surface(), INSIDE, 1024, 1, &Silent).unwrap();
+    let points = even_points(&prepared, 1024);
     assert_eq!(points.len(), 1024);
-    let areas = sample_areas(&prepared.surface(), &points, radius, 2, &Silent).unwrap();
+    let areas = sample_areas(&prepared.surface(), &points, 2, &Silent).unwrap();
     let total: f32 = areas.iter().sum();
     assert!((total / 24.0 - 1.0).abs() < 0.02, "{total}");
     let mean = total / 1024.0;
@@ -87,10 +104,11 @@ fn areas_add_up_to_what_light_reaches() {
     assert!(least > 0.2 * mean && most < 3.0 * mean, "{least} and {most} about {mean}");
     // A box of 0.6 m on the floor hides 0.36 m² and shows five faces.
     let furnished = furnished();
-    let (points, radius) = poisson_count(&furnished.surface(), INSIDE, 2048, 1, &Silent).unwrap();
-    let total: f32 = sample_areas(&furnished.surface(), &points, radius, 2, &Silent).unwrap().iter().sum();
     let expected = 24.0 - 0.36 + 5.0 * 0.36;
-    assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
+    for points in [even_points(&furnished, 2048), graded_points(&furnished, 2048, &[])] {
+        let total: f32 = sample_areas(&furnished.surface(), &points, 2, &Silent).unwrap().iter().sum();
+        assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
+    }
 }
 
 /// A tile of 1.6 m stands 5 mm out of a wall, whose hidden part faces as the tile does: radii are ten times as far.
@@ -99,9 +117,9 @@ fn a_wall_close_behind_a_tile_has_no_part_in_the_tiles_area() {
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
     triangles.extend(cuboid(Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.8, 0.8, 0.005)));
     let tiled = Prepared::new(&triangles);
-    let (points, radius) = poisson_count(&tiled.surface(), INSIDE, 2048, 1, &Silent).unwrap();
-    assert!(radius > 0.05, "{radius}");
-    let total: f32 = sample_areas(&tiled.surface(), &points, radius, 2, &Silent).unwrap().iter().sum();
+    let points = even_points(&tiled, 2048);
+    assert!(points[0].1 > 0.05, "{}", points[0].1);
+    let total: f32 = sample_areas(&tiled.surface(), &points, 2, &Silent).unwrap().iter().sum();
     // The tile's face for the wall behind it, and its narrow sides.
     assert!((total / (24.0 + 4.0 * 1.6 * 0.005) - 1.0).abs() < 0.02, "{total}; 26.5 with the wall");
 }
@@ -124,9 +142,9 @@ fn areas_of_a_small_room_of_a_large_building_are_as_even_as_those_of_the_room_al
         let mut triangles = room(Vec3::ZERO, Vec3::ONE);
         triangles.extend(building);
         let prepared = Prepared::new(&triangles);
-        let (points, radius) = poisson_count(&prepared.surface(), INSIDE, 512, 1, &Silent).unwrap();
+        let points = even_points(&prepared, 512);
         let warnings = Warnings::default();
-        let areas = sample_areas(&prepared.surface(), &points, radius, 2, &warnings).unwrap();
+        let areas = sample_areas(&prepared.surface(), &points, 2, &warnings).unwrap();
         let total: f32 = areas.iter().sum();
         let mean = total / 512.0;
         let squares: f32 = areas.iter().map(|a| (a / mean - 1.0).powi(2)).sum();
@@ -193,8 +211,11 @@ fn an_open_scene_still_gets_points() {
     triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
     let prepared = Prepared::new(&triangles);
     let viewpoint = find_viewpoint(&prepared.surface(), None, &[], &[]).unwrap();
-    let (points, _) = poisson_count(&prepared.surface(), viewpoint, 512, 1, &Silent).unwrap();
-    assert!(points.iter().any(|p| p.position.y == 0.0) && points.iter().any(|p| p.position.y > 0.5));
+    let surface = prepared.surface();
+    let candidates = |seed| Candidates::new(&surface, viewpoint, seed, &Silent).unwrap();
+    let spacing = Spacing::new(&mut candidates(1), 512).unwrap();
+    let points = poisson_count(&mut candidates(2), 512, |place, factor| spacing.at(place, factor)).unwrap();
+    assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
 }
 
 #[test]
@@ -211,5 +232,53 @@ fn surfaces_without_area_and_cancelled_jobs_end() {
         }
     }
     let prepared = furnished();
-    assert_eq!(poisson_count(&prepared.surface(), INSIDE, 512, 1, &Stop), Err(PointsError::Cancelled));
+    let surface = prepared.surface();
+    let mut stopped = Candidates::new(&surface, INSIDE, 1, &Stop).unwrap();
+    assert_eq!(poisson_count(&mut stopped, 512, |_, factor| factor), Err(PointsError::Cancelled));
+    assert_eq!(Spacing::new(&mut stopped, 512).err(), Some(PointsError::Cancelled));
+}
+
+/// A plate of 0.8 m that floats 4 cm over the floor of the room.
+fn plate_over_floor() -> Prepared {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.3, -0.94, 0.2), Vec3::new(0.4, 0.02, 0.4)));
+    Prepared::new(&triangles)
+}
+
+/// Points in the gap beneath the plate, on the floor and on the plate.
+fn in_gap(points: &[(Surfel, f32)]) -> usize {
+    let is_in = |p: &Surfel| {
+        p.position.y < -0.959 && (p.position - Vec3::new(0.3, -1.0, 0.2)).abs().with_y(0.0).max_element() < 0.4
+    };
+    points.iter().filter(|p| is_in(&p.0)).count()
+}
+
+#[test]
+fn sources_are_closer_together_where_surfaces_are_and_nowhere_too_far_apart() {
+    let prepared = plate_over_floor();
+    let (even, graded) = (even_points(&prepared, 2048), graded_points(&prepared, 2048, &[]));
+    assert_eq!(graded.len(), 2048);
+    // 1.28 of 26 m² are the gap's.
+    assert!((60..160).contains(&in_gap(&even)), "negative control: {}", in_gap(&even));
+    assert!(in_gap(&graded) > 2 * in_gap(&even), "{} and {}", in_gap(&graded), in_gap(&even));
+    let widest = graded.iter().map(|p| p.1).fold(0.0, f32::max);
+    assert!((1.2..2.5).contains(&(widest / even[0].1)), "{widest} and {}", even[0].1);
+    let pairs = (0..graded.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let keeps_off = |(i, j): (usize, usize)| {
+        let ((p, r), (q, s)) = (graded[i], graded[j]);
+        distance(&p, &q) >= r.min(s)
+    };
+    assert!(pairs.into_iter().all(keeps_off), "no two are nearer than the smaller of their radii");
+}
+
+#[test]
+fn what_lies_close_to_what_a_shot_sees_has_more_sources_than_what_none_sees() {
+    let prepared = plate_over_floor();
+    let at_plate = Camera::look_at(Vec3::new(-0.9, -0.98, -0.7), Vec3::new(0.3, -0.98, 0.2), 20.0);
+    let at_ceiling = Camera::look_at(Vec3::new(-0.9, -0.5, -0.7), Vec3::new(0.0, 1.0, 0.0), 40.0);
+    let shot = |camera| [Shot { camera, aspect: 1.5 }];
+    let counts = [at_plate, at_ceiling].map(|camera| in_gap(&graded_points(&prepared, 2048, &shot(camera))));
+    assert!(counts[0] > 2 * counts[1], "{counts:?}");
+    let all = in_gap(&graded_points(&prepared, 2048, &[]));
+    assert!(counts[1] < all && all < counts[0], "{all} for all views, {counts:?}");
 }

@@ -10,12 +10,8 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    environment::texel_direction,
-    image::Image,
-    indirect::OWNED_WITHIN,
-    light_tree::NearestLeaf,
-    ray::DirectionSet,
-    surfel::{Surfel, SurfelGrid},
+    environment::texel_direction, image::Image, indirect::owners, light_tree::NearestLeaf, ray::DirectionSet,
+    surfel::GradedGrid,
 };
 use rayon::prelude::*;
 
@@ -165,26 +161,22 @@ fn visibility_color(pair: Option<(f32, f32)>) -> Vec3 {
 /// Which source stands for what a ray meets.
 struct SourcesAround<'a> {
     renderer: &'a Renderer,
-    grid: SurfelGrid,
+    owners: GradedGrid,
     /// Which sources the points of the grid are.
-    members: Vec<usize>,
-    reach: f32,
+    members: Vec<u32>,
     far: f32,
 }
 
 impl<'a> SourcesAround<'a> {
     fn new(renderer: &'a Renderer, lighting: &SourceLighting) -> Self {
-        let sources = lighting.tree.sources();
-        let members: Vec<usize> = (0..sources.len()).filter(|&i| sources[i].area > 0.0).collect();
-        let surfels: Vec<Surfel> = members.iter().map(|&i| sources[i].surfel).collect();
-        let reach = (OWNED_WITHIN * renderer.dataset.source_spacing()).max(f32::MIN_POSITIVE);
+        let (members, owners) = owners(lighting.tree.sources());
         let far = FAR * renderer.dataset.scene.mesh.bounds().diagonal();
-        Self { renderer, grid: SurfelGrid::of(reach, &surfels), members, reach, far }
+        Self { renderer, owners, members, far }
     }
 
     fn along(&self, point: &SurfacePoint, direction: Vec3) -> Option<usize> {
         let met = self.renderer.intersector.surfel_before(point.ray_origin, direction, self.far)?;
-        Some(self.members[self.grid.nearest(&met, self.reach)?])
+        Some(self.members[self.owners.nearest(&met)?] as usize)
     }
 }
 

@@ -146,7 +146,7 @@ fn pixels_that_have_no_cut_are_refused_with_a_reason() {
     assert_eq!(explain(&view, [12, 12]).unwrap_err(), ExplainError::Back { pixel: [12, 12] });
     let place = MeshPlace { triangle: 0, barycentric: glam::Vec2::ZERO };
     let surfel = Surfel { position: Vec3::Y, normal: Vec3::Y, place };
-    let two = [Source { surfel, area: 1.0 }; 2];
+    let two = [Source { surfel, area: 1.0, spacing: 1.0 }; 2];
     let sources = SourceLighting::new(Arc::new(SourceTree::new(&two)), &[Vec3::ONE; 2], 1);
     let missing = renderer.explain(&from_the_side(SIZE), [12, 16], CutLight::Sources(&sources), BrdfSampling::Once);
     assert_eq!(missing.unwrap_err(), ExplainError::NoCuts(NoCuts::Sources));

@@ -96,6 +96,7 @@ mod tests {
         let source = |x: f32, area: f32| Source {
             surfel: Surfel { position: Vec3::new(x, 0.0, 0.1), normal: Vec3::Y, place: Default::default() },
             area,
+            spacing: area.sqrt(),
         };
         let at_center = |x: f32, area: f32| {
             let source = source(x, area);

@@ -64,7 +64,7 @@ fn wall_sources(triangle: u32) -> Vec<Source> {
         let at = |code: u32| cell * (coordinate(code) as f32 + 0.5);
         let position = WALL[0] + Vec3::new(0.0, at(i), -at(i >> 1));
         let place = MeshPlace { triangle, barycentric: Vec2::splat(1.0 / 3.0) };
-        Source { surfel: Surfel { position, normal: Vec3::X, place }, area: cell * cell }
+        Source { surfel: Surfel { position, normal: Vec3::X, place }, area: cell * cell, spacing: cell }
     };
     (0..SOURCES as u32).map(source).collect()
 }

@@ -24,7 +24,7 @@ impl<'a> SourceSamples<'a> {
         let off_surface = OFFSET * renderer.dataset.scene.mesh.bounds().diagonal();
         let sources = lighting.tree.sources();
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
-        let near = NearField::new(sources, renderer.dataset.source_spacing());
+        let near = NearField::new(sources);
         Self { lighting, ends, near }
     }
 

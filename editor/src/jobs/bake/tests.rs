@@ -71,7 +71,8 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         std::fs::write(&obj, CORNER).unwrap();
         task.scene = import(&obj).unwrap().scene.into();
         let normal = Preset::Draft.settings();
-        let indirect = IndirectSettings { viewpoint: Some(Vec3::new(0.6, 0.5, 0.5)), ..normal.indirect };
+        let viewpoint = Some(Vec3::new(0.6, 0.5, 0.5));
+        let indirect = IndirectSettings { viewpoint, sources: 4096, ..normal.indirect };
         let meshless = MeshlessSettings { levels: 1, sender_levels: 1, ..normal.meshless };
         task.job.settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
         let mut messages = all(&mut BakeRun::start(task.clone(), silent()));
