@@ -4,7 +4,6 @@ mod graded_grid;
 mod grid;
 
 pub use graded_grid::GradedGrid;
-pub use grid::SurfelGrid;
 
 use crate::scene::Bounds;
 use glam::{Vec2, Vec3};

@@ -1,6 +1,6 @@
 //! Surface points of different reach by place: which of them stands for a place.
 
-use super::{Surfel, SurfelGrid};
+use super::{Surfel, grid::SurfelGrid};
 use crate::meshless::distance::distance;
 use glam::Vec3;
 use std::collections::BTreeMap;

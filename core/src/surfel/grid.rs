@@ -1,7 +1,6 @@
 //! Surface points by place, for range queries.
 
 use super::Surfel;
-use crate::meshless::distance::distance;
 use glam::Vec3;
 
 /// Buckets; cells that share one cost a few tests more.
@@ -24,28 +23,11 @@ impl SurfelGrid {
         Self { inverse_cell: 1.0 / reach, heads: vec![NONE; BUCKETS], before: Vec::new(), points: Vec::new() }
     }
 
-    /// With all of `points`.
-    pub fn of(reach: f32, points: &[Surfel]) -> Self {
-        let mut grid = Self::new(reach);
-        points.iter().for_each(|&p| grid.push(p));
-        grid
-    }
-
     /// Adds a point.
     pub fn push(&mut self, point: Surfel) {
         let bucket = bucket(self.cell(point.position));
         self.before.push(std::mem::replace(&mut self.heads[bucket], self.points.len() as u32));
         self.points.push(point);
-    }
-
-    /// All points in the order in which they came.
-    pub fn points(&self) -> &[Surfel] {
-        &self.points
-    }
-
-    /// The points alone.
-    pub fn into_points(self) -> Vec<Surfel> {
-        self.points
     }
 
     /// Whether `test` holds for any point near `position`: all within reach, some more, and some of them twice.
@@ -63,20 +45,6 @@ impl SurfelGrid {
             }
         }
         false
-    }
-
-    /// The point nearest to `place` by position and normal ([`distance`]) within `reach` metres, no farther than that of the
-    /// grid.
-    pub fn nearest(&self, place: &Surfel, reach: f32) -> Option<usize> {
-        let mut nearest = (reach, None);
-        self.any_near(place.position, |i, point| {
-            let d = distance(point, place);
-            if d < nearest.0 {
-                nearest = (d, Some(i));
-            }
-            false
-        });
-        nearest.1
     }
 
     fn cell(&self, position: Vec3) -> [i64; 3] {
@@ -99,7 +67,8 @@ mod tests {
     fn a_grid_finds_neighbours_however_small_its_cells() {
         let at = |x: f32| Surfel { position: Vec3::splat(x), normal: Vec3::Y, place: Default::default() };
         for (reach, x) in [(1e-30, 3e8), (1e-12, -1e12), (1e-6, 4e3)] {
-            let grid = SurfelGrid::of(reach, &[at(x)]);
+            let mut grid = SurfelGrid::new(reach);
+            grid.push(at(x));
             assert!(grid.any_near(Vec3::splat(x), |i, _| i == 0), "{reach} at {x}");
         }
     }

@@ -124,6 +124,22 @@ fn a_wall_close_behind_a_tile_has_no_part_in_the_tiles_area() {
     assert!((total / (24.0 + 4.0 * 1.6 * 0.005) - 1.0).abs() < 0.02, "{total}; 26.5 with the wall");
 }
 
+/// Nine screens of 1 cm stand on the floor: many a point at the foot of one lies nearest to a sample behind it.
+#[test]
+fn a_point_whose_nearest_sample_is_hidden_belongs_to_the_next() {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    let screen = |i: i32| cuboid(Vec3::new(0.0, -0.7, 0.2 * i as f32), Vec3::new(0.6, 0.3, 0.005));
+    triangles.extend((-4..=4).flat_map(screen));
+    let parted = Prepared::new(&triangles);
+    let surface = parted.surface();
+    let mut candidates = Candidates::new(&surface, INSIDE + Vec3::Y * 0.5, 1, &Silent).unwrap();
+    let points = poisson_count(&mut candidates, 512, |_, factor| 0.05 * factor).unwrap();
+    let total: f32 = sample_areas(&surface, &points, 2, &Silent).unwrap().iter().sum();
+    // Tops take the place of the floor beneath; two faces and two edges each are new.
+    let expected = 24.0 + 9.0 * 2.0 * (1.2 + 0.01) * 0.6;
+    assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
+}
+
 /// Keeps warnings.
 #[derive(Default)]
 struct Warnings(std::sync::Mutex<String>);
