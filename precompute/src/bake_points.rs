@@ -1,6 +1,7 @@
 //! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
 
 mod creases;
+mod sight;
 
 use crate::{
     BakeError,
@@ -12,9 +13,11 @@ use glam::Vec3;
 use lapidary_core::{
     ray::Intersector,
     scene::Mesh,
+    shot::Shot,
     sphere::{fibonacci_directions, frame_around},
 };
 use rayon::prelude::*;
+use sight::Sight;
 use std::collections::HashMap;
 
 /// Rays that decide whether a point lies inside other geometry.
@@ -116,6 +119,23 @@ impl BakePoints {
         }
     }
 
+    /// The points with the places where they sample light from surfaces near by, which vary within their triangles: not in
+    /// concave edges, nor where something hides them from the shots.
+    pub fn for_sources(&self, mesh: &Mesh, scene: &Intersector, shots: &[Shot]) -> Vec<BakePoint> {
+        let mut points = self.off_creases(mesh, scene);
+        let sight = Sight::new(mesh, scene, shots, points.len(), &self.of_vertex);
+        points.par_iter_mut().enumerate().for_each(|(i, point)| {
+            for (side, normal) in
+                [point.normal, -point.normal].into_iter().enumerate().take(1 + usize::from(point.two_sided))
+            {
+                if let Some(place) = sight.better_place(i, point.position, normal, point.offset) {
+                    point.places[side] = place;
+                }
+            }
+        });
+        points
+    }
+
     /// For each point: whether it lies inside a closed piece, since most of what it sees are back faces of such.
     ///
     /// # Errors
@@ -197,7 +217,26 @@ mod tests {
             tests::{cuboid, floor, scene_of},
         },
     };
-    use lapidary_core::scene::Scene;
+    use lapidary_core::{camera::Camera, scene::Scene};
+
+    #[test]
+    fn for_sources_points_that_a_shot_does_not_see_sample_where_it_sees_their_triangles() {
+        // A box stands on a floor of two triangles; a corner of the floor is behind it.
+        let mut triangles = floor(2.0, 0.0).to_vec();
+        triangles.extend(cuboid(Vec3::new(-1.5, 0.5, -1.5), Vec3::splat(0.4)));
+        let scene = scene_of(&triangles);
+        let (points, intersector) = (points(&scene).0, Intersector::new(&scene.mesh));
+        let camera = Camera::look_at(Vec3::new(2.0, 1.0, 2.0), Vec3::ZERO, 90.0);
+        let shots = [Shot { camera, aspect: 1.0 }];
+        let places = |shots: &[Shot]| points.for_sources(&scene.mesh, &intersector, shots);
+        let corner = points.points.iter().position(|p| p.position == Vec3::new(-2.0, 0.0, -2.0)).unwrap();
+        let [moved, still] = [places(&shots), places(&[])].map(|points| points[corner]);
+        assert!(moved.place(true).distance(Vec3::new(-2.0, 0.0, -2.0)) > 0.5, "{moved:?}");
+        assert_eq!(still.place(true), still.position, "negative control: no shot");
+        let seen = points.points.iter().position(|p| p.position == Vec3::new(2.0, 0.0, -2.0)).unwrap();
+        assert_eq!(places(&shots)[seen], places(&[])[seen]);
+        assert_eq!(moved.place(false), still.place(false), "no shot is below the floor");
+    }
 
     fn points(scene: &Scene) -> (BakePoints, Vec<bool>) {
         let sides = classify(scene);

@@ -19,6 +19,7 @@ mod pilot;
 mod settings;
 mod sidedness;
 mod sources;
+mod spread;
 mod study;
 mod surface_points;
 mod tessellate;

@@ -110,7 +110,7 @@ fn check_sources(
     let height = indirect.sources.len().ilog2();
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
     let sampler = SourceSampler::new(intersector, &indirect.sources, offset);
-    let places = points.off_creases(&dataset.scene.mesh, intersector);
+    let places = points.for_sources(&dataset.scene.mesh, intersector, &dataset.settings.shots);
     let differs = |vertex: &&usize| {
         let mut seen = vec![0.0; indirect.sources.len()];
         sampler.sample_singly(&places[points.of_vertex[**vertex] as usize], &mut seen);

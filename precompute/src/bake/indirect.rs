@@ -93,7 +93,7 @@ impl Stage<'_> {
 
     fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
-        let places = points.off_creases(&scene.mesh, intersector);
+        let places = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
         let maker = SourceCuts {
             points: &places,
             sampler: SourceSampler::new(intersector, sources, self.surface.offset()),

@@ -7,6 +7,7 @@ use crate::{
     BakeError,
     bake::cancelled,
     observer::{Event, Observer},
+    spread::on_triangle,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -85,7 +86,7 @@ impl<'a> Scale<'a> {
         let normal = mesh.area_vector(triangle).normalize_or_zero();
         let places = (area_of(mesh, triangle) / (self.unit * self.unit)).clamp(*PLACES.start(), *PLACES.end());
         let at = |i: u32| {
-            let [u, v] = barycentric(i);
+            let [u, v] = on_triangle(i);
             let place = a + (b - a) * u + (c - a) * v;
             self.frames.iter().map(|frame| self.magnification(frame, place, normal)).sum()
         };
@@ -117,11 +118,4 @@ fn edge_length(area: f32, vertices: f32) -> f32 {
 
 fn area_of(mesh: &Mesh, triangle: usize) -> f32 {
     0.5 * mesh.area_vector(triangle).length()
-}
-
-/// Evenly spread over a triangle: Roberts' R2 sequence, folded.
-fn barycentric(index: u32) -> [f32; 2] {
-    const GOLDEN: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
-    let [u, v] = GOLDEN.map(|g| (0.5 + g * f64::from(index)).fract() as f32);
-    if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] }
 }
