@@ -16,6 +16,7 @@
 //! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
 //! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, metres |
 //! | `source_areas` | f32 | S | m² that each stands for |
+//! | `source_spacings` | f32 | S | metres that each keeps from the others |
 //! | `source_triangles` | u32 | S | triangle that each lies on |
 //! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
 //! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::indirect`] |

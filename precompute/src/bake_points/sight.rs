@@ -35,8 +35,8 @@ impl<'a> Sight<'a> {
     }
 
     /// Where a point does better than at `position`, on the side of a unit normal from which rays start `offset` metres off: the
-    /// middle of what is seen of its triangles, by its weight in interpolation. None if it is seen itself, faces no eye, or all
-    /// around it is hidden.
+    /// middle of what is seen of its triangles, by its weight in interpolation. None if nothing hides it from an eye that it faces,
+    /// in the picture or beside it, if it faces none, or if all around it is hidden.
     pub fn better_place(&self, point: usize, position: Vec3, normal: Vec3, offset: f32) -> Option<Vec3> {
         let place = position + normal * offset;
         let mut facing = self.frames.iter().filter(|f| faces(f, place, normal)).peekable();

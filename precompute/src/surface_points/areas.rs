@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Uniformly distributed points a sample that are drawn at a time.
 const POINTS_PER_SAMPLE: usize = 64;
 /// Points a sample that belong to one, on average, after which no more are drawn: areas are good to a seventh, their sum to
-/// far less.
+/// far less, and those of samples that are closer together than others to more.
 const OWNED_PER_SAMPLE: usize = 48;
 /// Draws at most. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
 const DRAWS: usize = 64;
