@@ -187,7 +187,7 @@ fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     points
 }
 
-/// Distance, as a share of its reach, and index of the nearest other point that reaches one; itself if there is none.
+/// Distance (Eq. 11) in metres and index of the nearest other point that reaches one; itself if there is none.
 fn nearest_other(grid: &GradedGrid, of: usize) -> (f32, usize) {
     let mut nearest = (f32::INFINITY, of);
     grid.any_reaching(&grid.points()[of].0, |i, d| {
