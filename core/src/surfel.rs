@@ -1,7 +1,7 @@
 //! Points of surfaces that light is gathered at and sent from, whatever the surface is made of.
 
+mod ball_grid;
 mod graded_grid;
-mod grid;
 
 pub use graded_grid::GradedGrid;
 

@@ -3,6 +3,7 @@
 
 mod areas;
 mod candidates;
+mod cells;
 mod disk;
 mod spacing;
 mod viewpoint;

@@ -83,27 +83,44 @@ impl NearField {
         receives: impl Fn(Vec3) -> bool,
         mut add: impl FnMut(usize, f32),
     ) -> u64 {
-        let cosine = |direction: Vec3| direction.dot(normal).max(LEAST_COSINE);
+        let cosine = |direction: Vec3| direction.dot(normal);
         let mut rays = 0;
         for &direction in self.directions.iter().filter(|&&d| receives(d)) {
             rays += 1;
+            // A ray that comes from high up must not go to a source that is seen low.
+            let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
+            let to = |source: &Source| (source.surfel.position - origin).normalize_or_zero();
             let met = scene.surfel_before(origin, direction, self.longest);
-            if let Some(owner) = met.and_then(|met| self.owner(sources, origin, &met)) {
-                let to_center = (sources[owner].surfel.position - origin).normalize_or_zero();
-                add(owner, 2.0 * TAU / RAYS as f32 * cosine(direction) / cosine(to_center));
+            let owner = met.and_then(|met| self.owner(sources, origin, &met, |source| cosine(to(source)) > lowest));
+            if let Some(owner) = owner {
+                let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));
+                add(owner, 2.0 * TAU / RAYS as f32 * cosines[0] / cosines[1]);
             }
         }
         rays
     }
 
-    /// The near source that stands for a place; none for one of the surface that `origin` itself lies in, which rays below
-    /// the tangent plane of a rounded edge meet.
-    fn owner(&self, sources: &[Source], origin: Vec3, place: &Surfel) -> Option<usize> {
-        let owner = self.members[self.owners.nearest(place)?] as usize;
-        let source = &sources[owner];
-        let is_beside = source.surfel.position.distance(origin) < OWNED_WITHIN * source.spacing;
-        let is_own = is_beside && !self.is_over(source, origin);
-        (self.holds(source, origin) && !is_own).then_some(owner)
+    /// The near source that stands for a place: the nearest that `lights` a point at `origin`, for a table's top is next to a
+    /// ledge below its rim, and sources may lie at the very foot of a wall. If none does, the nearest of all. None for a place
+    /// of the surface that `origin` itself lies in, which rays below the tangent plane of a rounded edge meet, nor where
+    /// the nearest is far enough to be a disc.
+    fn owner(
+        &self,
+        sources: &[Source],
+        origin: Vec3,
+        place: &Surfel,
+        lights: impl Fn(&Source) -> bool,
+    ) -> Option<usize> {
+        let source = |i: usize| &sources[self.members[i] as usize];
+        let is_own =
+            |s: &Source| s.surfel.position.distance(origin) < OWNED_WITHIN * s.spacing && !self.is_over(s, origin);
+        let stands_in = |i: usize| self.holds(source(i), origin) && !is_own(source(i)) && lights(source(i));
+        let nearest = self.owners.nearest(place).filter(|&i| self.holds(source(i), origin))?;
+        let height = (origin - place.position).dot(place.normal);
+        let is_elsewhere = height > LEAST_HEIGHT * source(nearest).spacing;
+        let other = || is_elsewhere.then(|| self.owners.nearest_that(place, stands_in)).flatten();
+        let owner = if stands_in(nearest) { nearest } else { other().unwrap_or(nearest) };
+        (!is_own(source(owner))).then_some(self.members[owner] as usize)
     }
 }
 
@@ -201,6 +218,47 @@ mod tests {
         assert!((sums[0] / sums[1] - 1.0).abs() < 0.1, "its neighbours stand for its place: {sums:?}");
         let in_floor = Vec3::new(2.05, 1e-5, 0.05);
         assert!(gathered(&all, &scene, &sources, in_floor, down).iter().sum::<f32>() < 1e-2 * sums[1]);
+    }
+
+    #[test]
+    fn a_ledge_below_a_rim_is_not_taken_for_the_top() {
+        let surfel = |x, y, z| Surfel { position: Vec3::new(x, y, z), normal: Vec3::Y, place: Default::default() };
+        let source = |surfel| Source { surfel, area: 1e-3, spacing: 0.05 };
+        // A ledge of two centimetres at the foot of a rim of one; the top's source is nearer to what the rim sees of it.
+        let (low, wide) = (-0.01, 0.02);
+        let corners = [(0.0, -1.0), (0.0, 1.0), (wide, 1.0), (wide, -1.0)];
+        let mesh = Mesh {
+            positions: corners.map(|(x, z)| Vec3::new(x, low, z)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        };
+        let sources = [source(surfel(-0.005, 0.0, 0.0)), source(surfel(0.015, low, 0.04))];
+        let (scene, rim) = (Intersector::new(&mesh), Vec3::new(1e-4, -0.005, 0.0));
+        let seen = |sources: &[Source]| gathered(&NearField::new(sources), &scene, sources, rim, Vec3::X);
+        let angles = seen(&sources);
+        assert!(angles[0] == 0.0 && angles[1] > 0.5, "{angles:?}");
+        assert_eq!(seen(&sources[..1]), [0.0], "negative control: the top gives the rim no light");
+    }
+
+    #[test]
+    fn sources_at_the_very_foot_of_a_wall_do_not_take_the_light_from_above() {
+        let (scene, _) = floor_and_wall();
+        let surfel = |y, z| Surfel { position: Vec3::new(0.0, y, z), normal: Vec3::X, place: Default::default() };
+        let at = |row: i32, i: i32| surfel(CELL * (row as f32 + 0.02), CELL * i as f32);
+        let row = |row: i32| (-20..20).map(move |i| at(row, i));
+        let source = |surfel| Source { surfel, area: CELL * CELL, spacing: CELL };
+        let sources: Vec<Source> = (0..20).flat_map(row).map(source).collect();
+        let floor = Vec3::new(0.1 * CELL, 1e-5, 0.5 * CELL);
+        let lit = |sources: &[Source]| {
+            let angles = gathered(&NearField::new(sources), &scene, sources, floor, Vec3::Y);
+            let cosine = |s: &Source| (s.surfel.position - floor).normalize().y;
+            angles.iter().zip(sources).map(|(angle, s)| angle * cosine(s)).sum::<f32>()
+        };
+        // Half of what a furnace gives, but for the wall beyond the reach and for low rays: those of cosines below 0.3 hold 0.09 of
+        // it, and go to the foot.
+        let found = lit(&sources);
+        assert!((found / (0.5 * PI) - 1.0).abs() < 0.1, "{found}");
+        assert!(lit(&sources[..40]) < 0.3 * PI, "negative control: none above");
     }
 
     /// Where sources stand half as far apart, four times as many give what the others did.

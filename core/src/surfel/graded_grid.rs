@@ -1,8 +1,7 @@
 //! Surface points of different reach by place: which of them stands for a place.
 
-use super::{Surfel, grid::SurfelGrid};
+use super::{Surfel, ball_grid::BallGrid};
 use crate::meshless::distance::distance;
-use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// Octaves of reach that share a grid: fewer are more grids to look in, more are larger cells.
@@ -11,15 +10,8 @@ const OCTAVES: f32 = 2.0;
 /// Points that each stand for the places within a reach of their own, in a grid for every few octaves of reach.
 #[derive(Default)]
 pub struct GradedGrid {
-    layers: BTreeMap<i32, Layer>,
+    layers: BTreeMap<i32, BallGrid>,
     points: Vec<(Surfel, f32)>,
-}
-
-/// The points whose reach is of the same few octaves.
-struct Layer {
-    grid: SurfelGrid,
-    /// Which of all points they are.
-    members: Vec<u32>,
 }
 
 impl GradedGrid {
@@ -34,12 +26,9 @@ impl GradedGrid {
     pub fn push(&mut self, point: Surfel, reach: f32) {
         let reach = reach.max(f32::MIN_POSITIVE);
         let key = (reach.log2() / OCTAVES).floor() as i32;
-        let layer = self.layers.entry(key).or_insert_with(|| {
-            // No point of the layer reaches farther.
-            Layer { grid: SurfelGrid::new(((key as f32 + 1.0) * OCTAVES).exp2()), members: Vec::new() }
-        });
-        layer.grid.push(point);
-        layer.members.push(self.points.len() as u32);
+        // No point of the layer reaches farther.
+        let layer = self.layers.entry(key).or_insert_with(|| BallGrid::new(((key as f32 + 1.0) * OCTAVES).exp2()));
+        layer.push(self.points.len() as u32, point.position, reach);
         self.points.push((point, reach));
     }
 
@@ -56,39 +45,38 @@ impl GradedGrid {
     /// Whether `test` holds for the index and the distance ([`distance`]) of any point that reaches `place`; some are asked
     /// twice.
     pub fn any_reaching(&self, place: &Surfel, mut test: impl FnMut(usize, f32) -> bool) -> bool {
-        self.any_near(place.position, |i, point, reach| {
-            let d = distance(point, place);
-            d < reach && test(i, d)
+        // The distance is never less than that of the positions.
+        self.layers.values().any(|layer| {
+            layer.any_around(place.position, |i| {
+                let (point, reach) = &self.points[i as usize];
+                let d = distance(point, place);
+                d < *reach && test(i as usize, d)
+            })
         })
     }
 
     /// The nearest ([`distance`]) of the points that reach a place.
     pub fn nearest(&self, place: &Surfel) -> Option<usize> {
+        self.nearest_that(place, |_| true)
+    }
+
+    /// The nearest of the points that reach a place, of those whose index `may` stand for it.
+    pub fn nearest_that(&self, place: &Surfel, may: impl Fn(usize) -> bool) -> Option<usize> {
         let mut nearest = (f32::INFINITY, None);
         self.any_reaching(place, |i, d| {
-            if d < nearest.0 {
+            if d < nearest.0 && may(i) {
                 nearest = (d, Some(i));
             }
             false
         });
         nearest.1
     }
-
-    /// Whether `test` holds for the index, the place and the reach of any point near `position`: all that reach it, some
-    /// more, and some of them twice.
-    pub fn any_near(&self, position: Vec3, mut test: impl FnMut(usize, &Surfel, f32) -> bool) -> bool {
-        self.layers.values().any(|Layer { grid, members }| {
-            grid.any_near(position, |i, point| {
-                let index = members[i] as usize;
-                test(index, point, self.points[index].1)
-            })
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn points() -> Vec<(Surfel, f32)> {
         let mut rng = fastrand::Rng::with_seed(3);
@@ -111,6 +99,8 @@ mod tests {
             let all = points.iter().enumerate().map(|(i, (p, reach))| (distance(p, &place), i, *reach));
             let nearest = all.clone().filter(|(d, _, reach)| d < reach).min_by(|a, b| a.0.total_cmp(&b.0));
             assert_eq!(grid.nearest(&place), nearest.map(|n| n.1));
+            let of_odd = all.clone().filter(|(d, i, reach)| d < reach && i % 2 == 1).min_by(|a, b| a.0.total_cmp(&b.0));
+            assert_eq!(grid.nearest_that(&place, |i| i % 2 == 1), of_odd.map(|n| n.1));
             let any = all.min_by(|a, b| a.0.total_cmp(&b.0)).map(|n| n.1);
             farther += usize::from(any != nearest.map(|n| n.1));
         }

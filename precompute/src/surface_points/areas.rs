@@ -1,6 +1,6 @@
 //! The area that each surface point stands for: that of the reachable surface nearer to it than to the others.
 
-use super::PointsError;
+use super::{PointsError, disk::DENSITY};
 use crate::{Event, MeshSurface, Observer};
 use lapidary_core::{
     indirect::OWNED_WITHIN,
@@ -11,10 +11,12 @@ use rayon::prelude::*;
 /// Uniformly distributed points a sample that are drawn at a time.
 const POINTS_PER_SAMPLE: usize = 64;
 /// Points a sample that belong to one, on average, after which no more are drawn: areas are good to a seventh, their sum to
-/// far less, and those of samples that are closer together than others to more.
+/// far less.
 const OWNED_PER_SAMPLE: usize = 48;
 /// Draws at most. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
 const DRAWS: usize = 64;
+/// Further draws at most, around samples that are closer together than others and would own too few points.
+const FINE_DRAWS: usize = 16;
 /// Samples that are asked in turn whether a point belongs to them: things that stand on a surface part it from the nearest.
 const TRIED: usize = 4;
 /// Owned points a sample below which it is remarked upon.
@@ -36,24 +38,77 @@ pub fn sample_areas(
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<Vec<f32>, PointsError> {
-    let grid = GradedGrid::of(samples.iter().map(|&(sample, radius)| (sample, OWNED_WITHIN * radius)));
-    let mut points_of = vec![0_u32; samples.len()];
-    let (mut owned, mut draws, mut area) = (0, 0, 0.0);
-    while draws < DRAWS && owned < samples.len() * OWNED_PER_SAMPLE {
-        if observer.cancelled() {
+    let mut census = Census::new(surface, samples, seed, observer);
+    while census.draws < DRAWS && census.owned() < samples.len() * OWNED_PER_SAMPLE {
+        census.draw(|_| true, |_| true)?;
+    }
+    let owned = census.owned();
+    let draws: Vec<usize> = samples.iter().map(|&(_, radius)| census.draws_for(radius)).collect();
+    for draw in census.draws..draws.iter().copied().max().unwrap_or(0) {
+        let is_fine = |sample: usize| draws[sample] > draw;
+        let fine = grid_of(samples.iter().enumerate().filter(|(i, _)| is_fine(*i)).map(|(_, sample)| sample));
+        census.draw(|point| fine.any_reaching(point, |_, _| true), is_fine)?;
+    }
+    remark(&census.points_of, owned, observer);
+    let area = |(points, draws): (&u32, &usize)| *points as f32 * census.area_of_point / *draws.max(&1) as f32;
+    Ok(census.points_of.iter().zip(&draws).map(area).collect())
+}
+
+/// Samples by the places that may be theirs.
+fn grid_of<'a>(samples: impl Iterator<Item = &'a (Surfel, f32)>) -> GradedGrid {
+    GradedGrid::of(samples.map(|&(sample, radius)| (sample, OWNED_WITHIN * radius)))
+}
+
+/// Points of the mesh, each given to the sample that it belongs to.
+struct Census<'a> {
+    surface: &'a MeshSurface<'a>,
+    observer: &'a dyn Observer,
+    seed: u64,
+    grid: GradedGrid,
+    points_of: Vec<u32>,
+    draws: usize,
+    /// In m², of one draw.
+    area_of_point: f32,
+}
+
+impl<'a> Census<'a> {
+    fn new(surface: &'a MeshSurface<'a>, samples: &[(Surfel, f32)], seed: u64, observer: &'a dyn Observer) -> Self {
+        let (grid, points_of) = (grid_of(samples.iter()), vec![0; samples.len()]);
+        Self { surface, observer, seed, grid, points_of, draws: 0, area_of_point: 0.0 }
+    }
+
+    /// Draws points, and gives those that may belong to samples that count to these.
+    fn draw(
+        &mut self,
+        may_count: impl Fn(&Surfel) -> bool + Sync,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<(), PointsError> {
+        if self.observer.cancelled() {
             return Err(PointsError::Cancelled);
         }
-        let (points, area_of_point) = surface.uniform_points(samples.len() * POINTS_PER_SAMPLE, seed + draws as u64);
-        let owners: Vec<Option<u32>> = points.par_iter().map(|p| owner(surface, &grid, p)).collect();
-        for sample in owners.into_iter().flatten() {
-            points_of[sample as usize] += 1;
-            owned += 1;
+        let Self { surface, grid, .. } = self;
+        let number = self.points_of.len() * POINTS_PER_SAMPLE;
+        let (points, area_of_point) = surface.uniform_points(number, self.seed + self.draws as u64);
+        let owner = |point: &Surfel| may_count(point).then(|| owner(surface, grid, point)).flatten();
+        let owners: Vec<Option<u32>> = points.par_iter().map(owner).collect();
+        for sample in owners.into_iter().flatten().filter(|&sample| counts(sample as usize)) {
+            self.points_of[sample as usize] += 1;
         }
-        draws += 1;
-        area = area_of_point;
+        self.draws += 1;
+        self.area_of_point = area_of_point;
+        Ok(())
     }
-    remark(&points_of, owned, observer);
-    Ok(points_of.into_iter().map(|n| n as f32 * area / draws.max(1) as f32).collect())
+
+    fn owned(&self) -> usize {
+        self.points_of.iter().map(|&points| points as usize).sum()
+    }
+
+    /// How many draws give a sample enough points: no fewer than those that all have had. It goes by the radius and not by the
+    /// points found so far, which would favour lucky ones.
+    fn draws_for(&self, radius: f32) -> usize {
+        let enough = (OWNED_PER_SAMPLE as f32 * DENSITY * self.area_of_point / (radius * radius)).ceil();
+        (enough as usize).clamp(self.draws, self.draws + FINE_DRAWS)
+    }
 }
 
 /// Tells of areas that are noise.

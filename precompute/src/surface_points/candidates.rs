@@ -23,6 +23,7 @@ const BOUNCES: usize = 30;
 const DROPPED: usize = 3;
 /// Particles traced at a time.
 const BATCH: u64 = 256;
+const DRAWN: u64 = 4096;
 /// Batches without a landing after which there are no more candidates.
 const EMPTY_BATCHES: usize = 16;
 /// Share of particles that must land more than [`DROPPED`] times for these to be dropped.
@@ -87,7 +88,7 @@ impl<'a> Candidates<'a> {
             if self.observer.cancelled() {
                 return Err(PointsError::Cancelled);
             }
-            let particles = self.next_particle..self.next_particle + BATCH;
+            let particles = self.next_particle..self.next_particle + DRAWN;
             self.next_particle = particles.end;
             let landed: Vec<Vec<Flight>> = particles.into_par_iter().map(|p| self.flights(p)).collect();
             self.ready.extend(landed.into_iter().flatten());

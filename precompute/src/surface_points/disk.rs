@@ -1,6 +1,6 @@
 //! Poisson-disk sets by dart throwing (meshless basis paper, 2.3).
 
-use super::{Candidates, PointsError};
+use super::{Candidates, PointsError, spacing::USUAL_FACTOR};
 use crate::{Event, Observer};
 use glam::Vec3;
 use lapidary_core::{
@@ -10,6 +10,8 @@ use lapidary_core::{
 
 /// Rejections in a row after which a set counts as full (the paper's 2000).
 const FAILURES: usize = 2000;
+/// Squared radius of a set, as a share of the area that each of its points stands for.
+pub(super) const DENSITY: f32 = 0.79;
 /// Rays of the openness test; half the directions of a sphere.
 const OPENNESS_RAYS: usize = 32;
 /// No set is larger: a bound for surfaces too large for their radius. It is told when a level ends there.
@@ -137,7 +139,7 @@ pub fn poisson_count(
     /// Attempts that end if the factor is all but nil.
     const LEAST_FACTOR: f32 = 1e-6;
     let most = (count as f32 * (1.0 + SURPLUS)) as usize + 1;
-    let mut factor = 2.0;
+    let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
         let points = thrown(candidates, 2 * most, |place| Some(radius(place, factor)))?;
@@ -145,12 +147,14 @@ pub fn poisson_count(
         if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {
             best = Some(points);
         }
-        // The number of points goes with the inverse square of the radius; the first sets may be far from that law.
         let good_enough = if attempt < ATTEMPTS / 2 { most } else { 2 * most };
-        match &best {
-            Some(b) if b.len() <= good_enough => break,
-            _ => factor *= (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt().clamp(0.02, 4.0),
+        if best.as_ref().is_some_and(|b| b.len() <= good_enough) {
+            break;
         }
+        // The number of points goes with the inverse square of the radius; the first sets may be far from that law, and how many
+        // a set that was cut short would have is not known.
+        let law = (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt();
+        factor *= if found < 2 * most { law.max(0.02) } else { 2.0 };
         if factor < LEAST_FACTOR {
             break;
         }
@@ -187,14 +191,41 @@ fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     points
 }
 
-/// Distance (Eq. 11) in metres and index of the nearest other point that reaches one; itself if there is none.
+/// Distance, as a share of its own reach, and index of the nearest other point that reaches one; itself if there is none.
 fn nearest_other(grid: &GradedGrid, of: usize) -> (f32, usize) {
+    let (place, reach) = grid.points()[of];
     let mut nearest = (f32::INFINITY, of);
-    grid.any_reaching(&grid.points()[of].0, |i, d| {
+    grid.any_reaching(&place, |i, d| {
         if i != of && d < nearest.0 {
             nearest = (d, i);
         }
         false
     });
-    nearest
+    (nearest.0 / reach, nearest.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn those_are_left_out_that_are_close_for_their_radius() {
+        let point = |x: f32, z: f32, radius| {
+            (Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: Default::default() }, radius)
+        };
+        let grid = |first: f32, cell: f32, radius: f32| {
+            (0..100).map(move |i| point(first + cell * (i % 10) as f32, cell * (i / 10) as f32, radius))
+        };
+        // Twenty more of the coarse ones, half as far from others as they should be and still farther than all fine ones.
+        let more = |i| point(0.1 * (i % 10) as f32 + 0.05, 0.2 * (i / 10) as f32, 0.1);
+        let fine_left = |radius: f32| {
+            let coarse = grid(0.0, 0.1, 0.1).chain((0..20).map(more));
+            let left = thin(coarse.chain(grid(3.0, 0.01, radius)).collect(), 200);
+            assert_eq!(left.len(), 200);
+            left.iter().filter(|(point, _)| point.position.x >= 3.0).count()
+        };
+        assert_eq!(fine_left(0.01), 100);
+        assert!(fine_left(0.04) < 90, "negative control: they are closer for a larger radius");
+    }
 }

@@ -2,35 +2,46 @@
 //!
 //! A receiver takes the light of a source to come from one place. What it receives is wrong by how far that is from where light
 //! does come from, in units of how far away the receiver is: the rim of a table over a ledge of a centimetre wants sources of
-//! millimetres, the ceiling does with decimetres. So rays fly from receivers, and where they end is divided into cells whose
-//! sum of these squared errors is small, the worst cell first (divisive k-means). Sources are apart in proportion to the width of
-//! the cells that they lie in.
+//! millimetres, the ceiling does with decimetres. So rays fly from receivers, where they end is divided into cells whose
+//! sum of these squared errors is small ([`Cells`]), and the widths of these tell how far apart sources are.
 
-use super::{Candidates, PointsError, candidates::Flight};
-use glam::Vec3;
-use lapidary_core::surfel::{GradedGrid, Surfel};
+use super::{
+    Candidates, PointsError,
+    candidates::Flight,
+    cells::{Cells, Landing},
+    disk::DENSITY,
+};
+use lapidary_core::surfel::Surfel;
 use rayon::prelude::*;
-use std::{cmp::Ordering, collections::BinaryHeap};
 
 /// Flights of a cell, on average.
-const FLIGHTS: usize = 64;
-/// Fewer do not tell how wide their cell is.
-const LEAST_FLIGHTS: usize = 8;
+const FLIGHTS: usize = 128;
 /// Flights count as no shorter than this share of the median: what is nearer lies in the same fold.
-const SHORTEST: f32 = 0.03;
-/// A cell has a say for places within so many of its widths.
-const REACH: f32 = 3.0;
-/// Sources are no farther apart than so many times as they are if all are as far: little is seen of a lamp's bright spot on a
+const SHORTEST: f32 = 0.02;
+/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the flights that land there. But
+/// light from either side of a source cancels, so that what a receiver gets is wrong by the second order of the distance over that
+/// length: for a least sum of its squares the spacing goes with the length to the power of 2/3 (best density of centres on a
+/// surface for errors to the fourth). Cells divided by that measure themselves are worse, for few flights decide then.
+const OF_WIDTH: f32 = 4.0 / 3.0;
+/// Sources are no farther apart than so many times as they are in an even set ([`even_spacing`]): little is seen of a lamp's bright spot on a
 /// table from near by, and yet it lights the whole room.
 const WIDEST: f32 = 2.0;
 /// Neighbours that tell how close together places are, at so many of these.
 const NEIGHBOURS: usize = 8;
 const SAMPLED: usize = 256;
 
+/// A factor with which there are some more sources than cells.
+pub(super) const USUAL_FACTOR: f32 = 2.0;
+/// From this factor on the widest spacing grows, too: where it binds everywhere, as on wide ground around a house, there would be
+/// too many sources else.
+const LARGEST_FACTOR: f32 = 2.0 * USUAL_FACTOR;
+
 /// How far apart sources may be, but for a common factor.
 pub struct Spacing {
-    cells: GradedGrid,
-    /// In metres, whatever the factor.
+    cells: Cells,
+    /// Width in metres of a cell at which the spacing goes with the width itself.
+    typical: f32,
+    /// In metres.
     widest: f32,
 }
 
@@ -42,33 +53,41 @@ impl Spacing {
     pub fn new(candidates: &mut Candidates, count: usize) -> Result<Self, PointsError> {
         let strays = candidates.strays(2 * count)?;
         let widest = WIDEST * even_spacing(&strays, count);
-        let mut flights = Vec::with_capacity(FLIGHTS * count);
-        while flights.len() < FLIGHTS * count {
-            let Some(flight) = candidates.draw_flight()? else { break };
-            flights.push(flight);
+        let mut lengths: Vec<f32> = strays.iter().map(|flight| flight.flown).collect();
+        let shortest = SHORTEST * median(&mut lengths);
+        let mut landings = Vec::with_capacity(FLIGHTS * count);
+        while landings.len() < FLIGHTS * count {
+            let Some(Flight { end, flown }) = candidates.draw_flight()? else { break };
+            landings.push(Landing::new(&end, flown.max(shortest)));
         }
-        let reach = |(at, width): (Surfel, f32)| (at, REACH * width);
-        Ok(Self { cells: GradedGrid::of(divided(&mut flights, count).into_iter().map(reach)), widest })
+        Ok(Self::of(Cells::new(landings, count), widest))
     }
 
-    /// Metres at a place, by the factor. The mean of the cells around, in logarithm.
+    fn of(cells: Cells, widest: f32) -> Self {
+        // Of a power of widths as many sources fit as of the widths, if at this width both are alike.
+        let power = 2.0 - 2.0 * OF_WIDTH;
+        let (sum, count) = cells.widths().fold((0.0, 0), |(sum, count), width| (sum + width.powf(power), count + 1));
+        let typical = if count > 0 { (sum / count as f32).powf(power.recip()) } else { widest };
+        Self { cells, typical, widest }
+    }
+
+    /// Metres at a place, by the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        self.cells.any_near(place.position, |_, cell, reach| {
-            let weight = (1.0 - cell.position.distance(place.position) / reach).max(0.0).powi(2);
-            sum += weight * reach.ln();
-            weights += weight;
-            false
-        });
-        let width = if weights > 0.0 { (sum / weights).exp() / REACH } else { self.widest };
-        (factor * width).min(self.widest)
+        let widest = self.widest * (factor / LARGEST_FACTOR).max(1.0);
+        let width = self.cells.width_at(place) / self.typical;
+        (factor * self.typical * width.powf(OF_WIDTH)).min(widest)
     }
 }
 
-/// Radius of a Poisson-disk set of `count` points on the surface over which places are spread evenly, at random.
+/// 0 of none.
+fn median(values: &mut [f32]) -> f32 {
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
+}
+
+/// Radius of a Poisson-disk set of `count` points on the surface over which places are spread evenly, at random. By the median of how
+/// close together they are: where most lie closer than others, it is less than that of a set over all of the surface.
 fn even_spacing(places: &[Flight], count: usize) -> f32 {
-    /// Squared radius of such a set, as a share of the area that each of its points stands for.
-    const DENSITY: f32 = 0.79;
     let reach_sq = |place: &Flight| {
         let distance_sq = |other: &Flight| other.end.position.distance_squared(place.end.position);
         let mut distances: Vec<f32> = places.iter().map(distance_sq).collect();
@@ -76,89 +95,46 @@ fn even_spacing(places: &[Flight], count: usize) -> f32 {
     };
     let step = (places.len() / SAMPLED).max(1);
     let mut reaches: Vec<f32> = places.par_iter().step_by(step).map(reach_sq).collect();
-    if reaches.is_empty() {
-        return 0.0;
-    }
-    let middle = reaches.len() / 2;
-    let area_of_place =
-        std::f32::consts::PI * *reaches.select_nth_unstable_by(middle, f32::total_cmp).1 / NEIGHBOURS as f32;
+    let area_of_place = std::f32::consts::PI * median(&mut reaches) / NEIGHBOURS as f32;
     (DENSITY * area_of_place * places.len() as f32 / count as f32).sqrt()
 }
 
-/// A place and the width in metres of each of at most `count` cells. Changes the order of the flights.
-fn divided(flights: &mut [Flight], count: usize) -> Vec<(Surfel, f32)> {
-    let shortest = SHORTEST * median_length(flights);
-    let mut cells = BinaryHeap::from([Cell::new(flights, 0, flights.len(), shortest)]);
-    let mut whole = Vec::new();
-    while cells.len() + whole.len() < count {
-        let Some(cell) = cells.pop() else { break };
-        if cell.end - cell.first < 2 * LEAST_FLIGHTS || cell.error == 0.0 {
-            whole.push(cell);
-            continue;
-        }
-        let members = &mut flights[cell.first..cell.end];
-        members.sort_unstable_by(|a, b| a.end.position[cell.axis].total_cmp(&b.end.position[cell.axis]));
-        let below = members.partition_point(|f| f.end.position[cell.axis] < cell.mean);
-        let middle = cell.first + below.clamp(LEAST_FLIGHTS, members.len() - LEAST_FLIGHTS);
-        cells.push(Cell::new(flights, cell.first, middle, shortest));
-        cells.push(Cell::new(flights, middle, cell.end, shortest));
-    }
-    whole.extend(cells);
-    whole.retain(|cell| cell.width > 0.0);
-    whole.iter().map(|cell| (flights[(cell.first + cell.end) / 2].end, cell.width)).collect()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
 
-fn median_length(flights: &mut [Flight]) -> f32 {
-    let middle = flights.len() / 2;
-    if flights.is_empty() {
-        return 0.0;
-    }
-    flights.select_nth_unstable_by(middle, |a, b| a.flown.total_cmp(&b.flown)).1.flown
-}
-
-/// Flights that end close together: those from `first` to before `end`.
-struct Cell {
-    first: usize,
-    end: usize,
-    /// Sum of the squared errors of its flights.
-    error: f32,
-    /// The axis along which they spread most, and their mean on it.
-    axis: usize,
-    mean: f32,
-    /// Root of their mean squared distance from the mean, in metres.
-    width: f32,
-}
-
-impl Cell {
-    /// Flights weigh by the inverse square of their length, which is at least `shortest`.
-    fn new(flights: &[Flight], first: usize, end: usize, shortest: f32) -> Self {
-        let flights = &flights[first..end];
-        let weighted = flights.iter().map(|f| (f.end.position, f.flown.max(shortest).max(f32::MIN_POSITIVE).powi(-2)));
-        let (sum, weight) = weighted.clone().fold((Vec3::ZERO, 0.0), |(sum, weight), (p, w)| (sum + p * w, weight + w));
-        let mean = sum / weight;
-        let squares: Vec3 = weighted.map(|(p, w)| (p - mean) * (p - mean) * w).sum();
-        let error = squares.element_sum();
-        let axis = squares.max_position();
-        Self { first, end, error, axis, mean: mean[axis], width: (error / weight).sqrt() }
+    /// Flights of a quarter of a metre to the places of negative x, and of a metre to the others.
+    #[test]
+    fn spacing_goes_with_the_length_of_flights_to_the_power_of_two_thirds() {
+        let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: Default::default() };
+        let mut rng = fastrand::Rng::with_seed(11);
+        let mut coordinate = || 2.0 * rng.f32() - 1.0;
+        let places: Vec<Surfel> = (0..60_000).map(|_| surfel(coordinate(), coordinate())).collect();
+        let flown = |place: &Surfel| if place.position.x < 0.0 { 0.25 } else { 1.0 };
+        let cells = |count| Cells::new(places.iter().map(|p| Landing::new(p, flown(p))).collect(), count);
+        let ratio = |at: &dyn Fn(&Surfel) -> f32| {
+            let mean = |side: f32| {
+                let of_side = places.iter().filter(|p| p.position.x * side > 0.1);
+                of_side.clone().map(at).sum::<f32>() / of_side.count() as f32
+            };
+            mean(1.0) / mean(-1.0)
+        };
+        // Cells halve, on one side before the other: a mean over an octave of counts.
+        let ratios = [453, 538, 640, 761].map(|count| {
+            let widths = {
+                let cells = cells(count);
+                ratio(&|place| cells.width_at(place))
+            };
+            let spacing = Spacing::of(cells(count), 1.0);
+            [widths, ratio(&|place| spacing.at(place, 1.0))].map(f32::ln)
+        });
+        let [widths, found] = [0, 1].map(|i| (ratios.iter().map(|r| r[i]).sum::<f32>() / 4.0).exp());
+        let known = 4.0_f32.powf(2.0 / 3.0);
+        assert!((found / known - 1.0).abs() < 0.1, "{found} for {known}");
+        assert!((widths / known - 1.0).abs() > 0.12, "negative control: the cells themselves, {widths}");
+        let unlit = Spacing::of(Cells::new(Vec::new(), 1), 1.0);
+        let widest = [1.0, 3.0].map(|share| unlit.at(&places[0], share * LARGEST_FACTOR));
+        assert_eq!(widest, [1.0, 3.0], "no more than the widest, which yields in the end");
     }
 }
-
-impl Ord for Cell {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.error.total_cmp(&other.error).then(self.first.cmp(&other.first))
-    }
-}
-
-impl PartialOrd for Cell {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Cell {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Cell {}

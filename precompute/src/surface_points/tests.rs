@@ -10,7 +10,7 @@ use lapidary_core::{
     camera::Camera,
     meshless::distance::distance,
     shot::Shot,
-    surfel::{Surface, Surfel},
+    surfel::{GradedGrid, Surface, Surfel},
 };
 
 const INSIDE: Vec3 = Vec3::new(0.1, -0.2, 0.15);
@@ -109,6 +109,30 @@ fn areas_add_up_to_what_light_reaches() {
         let total: f32 = sample_areas(&furnished.surface(), &points, 2, &Silent).unwrap().iter().sum();
         assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
     }
+}
+
+/// Sources 20 cm apart on a floor, and in one square of it 2 cm: a point a draw for each of these.
+#[test]
+fn fine_samples_have_their_area_as_well() {
+    let prepared = Prepared::new(&floor(1.0, 0.0));
+    let grid = |first: Vec3, count: i32, cell: f32| {
+        let at = move |i: i32| (i as f32 + 0.5) * cell;
+        let place = move |(x, z)| first + Vec3::new(at(x), 0.0, at(z));
+        let surfel = |position| Surfel { position, normal: Vec3::Y, place: Default::default() };
+        (0..count).flat_map(move |x| (0..count).map(move |z| (x, z))).map(move |i| (surfel(place(i)), cell))
+    };
+    let is_coarse = |(s, _): &(Surfel, f32)| !(0.0..0.2).contains(&s.position.x) || !(0.0..0.2).contains(&s.position.z);
+    let mut samples: Vec<(Surfel, f32)> = grid(Vec3::new(-1.0, 0.0, -1.0), 10, 0.2).filter(is_coarse).collect();
+    let fine = samples.len();
+    samples.extend(grid(Vec3::ZERO, 10, 0.02));
+    let areas = sample_areas(&prepared.surface(), &samples, 2, &Silent).unwrap();
+    let inner = (fine..samples.len()).filter(|&i| samples[i].0.position.cmpgt(Vec3::new(0.02, -1.0, 0.02)).all());
+    let inner = inner.filter(|&i| samples[i].0.position.cmplt(Vec3::new(0.18, 1.0, 0.18)).all());
+    let deviation = |i: usize| (areas[i] / 4e-4 - 1.0).powi(2);
+    let (sum, count) = inner.fold((0.0, 0), |(sum, count), i| (sum + deviation(i), count + 1));
+    let deviation = (sum / count as f32).sqrt();
+    assert!(count == 64 && deviation < 0.4, "{count}, {deviation}");
+    assert!((areas.iter().sum::<f32>() / 4.0 - 1.0).abs() < 0.02);
 }
 
 /// A tile of 1.6 m stands 5 mm out of a wall, whose hidden part faces as the tile does: radii are ten times as far.
@@ -232,6 +256,28 @@ fn an_open_scene_still_gets_points() {
     let spacing = Spacing::new(&mut candidates(1), 512).unwrap();
     let points = poisson_count(&mut candidates(2), 512, |place, factor| spacing.at(place, factor)).unwrap();
     assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
+}
+
+/// Most light from a box flies near by, and the ground is wide: spacings as wide as they may be hold more points than are wanted.
+#[test]
+fn wide_ground_around_a_house_is_covered_by_its_points() {
+    let mut triangles = floor(40.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
+    let prepared = Prepared::new(&triangles);
+    let surface = prepared.surface();
+    let candidates = |seed| Candidates::new(&surface, Vec3::new(0.0, 1.5, 1.5), seed, &Silent).unwrap();
+    let spacing = Spacing::new(&mut candidates(1), 1024).unwrap();
+    let bare = |largest: f32| {
+        let radius = |place: &Surfel, factor: f32| spacing.at(place, factor.min(largest));
+        let points = poisson_count(&mut candidates(2), 1024, radius).unwrap();
+        assert_eq!(points.len(), 1024);
+        let grid = GradedGrid::of(points.into_iter().map(|(point, radius)| (point, 2.0 * radius)));
+        let mut fresh = candidates(3);
+        (0..5000).filter(|_| grid.nearest(&fresh.draw().unwrap().unwrap()).is_none()).count()
+    };
+    let (yielding, fixed) = (bare(f32::INFINITY), bare(4.0));
+    assert!(yielding < 20, "{yielding}");
+    assert!(fixed > 200, "negative control: as wide as they may be and no wider, {fixed}");
 }
 
 #[test]

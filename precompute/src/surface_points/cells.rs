@@ -1,0 +1,211 @@
+//! Places divided into cells of small squared error: divisive k-means, the worst cell first.
+
+use glam::Vec3;
+use lapidary_core::surfel::Surfel;
+use std::{cmp::Ordering, collections::BinaryHeap};
+
+/// A cell has no fewer landings: they would not tell how wide it is.
+const LEAST_LANDINGS: usize = 8;
+/// Ways along the axes that surfaces may face most; their places are divided apart.
+const SIDES: usize = 6;
+
+/// Where a flight lands.
+pub(super) struct Landing {
+    position: Vec3,
+    side: usize,
+    /// Squared error of its light, in radians, for each squared metre between it and what it is taken to come from.
+    weight: f32,
+}
+
+impl Landing {
+    /// Of a flight of so many metres, more than none.
+    pub fn new(end: &Surfel, flown: f32) -> Self {
+        Self { position: end.position, side: side_of(end.normal), weight: flown.powi(-2) }
+    }
+}
+
+/// A binary tree of cells for each of the sides.
+pub(super) struct Cells {
+    /// The first are the roots.
+    nodes: Vec<Node>,
+}
+
+enum Node {
+    /// Places below a coordinate on an axis are in the first of two nodes beside each other, the others in the second.
+    Parent { axis: usize, at: f32, first: usize },
+    /// Its width in metres.
+    Cell(f32),
+}
+
+impl Cells {
+    /// At most about `count` cells.
+    pub fn new(mut landings: Vec<Landing>, count: usize) -> Self {
+        landings.sort_unstable_by_key(|landing| landing.side);
+        let mut nodes: Vec<Node> = (0..SIDES).map(|_| Node::Cell(f32::INFINITY)).collect();
+        let sides = landings.chunk_by_mut(|a, b| a.side == b.side);
+        let mut clusters: BinaryHeap<Cluster> = sides.map(|side| Cluster::new(side[0].side, side)).collect();
+        clusters.iter().for_each(|cluster| nodes[cluster.node] = Node::Cell(cluster.width));
+        while nodes.len() < 2 * count {
+            let Some(Cluster { node, members, axis, mean, .. }) = clusters.pop() else { break };
+            let Some((at, below)) = split(members, axis, mean) else { continue };
+            let first = nodes.len();
+            nodes[node] = Node::Parent { axis, at, first };
+            for half in <[&mut [Landing]; 2]>::from(members.split_at_mut(below)) {
+                let half = Cluster::new(nodes.len(), half);
+                nodes.push(Node::Cell(half.width));
+                clusters.push(half);
+            }
+        }
+        Self { nodes }
+    }
+
+    /// Width in metres of the cell that a place lies in: root of the mean squared distance of its landings from their mean, both
+    /// weighted by error. Infinite where there are too few.
+    pub fn width_at(&self, place: &Surfel) -> f32 {
+        let mut node = side_of(place.normal);
+        loop {
+            match self.nodes[node] {
+                Node::Parent { axis, at, first } => node = first + usize::from(place.position[axis] >= at),
+                Node::Cell(width) => return width,
+            }
+        }
+    }
+
+    /// Of all cells, where they are finite.
+    pub fn widths(&self) -> impl Iterator<Item = f32> {
+        let width = |node: &Node| if let Node::Cell(width) = node { Some(*width) } else { None };
+        self.nodes.iter().filter_map(width).filter(|width| width.is_finite())
+    }
+}
+
+/// Which way along the axes a normal faces most.
+fn side_of(normal: Vec3) -> usize {
+    let axis = normal.abs().max_position();
+    2 * axis + usize::from(normal[axis] < 0.0)
+}
+
+/// Brings those to the front that lie below a coordinate on an axis, and returns it and how many they are: their mean, or where
+/// that leaves too few on a side, as a few short flights at an edge may, their median. None if that does, too.
+fn split(members: &mut [Landing], axis: usize, mean: f32) -> Option<(f32, usize)> {
+    let mut at = mean;
+    for _ in 0..2 {
+        let below = partition(members, |landing| landing.position[axis] < at);
+        if below.min(members.len() - below) >= LEAST_LANDINGS {
+            return Some((at, below));
+        }
+        let by_place = |a: &Landing, b: &Landing| a.position[axis].total_cmp(&b.position[axis]);
+        at = members.select_nth_unstable_by(members.len() / 2, by_place).1.position[axis];
+    }
+    None
+}
+
+/// Brings those to the front that `is_first`, and returns how many.
+fn partition(members: &mut [Landing], is_first: impl Fn(&Landing) -> bool) -> usize {
+    let mut count = 0;
+    for i in 0..members.len() {
+        if is_first(&members[i]) {
+            members.swap(i, count);
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Landings close together.
+struct Cluster<'a> {
+    node: usize,
+    members: &'a mut [Landing],
+    /// Sum of their squared errors if all light came from their mean.
+    error: f32,
+    /// The axis along which they spread most, and their mean on it.
+    axis: usize,
+    mean: f32,
+    width: f32,
+}
+
+impl<'a> Cluster<'a> {
+    fn new(node: usize, members: &'a mut [Landing]) -> Self {
+        let sum = |of: &dyn Fn(&Landing) -> Vec3| members.iter().map(|l| of(l) * l.weight).sum::<Vec3>();
+        let weight = sum(&|_| Vec3::ONE).x;
+        let mean = sum(&|l| l.position) / weight;
+        let squares = sum(&|l| (l.position - mean) * (l.position - mean));
+        let (axis, error) = (squares.max_position(), squares.element_sum());
+        let width = if members.len() < LEAST_LANDINGS { f32::INFINITY } else { (error / weight).sqrt() };
+        Self { node, members, error, axis, mean: mean[axis], width }
+    }
+}
+
+impl Ord for Cluster<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.error.total_cmp(&other.error).then(self.node.cmp(&other.node))
+    }
+}
+
+impl PartialOrd for Cluster<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Cluster<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Cluster<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn surfel(position: Vec3, normal: Vec3) -> Surfel {
+        Surfel { position, normal, place: Default::default() }
+    }
+
+    /// Landings spread over a square of two metres, by flights of `flown`.
+    fn landings(normal: Vec3, flown: impl Fn(Vec3) -> f32) -> Vec<Landing> {
+        let mut rng = fastrand::Rng::with_seed(7);
+        let mut coordinate = || 2.0 * rng.f32() - 1.0;
+        let places = std::iter::repeat_with(|| Vec3::new(coordinate(), 0.0, coordinate())).take(40_000);
+        places.map(|p| Landing::new(&surfel(p, normal), flown(p))).collect()
+    }
+
+    #[test]
+    fn cells_of_even_error_are_alike_and_those_of_short_flights_small() {
+        let width = |cells: &Cells, x: f32| {
+            let at = |i: i32, j: i32| Vec3::new(x + 0.02 * i as f32, 0.0, 0.04 * j as f32);
+            let places = (-10..=10).flat_map(|i| (-20..=20).map(move |j| at(i, j)));
+            places.map(|p| cells.width_at(&surfel(p, Vec3::Y))).sum::<f32>() / 861.0
+        };
+        let even = Cells::new(landings(Vec3::Y, |_| 1.0), 400);
+        // A square metre for each hundred cells: the root of two twelfths of a cell's side of a tenth.
+        let expected = 0.1 * (1.0_f32 / 6.0).sqrt();
+        for x in [-0.5, 0.5] {
+            assert!((width(&even, x) / expected - 1.0).abs() < 0.25, "{} for {expected}", width(&even, x));
+        }
+        // Sixteen times the error for each landing: the best density of centres is its square root, and their distance
+        // the root of that again.
+        let graded = Cells::new(landings(Vec3::Y, |p| if p.x < 0.0 { 0.25 } else { 1.0 }), 400);
+        let ratio = width(&graded, 0.5) / width(&graded, -0.5);
+        assert!((1.6..2.6).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_few_short_flights_at_an_edge_do_not_keep_a_cell_whole() {
+        let at_edge = (0..4).map(|i| Landing::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
+        let cells = Cells::new(landings(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
+        let width = cells.width_at(&surfel(Vec3::ZERO, Vec3::Y));
+        // Of two metres for a hundred cells of eight landings at least.
+        assert!((0.03..0.3).contains(&width), "{width}");
+        assert!(matches!(cells.nodes[2], Node::Parent { .. }), "the root of the side is divided");
+    }
+
+    #[test]
+    fn sides_are_divided_apart_and_where_nothing_lands_cells_are_infinitely_wide() {
+        let cells = Cells::new(landings(Vec3::Y, |_| 1.0), 100);
+        assert!(cells.width_at(&surfel(Vec3::ZERO, Vec3::Y)).is_finite());
+        assert_eq!(cells.width_at(&surfel(Vec3::ZERO, Vec3::NEG_Y)), f32::INFINITY);
+        assert_eq!(Cells::new(Vec::new(), 100).width_at(&surfel(Vec3::ZERO, Vec3::Y)), f32::INFINITY);
+    }
+}
