@@ -1,11 +1,11 @@
 //! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
+mod actual_window;
 mod comparison;
 mod documents;
 mod export;
 mod kept;
 mod lights;
-mod window;
 
 use super::{
     opening::Target,

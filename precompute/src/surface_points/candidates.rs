@@ -21,9 +21,10 @@ use std::collections::VecDeque;
 const BOUNCES: usize = 30;
 /// The first of them that do not count (the paper's 3).
 const DROPPED: usize = 3;
-/// Particles traced at a time.
-const BATCH: u64 = 256;
-const DRAWN: u64 = 4096;
+/// Particles that tell what share of them lands how often.
+const FIRST: u64 = 256;
+/// Particles traced at a time: enough that no core waits long for the others.
+const BATCH: u64 = 4096;
 /// Batches without a landing after which there are no more candidates.
 const EMPTY_BATCHES: usize = 16;
 /// Share of particles that must land more than [`DROPPED`] times for these to be dropped.
@@ -60,9 +61,9 @@ impl<'a> Candidates<'a> {
         let ready = VecDeque::new();
         let mut candidates =
             Self { surface, observer, viewpoint, seed, dropped: 0, shots: &[], next_particle: 0, ready };
-        let paths: Vec<_> = (0..BATCH).into_par_iter().map(|p| candidates.particle(p).len()).collect();
+        let paths: Vec<_> = (0..FIRST).into_par_iter().map(|p| candidates.particle(p).len()).collect();
         let long = paths.iter().filter(|&&length| length > DROPPED).count();
-        candidates.dropped = if long as f64 >= ENOUGH * BATCH as f64 { DROPPED } else { 0 };
+        candidates.dropped = if long as f64 >= ENOUGH * FIRST as f64 { DROPPED } else { 0 };
         Ok(candidates)
     }
 
@@ -88,7 +89,7 @@ impl<'a> Candidates<'a> {
             if self.observer.cancelled() {
                 return Err(PointsError::Cancelled);
             }
-            let particles = self.next_particle..self.next_particle + DRAWN;
+            let particles = self.next_particle..self.next_particle + BATCH;
             self.next_particle = particles.end;
             let landed: Vec<Vec<Flight>> = particles.into_par_iter().map(|p| self.flights(p)).collect();
             self.ready.extend(landed.into_iter().flatten());
@@ -104,7 +105,7 @@ impl<'a> Candidates<'a> {
         if self.observer.cancelled() {
             return Err(PointsError::Cancelled);
         }
-        let particles = (count / (BOUNCES - DROPPED)) as u64 + BATCH;
+        let particles = (count / (BOUNCES - DROPPED)) as u64 + FIRST;
         Ok((0..particles).into_par_iter().flat_map_iter(|p| self.particle(p)).collect())
     }
 

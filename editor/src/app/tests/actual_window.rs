@@ -1,5 +1,8 @@
 //! The real window on a virtual display: it is driven by input events, and what it shows is compared with what the
 //! document asks for. Where controls are is learned from the same interface run without a window.
+//!
+//! It keeps both cores busy for long. Tests begin in the order of their names: the module's makes it run beside those of the
+//! interface, which are patient, and not beside those of single jobs, which must answer soon.
 
 use super::{Place, Window};
 use crate::{actions::Action, app::requests::view_of, document::Document};
@@ -167,6 +170,8 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     let dataset = Arc::new(polished(&place.path("scene.cuts")));
     let mut twin = place.window_of(egui::vec2(SIZE[0] as f32, SIZE[1] as f32) + 2.0 * MARGIN);
     twin.open(&place.path("scene.cuts"));
+    // Program, twin and expectation all render large pictures beside other tests, whose work would wait for theirs.
+    twin.0.state_mut().document.view.aa = 2;
     // A session keeps the camera as it is; that of a scene is fitted to the viewport, which has no size yet at first.
     twin.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
     let viewport = twin.0.get_by_label("Viewport").rect().translate(-MARGIN);
