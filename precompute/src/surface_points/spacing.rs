@@ -18,13 +18,14 @@ use rayon::prelude::*;
 const FLIGHTS: usize = 128;
 /// Flights count as no shorter than this share of the median: what is nearer lies in the same fold.
 const SHORTEST: f32 = 0.02;
-/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the flights that land there. But
-/// light from either side of a source cancels, so that what a receiver gets is wrong by the second order of the distance over that
-/// length: for a least sum of its squares the spacing goes with the length to the power of 2/3 (best density of centres on a
-/// surface for errors to the fourth). Cells divided by that measure themselves are worse, for few flights decide then.
+/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the flights that land there.
+/// But light from either side of a source cancels, so that what a receiver gets is wrong by the second order of the distance
+/// over that length: for a least sum of its squares the spacing goes with the length to the power of 2/3 (best density of
+/// centres on a surface for errors to the fourth). Cells divided by that measure themselves are worse, for few flights
+/// decide then.
 const OF_WIDTH: f32 = 4.0 / 3.0;
-/// Sources are no farther apart than so many times as they are in an even set ([`even_spacing`]): little is seen of a lamp's bright spot on a
-/// table from near by, and yet it lights the whole room.
+/// Sources are no farther apart than so many times as they are in an even set ([`even_spacing`]): little is seen of a lamp's
+/// bright spot on a table from near by, and yet it lights the whole room.
 const WIDEST: f32 = 2.0;
 /// Neighbours that tell how close together places are, at so many of these.
 const NEIGHBOURS: usize = 8;
@@ -85,8 +86,8 @@ fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-/// Radius of a Poisson-disk set of `count` points on the surface over which places are spread evenly, at random. By the median of how
-/// close together they are: where most lie closer than others, it is less than that of a set over all of the surface.
+/// Radius of a Poisson-disk set of `count` points on the surface over which places are spread evenly, at random. By the median
+/// of how close together they are: where most lie closer than others, it is less than that of a set over all of the surface.
 fn even_spacing(places: &[Flight], count: usize) -> f32 {
     let reach_sq = |place: &Flight| {
         let distance_sq = |other: &Flight| other.end.position.distance_squared(place.end.position);
