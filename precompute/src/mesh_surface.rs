@@ -41,6 +41,12 @@ impl<'a> MeshSurface<'a> {
         self.mesh.area_vector(at.place.triangle as usize).dot(at.normal) >= 0.0
     }
 
+    /// Whether rays that come to a point of the mesh find its own triangle there, and no other one that lies in it or just above.
+    pub fn is_outermost(&self, at: &Surfel) -> bool {
+        let hit = self.intersector.closest_hit(at.position + at.normal * self.offset(), -at.normal);
+        hit.is_some_and(|hit| hit.triangle == at.place.triangle)
+    }
+
     /// Object and material that a point of the mesh belongs to.
     pub fn part(&self, at: &Surfel) -> (u32, u32) {
         let triangle = at.place.triangle as usize;
@@ -158,6 +164,18 @@ pub(crate) mod tests {
         assert!(!prepared.surface().sees(above, below) && prepared.surface().sees(above, above + Vec3::X));
         prepared.sides.two_sided = vec![true; 2];
         assert_eq!(prepared.surface().first_hit(below, Vec3::Y).unwrap().normal, Vec3::NEG_Y);
+    }
+
+    #[test]
+    fn of_faces_that_lie_in_one_another_rays_find_one() {
+        let prepared = Prepared::new(&[floor(1.0, 0.0), floor(1.0, 0.0), floor(1.0, -0.5)].concat());
+        let surface = prepared.surface();
+        let (points, area) = surface.uniform_points(6000, 1);
+        let of =
+            |y: f32| points.iter().filter(|p| p.normal.y > 0.0 && p.position.y == y && surface.is_outermost(p)).count();
+        for y in [0.0, -0.5] {
+            assert!((of(y) as f32 * area - 4.0).abs() < 0.2, "{} m2 at {y}", of(y) as f32 * area);
+        }
     }
 
     #[test]

@@ -28,7 +28,8 @@ const WITHOUT_AREA: f32 = 0.01;
 ///
 /// Uniformly distributed points of the mesh are given to the sample nearest by Eq. 11, of those within two radii that see
 /// them, so that enclosed surfaces count for nothing: not even a floor beneath a box beside whose wall a
-/// sample lies. Points are drawn until enough of them count: a room may be a small part of a building.
+/// sample lies. Faces that lie in one another count once. Points are drawn until enough of them count: a room may be a small part
+/// of a building.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
@@ -140,7 +141,9 @@ fn owner(surface: &MeshSurface, grid: &GradedGrid, point: &Surfel) -> Option<u32
     });
     near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     near.dedup();
-    near.into_iter().map(|n| n.1).take(TRIED).find(|&i| belongs(surface, point, &grid.points()[i as usize]))
+    let owner =
+        near.into_iter().map(|n| n.1).take(TRIED).find(|&i| belongs(surface, point, &grid.points()[i as usize]));
+    owner.filter(|_| surface.is_outermost(point))
 }
 
 /// Whether a point and a sample that reaches it lie on one surface, with nothing in between.
@@ -149,8 +152,9 @@ fn belongs(surface: &MeshSurface, point: &Surfel, (sample, reach): &(Surfel, f32
     let lifted = |s: &Surfel, lift: f32| s.position + s.normal * lift;
     let reaches = |lift: f32| surface.sees(lifted(ends[0], lift), lifted(ends[1], lift));
     let (low, high) = (4.0 * surface.offset(), 0.25 / OWNED_WITHIN * reach);
-    // Nothing may lie over the ends: a wall close behind tiles is none of theirs.
-    let rises = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
+    // A wall close behind tiles is none of theirs, and the floor under a cupboard none of what lies before it.
+    let is_open = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
+    let [point_is_open, sample_is_open] = ends.map(is_open);
     // Close to the surface, or over what bulges between the two.
-    reaches(low) || (ends.into_iter().all(rises) && reaches(high))
+    (point_is_open || !sample_is_open) && reaches(low) || point_is_open && sample_is_open && reaches(high)
 }

@@ -33,9 +33,6 @@ const SAMPLED: usize = 256;
 
 /// A factor with which there are some more sources than cells.
 pub(super) const USUAL_FACTOR: f32 = 2.0;
-/// From this factor on the widest spacing grows, too: where it binds everywhere, as on wide ground around a house, there would be
-/// too many sources else.
-const LARGEST_FACTOR: f32 = 2.0 * USUAL_FACTOR;
 
 /// How far apart sources may be, but for a common factor.
 pub struct Spacing {
@@ -74,9 +71,8 @@ impl Spacing {
 
     /// Metres at a place, by the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
-        let widest = self.widest * (factor / LARGEST_FACTOR).max(1.0);
         let width = self.cells.width_at(place) / self.typical;
-        (factor * self.typical * width.powf(OF_WIDTH)).min(widest)
+        (factor * self.typical * width.powf(OF_WIDTH)).min(self.widest)
     }
 }
 
@@ -86,18 +82,19 @@ fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-/// Radius of a Poisson-disk set of `count` points on the surface over which places are spread evenly, at random. By the median
-/// of how close together they are: where most lie closer than others, it is less than that of a set over all of the surface.
+/// Radius of a Poisson-disk set of `count` points spread evenly over all surface that places lie on: each stands for so much of it
+/// as the nearest others leave it, however unevenly they lie.
 fn even_spacing(places: &[Flight], count: usize) -> f32 {
-    let reach_sq = |place: &Flight| {
+    let area_of = |place: &Flight| {
         let distance_sq = |other: &Flight| other.end.position.distance_squared(place.end.position);
         let mut distances: Vec<f32> = places.iter().map(distance_sq).collect();
-        *distances.select_nth_unstable_by(NEIGHBOURS.min(places.len() - 1), f32::total_cmp).1
+        let nearest = NEIGHBOURS.min(places.len() - 1);
+        std::f32::consts::PI * *distances.select_nth_unstable_by(nearest, f32::total_cmp).1 / nearest.max(1) as f32
     };
     let step = (places.len() / SAMPLED).max(1);
-    let mut reaches: Vec<f32> = places.par_iter().step_by(step).map(reach_sq).collect();
-    let area_of_place = std::f32::consts::PI * median(&mut reaches) / NEIGHBOURS as f32;
-    (DENSITY * area_of_place * places.len() as f32 / count as f32).sqrt()
+    let sampled = places.par_iter().step_by(step);
+    let mean = sampled.clone().map(area_of).sum::<f32>() / sampled.len().max(1) as f32;
+    (DENSITY * mean * places.len() as f32 / count as f32).sqrt()
 }
 
 #[cfg(test)]
@@ -135,7 +132,6 @@ mod tests {
         assert!((found / known - 1.0).abs() < 0.1, "{found} for {known}");
         assert!((widths / known - 1.0).abs() > 0.12, "negative control: the cells themselves, {widths}");
         let unlit = Spacing::of(Cells::new(Vec::new(), 1), 1.0);
-        let widest = [1.0, 3.0].map(|share| unlit.at(&places[0], share * LARGEST_FACTOR));
-        assert_eq!(widest, [1.0, 3.0], "no more than the widest, which yields in the end");
+        assert_eq!([1.0, 12.0].map(|factor| unlit.at(&places[0], factor)), [1.0; 2], "no more than the widest");
     }
 }

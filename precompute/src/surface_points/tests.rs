@@ -92,6 +92,20 @@ fn density_is_even() {
 }
 
 #[test]
+fn what_lies_close_under_a_box_is_not_its_surroundings() {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.4, -0.698, 0.3), Vec3::splat(0.3)));
+    let prepared = Prepared::new(&triangles);
+    let points = even_points(&prepared, 2048);
+    let areas = sample_areas(&prepared.surface(), &points, 2, &Silent).unwrap();
+    let is_floor = |p: &Surfel| p.normal.y > 0.9 && p.position.y < -0.999;
+    let is_under = |p: &Surfel| (p.position - Vec3::new(0.4, -1.0, 0.3)).abs().max_element() < 0.3;
+    let floor = points.iter().zip(&areas).filter(|((p, _), _)| is_floor(p) && !is_under(p));
+    let area: f32 = floor.map(|(_, area)| area).sum();
+    assert!((area / (4.0 - 0.36) - 1.0).abs() < 0.02, "{area} m2 of floor in sight for 3.64");
+}
+
+#[test]
 fn areas_add_up_to_what_light_reaches() {
     let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
     let points = even_points(&prepared, 1024);
@@ -109,6 +123,10 @@ fn areas_add_up_to_what_light_reaches() {
         let total: f32 = sample_areas(&furnished.surface(), &points, 2, &Silent).unwrap().iter().sum();
         assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
     }
+    let walls = room(Vec3::ZERO, Vec3::ONE);
+    let doubled = Prepared::new(&[walls.clone(), walls].concat());
+    let total: f32 = sample_areas(&doubled.surface(), &points, 2, &Silent).unwrap().iter().sum();
+    assert!((total / 24.0 - 1.0).abs() < 0.02, "{total} for walls of two faces in one another");
 }
 
 /// Sources 20 cm apart on a floor, and in one square of it 2 cm: a point a draw for each of these.
@@ -258,26 +276,26 @@ fn an_open_scene_still_gets_points() {
     assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
 }
 
-/// Most light from a box flies near by, and the ground is wide: spacings as wide as they may be hold more points than are wanted.
+/// Most light from a box flies near by, and the ground is wide: how wide, few flights tell.
 #[test]
 fn wide_ground_around_a_house_is_covered_by_its_points() {
-    let mut triangles = floor(40.0, 0.0).to_vec();
-    triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
-    let prepared = Prepared::new(&triangles);
-    let surface = prepared.surface();
-    let candidates = |seed| Candidates::new(&surface, Vec3::new(0.0, 1.5, 1.5), seed, &Silent).unwrap();
-    let spacing = Spacing::new(&mut candidates(1), 1024).unwrap();
-    let bare = |largest: f32| {
-        let radius = |place: &Surfel, factor: f32| spacing.at(place, factor.min(largest));
-        let points = poisson_count(&mut candidates(2), 1024, radius).unwrap();
+    for half_width in [40.0, 400.0] {
+        let mut triangles = floor(half_width, 0.0).to_vec();
+        triangles.extend(cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::splat(0.4)));
+        let prepared = Prepared::new(&triangles);
+        let surface = prepared.surface();
+        let candidates = |seed| Candidates::new(&surface, Vec3::new(0.0, 1.5, 1.5), seed, &Silent).unwrap();
+        let spacing = Spacing::new(&mut candidates(1), 1024).unwrap();
+        let points = poisson_count(&mut candidates(2), 1024, |place, factor| spacing.at(place, factor)).unwrap();
         assert_eq!(points.len(), 1024);
-        let grid = GradedGrid::of(points.into_iter().map(|(point, radius)| (point, 2.0 * radius)));
-        let mut fresh = candidates(3);
-        (0..5000).filter(|_| grid.nearest(&fresh.draw().unwrap().unwrap()).is_none()).count()
-    };
-    let (yielding, fixed) = (bare(f32::INFINITY), bare(4.0));
-    assert!(yielding < 20, "{yielding}");
-    assert!(fixed > 200, "negative control: as wide as they may be and no wider, {fixed}");
+        let bare = |radii: f32| {
+            let grid = GradedGrid::of(points.iter().map(|&(point, radius)| (point, radii * radius)));
+            let mut fresh = candidates(3);
+            (0..5000).filter(|_| grid.nearest(&fresh.draw().unwrap().unwrap()).is_none()).count()
+        };
+        assert!(bare(2.0) < 20, "{}", bare(2.0));
+        assert!(bare(0.5) > 200, "negative control: half as wide as they are apart, {}", bare(0.5));
+    }
 }
 
 #[test]
