@@ -238,9 +238,11 @@ fn table(bench: &Bench) -> String {
         "{}: {width} x {height}, {} triangles, mean visibility cut {:.0}, {} lights; environment turned in {:.1} ms\n",
         bench.adapter, bench.triangles, bench.mean_cut, bench.lights, bench.rotation_milliseconds
     );
-    if bench.sources > 0 {
-        text += &format!("{} sources, mean cut {:.0}", bench.sources, bench.mean_source_cut);
-        text += &bench.light_moved_milliseconds.map_or("\n".into(), |ms| format!("; light moved in {ms:.1} ms\n"));
+    let sources = || format!("{} sources, mean cut {:.0}", bench.sources, bench.mean_source_cut);
+    let moved = bench.light_moved_milliseconds.map(|ms| format!("light moved in {ms:.1} ms"));
+    let bounces: Vec<String> = (bench.sources > 0).then(sources).into_iter().chain(moved).collect();
+    if !bounces.is_empty() {
+        text += &(bounces.join("; ") + "\n");
     }
     for run in &bench.runs {
         let passes: Vec<String> = run.milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2} ms")).collect();
@@ -253,4 +255,34 @@ fn table(bench: &Bench) -> String {
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moved_light_is_told_with_sources_and_without() {
+        let lines = |sources: usize, light_moved_milliseconds: Option<f64>| {
+            let bench = Bench {
+                adapter: "cpu".into(),
+                size: [4, 3],
+                vertices: 3,
+                triangles: 1,
+                mean_cut: 1.0,
+                mean_source_cut: 20.0,
+                lights: 8,
+                sources,
+                frames: 1,
+                rotation_milliseconds: 0.5,
+                light_moved_milliseconds,
+                runs: Vec::new(),
+            };
+            table(&bench).lines().skip(1).collect::<Vec<_>>().join("|")
+        };
+        assert_eq!(lines(64, Some(7.3)), "64 sources, mean cut 20; light moved in 7.3 ms");
+        assert_eq!(lines(64, None), "64 sources, mean cut 20");
+        assert_eq!(lines(0, Some(7.3)), "light moved in 7.3 ms", "the meshless solution alone");
+        assert_eq!(lines(0, None), "");
+    }
 }

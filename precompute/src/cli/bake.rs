@@ -49,8 +49,8 @@ pub struct BakeArgs {
     /// Rays by which each of its points gathers light, 16 to 65536 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub gather_rays: Option<usize>,
-    /// Links between its functions are kept above this share of the light of a half grey sender, 0 to 1; smaller
-    /// is finer [default: 0.025]
+    /// Links between its functions are kept above this share of the light of a sender of reflectance 0.4, 0 to 1;
+    /// smaller is finer [default: 0.025]
     #[arg(long, value_name = "E")]
     pub epsilon: Option<f32>,
     /// Number of light samples: a power of two up to 32768 [default: that of the preset]
