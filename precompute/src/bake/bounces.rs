@@ -10,6 +10,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    camera::Camera,
     dataset::{BakeSettings, IndirectReport, MeshlessReport},
     indirect::IndirectBake,
     light_tree::LightTree,
@@ -61,14 +62,16 @@ pub(super) fn bake_bounces(
     Ok(bounces)
 }
 
-/// The viewpoint asked for or found, and a warning if light is lost around it.
+/// The viewpoint asked for or found, at a shot's camera before any other place, and a warning if light is lost around it.
 fn viewpoint(
     surface: &MeshSurface,
     scene: &Scene,
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<Vec3, BakeError> {
-    let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &scene.cameras, &scene.lights)?;
+    let shots = settings.shots.iter().map(|shot| &shot.camera);
+    let cameras: Vec<Camera> = shots.chain(&scene.cameras).cloned().collect();
+    let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &cameras, &scene.lights)?;
     let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
     if open > MOST_OPEN {
         let Vec3 { x, y, z } = viewpoint;

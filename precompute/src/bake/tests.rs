@@ -9,9 +9,11 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    camera::Camera,
     cut::packed::{VALUE_MAX, depth},
     dataset::{BakeMode, IndirectSettings, MeshlessSettings},
     indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
+    shot::Shot,
     source_tree::SourceTree,
 };
 use std::{
@@ -266,6 +268,21 @@ fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
     assert!(Checkpoint::folder_of(&job.output).join("source-chunk-00000.bin").exists());
     let resumed = bake(interior(), &BakeJob { resume: true, ..job }, &Silent).unwrap();
     assert_eq!(indirect_contents(&resumed), one);
+}
+
+#[test]
+fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let eye = Vec3::new(-0.3, 0.1, -0.2);
+    let camera = Camera::look_at(eye, Vec3::ZERO, 40.0);
+    let reached_from = |job: &BakeJob| {
+        bake(interior(), job, &Silent).unwrap();
+        Vec3::from(Dataset::read(&job.output).unwrap().report.indirect.unwrap().viewpoint)
+    };
+    assert!(reached_from(&job) != eye, "negative control");
+    job.settings.shots = vec![Shot { camera, aspect: 1.0 }];
+    assert_eq!(reached_from(&job), eye);
 }
 
 #[test]

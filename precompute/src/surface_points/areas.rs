@@ -154,7 +154,10 @@ fn belongs(surface: &MeshSurface, point: &Surfel, (sample, reach): &(Surfel, f32
     let (low, high) = (4.0 * surface.offset(), 0.25 / OWNED_WITHIN * reach);
     // A wall close behind tiles is none of theirs, and the floor under a cupboard none of what lies before it.
     let is_open = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
-    let [point_is_open, sample_is_open] = ends.map(is_open);
-    // Close to the surface, or over what bulges between the two.
-    (point_is_open || !sample_is_open) && reaches(low) || point_is_open && sample_is_open && reaches(high)
+    if reaches(low) {
+        is_open(point) || !is_open(sample)
+    } else {
+        // Over what bulges between the two.
+        is_open(point) && is_open(sample) && reaches(high)
+    }
 }

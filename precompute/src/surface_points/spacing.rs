@@ -92,8 +92,9 @@ fn even_spacing(places: &[Flight], count: usize) -> f32 {
         std::f32::consts::PI * *distances.select_nth_unstable_by(nearest, f32::total_cmp).1 / nearest.max(1) as f32
     };
     let step = (places.len() / SAMPLED).max(1);
-    let sampled = places.par_iter().step_by(step);
-    let mean = sampled.clone().map(area_of).sum::<f32>() / sampled.len().max(1) as f32;
+    // Summed in order, which threads would not.
+    let areas: Vec<f32> = places.par_iter().step_by(step).map(area_of).collect();
+    let mean = areas.iter().sum::<f32>() / areas.len().max(1) as f32;
     (DENSITY * mean * places.len() as f32 / count as f32).sqrt()
 }
 
