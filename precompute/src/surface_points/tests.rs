@@ -97,12 +97,17 @@ fn what_lies_close_under_a_box_is_not_its_surroundings() {
     triangles.extend(cuboid(Vec3::new(0.4, -0.698, 0.3), Vec3::splat(0.3)));
     let prepared = Prepared::new(&triangles);
     let points = even_points(&prepared, 2048);
-    let areas = sample_areas(&prepared.surface(), &points, 2, &Silent).unwrap();
     let is_floor = |p: &Surfel| p.normal.y > 0.9 && p.position.y < -0.999;
     let is_under = |p: &Surfel| (p.position - Vec3::new(0.4, -1.0, 0.3)).abs().max_element() < 0.3;
-    let floor = points.iter().zip(&areas).filter(|((p, _), _)| is_floor(p) && !is_under(p));
-    let area: f32 = floor.map(|(_, area)| area).sum();
+    let floor_in_sight = |prepared: &Prepared| -> f32 {
+        let areas = sample_areas(&prepared.surface(), &points, 2, &Silent).unwrap();
+        let floor = points.iter().zip(&areas).filter(|((p, _), _)| is_floor(p) && !is_under(p));
+        floor.map(|(_, area)| area).sum()
+    };
+    let area = floor_in_sight(&prepared);
     assert!((area / (4.0 - 0.36) - 1.0).abs() < 0.02, "{area} m2 of floor in sight for 3.64");
+    let bare = floor_in_sight(&Prepared::new(&room(Vec3::ZERO, Vec3::ONE)));
+    assert!(bare / (4.0 - 0.36) > 1.02, "negative control: {bare} m2 without the box");
 }
 
 #[test]
@@ -127,6 +132,9 @@ fn areas_add_up_to_what_light_reaches() {
     let doubled = Prepared::new(&[walls.clone(), walls].concat());
     let total: f32 = sample_areas(&doubled.surface(), &points, 2, &Silent).unwrap().iter().sum();
     assert!((total / 24.0 - 1.0).abs() < 0.02, "{total} for walls of two faces in one another");
+    let (draws, area) = doubled.surface().uniform_points(1024, 1);
+    let of_faces = draws.len() as f32 * area;
+    assert!((of_faces / 48.0 - 1.0).abs() < 0.02, "negative control: {of_faces} of all faces");
 }
 
 /// Sources 20 cm apart on a floor, and in one square of it 2 cm: a point a draw for each of these.

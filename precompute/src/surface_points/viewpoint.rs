@@ -31,7 +31,8 @@ const PLACES: usize = 8;
 const BEYOND: f32 = 0.25;
 /// Places halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is detail.
 const CHORDS: usize = 512;
-/// A camera or light serves if it is at least so good as the best place, as a share: it need not lie in the middle.
+/// A camera or light serves if it is at least so good as the best place, as a share: it need not lie in the middle. Backs
+/// around a camera are what is meant to be seen, and do not count against it.
 const GOOD_HINT: f32 = 0.3;
 /// Power of the share of landings that are on fronts: a few leaves and curtains are seen from behind in any room, but of
 /// what lies around a space between walls a quarter or more.
@@ -95,11 +96,15 @@ pub fn find_viewpoint(
     let hints = places.len();
     places.extend(grid(surface));
     places.extend(middles_of_chords(surface));
-    let scores: Vec<f32> = places.par_iter().map(|&place| score(surface, place)).collect();
-    let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(b.cmp(&a)));
-    let best = best.filter(|&best| scores[best] > 0.0).ok_or(PointsError::NoViewpoint)?;
-    let hint = (0..hints).find(|&hint| scores[hint] >= GOOD_HINT * scores[best]);
-    Ok(places[hint.unwrap_or(best)])
+    let scores: Vec<Score> = places.par_iter().map(|&place| Score::of(surface, place)).collect();
+    let total = |place: usize| scores[place].total();
+    let best = (0..scores.len()).max_by(|&a, &b| total(a).total_cmp(&total(b)).then(b.cmp(&a)));
+    let best = best.filter(|&best| total(best) > 0.0).ok_or(PointsError::NoViewpoint)?;
+    let is_good = |&hint: &usize| match hint < cameras.len() {
+        true => scores[hint].space >= GOOD_HINT * scores[best].space,
+        false => total(hint) >= GOOD_HINT * total(best),
+    };
+    Ok(places[(0..hints).find(is_good).unwrap_or(best)])
 }
 
 /// Where a light shines from, off the surface that it may lie on.
@@ -138,22 +143,36 @@ fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
     points.into_iter().filter_map(middle).collect()
 }
 
-/// How good a viewpoint is: the surface that particles reach, times the root of the number of its parts, the share of
-/// directions that see surfaces and the size of the space around, less if many of these are backs. 0 inside solids and
-/// where nothing is seen.
-fn score(surface: &MeshSurface, place: Vec3) -> f32 {
-    if !place.is_finite() {
-        return 0.0;
+/// How good a viewpoint is. Nothing inside solids and where nothing is seen.
+#[derive(Clone, Copy, Default)]
+struct Score {
+    /// The surface that particles reach, times the root of the number of its parts, the share of directions that see
+    /// surfaces and the size of the space around.
+    space: f32,
+    /// Share of landings on fronts.
+    fronts: f32,
+}
+
+impl Score {
+    fn of(surface: &MeshSurface, place: Vec3) -> Self {
+        if !place.is_finite() {
+            return Self::default();
+        }
+        let view = View::from(surface, place);
+        if view.inside_solid() {
+            return Self::default();
+        }
+        let enclosure = view.seen.len() as f32 / RAYS as f32;
+        let reached = view.reached(surface, place);
+        let size = view.size(place) / surface.bounds().diagonal();
+        let space = reached.cells as f32 * (reached.parts as f32).sqrt() * enclosure * size;
+        Self { space, fronts: reached.fronts }
     }
-    let view = View::from(surface, place);
-    if view.inside_solid() {
-        return 0.0;
+
+    /// Less if much of what is reached are backs.
+    fn total(self) -> f32 {
+        self.space * self.fronts.powi(FRONTS_POWER).max(BACKS_ONLY)
     }
-    let enclosure = view.seen.len() as f32 / RAYS as f32;
-    let reached = view.reached(surface, place);
-    let size = view.size(place) / surface.bounds().diagonal();
-    let fronts = reached.fronts.powi(FRONTS_POWER).max(BACKS_ONLY);
-    reached.cells as f32 * (reached.parts as f32).sqrt() * fronts * enclosure * size
 }
 
 /// What is seen around a place.

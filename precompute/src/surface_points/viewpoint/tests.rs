@@ -69,6 +69,25 @@ fn lights_are_hints_unless_they_are_inside_something() {
 }
 
 #[test]
+fn a_camera_tells_that_walls_which_face_outward_are_those_of_a_room() {
+    let cupboard = (Vec3::new(1.4, -0.6, 0.8), Vec3::new(0.5, 0.35, 0.6));
+    let hall = cuboid(Vec3::ZERO, Vec3::new(2.0, 1.0, 1.5));
+    let mut prepared = Prepared::new(&[hall, room(cupboard.0, cupboard.1)].concat());
+    prepared.sides.two_sided.fill(true);
+    let find =
+        |cameras: &[Camera], lights: &[Light]| find_viewpoint(&prepared.surface(), None, cameras, lights).unwrap();
+    let eye = Vec3::new(-1.2, 0.3, -0.4);
+    assert!(is_within(find(&[], &[]), cupboard.0, cupboard.1), "negative control: {}", find(&[], &[]));
+    assert!(
+        is_within(find(&[], &[light(Emission::Point, eye)]), cupboard.0, cupboard.1),
+        "lights may be inside anything"
+    );
+    assert_eq!(find(&[camera(eye)], &[]), eye);
+    let outside = Vec3::new(-4.0, 2.0, 0.0);
+    assert!(is_within(find(&[camera(outside)], &[]), cupboard.0, cupboard.1), "a camera outside");
+}
+
+#[test]
 fn a_court_without_a_roof_is_lit_from_within() {
     // Walls with two sides: from outside they are seen as well.
     let walls = room(Vec3::ZERO, Vec3::new(2.0, 1.0, 1.5));
