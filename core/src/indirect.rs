@@ -6,7 +6,7 @@
 
 mod near_field;
 
-pub use near_field::{NearField, OWNED_WITHIN, owners};
+pub use near_field::{NearField, OWNED_WITHIN, Origin, owners};
 
 use crate::{cut::packed::PackedCuts, surfel::Surfel};
 use glam::Vec3;

@@ -104,7 +104,7 @@ pub struct Checkpoint {
 }
 
 /// Changes whenever the same settings would give other chunks.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 impl Checkpoint {
     /// The folder beside an output file.

@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::BakeSettings,
-    indirect::{NearField, Source},
+    indirect::{NearField, Origin, Source},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::{Intersector, SegmentBatch},
     shot::Shot,
@@ -160,9 +160,10 @@ impl<'a> SourceSampler<'a> {
     /// Adds what the sides of a point with near sources see of them, and returns the rays traced.
     fn gather_near(&self, point: &BakePoint, has_near: [bool; 2], seen: &mut [f32]) -> u64 {
         let gather = |(upper, _)| {
-            let place = [point.origin(upper), if upper { point.normal } else { -point.normal }];
+            let normal = if upper { point.normal } else { -point.normal };
+            let origin = Origin { position: point.origin(upper), normal, face: normal, lift: point.offset };
             let receives = |d| point.is_upper(d) == upper;
-            self.near.gather(self.sources, self.scene, place, receives, |i, angle| seen[i] += angle)
+            self.near.gather(self.sources, self.scene, origin, receives, |i, angle| seen[i] += angle)
         };
         SIDES.into_iter().zip(has_near).filter(|&(_, near)| near).map(gather).sum()
     }

@@ -23,6 +23,10 @@ pub const OWNED_WITHIN: f32 = 2.0;
 const RAYS: usize = 1024;
 /// A point no higher than so many spacings over a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
+/// What rays meet no deeper below their origin than so many times its own lift, if it faces much as the point's surface does, is
+/// that surface. Smooth normals receive directions below the faces around them, which took the light of these faces' sources.
+const OWN_LIFTS: f32 = 2.0;
+const OWN_COSINE: f32 = 0.5;
 
 /// Cosines count as no less: what is interpolated is shaded at other places than it was sampled at, where a centre that lay at
 /// the horizon may stand high. In the living room with 0.05 a single pixel held 0.4 of the squared error.
@@ -37,6 +41,30 @@ pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
     };
     let grid = GradedGrid::of(members.iter().map(reach));
     (members, grid)
+}
+
+/// Where the rays of a point start.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    /// Off all surfaces.
+    pub position: Vec3,
+    /// Unit vector that cosines are of.
+    pub normal: Vec3,
+    /// Unit normal of the surface that the point lies in.
+    pub face: Vec3,
+    /// How far it lies off that surface, in metres.
+    pub lift: f32,
+}
+
+impl Origin {
+    /// Whether a place is of the surface that the point lies in.
+    fn lies_in_surface_of(&self, place: &Surfel) -> bool {
+        self.height_over(place) < OWN_LIFTS * self.lift && place.normal.dot(self.face) > OWN_COSINE
+    }
+
+    fn height_over(&self, place: &Surfel) -> f32 {
+        (self.position - place.position).dot(place.normal)
+    }
 }
 
 /// Sources by place, for the rays of points next to them.
@@ -72,27 +100,27 @@ impl NearField {
         (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * source.spacing
     }
 
-    /// Calls `add` with sources that [`Self::holds`] of a point at `origin`, which lies off all surfaces, and the solid angle
-    /// in steradians that one more ray gives them, of the rays in directions that the point `receives`. `normal` is that of
-    /// its cosines. Returns the rays traced.
+    /// Calls `add` with sources that [`Self::holds`] of a point, and the solid angle in steradians that one more ray from its
+    /// `origin` gives them, of the rays in directions that the point `receives`. Returns the rays traced.
     pub fn gather(
         &self,
         sources: &[Source],
         scene: &Intersector,
-        [origin, normal]: [Vec3; 2],
+        origin: Origin,
         receives: impl Fn(Vec3) -> bool,
         mut add: impl FnMut(usize, f32),
     ) -> u64 {
-        let cosine = |direction: Vec3| direction.dot(normal);
+        let cosine = |direction: Vec3| direction.dot(origin.normal);
         let mut rays = 0;
         for &direction in self.directions.iter().filter(|&&d| receives(d)) {
             rays += 1;
             // A ray that comes from high up must not go to a source that is seen low.
             let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
-            let to = |source: &Source| (source.surfel.position - origin).normalize_or_zero();
-            let met = scene.surfel_before(origin, direction, self.longest);
-            let owner = met.and_then(|met| self.owner(sources, origin, &met, |source| cosine(to(source)) > lowest));
-            if let Some(owner) = owner {
+            let to = |source: &Source| (source.surfel.position - origin.position).normalize_or_zero();
+            let met = scene.surfel_before(origin.position, direction, self.longest);
+            let owner = met.and_then(|met| self.owner(sources, &origin, &met, |source| cosine(to(source)) > lowest));
+            // Under a sheet that stands on a floor, the nearest source may lie before the other side of it.
+            if let Some(owner) = owner.filter(|&owner| receives(to(&sources[owner]))) {
                 let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));
                 add(owner, 2.0 * TAU / RAYS as f32 * cosines[0] / cosines[1]);
             }
@@ -107,17 +135,19 @@ impl NearField {
     fn owner(
         &self,
         sources: &[Source],
-        origin: Vec3,
+        origin: &Origin,
         place: &Surfel,
         lights: impl Fn(&Source) -> bool,
     ) -> Option<usize> {
+        if origin.lies_in_surface_of(place) {
+            return None;
+        }
+        let from = origin.position;
         let source = |i: usize| &sources[self.members[i] as usize];
-        let is_own =
-            |s: &Source| s.surfel.position.distance(origin) < OWNED_WITHIN * s.spacing && !self.is_over(s, origin);
-        let stands_in = |i: usize| self.holds(source(i), origin) && !is_own(source(i)) && lights(source(i));
-        let nearest = self.owners.nearest(place).filter(|&i| self.holds(source(i), origin))?;
-        let height = (origin - place.position).dot(place.normal);
-        let is_elsewhere = height > LEAST_HEIGHT * source(nearest).spacing;
+        let is_own = |s: &Source| s.surfel.position.distance(from) < OWNED_WITHIN * s.spacing && !self.is_over(s, from);
+        let stands_in = |i: usize| self.holds(source(i), from) && !is_own(source(i)) && lights(source(i));
+        let nearest = self.owners.nearest(place).filter(|&i| self.holds(source(i), from))?;
+        let is_elsewhere = origin.height_over(place) > LEAST_HEIGHT * source(nearest).spacing;
         let other = || is_elsewhere.then(|| self.owners.nearest_that(place, stands_in)).flatten();
         let owner = if stands_in(nearest) { nearest } else { other().unwrap_or(nearest) };
         (!is_own(source(owner))).then_some(self.members[owner] as usize)
@@ -156,7 +186,8 @@ mod tests {
 
     fn gathered(near: &NearField, scene: &Intersector, sources: &[Source], origin: Vec3, normal: Vec3) -> Vec<f32> {
         let mut angles = vec![0.0; sources.len()];
-        near.gather(sources, scene, [origin, normal], |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
+        let origin = Origin { position: origin, normal, face: normal, lift: 0.0 };
+        near.gather(sources, scene, origin, |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
         angles
     }
 
@@ -218,6 +249,35 @@ mod tests {
         assert!((sums[0] / sums[1] - 1.0).abs() < 0.1, "its neighbours stand for its place: {sums:?}");
         let in_floor = Vec3::new(2.05, 1e-5, 0.05);
         assert!(gathered(&all, &scene, &sources, in_floor, down).iter().sum::<f32>() < 1e-2 * sums[1]);
+    }
+
+    #[test]
+    fn directions_below_a_face_that_its_smooth_normal_receives_meet_no_source() {
+        let (scene, sources) = floor_and_wall();
+        let (near, lift) = (NearField::new(&sources), 0.02 * CELL);
+        let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
+        let gathered = |face, lift| {
+            let origin = Origin { position: Vec3::new(2.02, 0.02 * CELL, 0.03), normal, face, lift };
+            let mut sum = 0.0;
+            near.gather(&sources, &scene, origin, |d| d.dot(normal) > 0.0, |_, angle| sum += angle);
+            sum
+        };
+        assert_eq!(gathered(Vec3::Y, lift), 0.0);
+        assert!(gathered(Vec3::Y, 0.0) > 0.5, "negative control: a point that close above the floor, but not in it");
+        assert!(gathered(Vec3::NEG_Z, lift) > 0.5, "negative control: the foot of a wall");
+    }
+
+    #[test]
+    fn light_of_one_side_does_not_go_to_a_source_before_the_other() {
+        let (scene, mut sources) = floor_and_wall();
+        sources.retain(|s| s.surfel.position.x > 1.5);
+        let near = NearField::new(&sources);
+        let lit = |normal| {
+            let found: f32 = gathered(&near, &scene, &sources, Vec3::new(1.49, 0.02, 0.0), normal).iter().sum();
+            found
+        };
+        assert_eq!(lit(Vec3::NEG_X), 0.0);
+        assert!(lit(Vec3::X) > 1.0, "negative control: the side that the sources lie before");
     }
 
     #[test]

@@ -8,7 +8,12 @@ use crate::{
     surface::{ReceiverX8, SurfacePoint},
 };
 use glam::Vec3;
-use lapidary_core::{indirect::NearField, ray::SegmentBatch, simd::Vec3x8, surfel::OFFSET};
+use lapidary_core::{
+    indirect::{NearField, Origin},
+    ray::SegmentBatch,
+    simd::Vec3x8,
+    surfel::OFFSET,
+};
 use std::array::from_fn;
 use wide::f32x8;
 
@@ -90,8 +95,14 @@ impl SourceShader<'_> {
     fn gather_near(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) {
         let Self { samples, solid_angles, wanted, renderer, .. } = self;
         let sources = samples.lighting.tree.sources();
-        let place = [point.ray_origin, point.world_from_local.z_axis];
-        samples.near.gather(sources, &renderer.intersector, place, receives, |i, solid_angle| {
+        let lifted = point.ray_origin - point.position;
+        let origin = Origin {
+            position: point.ray_origin,
+            normal: point.world_from_local.z_axis,
+            face: lifted.normalize_or(point.smooth_normal),
+            lift: lifted.length(),
+        };
+        samples.near.gather(sources, &renderer.intersector, origin, receives, |i, solid_angle| {
             if solid_angles[i] == 0.0 {
                 wanted.push(i as u32);
             }
