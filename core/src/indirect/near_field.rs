@@ -272,10 +272,8 @@ mod tests {
         let (scene, mut sources) = floor_and_wall();
         sources.retain(|s| s.surfel.position.x > 1.5);
         let near = NearField::new(&sources);
-        let lit = |normal| {
-            let found: f32 = gathered(&near, &scene, &sources, Vec3::new(1.49, 0.02, 0.0), normal).iter().sum();
-            found
-        };
+        let foot = Vec3::new(1.49, 0.02, 0.0);
+        let lit = |normal| gathered(&near, &scene, &sources, foot, normal).iter().sum::<f32>();
         assert_eq!(lit(Vec3::NEG_X), 0.0);
         assert!(lit(Vec3::X) > 1.0, "negative control: the side that the sources lie before");
     }
