@@ -5,6 +5,7 @@
 //!
 //! * [`Basis`]: the functions, range queries, normalised values (meshless paper, 2.1 and 2.2)
 //! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
+//! * [`SenderSamples`]: direct light on the senders, from the points of the next level
 //! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
 //! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
 //! * [`Flattening`]: the solution at vertices, or at any other points
@@ -15,6 +16,7 @@ pub mod distance;
 mod flatten;
 pub mod neumann;
 mod projection;
+mod sampling;
 mod solve;
 mod sparse;
 mod transport;
@@ -23,6 +25,7 @@ mod tree;
 pub use basis::{Basis, BasisError};
 pub use flatten::Flattening;
 pub use projection::Projection;
+pub use sampling::SenderSamples;
 pub use solve::{BounceEnergy, Solution, SolveSettings, Solver};
 pub use sparse::{Coefficient, SparseRows};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};

@@ -108,8 +108,9 @@ impl Solver {
         }
     }
 
-    /// Indirect light from direct light: `irradiance` in W/m² and diffuse `reflectance` at the points of the senders, per
-    /// channel. What is not finite or negative counts as zero, and reflectance above one as one.
+    /// Indirect light from direct light: `irradiance` in W/m² and diffuse `reflectance` of the senders, per channel, as at
+    /// their points or as [`super::SenderSamples`] fit them. What is not finite counts as zero, and reflectance is held
+    /// within zero and one.
     ///
     /// # Panics
     /// If there is not one of each a sender, or the bake is not the one it was made for.
@@ -122,7 +123,7 @@ impl Solver {
     ) -> Solution {
         let points = sender_points(bake);
         assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value a sender");
-        let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(usable).collect();
+        let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(finite).collect();
         let mut sent = vec![Vec3::ZERO; points.len()];
         let mut mean_irradiance = vec![self.mean(bake, &arriving)];
         for _ in 0..settings.bounces.clamp(1, SolveSettings::MOST_BOUNCES) {
@@ -176,8 +177,12 @@ pub(super) fn usable_reflectance(rho: Vec3) -> Vec3 {
     usable(rho).min(Vec3::ONE)
 }
 
-fn usable(v: Vec3) -> Vec3 {
-    if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO }
+pub(super) fn usable(v: Vec3) -> Vec3 {
+    finite(v).max(Vec3::ZERO)
+}
+
+fn finite(v: Vec3) -> Vec3 {
+    if v.is_finite() { v } else { Vec3::ZERO }
 }
 
 #[cfg(test)]

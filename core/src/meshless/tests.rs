@@ -16,7 +16,7 @@ pub fn sphere_points(n: usize, radius: f32) -> Vec<Surfel> {
 }
 
 /// Levels of four times as many points each, and their Poisson-disk radius.
-fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32) -> Basis {
+pub fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32) -> Basis {
     let sets: Vec<_> = (0..levels).map(|l| sphere_points(coarsest << (2 * l), radius)).collect();
     // A maximal Poisson-disk set of radius R has about 0.7 / R² points per area.
     let spacing = (0.7 * 4.0 * PI / coarsest as f32).sqrt();
@@ -31,7 +31,7 @@ fn wavy(p: Vec3) -> f32 {
     1.0 + p.z * (3.0 * p.x).sin() + 0.5 * p.y
 }
 
-fn random_points(n: usize) -> Vec<Vec3> {
+pub fn random_points(n: usize) -> Vec<Vec3> {
     let mut random = fastrand::Rng::with_seed(2);
     (0..n).map(|_| uniform_direction(random.f32(), random.f32())).collect()
 }

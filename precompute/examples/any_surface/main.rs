@@ -19,7 +19,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::MeshlessSettings,
     image::Image,
-    meshless::{MeshlessBake, SolveSettings, Solver, irradiance},
+    meshless::{MeshlessBake, SenderSamples, SolveSettings, Solver, irradiance},
     surfel::{Surface, Surfel},
 };
 use lapidary_precompute::{Silent, meshless_bake};
@@ -82,12 +82,13 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Direct light at the senders, and what it becomes in four bounces.
+/// Direct light, and what it becomes in four bounces.
 fn indirect(bake: &MeshlessBake, scene: &Aggregate, lamp: &Lamp) -> Vec<Mat3A> {
-    let senders = &bake.basis.points()[bake.basis.senders()];
-    let direct: Vec<Vec3> = senders.par_iter().map(|p| lamp.irradiance(scene, p)).collect();
-    let reflectance: Vec<Vec3> = senders.iter().map(|p| scene.reflectance(p)).collect();
-    let solution = Solver::new(bake).solve(bake, &direct, &reflectance, SolveSettings::default());
+    let (solver, samples) = (Solver::new(bake), SenderSamples::new(&bake.basis));
+    let direct: Vec<Vec3> = samples.points().par_iter().map(|p| lamp.irradiance(scene, p)).collect();
+    let reflectance: Vec<Vec3> = samples.points().iter().map(|p| scene.reflectance(p)).collect();
+    let (direct, reflectance) = samples.fit(&solver, &direct, &reflectance);
+    let solution = solver.solve(bake, &direct, &reflectance, SolveSettings::default());
     for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
         println!("mean irradiance after {bounce} bounces: {:.4} {:.4} {:.4}", mean.x, mean.y, mean.z);
     }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(super) struct LitPoints {
     dataset: Arc<Dataset>,
     intersector: Arc<Intersector>,
-    points: Vec<Surfel>,
+    pub(super) points: Vec<Surfel>,
     /// Of shading, one a point: the bounce is as bright as the surface that is seen.
     normals: Vec<Vec3>,
     area_samples: u32,
@@ -33,15 +33,6 @@ impl LitPoints {
         let mut lit = Self { dataset, intersector, points, normals, area_samples, albedo, lights, environment: None };
         lit.set_appearance(&Appearance::of(&lit.dataset.scene));
         lit
-    }
-
-    pub fn points(&self) -> &[Surfel] {
-        &self.points
-    }
-
-    /// By which the points receive light.
-    pub fn normals(&self) -> &[Vec3] {
-        &self.normals
     }
 
     /// Diffuse reflectance of the points.

@@ -1,4 +1,4 @@
-//! Bounced light through the meshless basis: direct light on the points of the senders, some bounces through the operator,
+//! Bounced light through the meshless basis: direct light on the senders, by samples under them, some bounces through the operator,
 //! and what arrives at the vertices, for display, or at the surface sources, for the bounce that cuts gather.
 
 use super::{
@@ -11,20 +11,24 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
     lights::Light,
-    meshless::{BounceEnergy, Flattening, MeshlessBake, Solution, SolveSettings, Solver, irradiance},
+    meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     surfel::Surfel,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Samples of an area light along each of its sides, at a sender.
-const AREA_SAMPLES: u32 = 3;
+/// Samples of an area light along each of its sides; senders have several points.
+const AREA_SAMPLES: u32 = 2;
 
 /// Solves for the bounces of a dataset again and again: what an edit does not change is kept.
 pub struct MeshlessRig {
     dataset: Arc<Dataset>,
     solver: Solver,
-    senders: LitPoints,
+    sampling: SenderSamples,
+    /// Its points under local lights.
+    samples: LitPoints,
+    /// What the environment gives the senders.
+    environment: Option<Vec<Vec3>>,
     /// Weights of the vertices, and of the sources if there are any; found at the first use.
     at_vertices: Option<VertexFlattening>,
     at_sources: Option<Flattening>,
@@ -36,30 +40,31 @@ impl MeshlessRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
-        let points = bake.basis.points()[bake.basis.senders()].to_vec();
-        let senders = LitPoints::new(baked, points, AREA_SAMPLES);
-        let solver = Solver::receiving_by(bake, senders.normals().to_vec());
-        Some(Self { solver, senders, at_vertices: None, at_sources: None, solved: None, dataset })
+        let sampling = SenderSamples::new(&bake.basis);
+        let samples = LitPoints::new(baked, sampling.points().to_vec(), AREA_SAMPLES);
+        let normals = senders(bake).par_iter().map(|sender| dataset.scene.mesh.shading_normal(sender)).collect();
+        let solver = Solver::receiving_by(bake, normals);
+        let (at_vertices, at_sources, solved, environment) = (None, None, None, None);
+        Some(Self { dataset, solver, sampling, samples, environment, at_vertices, at_sources, solved })
     }
 
     /// Gives the senders the reflectance of other materials.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.senders.set_appearance(appearance);
+        self.samples.set_appearance(appearance);
         self.solved = None;
     }
 
     /// Shines local lights on the senders, by rays; only for those that are not as before.
     pub fn set_lights(&mut self, lights: &[Light]) {
-        if self.senders.set_lights(lights) {
+        if self.samples.set_lights(lights) {
             self.solved = None;
         }
     }
 
     /// Shines the environment on the senders, or none.
     pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
-        let shine = |lighting| environment_irradiance_of(self.senders.points(), &self.dataset, lighting);
-        let irradiance = lighting.map(shine);
-        self.senders.set_environment(irradiance);
+        let Some(bake) = &self.dataset.meshless else { return };
+        self.environment = lighting.map(|lit| environment_irradiance_of(senders(bake), &self.dataset, lit));
         self.solved = None;
     }
 
@@ -97,12 +102,19 @@ impl MeshlessRig {
     fn solve(&mut self) -> Option<Arc<Dataset>> {
         let dataset = self.dataset.clone();
         if self.solved.is_none() {
-            let (direct, albedo) = (self.senders.irradiance(), self.senders.albedo());
             let bake = dataset.meshless.as_ref()?;
-            self.solved = Some(self.solver.solve(bake, &direct, albedo, SolveSettings::default()));
+            let (mut direct, albedo) =
+                self.sampling.fit(&self.solver, &self.samples.irradiance(), self.samples.albedo());
+            let environment = self.environment.iter().flatten();
+            direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
+            self.solved = Some(self.solver.solve(bake, &direct, &albedo, SolveSettings::default()));
         }
         Some(dataset)
     }
+}
+
+fn senders(bake: &MeshlessBake) -> &[Surfel] {
+    &bake.basis.points()[bake.basis.senders()]
 }
 
 #[cfg(test)]
@@ -157,7 +169,7 @@ pub(crate) mod tests {
         let to_light = lamp(3.0)[0].position - wall;
         let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
         let albedo =
-            Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.senders.points()[0].place);
+            Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.samples.points[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
         let found = rig.at_vertices().unwrap();
         for (vector, normal) in

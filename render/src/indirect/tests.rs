@@ -235,7 +235,7 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
         let to_light = light.position - position;
         3.0 * to_light.x / to_light.length().powi(3)
     };
-    let parts = rig.lit.points().chunks(source_parts::PARTS);
+    let parts = rig.lit.points.chunks(source_parts::PARTS);
     for ((source, parts), e) in rig.tree().sources().iter().zip(parts).zip(rig.irradiance()) {
         let expected = parts.iter().map(|part| at(part.position)).sum::<f32>() / parts.len() as f32;
         assert!((e.x / expected - 1.0).abs() < 1e-4, "{e} for {expected}");

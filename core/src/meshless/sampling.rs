@@ -1,0 +1,199 @@
+//! Direct light on the senders and their reflectance, from finer points.
+//!
+//! What the point of a sender gets of a light is more or less than its surroundings get: the light's edges and shadows fall
+//! on them anyhow. In a furnished room under a spot the senders' own points hold 1.00 to 1.014 of its light, from basis to
+//! basis. The points of the next finer level tell more; there are about three to a finest sender. (In the paper, 2.4, each
+//! level is made of the next finer one, but for the finest that sends.)
+//!
+//! Senders that are means blur an edge twice, once as means and once more as smooth functions that overlap, which darkens
+//! what stands close to it by 4 to 7 %. So they are fitted: what their sum misses at the points is added, by the same means.
+
+use super::{
+    basis::Basis,
+    projection::{Children, Projection},
+    solve::{Solver, usable, usable_reflectance},
+    sparse::{Coefficient, SparseRows},
+};
+use crate::surfel::Surfel;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Times that what is missing is added. The indirect light of three bakes of a living room is off by 0.084, 0.088 and 0.086
+/// without, and by 0.071, 0.077 and 0.078 with this.
+const FITTING_STEPS: usize = 2;
+
+/// Where direct light and reflectance are sampled for the senders.
+#[derive(Clone, Debug)]
+pub struct SenderSamples {
+    points: Vec<Surfel>,
+    /// For every sender: samples and their shares, which sum to one. None for those that are means of finer senders.
+    shares: SparseRows,
+    /// For every sample: the values there of all senders, and of the finest alone.
+    values: SparseRows,
+    finest: SparseRows,
+}
+
+impl SenderSamples {
+    /// The points of the first level that does not send, and those of senders without finer functions under them.
+    pub fn new(basis: &Basis) -> Self {
+        let levels = basis.sender_levels();
+        let (finest, finer) = (basis.level(levels - 1), levels..basis.levels().min(levels + 1));
+        let children = Children::new(basis, levels.min(basis.levels() - 1)).shares;
+        let has_children = |i: usize| i < children.len() && !children.row(i).is_empty();
+        let childless = basis.senders().filter(|&i| !has_children(i));
+        let samples: Vec<usize> = childless.chain(finer.flat_map(|level| basis.level(level))).collect();
+        let mut sample_of = vec![u32::MAX; basis.len()];
+        samples.iter().enumerate().for_each(|(sample, &i)| sample_of[i] = sample as u32);
+        let shares = SparseRows::build(basis.senders().len(), |i, out| {
+            if !has_children(i) {
+                out.push((sample_of[i], 1.0));
+            } else if finest.contains(&i) {
+                out.extend(children.row(i).iter().map(|&(child, share)| (sample_of[child as usize], share)));
+            }
+        });
+        let points: Vec<Surfel> = samples.into_iter().map(|i| basis.points()[i]).collect();
+        let values_of = |levels: Range<usize>| {
+            SparseRows::build(points.len(), |sample, out| {
+                let Surfel { position, normal, .. } = points[sample];
+                levels.clone().for_each(|level| basis.values(level, position, normal, out));
+            })
+        };
+        let (values, finest) = (values_of(0..levels), values_of(levels - 1..levels));
+        Self { points, shares, values, finest }
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[Surfel] {
+        &self.points
+    }
+
+    /// Irradiance and reflectance of the senders, for the solver of the same bake, from those at the points. Their products are
+    /// fitted to what the points reflect; beside an edge of light they may be less than nothing. Senders that are means of
+    /// finer ones get nothing.
+    ///
+    /// # Panics
+    /// If there are fewer values than points.
+    pub fn fit(&self, solver: &Solver, irradiance: &[Vec3], reflectance: &[Vec3]) -> (Vec<Vec3>, Vec<Vec3>) {
+        let irradiance: Vec<Vec3> = irradiance.iter().copied().map(usable).collect();
+        let reflectance: Vec<Vec3> = reflectance.iter().copied().map(usable_reflectance).collect();
+        let reflected: Vec<Vec3> = irradiance.iter().zip(&reflectance).map(|(e, rho)| *e * *rho).collect();
+        let (light, albedo) = (self.means(&irradiance), self.means(&reflectance));
+        let fitted = self.fitted(&solver.projection, &reflected);
+        let irradiance = |(light, (albedo, reflected)): (&Vec3, (&Vec3, &Vec3))| {
+            Vec3::select(albedo.cmpgt(Vec3::ZERO), reflected / albedo, *light)
+        };
+        (light.iter().zip(albedo.iter().zip(&fitted)).map(irradiance).collect(), albedo)
+    }
+
+    /// Of the senders, whose projection comes close to the values at the samples.
+    fn fitted(&self, projection: &Projection, values: &[Vec3]) -> Vec<Vec3> {
+        let mut fitted = self.means(values);
+        let mut missing = differences(values, &self.values, &projection.pull_push(&fitted));
+        for step in 1..=FITTING_STEPS {
+            let means = self.means(&missing);
+            fitted.iter_mut().zip(&means).for_each(|(sum, mean)| *sum += *mean);
+            if step < FITTING_STEPS {
+                missing = differences(&missing, &self.finest, &means);
+            }
+        }
+        fitted
+    }
+
+    /// Of the senders.
+    fn means<T: Coefficient>(&self, values: &[T]) -> Vec<T> {
+        let mean = |sender: usize| self.shares.product(sender, values);
+        (0..self.shares.len()).into_par_iter().with_min_len(512).map(mean).collect()
+    }
+
+    /// Bytes in memory.
+    pub fn bytes(&self) -> u64 {
+        let weights = [&self.shares, &self.values, &self.finest].map(SparseRows::bytes);
+        weights.iter().sum::<u64>() + size_of_val(&self.points[..]) as u64
+    }
+}
+
+/// Values minus the products of a matrix and a vector.
+fn differences(values: &[Vec3], matrix: &SparseRows, vector: &[Vec3]) -> Vec<Vec3> {
+    let difference = |(row, value): (usize, &Vec3)| *value - matrix.product(row, vector);
+    values.par_iter().enumerate().with_min_len(512).map(difference).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::meshless::{
+        MeshlessBake, Transport,
+        tests::{random_points, sphere_basis},
+    };
+
+    fn solver(basis: &Basis) -> Solver {
+        let rows = vec![Vec::new(); basis.len()];
+        Solver::new(&MeshlessBake {
+            basis: basis.clone(),
+            transport: Transport::from_rows(&rows, basis.senders().len()),
+        })
+    }
+
+    /// RMS over the sphere of a function of the senders minus `expected`, and the difference of their means.
+    fn misses(basis: &Basis, senders: &[f32], expected: impl Fn(Vec3) -> f32 + Sync) -> (f32, f32) {
+        let coefficients = Projection::new(basis, basis.sender_levels()).pull_push(senders);
+        let points = random_points(20_000);
+        let miss = |&p: &Vec3| basis.evaluate(basis.sender_levels(), p, p, &coefficients) - expected(p);
+        let misses: Vec<f32> = points.par_iter().map(miss).collect();
+        let mean = |f: &dyn Fn(f32) -> f32| misses.iter().map(|&m| f(m)).sum::<f32>() / misses.len() as f32;
+        (mean(&|m| m * m).sqrt(), mean(&|m| m))
+    }
+
+    #[test]
+    fn an_edge_of_light_is_fitted_better_than_by_means_or_points() {
+        let basis = sphere_basis(40, 4, 3, 1.0);
+        let samples = SenderSamples::new(&basis);
+        assert_eq!(samples.points().len(), basis.level(3).len(), "all senders have finer functions under them");
+        let cap = |p: Vec3| if p.z > 0.65 { 1.0 } else { 0.0 };
+        let lit: Vec<Vec3> = samples.points().iter().map(|p| Vec3::splat(cap(p.position))).collect();
+        let of = |values: Vec<Vec3>| misses(&basis, &values.iter().map(|v| v.x).collect::<Vec<_>>(), cap);
+        let (fitted, energy) = of(samples.fit(&solver(&basis), &lit, &vec![Vec3::ONE; lit.len()]).0);
+        let (by_means, _) = of(samples.means(&lit));
+        let own = basis.points()[basis.senders()].iter().map(|p| Vec3::splat(cap(p.position))).collect();
+        let (by_points, _) = of(own);
+        assert!(energy.abs() < 0.02 * 0.175, "{energy}");
+        assert!(fitted < 0.9 * by_means && fitted < by_points, "{fitted}, {by_means}, {by_points}");
+    }
+
+    #[test]
+    fn what_is_reflected_is_fitted_and_darkness_has_its_irradiance() {
+        let basis = sphere_basis(40, 3, 2, 1.0);
+        let samples = SenderSamples::new(&basis);
+        let of_samples = |f: &dyn Fn(Vec3) -> Vec3| samples.points().iter().map(|p| f(p.position)).collect::<Vec<_>>();
+        let stripes = |p: Vec3| if (20.0 * p.x).sin() > 0.0 { 1.0 } else { 0.2 };
+        let light = of_samples(&|p| Vec3::new(stripes(p), 3.0, -1.0));
+        let painted = of_samples(&|p| Vec3::new(stripes(p), 0.0, 1.0));
+        let (irradiance, reflectance) = samples.fit(&solver(&basis), &light, &painted);
+        let (same, white) =
+            samples.fit(&solver(&basis), &of_samples(&|p| Vec3::X * stripes(p).powi(2)), &vec![Vec3::ONE; light.len()]);
+        let finest = basis.level(1);
+        for i in finest.clone() {
+            assert!((irradiance[i].x * reflectance[i].x - same[i].x).abs() < 1e-5 && (white[i].x - 1.0).abs() < 1e-5);
+            assert!((irradiance[i].y - 3.0).abs() < 1e-4 && reflectance[i].y == 0.0 && irradiance[i].z == 0.0);
+        }
+        let means = samples.means(&light);
+        let apart = finest.map(|i| means[i].x * reflectance[i].x / same[i].x).fold(1.0, f32::min);
+        assert!(apart < 0.9, "negative control: the product of the means is another, {apart}");
+        assert!(irradiance[basis.level(0)].iter().all(|e| *e == Vec3::ZERO), "means of finer senders");
+    }
+
+    #[test]
+    fn senders_without_finer_functions_are_sampled_at_their_own_points() {
+        let basis = sphere_basis(40, 2, 2, 1.0);
+        let samples = SenderSamples::new(&basis);
+        assert_eq!(samples.points(), &basis.points()[basis.level(1)]);
+        let light: Vec<Vec3> = samples.points().iter().map(|p| Vec3::splat(2.0 + p.position.y)).collect();
+        let (irradiance, _) = samples.fit(&solver(&basis), &light, &light);
+        let missed = |values: &[Vec3]| misses(&basis, &values.iter().map(|v| v.x).collect::<Vec<_>>(), |p| 2.0 + p.y).0;
+        let (fitted, plain) = (missed(&irradiance), missed(&samples.means(&light)));
+        assert!(fitted < 0.85 * plain, "{fitted}, {plain}");
+        let lone = Basis::new(&[vec![basis.points()[0]]], 0.1, 1).unwrap();
+        assert_eq!(SenderSamples::new(&lone).fit(&solver(&lone), &[Vec3::X], &[Vec3::ONE]).0, [Vec3::X]);
+    }
+}
