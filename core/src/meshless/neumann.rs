@@ -93,13 +93,13 @@ fn later_bounces(
     let coarsest = bake.basis.level(0).len();
     let mut radiance = vec![Vec3::ZERO; points.len()];
     radiance[sender] = reflectance[sender] * FRAC_1_PI;
-    let mut received = bake.transport.apply(&radiance, 0.0, points.len());
+    let mut received = bake.transport.apply(&radiance, 0.0, 0..points.len());
     let mut sum = vec![Mat3A::ZERO; coarsest];
     for _ in 1..bounces {
         let arriving = solver.at_senders.apply(&received);
         let outgoing = |i: usize| signed_irradiance(&arriving[i], points[i].normal) * reflectance[i] * FRAC_1_PI;
         let samples: Vec<Vec3> = (0..points.len()).map(outgoing).collect();
-        received = bake.transport.apply(&solver.projection.pull_push(&samples), 0.0, coarsest);
+        received = bake.transport.apply(&solver.projection.pull_push(&samples), 0.0, 0..coarsest);
         received.iter_mut().filter(|link| norm(link) <= epsilon).for_each(|link| *link = Mat3A::ZERO);
         sum.iter_mut().zip(&received).for_each(|(sum, link)| *sum += *link);
         received.resize(points.len(), Mat3A::ZERO);

@@ -58,10 +58,13 @@ impl Projection {
         let mut averages = samples[..self.coarser.len()].to_vec();
         for level in self.levels.iter().rev().skip(1) {
             let (coarse, fine) = averages.split_at_mut(level.end);
-            for i in level.clone().filter(|&i| !self.children.row(i).is_empty()) {
-                let child = |sum: T, &(child, share): &(u32, f32)| sum + fine[child as usize - level.end] * share;
-                coarse[i] = self.children.row(i).iter().fold(T::ZERO, child);
-            }
+            let child = |sum: T, &(child, share): &(u32, f32)| sum + fine[child as usize - level.end] * share;
+            coarse[level.clone()].par_iter_mut().enumerate().with_min_len(256).for_each(|(k, average)| {
+                let children = self.children.row(level.start + k);
+                if !children.is_empty() {
+                    *average = children.iter().fold(T::ZERO, child);
+                }
+            });
         }
         self.coarse_to_fine(&averages)
     }

@@ -5,7 +5,7 @@
 //! rather than irradiance makes a coarse sender carry the mean of what is reflected under it, not the colour of its point.
 //!
 //! The bounces between are gathered by the functions of the senders' levels alone, for what is sent on is no finer than
-//! that; the sum of all that is sent reaches every receiver by one full application. The paper has the second and later
+//! that; the sum of all that is sent reaches the finer receivers at once. The paper has the second and later
 //! bounces end at the coarsest level.
 
 use super::{MeshlessBake, flatten::Flattening, projection::Projection, transport::irradiance};
@@ -125,15 +125,18 @@ impl Solver {
         assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value a sender");
         let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(finite).collect();
         let mut sent = vec![Vec3::ZERO; points.len()];
+        let mut coefficients = vec![Mat3A::ZERO; points.len()];
         let mut mean_irradiance = vec![self.mean(bake, &arriving)];
         for _ in 0..settings.bounces.clamp(1, SolveSettings::MOST_BOUNCES) {
             let radiance = self.radiance(&arriving, reflectance);
             sent.iter_mut().zip(&radiance).for_each(|(sum, r)| *sum += *r);
-            let received = bake.transport.apply(&radiance, threshold(&radiance, settings), points.len());
+            let received = bake.transport.apply(&radiance, threshold(&radiance, settings), 0..points.len());
+            coefficients.iter_mut().zip(&received).for_each(|(sum, vector)| *sum += *vector);
             arriving = self.arriving(&received);
             mean_irradiance.push(self.mean(bake, &arriving));
         }
-        let coefficients = bake.transport.apply(&sent, threshold(&sent, settings), bake.basis.len());
+        let finer = points.len()..bake.basis.len();
+        coefficients.extend(bake.transport.apply(&sent, threshold(&sent, settings), finer));
         Solution { coefficients, mean_irradiance }
     }
 

@@ -154,49 +154,72 @@ impl Transport {
         linked
     }
 
-    /// One bounce: coefficients of vector irradiance of the first `receivers` functions, a column a colour channel, from
+    /// One bounce: coefficients of vector irradiance of some functions, a column a colour channel, from
     /// the senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
-    pub fn apply(&self, radiance: &[Vec3], threshold: f32, receivers: usize) -> Vec<Mat3A> {
+    pub fn apply(&self, radiance: &[Vec3], threshold: f32, receivers: Range<usize>) -> Vec<Mat3A> {
         let lit = radiance.iter().enumerate().filter(|(_, r)| r.abs().max_element() > threshold);
         let lit: Vec<(usize, Vec3)> = lit.map(|(sender, &r)| (sender, r * self.scale)).collect();
-        let mut received = vec![Mat3A::ZERO; receivers.min(self.receivers).next_multiple_of(BAND).min(self.receivers)];
-        let bands = received.par_chunks_mut(BAND).enumerate();
-        bands.for_each(|(band, received)| self.add_received(band, 0..self.senders, &lit, received));
-        received.truncate(receivers);
+        let mut received = vec![Mat3A::ZERO; receivers.len()];
+        let parts = bands_of(receivers, &mut received);
+        parts.into_par_iter().for_each(|part| self.add_received(0..self.senders, &lit, part));
         received
     }
 
-    /// Adds what a band receives of the lit senders within a range. Many links are halved by sender, each half with its own
+    /// Adds what a part receives of the lit senders within a range. Many links are halved by sender, each half with its own
     /// sums, at a place that does not depend on which senders are lit.
-    fn add_received(&self, band: usize, senders: Range<usize>, lit: &[(usize, Vec3)], received: &mut [Mat3A]) {
-        let offsets = &self.offsets[band * self.senders..];
+    fn add_received(&self, senders: Range<usize>, lit: &[(usize, Vec3)], part: BandPart) {
+        let offsets = &self.offsets[part.band * self.senders..];
         let [first, end] = [offsets[senders.start], offsets[senders.end]];
         if end - first <= SERIAL_LINKS || senders.len() <= 1 {
-            return self.add_received_of(offsets, within(lit, senders), received);
+            return self.add_received_of(offsets, within(lit, senders), part);
         }
         let half = first + (end - first) / 2;
         let middle = senders.start + offsets[senders.clone()].partition_point(|&offset| offset < half);
         let middle = middle.clamp(senders.start + 1, senders.end - 1);
+        let BandPart { received, .. } = part;
         let mut second = vec![Mat3A::ZERO; received.len()];
         rayon::join(
-            || self.add_received(band, senders.start..middle, lit, received),
-            || self.add_received(band, middle..senders.end, lit, &mut second),
+            || self.add_received(senders.start..middle, lit, BandPart { received, ..part }),
+            || self.add_received(middle..senders.end, lit, BandPart { received: &mut second, ..part }),
         );
         received.iter_mut().zip(&second).for_each(|(sum, other)| *sum += *other);
     }
 
     /// By the offsets of the band.
-    fn add_received_of(&self, offsets: &[u32], lit: &[(usize, Vec3)], received: &mut [Mat3A]) {
+    fn add_received_of(&self, offsets: &[u32], lit: &[(usize, Vec3)], part: BandPart) {
         for &(sender, radiance) in lit {
             for link in &self.links[offsets[sender] as usize..offsets[sender + 1] as usize] {
+                // Links to receivers that are not asked for end here, whose number wraps below the first.
+                let Some(sum) = part.received.get_mut(usize::from(link.receiver).wrapping_sub(part.first)) else {
+                    continue;
+                };
                 let vector = Vec3A::from_array(link.vector.map(f32::from));
-                let sum = &mut received[usize::from(link.receiver)];
                 sum.x_axis += vector * radiance.x;
                 sum.y_axis += vector * radiance.y;
                 sum.z_axis += vector * radiance.z;
             }
         }
     }
+}
+
+/// Successive receivers of a band.
+struct BandPart<'a> {
+    band: usize,
+    /// The first of them, in the band.
+    first: usize,
+    received: &'a mut [Mat3A],
+}
+
+/// Successive receivers by band.
+fn bands_of(receivers: Range<usize>, mut received: &mut [Mat3A]) -> Vec<BandPart<'_>> {
+    let (mut parts, mut next) = (Vec::new(), receivers.start);
+    while next < receivers.end {
+        let (band, first) = (next / BAND, next % BAND);
+        let part = received.split_off_mut(..received.len().min(BAND - first)).unwrap_or_default();
+        next += part.len();
+        parts.push(BandPart { band, first, received: part });
+    }
+    parts
 }
 
 /// Those of the ascending senders that are in a range.
@@ -240,8 +263,8 @@ mod tests {
         let transport = Transport::from_rows(&rows, 400);
         assert!(transport.offsets()[400] > SERIAL_LINKS, "more than are done one after the other");
         let radiance: Vec<Vec3> = (0..400).map(|s| 0.1 * Vec3::new(s as f32, 10.0, -0.5 * s as f32)).collect();
-        let all = transport.apply(&radiance, 0.0, 10_000);
-        let some = transport.apply(&radiance, 5.05, 9_000);
+        let all = transport.apply(&radiance, 0.0, 0..10_000);
+        let some = transport.apply(&radiance, 5.05, 0..9_000);
         assert_eq!((all.len(), some.len()), (10_000, 9_000));
         for (i, row) in rows.iter().enumerate() {
             let from = |least: u32| {
@@ -253,6 +276,8 @@ mod tests {
             assert!(all[i].abs_diff_eq(from(0), 2e-2), "{i}");
             assert!(i >= 9_000 || some[i].abs_diff_eq(from(51), 2e-2), "{i}");
         }
+        assert_eq!(transport.apply(&radiance, 0.0, 5_000..9_500), all[5_000..9_500]);
+        assert_eq!(transport.apply(&radiance, 0.0, 10_000..10_000), []);
         assert!(!all[0].abs_diff_eq(some[0], 2e-2), "negative control: the skipped senders show");
     }
 

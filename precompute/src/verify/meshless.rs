@@ -83,7 +83,7 @@ fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastra
     let radiance = |at: Vec3| 1.0 + 0.9 * at.dot(wave).cos();
     let sent: Vec<Vec3> = basis.points()[basis.senders()].iter().map(|p| Vec3::splat(radiance(p.position))).collect();
     let sent = Projection::new(basis, basis.sender_levels()).pull_push(&sent);
-    let received = bake.transport.apply(&sent, 0.0, basis.len());
+    let received = bake.transport.apply(&sent, 0.0, 0..basis.len());
     let seeds: Vec<(usize, u64)> =
         random.choose_multiple(basis.level(levels - 1), POINTS).into_iter().map(|i| (i, i as u64)).collect();
     let pair = |&(function, seed): &(usize, u64)| {
