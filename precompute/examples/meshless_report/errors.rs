@@ -1,9 +1,9 @@
 //! Error of one bounce at points that were not used in the bake.
 
-use crate::prepared::{GREY, Lamp, gathered};
+use crate::prepared::{GREY, Lamp, gathered, lit};
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
-    meshless::{MeshlessBake, Projection, SolveSettings, Solver, irradiance},
+    meshless::{MeshlessBake, Projection, SenderSamples, SolveSettings, Solver, irradiance},
     surfel::Surfel,
 };
 use lapidary_precompute::{Candidates, Darts, MeshSurface, Silent, poisson_disk};
@@ -23,7 +23,7 @@ pub fn print(bake: &MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: 
         return;
     };
     let radiance = |p: &Surfel| lamp.direct(surface, p) * GREY * FRAC_1_PI;
-    let test = OneBounce::new(bake, solver, |p| lamp.direct(surface, p));
+    let test = OneBounce::new(bake, solver, surface, lamp);
     let at = |p: &Surfel| {
         let truth = gathered(surface, p, RAYS, radiance);
         let gather = gathered(surface, p, RAYS, |hit| test.sent(hit));
@@ -50,19 +50,13 @@ struct OneBounce<'a> {
 }
 
 impl<'a> OneBounce<'a> {
-    fn new(bake: &'a MeshlessBake, solver: &Solver, direct: impl Fn(&Surfel) -> f32 + Sync + Send) -> Self {
-        let senders = &bake.basis.points()[bake.basis.senders()];
-        let direct: Vec<f32> = senders.par_iter().map(direct).collect();
-        let outgoing: Vec<f32> = direct.iter().map(|e| e * GREY * FRAC_1_PI).collect();
+    fn new(bake: &'a MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: &Lamp) -> Self {
+        let (irradiance, grey) = lit(&SenderSamples::new(&bake.basis), solver, surface, lamp);
+        let outgoing: Vec<f32> = irradiance.iter().map(|e| e.x * GREY * FRAC_1_PI).collect();
         let projection = Projection::new(&bake.basis, bake.basis.sender_levels());
-        let colors: Vec<Vec3> = direct.into_iter().map(Vec3::splat).collect();
-        let grey = vec![Vec3::splat(GREY); colors.len()];
         let once = SolveSettings { bounces: 1, ..Default::default() };
-        Self {
-            bake,
-            sent: projection.pull_push(&outgoing),
-            received: solver.solve(bake, &colors, &grey, once).coefficients,
-        }
+        let received = solver.solve(bake, &irradiance, &grey, once).coefficients;
+        Self { bake, sent: projection.pull_push(&outgoing), received }
     }
 
     fn sent(&self, at: &Surfel) -> f32 {

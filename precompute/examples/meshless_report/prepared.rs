@@ -5,12 +5,14 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     import::import,
     material::Material,
+    meshless::{SenderSamples, Solver},
     ray::Intersector,
     scene::{Object, Scene},
     sphere::{cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };
 use lapidary_precompute::{MeshSurface, Sidedness, classify};
+use rayon::prelude::*;
 
 /// Diffuse reflectance of everything.
 pub const GREY: f32 = 0.5;
@@ -46,6 +48,12 @@ impl Lamp {
         let lit = cosine > 0.0 && surface.sees(at.position + at.normal * surface.offset(), self.position);
         if lit { cosine / to_lamp.length_squared() } else { 0.0 }
     }
+}
+
+/// Irradiance of the senders under the lamp, and their reflectance.
+pub fn lit(samples: &SenderSamples, solver: &Solver, surface: &MeshSurface, lamp: &Lamp) -> (Vec<Vec3>, Vec<Vec3>) {
+    let direct: Vec<Vec3> = samples.points().par_iter().map(|p| Vec3::splat(lamp.direct(surface, p))).collect();
+    samples.fit(solver, &direct, &vec![Vec3::splat(GREY); direct.len()])
 }
 
 /// Irradiance of a point from surfaces of the given radiance, by cosine-distributed rays along a Fibonacci lattice that is
