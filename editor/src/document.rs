@@ -26,6 +26,7 @@ use lapidary_core::{
     lights::Light,
     material::Material,
     scene::Scene,
+    shot::Shot,
     texture::Texture,
 };
 use lapidary_precompute::Preset;
@@ -243,13 +244,14 @@ impl Document {
         }
     }
 
-    /// A baked scene as it came, with the settings of its bake.
+    /// A baked scene as it came, with the settings of its bake. If that was for shots, it is seen from the first of them, and
+    /// they are bookmarked as well.
     pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
-        Self {
-            dataset: Some(dataset_path),
-            bake: dataset.settings.clone(),
-            ..Self::of_scene(&dataset.scene, scene_path)
-        }
+        let mut document = Self::of_scene(&dataset.scene, scene_path);
+        let views = shot_views(dataset);
+        document.camera = views.first().cloned().unwrap_or(document.camera);
+        document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
+        Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), ..document }
     }
 
     /// Materials and textures for the renderers.
@@ -259,6 +261,15 @@ impl Document {
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
         }
     }
+}
+
+/// The cameras of the shots that a dataset was baked for, all with names.
+fn shot_views(dataset: &Dataset) -> Vec<Camera> {
+    let named = |(index, shot): (usize, &Shot)| match shot.camera.name.is_empty() {
+        true => Camera { name: format!("Shot {}", index + 1), ..shot.camera.clone() },
+        false => shot.camera.clone(),
+    };
+    dataset.settings.shots.iter().enumerate().map(named).collect()
 }
 
 /// What gives light soonest: a scene with lights of its own is gathered from its surfaces, other scenes are lit by the
@@ -292,6 +303,19 @@ mod tests {
         assert_eq!((document.materials.len(), document.textures.len()), (2, 1));
         assert_eq!(document.bake, dataset.settings);
         assert_eq!((document.scene, document.dataset), (Some("a.gltf".into()), Some("a.cuts".into())));
+    }
+
+    #[test]
+    fn a_dataset_baked_for_shots_opens_at_the_first_with_all_of_them_bookmarked() {
+        let mut dataset = dataset(&["a"], &[]);
+        dataset.scene.cameras = vec![camera("front"), camera("back")];
+        let shot = |camera: Camera| Shot { camera, aspect: 1.5 };
+        let unnamed = Camera { eye: Vec3::splat(7.0), ..camera("") };
+        dataset.settings.shots = vec![shot(unnamed.clone()), shot(camera("back"))];
+        let document = Document::of_dataset(&dataset, "a.cuts".into(), None);
+        let first = Camera { name: "Shot 1".into(), ..unnamed };
+        assert_eq!(document.camera, first);
+        assert_eq!(document.bookmarks, [camera("front"), camera("back"), first]);
     }
 
     #[test]
