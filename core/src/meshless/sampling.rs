@@ -68,9 +68,9 @@ impl SenderSamples {
         &self.points
     }
 
-    /// Irradiance and reflectance of the senders, for the solver of the same bake, from those at the points. Their products are
-    /// fitted to what the points reflect; beside an edge of light they may be less than nothing. Senders that are means of
-    /// finer ones get nothing.
+    /// Irradiance and reflectance of the senders, for the solver of the same bake, from those at the points. Irradiance is
+    /// fitted, and counts as much as the points reflect it, so that the product has what a lit pattern sends; beside an edge of
+    /// light it may be less than nothing. Senders that are means of finer ones get nothing.
     ///
     /// # Panics
     /// If there are fewer values than points.
@@ -78,17 +78,18 @@ impl SenderSamples {
         let irradiance: Vec<Vec3> = irradiance.iter().copied().map(usable).collect();
         let reflectance: Vec<Vec3> = reflectance.iter().copied().map(usable_reflectance).collect();
         let reflected: Vec<Vec3> = irradiance.iter().zip(&reflectance).map(|(e, rho)| *e * *rho).collect();
-        let (light, albedo) = (self.means(&irradiance), self.means(&reflectance));
-        let fitted = self.fitted(&solver.projection, &reflected);
-        let irradiance = |(light, (albedo, reflected)): (&Vec3, (&Vec3, &Vec3))| {
-            Vec3::select(albedo.cmpgt(Vec3::ZERO), reflected / albedo, *light)
-        };
-        (light.iter().zip(albedo.iter().zip(&fitted)).map(irradiance).collect(), albedo)
+        let [light, albedo, reflected] = [&irradiance, &reflectance, &reflected].map(|values| self.means(values));
+        let mut fitted = self.fitted(&solver.projection, &irradiance, &light);
+        for (i, fitted) in fitted.iter_mut().enumerate() {
+            let evenly = light[i] * albedo[i];
+            *fitted *= Vec3::select(evenly.cmpgt(Vec3::ZERO), reflected[i] / evenly, Vec3::ONE);
+        }
+        (fitted, albedo)
     }
 
-    /// Of the senders, whose projection comes close to the values at the samples.
-    fn fitted(&self, projection: &Projection, values: &[Vec3]) -> Vec<Vec3> {
-        let mut fitted = self.means(values);
+    /// Of the senders, whose projection comes close to the values at the samples, from their means.
+    fn fitted(&self, projection: &Projection, values: &[Vec3], means: &[Vec3]) -> Vec<Vec3> {
+        let mut fitted = means.to_vec();
         let mut missing = differences(values, &self.values, &projection.pull_push(&fitted));
         for step in 1..=FITTING_STEPS {
             let means = self.means(&missing);
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_reflected_is_fitted_and_darkness_has_its_irradiance() {
+    fn a_lit_pattern_sends_what_its_points_reflect() {
         let basis = sphere_basis(40, 3, 2, 1.0);
         let samples = SenderSamples::new(&basis);
         let of_samples = |f: &dyn Fn(Vec3) -> Vec3| samples.points().iter().map(|p| f(p.position)).collect::<Vec<_>>();
@@ -170,17 +171,23 @@ mod tests {
         let light = of_samples(&|p| Vec3::new(stripes(p), 3.0, -1.0));
         let painted = of_samples(&|p| Vec3::new(stripes(p), 0.0, 1.0));
         let (irradiance, reflectance) = samples.fit(&solver(&basis), &light, &painted);
-        let (same, white) =
-            samples.fit(&solver(&basis), &of_samples(&|p| Vec3::X * stripes(p).powi(2)), &vec![Vec3::ONE; light.len()]);
-        let finest = basis.level(1);
-        for i in finest.clone() {
-            assert!((irradiance[i].x * reflectance[i].x - same[i].x).abs() < 1e-5 && (white[i].x - 1.0).abs() < 1e-5);
-            assert!((irradiance[i].y - 3.0).abs() < 1e-4 && reflectance[i].y == 0.0 && irradiance[i].z == 0.0);
+        let (on_white, white) = samples.fit(&solver(&basis), &light, &vec![Vec3::ONE; light.len()]);
+        let [mean, reflected] =
+            [light.clone(), of_samples(&|p| Vec3::X * stripes(p).powi(2))].map(|v| samples.means(&v));
+        let mut least = 1.0_f32;
+        for i in basis.level(1) {
+            let expected = reflected[i].x * on_white[i].x / mean[i].x;
+            assert!((irradiance[i].x * reflectance[i].x - expected).abs() < 1e-5 && (white[i].x - 1.0).abs() < 1e-5);
+            assert!((irradiance[i].y - 3.0).abs() < 1e-3 && reflectance[i].y == 0.0, "black has its irradiance");
+            assert_eq!(irradiance[i].z, 0.0);
+            least = least.min(on_white[i].x * reflectance[i].x / expected);
         }
-        let means = samples.means(&light);
-        let apart = finest.map(|i| means[i].x * reflectance[i].x / same[i].x).fold(1.0, f32::min);
-        assert!(apart < 0.9, "negative control: the product of the means is another, {apart}");
+        assert!(least < 0.9, "negative control: the product of the means is another, {least}");
         assert!(irradiance[basis.level(0)].iter().all(|e| *e == Vec3::ZERO), "means of finer senders");
+        let velvet = of_samples(&|p| Vec3::splat(if p.z > 0.0 { 1e-6 } else { 1.0 }));
+        let (on_velvet, _) = samples.fit(&solver(&basis), &light, &velvet);
+        let largest = on_velvet.iter().map(|e| e.x.abs()).fold(0.0, f32::max);
+        assert!(largest < 2.0, "what is black sends nothing of its neighbours' light: {largest}");
     }
 
     #[test]
