@@ -151,6 +151,11 @@ impl Basis {
         self.first_levels(self.sender_levels)
     }
 
+    /// Their points.
+    pub fn sender_points(&self) -> &[Surfel] {
+        &self.points[self.senders()]
+    }
+
     /// The points of all functions.
     pub fn points(&self) -> &[Surfel] {
         &self.points

@@ -8,11 +8,7 @@
 //! the coefficients by the reflectance at each sender's point. For the bounce of direct light this is exact only where
 //! reflectance does not vary within a function.
 
-use super::{
-    MeshlessBake, Solver,
-    solve::{sender_points, usable_reflectance},
-    transport::signed_irradiance,
-};
+use super::{MeshlessBake, Solver, solve::usable_reflectance, transport::signed_irradiance};
 use glam::{Mat3A, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -89,7 +85,7 @@ fn later_bounces(
     bounces: u32,
     epsilon: f32,
 ) -> Vec<(usize, Mat3A)> {
-    let points = sender_points(bake);
+    let points = bake.basis.sender_points();
     let coarsest = bake.basis.level(0).len();
     let mut radiance = vec![Vec3::ZERO; points.len()];
     radiance[sender] = reflectance[sender] * FRAC_1_PI;

@@ -10,9 +10,9 @@
 
 use super::{
     basis::Basis,
-    projection::{Children, Projection},
+    projection::Projection,
     solve::{Solver, usable, usable_reflectance},
-    sparse::{Coefficient, SparseRows},
+    sparse::SparseRows,
 };
 use crate::surfel::Surfel;
 use glam::Vec3;
@@ -29,17 +29,18 @@ pub struct SenderSamples {
     points: Vec<Surfel>,
     /// For every sender: samples and their shares, which sum to one. None for those that are means of finer senders.
     shares: SparseRows,
-    /// For every sample: the values there of all senders, and of the finest alone.
-    values: SparseRows,
+    /// For every sample: the values there of the finest senders, and of the others.
     finest: SparseRows,
+    coarser: SparseRows,
 }
 
 impl SenderSamples {
-    /// The points of the first level that does not send, and those of senders without finer functions under them.
-    pub fn new(basis: &Basis) -> Self {
+    /// The points of the first level that does not send, and those of senders without finer functions under them. `solver` is
+    /// that of the basis's bake.
+    pub fn new(basis: &Basis, solver: &Solver) -> Self {
         let levels = basis.sender_levels();
         let (finest, finer) = (basis.level(levels - 1), levels..basis.levels().min(levels + 1));
-        let children = Children::new(basis, levels.min(basis.levels() - 1)).shares;
+        let children = &solver.projection.children;
         let has_children = |i: usize| i < children.len() && !children.row(i).is_empty();
         let childless = basis.senders().filter(|&i| !has_children(i));
         let samples: Vec<usize> = childless.chain(finer.flat_map(|level| basis.level(level))).collect();
@@ -59,8 +60,8 @@ impl SenderSamples {
                 levels.clone().for_each(|level| basis.values(level, position, normal, out));
             })
         };
-        let (values, finest) = (values_of(0..levels), values_of(levels - 1..levels));
-        Self { points, shares, values, finest }
+        let [finest, coarser] = [levels - 1..levels, 0..levels - 1].map(values_of);
+        Self { points, shares, finest, coarser }
     }
 
     /// The points.
@@ -90,7 +91,8 @@ impl SenderSamples {
     /// Of the senders, whose projection comes close to the values at the samples, from their means.
     fn fitted(&self, projection: &Projection, values: &[Vec3], means: &[Vec3]) -> Vec<Vec3> {
         let mut fitted = means.to_vec();
-        let mut missing = differences(values, &self.values, &projection.pull_push(&fitted));
+        let projected = projection.pull_push(means);
+        let mut missing = differences(&differences(values, &self.coarser, &projected), &self.finest, &projected);
         for step in 1..=FITTING_STEPS {
             let means = self.means(&missing);
             fitted.iter_mut().zip(&means).for_each(|(sum, mean)| *sum += *mean);
@@ -102,15 +104,9 @@ impl SenderSamples {
     }
 
     /// Of the senders.
-    fn means<T: Coefficient>(&self, values: &[T]) -> Vec<T> {
+    fn means(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mean = |sender: usize| self.shares.product(sender, values);
         (0..self.shares.len()).into_par_iter().with_min_len(512).map(mean).collect()
-    }
-
-    /// Bytes in memory.
-    pub fn bytes(&self) -> u64 {
-        let weights = [&self.shares, &self.values, &self.finest].map(SparseRows::bytes);
-        weights.iter().sum::<u64>() + size_of_val(&self.points[..]) as u64
     }
 }
 
@@ -128,12 +124,11 @@ mod tests {
         tests::{random_points, sphere_basis},
     };
 
-    fn solver(basis: &Basis) -> Solver {
-        let rows = vec![Vec::new(); basis.len()];
-        Solver::new(&MeshlessBake {
-            basis: basis.clone(),
-            transport: Transport::from_rows(&rows, basis.senders().len()),
-        })
+    fn sampled(basis: &Basis) -> (Solver, SenderSamples) {
+        let transport = Transport::from_rows(&vec![Vec::new(); basis.len()], basis.senders().len());
+        let solver = Solver::new(&MeshlessBake { basis: basis.clone(), transport });
+        let samples = SenderSamples::new(basis, &solver);
+        (solver, samples)
     }
 
     /// RMS over the sphere of a function of the senders minus `expected`, and the difference of their means.
@@ -149,14 +144,14 @@ mod tests {
     #[test]
     fn an_edge_of_light_is_fitted_better_than_by_means_or_points() {
         let basis = sphere_basis(40, 4, 3, 1.0);
-        let samples = SenderSamples::new(&basis);
+        let (solver, samples) = sampled(&basis);
         assert_eq!(samples.points().len(), basis.level(3).len(), "all senders have finer functions under them");
         let cap = |p: Vec3| if p.z > 0.65 { 1.0 } else { 0.0 };
         let lit: Vec<Vec3> = samples.points().iter().map(|p| Vec3::splat(cap(p.position))).collect();
         let of = |values: Vec<Vec3>| misses(&basis, &values.iter().map(|v| v.x).collect::<Vec<_>>(), cap);
-        let (fitted, energy) = of(samples.fit(&solver(&basis), &lit, &vec![Vec3::ONE; lit.len()]).0);
+        let (fitted, energy) = of(samples.fit(&solver, &lit, &vec![Vec3::ONE; lit.len()]).0);
         let (by_means, _) = of(samples.means(&lit));
-        let own = basis.points()[basis.senders()].iter().map(|p| Vec3::splat(cap(p.position))).collect();
+        let own = basis.sender_points().iter().map(|p| Vec3::splat(cap(p.position))).collect();
         let (by_points, _) = of(own);
         assert!(energy.abs() < 0.02 * 0.175, "{energy}");
         assert!(fitted < 0.9 * by_means && fitted < by_points, "{fitted}, {by_means}, {by_points}");
@@ -165,13 +160,13 @@ mod tests {
     #[test]
     fn a_lit_pattern_sends_what_its_points_reflect() {
         let basis = sphere_basis(40, 3, 2, 1.0);
-        let samples = SenderSamples::new(&basis);
+        let (solver, samples) = sampled(&basis);
         let of_samples = |f: &dyn Fn(Vec3) -> Vec3| samples.points().iter().map(|p| f(p.position)).collect::<Vec<_>>();
         let stripes = |p: Vec3| if (20.0 * p.x).sin() > 0.0 { 1.0 } else { 0.2 };
         let light = of_samples(&|p| Vec3::new(stripes(p), 3.0, -1.0));
         let painted = of_samples(&|p| Vec3::new(stripes(p), 0.0, 1.0));
-        let (irradiance, reflectance) = samples.fit(&solver(&basis), &light, &painted);
-        let (on_white, white) = samples.fit(&solver(&basis), &light, &vec![Vec3::ONE; light.len()]);
+        let (irradiance, reflectance) = samples.fit(&solver, &light, &painted);
+        let (on_white, white) = samples.fit(&solver, &light, &vec![Vec3::ONE; light.len()]);
         let [mean, reflected] =
             [light.clone(), of_samples(&|p| Vec3::X * stripes(p).powi(2))].map(|v| samples.means(&v));
         let mut least = 1.0_f32;
@@ -185,7 +180,7 @@ mod tests {
         assert!(least < 0.9, "negative control: the product of the means is another, {least}");
         assert!(irradiance[basis.level(0)].iter().all(|e| *e == Vec3::ZERO), "means of finer senders");
         let velvet = of_samples(&|p| Vec3::splat(if p.z > 0.0 { 1e-6 } else { 1.0 }));
-        let (on_velvet, _) = samples.fit(&solver(&basis), &light, &velvet);
+        let (on_velvet, _) = samples.fit(&solver, &light, &velvet);
         let largest = on_velvet.iter().map(|e| e.x.abs()).fold(0.0, f32::max);
         assert!(largest < 2.0, "what is black sends nothing of its neighbours' light: {largest}");
     }
@@ -193,14 +188,15 @@ mod tests {
     #[test]
     fn senders_without_finer_functions_are_sampled_at_their_own_points() {
         let basis = sphere_basis(40, 2, 2, 1.0);
-        let samples = SenderSamples::new(&basis);
+        let (solver, samples) = sampled(&basis);
         assert_eq!(samples.points(), &basis.points()[basis.level(1)]);
         let light: Vec<Vec3> = samples.points().iter().map(|p| Vec3::splat(2.0 + p.position.y)).collect();
-        let (irradiance, _) = samples.fit(&solver(&basis), &light, &light);
+        let (irradiance, _) = samples.fit(&solver, &light, &vec![Vec3::ONE; light.len()]);
         let missed = |values: &[Vec3]| misses(&basis, &values.iter().map(|v| v.x).collect::<Vec<_>>(), |p| 2.0 + p.y).0;
         let (fitted, plain) = (missed(&irradiance), missed(&samples.means(&light)));
         assert!(fitted < 0.85 * plain, "{fitted}, {plain}");
         let lone = Basis::new(&[vec![basis.points()[0]]], 0.1, 1).unwrap();
-        assert_eq!(SenderSamples::new(&lone).fit(&solver(&lone), &[Vec3::X], &[Vec3::ONE]).0, [Vec3::X]);
+        let (solver, samples) = sampled(&lone);
+        assert_eq!(samples.fit(&solver, &[Vec3::X], &[Vec3::ONE]).0, [Vec3::X]);
     }
 }

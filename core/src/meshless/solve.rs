@@ -9,7 +9,6 @@
 //! bounces end at the coarsest level.
 
 use super::{MeshlessBake, flatten::Flattening, projection::Projection, transport::irradiance};
-use crate::surfel::Surfel;
 use glam::{Mat3A, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -90,7 +89,7 @@ pub struct Solver {
 impl Solver {
     /// For a bake whose points receive light by their own normals.
     pub fn new(bake: &MeshlessBake) -> Self {
-        Self::receiving_by(bake, sender_points(bake).iter().map(|p| p.normal).collect())
+        Self::receiving_by(bake, bake.basis.sender_points().iter().map(|p| p.normal).collect())
     }
 
     /// For points of senders that receive light by other unit normals, as those that smooth surfaces are seen with.
@@ -98,8 +97,8 @@ impl Solver {
     /// # Panics
     /// If there is not one normal a sender.
     pub fn receiving_by(bake: &MeshlessBake, normals: Vec<Vec3>) -> Self {
-        assert_eq!(normals.len(), sender_points(bake).len(), "one normal a sender");
-        let points: Vec<_> = sender_points(bake).iter().map(|p| (p.position, p.normal)).collect();
+        assert_eq!(normals.len(), bake.basis.sender_points().len(), "one normal a sender");
+        let points: Vec<_> = bake.basis.sender_points().iter().map(|p| (p.position, p.normal)).collect();
         let levels = bake.basis.sender_levels();
         Self {
             projection: Projection::new(&bake.basis, levels),
@@ -121,7 +120,7 @@ impl Solver {
         reflectance: &[Vec3],
         settings: SolveSettings,
     ) -> Solution {
-        let points = sender_points(bake);
+        let points = bake.basis.sender_points();
         assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value a sender");
         let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(finite).collect();
         let mut sent = vec![Vec3::ZERO; points.len()];
@@ -166,10 +165,6 @@ impl Solver {
     }
 }
 
-pub(super) fn sender_points(bake: &MeshlessBake) -> &[Surfel] {
-    &bake.basis.points()[bake.basis.senders()]
-}
-
 fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
     let sum: f32 = radiance.iter().map(|r| r.abs().max_element()).sum();
     settings.threshold * sum / radiance.len().max(1) as f32
@@ -193,7 +188,7 @@ mod tests {
     use super::*;
     use crate::{
         meshless::{Basis, Transport},
-        surfel::MeshPlace,
+        surfel::{MeshPlace, Surfel},
     };
     use std::f32::consts::PI;
 

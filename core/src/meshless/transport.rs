@@ -156,6 +156,9 @@ impl Transport {
 
     /// One bounce: coefficients of vector irradiance of some functions, a column a colour channel, from
     /// the senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
+    ///
+    /// # Panics
+    /// If there are not so many receivers.
     pub fn apply(&self, radiance: &[Vec3], threshold: f32, receivers: Range<usize>) -> Vec<Mat3A> {
         let lit = radiance.iter().enumerate().filter(|(_, r)| r.abs().max_element() > threshold);
         let lit: Vec<(usize, Vec3)> = lit.map(|(sender, &r)| (sender, r * self.scale)).collect();

@@ -108,7 +108,7 @@ fn one_bounce_between_boxes_agrees_with_rays() {
     let (surface, light) = (prepared.surface(), Vec3::new(0.1, 0.3, 0.1));
     let settings = MeshlessSettings { epsilon: 0.025, sender_levels: 3, ..settings() };
     let (bake, report) = meshless_bake(&surface, light, &settings, &Silent).unwrap();
-    let senders = &bake.basis.points()[bake.basis.senders()];
+    let senders = bake.basis.sender_points();
     let lit: Vec<Vec3> = senders.par_iter().map(|p| Vec3::splat(direct(&surface, light, p))).collect();
     let grey = vec![Vec3::splat(0.5); lit.len()];
     let once = SolveSettings { bounces: 1, threshold: 0.0 };

@@ -53,7 +53,7 @@ impl Criterion {
             least: PI * epsilon / TYPICAL_REFLECTANCE,
             roots: constant.into_iter().map(|c| c > 0.5).collect(),
             neighbours: levels.map(|level| (basis.level(level).start, basis.neighbours(level))).collect(),
-            order: curve_places(&basis.points()[basis.senders()]),
+            order: curve_places(basis.sender_points()),
         }
     }
 

@@ -49,7 +49,7 @@ fn operator(epsilon: f32) -> (Transport, MeshlessReport) {
 /// RMS over random points of irradiance minus `expected`, when direct irradiance is `1 + z` and everything is half grey.
 fn error(transport: Transport, expected: f32) -> f32 {
     let bake = MeshlessBake { basis: basis(), transport };
-    let senders = &bake.basis.points()[bake.basis.senders()];
+    let senders = bake.basis.sender_points();
     let direct: Vec<Vec3> = senders.iter().map(|p| Vec3::splat(1.0 + p.position.z)).collect();
     let grey = vec![Vec3::splat(0.5); direct.len()];
     let settings = SolveSettings { bounces: 1, threshold: 0.0 };

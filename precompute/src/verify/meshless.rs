@@ -81,7 +81,7 @@ fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastra
     let (basis, levels) = (&bake.basis, bake.basis.levels());
     let wave = Vec3::new(1.0, 0.7, 0.4) * (TAU / surface.bounds().diagonal());
     let radiance = |at: Vec3| 1.0 + 0.9 * at.dot(wave).cos();
-    let sent: Vec<Vec3> = basis.points()[basis.senders()].iter().map(|p| Vec3::splat(radiance(p.position))).collect();
+    let sent: Vec<Vec3> = basis.sender_points().iter().map(|p| Vec3::splat(radiance(p.position))).collect();
     let sent = Projection::new(basis, basis.sender_levels()).pull_push(&sent);
     let received = bake.transport.apply(&sent, 0.0, 0..basis.len());
     let seeds: Vec<(usize, u64)> =

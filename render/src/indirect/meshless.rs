@@ -24,9 +24,9 @@ const AREA_SAMPLES: u32 = 2;
 pub struct MeshlessRig {
     dataset: Arc<Dataset>,
     solver: Solver,
-    sampling: SenderSamples,
-    /// Its points under local lights.
-    samples: LitPoints,
+    samples: SenderSamples,
+    /// Their points under local lights.
+    lit: LitPoints,
     /// What the environment gives the senders.
     environment: Option<Vec<Vec3>>,
     /// Weights of the vertices, and of the sources if there are any; found at the first use.
@@ -40,23 +40,23 @@ impl MeshlessRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
-        let sampling = SenderSamples::new(&bake.basis);
-        let samples = LitPoints::new(baked, sampling.points().to_vec(), AREA_SAMPLES);
-        let normals = senders(bake).par_iter().map(|sender| dataset.scene.mesh.shading_normal(sender)).collect();
-        let solver = Solver::receiving_by(bake, normals);
+        let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
+        let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
+        let samples = SenderSamples::new(&bake.basis, &solver);
+        let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);
         let (at_vertices, at_sources, solved, environment) = (None, None, None, None);
-        Some(Self { dataset, solver, sampling, samples, environment, at_vertices, at_sources, solved })
+        Some(Self { dataset, solver, samples, lit, environment, at_vertices, at_sources, solved })
     }
 
     /// Gives the senders the reflectance of other materials.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.samples.set_appearance(appearance);
+        self.lit.set_appearance(appearance);
         self.solved = None;
     }
 
     /// Shines local lights on the senders, by rays; only for those that are not as before.
     pub fn set_lights(&mut self, lights: &[Light]) {
-        if self.samples.set_lights(lights) {
+        if self.lit.set_lights(lights) {
             self.solved = None;
         }
     }
@@ -64,7 +64,8 @@ impl MeshlessRig {
     /// Shines the environment on the senders, or none.
     pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
         let Some(bake) = &self.dataset.meshless else { return };
-        self.environment = lighting.map(|lit| environment_irradiance_of(senders(bake), &self.dataset, lit));
+        let shine = |lighting| environment_irradiance_of(bake.basis.sender_points(), &self.dataset, lighting);
+        self.environment = lighting.map(shine);
         self.solved = None;
     }
 
@@ -103,18 +104,13 @@ impl MeshlessRig {
         let dataset = self.dataset.clone();
         if self.solved.is_none() {
             let bake = dataset.meshless.as_ref()?;
-            let (mut direct, albedo) =
-                self.sampling.fit(&self.solver, &self.samples.irradiance(), self.samples.albedo());
+            let (mut direct, albedo) = self.samples.fit(&self.solver, &self.lit.irradiance(), self.lit.albedo());
             let environment = self.environment.iter().flatten();
             direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
             self.solved = Some(self.solver.solve(bake, &direct, &albedo, SolveSettings::default()));
         }
         Some(dataset)
     }
-}
-
-fn senders(bake: &MeshlessBake) -> &[Surfel] {
-    &bake.basis.points()[bake.basis.senders()]
 }
 
 #[cfg(test)]
@@ -168,8 +164,7 @@ pub(crate) mod tests {
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
         let to_light = lamp(3.0)[0].position - wall;
         let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
-        let albedo =
-            Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.samples.points[0].place);
+        let albedo = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
         let found = rig.at_vertices().unwrap();
         for (vector, normal) in
@@ -184,6 +179,31 @@ pub(crate) mod tests {
         rig.set_lights(&[]);
         assert!(rig.energy().is_none());
         assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+    }
+
+    #[test]
+    fn senders_have_the_light_of_the_finer_points_under_them() {
+        let mut dataset = dataset();
+        let meshless = dataset.meshless.as_mut().unwrap();
+        let [wall, floor] = [0, 1].map(|i| meshless.basis.points()[i]);
+        let aside = |z: f32| Surfel { position: wall.position + Vec3::Z * z, ..wall };
+        let finer = [-0.5, 0.5].map(aside);
+        meshless.basis = Basis::new(&[vec![wall, floor], finer.to_vec()], 20.0, 1).unwrap();
+        meshless.transport = Transport::from_rows(&[Vec::new(), vec![(0, LINK)], Vec::new(), Vec::new()], 2);
+        let baked = Baked::from(dataset);
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        rig.set_lights(&lamp(3.0));
+        let irradiance = |point: &Surfel| {
+            let to_light = lamp(3.0)[0].position - point.position;
+            3.0 * to_light.x / to_light.length().powi(3)
+        };
+        let mesh = &baked.dataset.scene.mesh;
+        let reflected = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place) * FRAC_1_PI * LINK.dot(Vec3::Y);
+        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        let found = super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y).x;
+        let expected = 0.5 * (irradiance(&finer[0]) + irradiance(&finer[1])) * reflected.x;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
+        assert!((irradiance(&wall) * reflected.x / expected - 1.0).abs() > 0.02, "negative control: its own point");
     }
 
     #[test]
