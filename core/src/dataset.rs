@@ -43,6 +43,7 @@ pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{BakeMode, IndirectReport, IndirectSettings};
 
 use crate::{
+    camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
     indirect::IndirectBake,
     light_tree::{LightTree, TreeKind},
@@ -94,6 +95,15 @@ impl Dataset {
         let kept: [f32; 3] = std::array::from_fn(|i| if is_valid[i] { weights[i].max(0.0) } else { 0.0 });
         let sum: f32 = kept.iter().sum();
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights }
+    }
+
+    /// The cameras of the shots that it was baked for, all with names: "Shot 1" and so on where they have none.
+    pub fn shot_views(&self) -> Vec<Camera> {
+        let named = |(index, shot): (usize, &Shot)| match shot.camera.name.is_empty() {
+            true => Camera { name: format!("Shot {}", index + 1), ..shot.camera.clone() },
+            false => shot.camera.clone(),
+        };
+        self.settings.shots.iter().enumerate().map(named).collect()
     }
 }
 

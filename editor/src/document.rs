@@ -13,7 +13,7 @@ pub mod session;
 #[cfg(test)]
 pub(crate) mod test_data;
 
-pub use components::{Bounces, Component, ComponentSettings};
+pub use components::{Bounces, Component, ComponentSettings, Unlit};
 pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
@@ -26,7 +26,6 @@ use lapidary_core::{
     lights::Light,
     material::Material,
     scene::Scene,
-    shot::Shot,
     texture::Texture,
 };
 use lapidary_precompute::Preset;
@@ -248,7 +247,7 @@ impl Document {
     /// they are bookmarked as well.
     pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
         let mut document = Self::of_scene(&dataset.scene, scene_path);
-        let views = shot_views(dataset);
+        let views = dataset.shot_views();
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
         Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), ..document }
@@ -263,15 +262,6 @@ impl Document {
     }
 }
 
-/// The cameras of the shots that a dataset was baked for, all with names.
-fn shot_views(dataset: &Dataset) -> Vec<Camera> {
-    let named = |(index, shot): (usize, &Shot)| match shot.camera.name.is_empty() {
-        true => Camera { name: format!("Shot {}", index + 1), ..shot.camera.clone() },
-        false => shot.camera.clone(),
-    };
-    dataset.settings.shots.iter().enumerate().map(named).collect()
-}
-
 /// What gives light soonest: a scene with lights of its own is gathered from its surfaces, other scenes are lit by the
 /// environment. More can be chosen.
 pub fn proposed_bake(scene: &Scene) -> BakeSettings {
@@ -282,6 +272,7 @@ pub fn proposed_bake(scene: &Scene) -> BakeSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::shot::Shot;
     use test_data::{camera, dataset};
 
     #[test]

@@ -54,7 +54,8 @@ struct MaterialArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "View")]
 struct CameraArgs {
-    /// Camera of the scene, by name [default: its first one, or a view of the whole scene if it has none]
+    /// Camera of the scene, by name, or "Shot 1" and so on for the shots that it was baked for [default: the first shot, or
+    /// else the first camera, or a view of the whole scene if it has none]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// Position of the eye in metres [default: that of the camera]
@@ -130,7 +131,7 @@ impl ViewArgs {
         let mut dataset = Dataset::read(&self.file)?;
         let local = local.resolve(lights, &dataset, &self.file)?;
         self.material.apply(&mut dataset.scene)?;
-        let camera = self.camera.resolve(&dataset.scene)?;
+        let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;
         let view = View {
             aa: self.camera.aa,
             background: self.camera.background.into(),
@@ -177,8 +178,8 @@ pub fn replace_materials(materials: &mut [Material], material: &Material) {
 const DEFAULT_FOV: f32 = 40.0;
 
 impl CameraArgs {
-    fn resolve(&self, scene: &Scene) -> Result<Camera> {
-        let base = self.named_camera(scene)?;
+    fn resolve(&self, scene: &Scene, shots: &[Camera]) -> Result<Camera> {
+        let base = self.named_camera(scene, shots)?;
         let fov = |default: f32| self.fov.unwrap_or(default);
         let camera = match (self.eye, self.target, base) {
             (Some(eye), Some(target), _) => Camera::look_at(eye, target, fov(DEFAULT_FOV)),
@@ -202,11 +203,10 @@ impl CameraArgs {
         Ok(camera)
     }
 
-    fn named_camera<'a>(&self, scene: &'a Scene) -> Result<Option<&'a Camera>> {
-        match &self.camera {
-            Some(name) => Ok(Some(scene.camera(name)?)),
-            None => Ok(scene.cameras.first()),
-        }
+    fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
+        let Some(name) = &self.camera else { return Ok(shots.first().or(scene.cameras.first())) };
+        let shot = shots.iter().find(|shot| shot.name == *name);
+        Ok(Some(shot.map_or_else(|| scene.camera(name), Ok)?))
     }
 
     fn check_memory(&self) -> Result<()> {
@@ -252,27 +252,40 @@ mod tests {
     #[test]
     fn cameras_default_to_the_first_and_are_overridden_in_part() {
         let scene = scene(vec![named("a", 1.0), named("b", 2.0)]);
-        assert_eq!(NOTHING.resolve(&scene).unwrap(), named("a", 1.0));
+        assert_eq!(NOTHING.resolve(&scene, &[]).unwrap(), named("a", 1.0));
         let b = CameraArgs { camera: Some("b".into()), ..NOTHING };
-        assert_eq!(b.resolve(&scene).unwrap(), named("b", 2.0));
-        let moved = CameraArgs { eye: Some(Vec3::Y), fov: Some(50.0), ..NOTHING }.resolve(&scene).unwrap();
+        assert_eq!(b.resolve(&scene, &[]).unwrap(), named("b", 2.0));
+        let moved = CameraArgs { eye: Some(Vec3::Y), fov: Some(50.0), ..NOTHING }.resolve(&scene, &[]).unwrap();
         assert_eq!((moved.eye, moved.target), (Vec3::Y, Vec3::ZERO));
         assert!((moved.fov_y.to_degrees() - 50.0).abs() < 1e-4);
         let explicit = CameraArgs { eye: Some(Vec3::Y), target: Some(Vec3::X), ..NOTHING };
-        assert_eq!(explicit.resolve(&scene).unwrap(), Camera::look_at(Vec3::Y, Vec3::X, DEFAULT_FOV));
+        assert_eq!(explicit.resolve(&scene, &[]).unwrap(), Camera::look_at(Vec3::Y, Vec3::X, DEFAULT_FOV));
+    }
+
+    #[test]
+    fn shots_come_before_the_cameras_of_the_scene_and_have_names_too() {
+        let scene = scene(vec![named("a", 1.0)]);
+        let shots = [named("Shot 1", 3.0), named("Shot 2", 4.0)];
+        let resolved = |camera: Option<&str>| {
+            CameraArgs { camera: camera.map(Into::into), ..NOTHING }.resolve(&scene, &shots).map(|camera| camera.name)
+        };
+        assert_eq!(resolved(None).unwrap(), "Shot 1");
+        assert_eq!(resolved(Some("Shot 2")).unwrap(), "Shot 2");
+        assert_eq!(resolved(Some("a")).unwrap(), "a");
+        assert!(resolved(Some("Shot 3")).is_err(), "negative control");
     }
 
     #[test]
     fn what_no_camera_supplies_is_asked_for() {
         let bare = scene(vec![]);
-        assert_eq!(NOTHING.resolve(&bare).unwrap().target, Vec3::X);
-        let message = |args: CameraArgs| args.resolve(&bare).unwrap_err().to_string();
+        assert_eq!(NOTHING.resolve(&bare, &[]).unwrap().target, Vec3::X);
+        let message = |args: CameraArgs| args.resolve(&bare, &[]).unwrap_err().to_string();
         assert!(message(CameraArgs { eye: Some(Vec3::Y), ..NOTHING }).contains("--target"));
         assert!(message(CameraArgs { target: Some(Vec3::Y), ..NOTHING }).contains("--eye"));
         let same = CameraArgs { eye: Some(Vec3::Y), target: Some(Vec3::Y), ..NOTHING };
         assert!(message(same).contains("same point"));
         let unknown = CameraArgs { camera: Some("c".into()), ..NOTHING };
-        assert!(unknown.resolve(&scene(vec![named("a", 1.0)])).unwrap_err().to_string().contains("it has a"));
+        assert!(unknown.resolve(&scene(vec![named("a", 1.0)]), &[]).unwrap_err().to_string().contains("it has a"));
     }
 
     #[test]

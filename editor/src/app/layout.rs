@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     actions::Action,
-    document::{self, BackgroundKind, Bounces, Component, Document},
+    document::{self, BackgroundKind, Bounces, Component, Document, Unlit},
     jobs::render_thread::RenderedFrame,
     panels::{
         bake::{self, BakeContext, SceneStats},
@@ -25,7 +25,7 @@ use crate::{
     viewport::{self, ViewportContext, ViewportResponse, ViewportState, compare::Compared},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_render::Baked;
+use lapidary_render::{Baked, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
@@ -344,10 +344,21 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         let asked = viewport::compare::interact(ui, response.rect, &mut state.interface.comparison);
         actions.extend(asked.map(|share| Action::ExplainPixel(pixel_at(share, response.size_px))));
     }
+    if let Some(unlit) = unlit(state) {
+        notice::show_unlit(ui, response.rect, unlit, &mut state.interface.inspector, actions);
+    }
     if state.scene.shown().is_none() {
         notice::show(ui, response.rect, state, actions);
     }
     response
+}
+
+/// Why a lit picture is black, if one is shown by itself.
+fn unlit(state: &EditorState) -> Option<Unlit> {
+    let (document, baked) = (&state.document, state.scene.shown()?);
+    let is_alone = document.view.mode == ViewMode::Shaded && !state.interface.comparison.open;
+    let unlit = is_alone.then(|| Unlit::of(&document.lights, document.components, &baked.dataset)).flatten();
+    unlit.filter(|_| state.pictures.shown().is_some())
 }
 
 /// The pixel at a share of the width and height of a picture.

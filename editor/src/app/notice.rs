@@ -1,8 +1,8 @@
-//! What stands in the viewport while there is no picture: what is going on, or what to do.
+//! What stands in the viewport while there is no picture, or nothing to be seen in it: what is going on, or what to do.
 
-use super::state::EditorState;
-use crate::actions::Action;
-use egui::{Align, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
+use super::{layout::Inspector, state::EditorState};
+use crate::{actions::Action, document::Unlit, panels::lights::add_menu};
+use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
 
 /// Width of the text in points.
 const WIDTH: f32 = 380.0;
@@ -13,6 +13,29 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
     let place = Rect::from_center_size(rect.center(), size);
     let layout = Layout::top_down(Align::Center);
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| contents(ui, state, actions));
+}
+
+/// Says in the lower part of `rect` why the picture in it is black, and leads to light.
+pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, inspector: &mut Inspector, actions: &mut Vec<Action>) {
+    let size = vec2(WIDTH.min(rect.width() - 20.0).max(40.0), 90.0);
+    let place = Align2::CENTER_BOTTOM.align_size_within_rect(size, rect.shrink2(vec2(0.0, 40.0)));
+    let layout = Layout::top_down(Align::Center);
+    ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| match unlit {
+            Unlit::NoLights => {
+                ui.label(RichText::new("Nothing gives light").strong());
+                ui.label("This bake has no light of the environment, and the scene has no lights.");
+                ui.menu_button("Add a light", |ui| add_menu(ui, actions));
+            }
+            Unlit::SwitchedOff => {
+                ui.label(RichText::new("All light is switched off").strong());
+                ui.label("The Lights tab has switches for each light and for each part of the light.");
+                if ui.button("Open the Lights tab").clicked() {
+                    *inspector = Inspector::Lights;
+                }
+            }
+        });
+    });
 }
 
 fn contents(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {

@@ -1,6 +1,6 @@
 //! Which parts of the light are in the picture, and which solutions of bounced light a dataset has.
 
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, lights::Light};
 use lapidary_render::{Components, Solution};
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,30 @@ impl ComponentSettings {
     }
 }
 
+/// Why a picture is black whatever the materials are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlit {
+    /// The bake has no light of the environment, and the scene has no lights.
+    NoLights,
+    /// There is light, and none of it is switched on.
+    SwitchedOff,
+}
+
+impl Unlit {
+    /// Why lights and what is shown of them leave a dataset in the dark; `None` where they do not.
+    pub fn of(lights: &[Light], components: ComponentSettings, dataset: &Dataset) -> Option<Self> {
+        let (shown, environment) = (components.shown(), dataset.settings.mode.environment());
+        let bounces = shown.indirect && Bounces::of(dataset).any();
+        let by_environment = environment && (shown.environment || bounces);
+        let by_lights = lights.iter().any(Light::shines) && (shown.direct || bounces);
+        match (by_environment || by_lights, lights.is_empty() && !environment) {
+            (true, _) => None,
+            (false, true) => Some(Self::NoLights),
+            (false, false) => Some(Self::SwitchedOff),
+        }
+    }
+}
+
 /// The means of bounced light that a dataset has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bounces {
@@ -103,6 +127,8 @@ impl Bounces {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::test_data;
+    use lapidary_core::dataset::BakeMode;
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {
@@ -113,6 +139,25 @@ mod tests {
         assert_eq!(settings.shown(), Components { environment: false, direct: true, indirect: false });
         settings.solo = None;
         assert_eq!(settings.shown(), all, "the switches are as they were");
+    }
+
+    #[test]
+    fn a_picture_is_unlit_where_nothing_that_shines_is_shown() {
+        let mut dataset = test_data::dataset(&["a"], &[]);
+        let shows = |solo| ComponentSettings { solo, ..Default::default() };
+        let off = ComponentSettings { environment: false, direct: false, indirect: false, solo: None };
+        let unlit = |dataset: &Dataset, lights: &[Light], components| Unlit::of(lights, components, dataset);
+        assert_eq!(unlit(&dataset, &[], shows(None)), None, "by the environment");
+        assert_eq!(unlit(&dataset, &[], shows(Some(Component::Direct))), Some(Unlit::SwitchedOff));
+        assert_eq!(unlit(&dataset, &[], off), Some(Unlit::SwitchedOff));
+        dataset.settings.mode = BakeMode::Meshless;
+        assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
+        let lamp = test_data::light();
+        assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);
+        let nothing_bounces = shows(Some(Component::Indirect));
+        assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), nothing_bounces), Some(Unlit::SwitchedOff));
+        let broken = Light { enabled: false, ..lamp };
+        assert_eq!(unlit(&dataset, &[broken], shows(None)), Some(Unlit::SwitchedOff));
     }
 
     #[test]

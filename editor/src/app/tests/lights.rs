@@ -150,3 +150,29 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     assert_eq!(window.0.state().document.bake.mode, BakeMode::Cuts);
     assert_eq!(window.0.state().interface.inspector, Inspector::Bake);
 }
+
+#[test]
+fn a_black_picture_says_why_and_leads_to_light() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    assert!(!window.shows("Nothing gives light") && !window.shows("switched off"), "negative control: the environment");
+    window.click("Lights");
+    window.click("Solo Lights");
+    window.0.state_mut().interface.inspector = Inspector::Material;
+    window.0.run_steps(2);
+    window.click("Open the Lights tab");
+    assert_eq!(window.0.state().interface.inspector, Inspector::Lights);
+    window.click("Solo Lights");
+    assert!(!window.shows("All light is switched off"));
+    let baked = window.0.state().scene.baked.as_ref().unwrap();
+    let mut dataset = (*baked.dataset).clone();
+    dataset.settings.mode = BakeMode::Meshless;
+    window.0.state_mut().scene.baked = Some(dataset.into());
+    window.0.run_steps(2);
+    assert!(window.shows("Nothing gives light"));
+    window.click_containing("Add a light");
+    window.click("Spot");
+    assert_eq!(lights(&window).len(), 1);
+    assert!(!window.shows("Nothing gives light"));
+}
