@@ -13,7 +13,7 @@ use lapidary_core::{
     dataset::Dataset,
     import::load_material,
     material::{BrdfModel, BrdfParameters, Material},
-    scene::Scene,
+    scene::{NoSuchCamera, Scene},
 };
 use lapidary_precompute::available_memory;
 use lapidary_render::{Background, Illumination, View};
@@ -205,8 +205,10 @@ impl CameraArgs {
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
         let Some(name) = &self.camera else { return Ok(shots.first().or(scene.cameras.first())) };
-        let shot = shots.iter().find(|shot| shot.name == *name);
-        Ok(Some(shot.map_or_else(|| scene.camera(name), Ok)?))
+        let cameras = || shots.iter().chain(&scene.cameras);
+        let known = || cameras().map(|camera| camera.name.clone()).collect();
+        let found = cameras().find(|camera| camera.name == *name);
+        Ok(Some(found.ok_or_else(|| NoSuchCamera { name: name.clone(), known: known() })?))
     }
 
     fn check_memory(&self) -> Result<()> {
@@ -272,7 +274,8 @@ mod tests {
         assert_eq!(resolved(None).unwrap(), "Shot 1");
         assert_eq!(resolved(Some("Shot 2")).unwrap(), "Shot 2");
         assert_eq!(resolved(Some("a")).unwrap(), "a");
-        assert!(resolved(Some("Shot 3")).is_err(), "negative control");
+        let missing = resolved(Some("Shot 3")).unwrap_err().to_string();
+        assert!(missing.contains("it has Shot 1, Shot 2, a"), "{missing}");
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, inspector: &mut Inspect
         Frame::popup(ui.style()).show(ui, |ui| match unlit {
             Unlit::NoLights => {
                 ui.label(RichText::new("Nothing gives light").strong());
-                ui.label("This bake has no light of the environment, and the scene has no lights.");
+                ui.label("The bake is without the environment, the scene without lights.");
                 ui.menu_button("Add a light", |ui| add_menu(ui, actions));
             }
             Unlit::SwitchedOff => {
