@@ -60,11 +60,22 @@ impl Scene {
     /// # Errors
     /// [`NoSuchCamera`], which lists those that there are.
     pub fn camera(&self, name: &str) -> Result<&Camera, NoSuchCamera> {
-        self.cameras.iter().find(|c| c.name == name).ok_or_else(|| NoSuchCamera {
-            name: name.to_owned(),
-            known: self.cameras.iter().map(|c| c.name.clone()).collect(),
-        })
+        camera_named(self.cameras.iter(), name)
     }
+}
+
+/// The first camera of a name.
+///
+/// # Errors
+/// [`NoSuchCamera`], which lists those that there are.
+pub fn camera_named<'a>(
+    mut cameras: impl Iterator<Item = &'a Camera> + Clone,
+    name: &str,
+) -> Result<&'a Camera, NoSuchCamera> {
+    let all = cameras.clone();
+    cameras
+        .find(|camera| camera.name == name)
+        .ok_or_else(|| NoSuchCamera { name: name.to_owned(), known: all.map(|camera| camera.name.clone()).collect() })
 }
 
 /// A name that no camera of a scene has.

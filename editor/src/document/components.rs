@@ -128,7 +128,7 @@ impl Bounces {
 mod tests {
     use super::*;
     use crate::document::test_data;
-    use lapidary_core::dataset::BakeMode;
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {
@@ -154,8 +154,11 @@ mod tests {
         assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
         let lamp = test_data::light();
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);
-        let nothing_bounces = shows(Some(Component::Indirect));
-        assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), nothing_bounces), Some(Unlit::SwitchedOff));
+        let bounce_alone = shows(Some(Component::Indirect));
+        assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), bounce_alone), Some(Unlit::SwitchedOff));
+        let (sources, cuts, environment_cuts) = (Vec::new(), PackedCuts::default(), PackedCuts::default());
+        dataset.indirect = Some(IndirectBake { sources, cuts, environment_cuts });
+        assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), bounce_alone), None, "by the bounce alone");
         let broken = Light { enabled: false, ..lamp };
         assert_eq!(unlit(&dataset, &[broken], shows(None)), Some(Unlit::SwitchedOff));
     }
