@@ -11,6 +11,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    indirect::Origin,
     ray::Intersector,
     scene::Mesh,
     shot::Shot,
@@ -63,6 +64,13 @@ impl BakePoint {
     /// The place on the surface that the upper (true) or lower side samples at.
     pub fn place(&self, upper: bool) -> Vec3 {
         self.places[usize::from(!upper)]
+    }
+
+    /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::own_cosine`].
+    pub fn own_cosine(&self) -> f32 {
+        // The most that a face around it is tilted; rounding must not part that face from its point.
+        let tilted = (1.0 - self.horizon * self.horizon).max(0.0).sqrt();
+        Origin::OWN_COSINE.min(0.99 * tilted)
     }
 
     /// Whether a direction is sampled from the upper side.

@@ -24,9 +24,9 @@ const RAYS: usize = 1024;
 /// A point no higher than so many spacings over a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
 /// What rays meet no deeper below their origin than so many times its own lift, if it faces much as the point's surface does, is
-/// that surface. Smooth normals receive directions below the faces around them, which took the light of these faces' sources.
+/// that surface ([`Origin::own_cosine`]). Smooth normals receive directions below the faces around them, which took the light of these
+/// faces' sources.
 const OWN_LIFTS: f32 = 2.0;
-const OWN_COSINE: f32 = 0.5;
 
 /// Cosines count as no less: what is interpolated is shaded at other places than it was sampled at, where a centre that lay at
 /// the horizon may stand high. In the living room with 0.05 a single pixel held 0.4 of the squared error.
@@ -54,12 +54,18 @@ pub struct Origin {
     pub face: Vec3,
     /// How far it lies off that surface, in metres.
     pub lift: f32,
+    /// Cosine with `face` above which a place faces as that surface does: [`Self::OWN_COSINE`], or less where faces around a vertex
+    /// lean farther from its normal.
+    pub own_cosine: f32,
 }
 
 impl Origin {
+    /// For a point within a face.
+    pub const OWN_COSINE: f32 = 0.5;
+
     /// Whether a place is of the surface that the point lies in.
     fn lies_in_surface_of(&self, place: &Surfel) -> bool {
-        self.height_over(place) < OWN_LIFTS * self.lift && place.normal.dot(self.face) > OWN_COSINE
+        self.height_over(place) < OWN_LIFTS * self.lift && place.normal.dot(self.face) > self.own_cosine
     }
 
     fn height_over(&self, place: &Surfel) -> f32 {
@@ -186,7 +192,7 @@ mod tests {
 
     fn gathered(near: &NearField, scene: &Intersector, sources: &[Source], origin: Vec3, normal: Vec3) -> Vec<f32> {
         let mut angles = vec![0.0; sources.len()];
-        let origin = Origin { position: origin, normal, face: normal, lift: 0.0 };
+        let origin = Origin { position: origin, normal, face: normal, lift: 0.0, own_cosine: Origin::OWN_COSINE };
         near.gather(sources, scene, origin, |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
         angles
     }
@@ -256,13 +262,17 @@ mod tests {
         let (scene, sources) = floor_and_wall();
         let (near, lift) = (NearField::new(&sources), 0.02 * CELL);
         let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
-        let gathered = |face, lift| {
-            let origin = Origin { position: Vec3::new(2.02, 0.02 * CELL, 0.03), normal, face, lift };
+        let leaning = |face, lift, own_cosine| {
+            let position = Vec3::new(2.02, 0.02 * CELL, 0.03);
+            let origin = Origin { position, normal, face, lift, own_cosine };
             let mut sum = 0.0;
             near.gather(&sources, &scene, origin, |d| d.dot(normal) > 0.0, |_, angle| sum += angle);
             sum
         };
+        let gathered = |face, lift| leaning(face, lift, Origin::OWN_COSINE);
         assert_eq!(gathered(Vec3::Y, lift), 0.0);
+        assert_eq!(leaning(normal, lift, 0.99 * normal.y), 0.0, "a vertex, of which the normal alone is known");
+        assert!(gathered(normal, lift) > 0.5, "negative control: one whose faces are said to lean less");
         assert!(gathered(Vec3::Y, 0.0) > 0.5, "negative control: a point that close above the floor, but not in it");
         assert!(gathered(Vec3::NEG_Z, lift) > 0.5, "negative control: the foot of a wall");
     }

@@ -55,6 +55,21 @@ fn a_closed_room_fills_the_hemisphere_over_any_wall() {
 }
 
 #[test]
+fn a_vertex_takes_no_light_from_faces_that_lean_far_from_its_normal() {
+    let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
+    let sources = sources_of(&prepared);
+    let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
+    let floor = |horizon: f32| {
+        let point = BakePoint { normal, horizon, offset: 1e-3, ..point_at(Vec3::new(0.1, -0.999, 0.2)) };
+        let seen = sample(&prepared, &sources, &point);
+        seen.iter().zip(&sources).filter(|(_, s)| s.surfel.normal.y > 0.5).map(|(angle, _)| angle).sum::<f32>()
+    };
+    let (taken, without) = (floor(-normal.cross(Vec3::Y).length()), floor(0.0));
+    assert!(taken < 0.01, "{taken} sr, more than from so far above it");
+    assert!(without > 0.5, "{without} sr, negative control: a horizon that leaves the floor out");
+}
+
+#[test]
 fn opposite_walls_have_their_form_factor() {
     // Two opposite squares of a cube: 0.1998 (Howell's catalogue, C-11).
     let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
