@@ -6,9 +6,11 @@
 pub mod illumination;
 pub mod merge;
 pub mod packed;
+mod prune_sources;
 mod select;
 mod select_sources;
 
+pub use prune_sources::prune_sources;
 pub use select::{CutCriterion, CutSelector, prune};
 pub use select_sources::{SourceCriterion, SourceCutSelector};
 

@@ -160,7 +160,7 @@ pub struct BakeReport {
     pub mean_cut: f64,
     /// Largest cut.
     pub max_cut: usize,
-    /// Root mean square over all vertices and lights of stored minus traced visibility.
+    /// Root mean square over all vertices and lights of stored minus traced visibility, before cuts were coarsened to fit.
     pub rms_visibility: f64,
     /// Bytes of nodes, padding and offsets.
     pub bytes_cuts: u64,

@@ -17,7 +17,7 @@ use self::{
     bounces::bake_bounces,
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
-    pack::{fit_budget, unbaked},
+    pack::{fit_environment, unbaked},
     remarks::Remarks,
 };
 use crate::{
@@ -87,7 +87,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let bounces = bake_bounces(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
     let packing = Instant::now();
-    let (cuts, sigma) = fit_budget(concatenate(&chunks), tree.height(), settings.max_bytes, settings.criterion.sigma);
+    let (cuts, sigma) = fit_environment(concatenate(&chunks), tree.height(), &settings, observer);
     let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), Series::Environment)?;
     let report = report(&geometry, &settings, &packed, job.warnings.clone());
     let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };

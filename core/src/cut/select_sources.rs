@@ -33,6 +33,22 @@ impl Default for SourceCriterion {
     }
 }
 
+impl SourceCriterion {
+    /// Allows nodes to be `factor` times as uneven, and no larger.
+    pub fn coarser(self, factor: f32) -> Self {
+        // A sigma of zero would stay what it is.
+        Self { sigma: factor * self.sigma.max(0.25), contrast: factor * self.contrast, ..self }
+    }
+
+    /// Whether `size` leaves need more than one node, from their sum and the squared error of their mean in units of 2π/N, `unit`
+    /// steradians each.
+    pub(super) fn splits(&self, size: f32, sum: f32, error: f32, unit: f32) -> bool {
+        let Self { sigma, max_solid_angle, contrast } = *self;
+        let is_uneven = error > sigma * sigma && error * size > (contrast * sum) * (contrast * sum);
+        is_uneven || sum * unit > max_solid_angle
+    }
+}
+
 /// Selects cuts of solid angles of `2^height` sources; keeps its buffers between vertices.
 pub struct SourceCutSelector {
     height: u32,
@@ -101,10 +117,7 @@ impl SourceCutSelector {
             return false;
         }
         let ([sum, squares], size) = (self.sums[node], self.size(node));
-        let SourceCriterion { sigma, max_solid_angle, contrast } = self.criterion;
-        let error = squares - sum * sum / size;
-        let is_uneven = error > sigma * sigma && error * size > (contrast * sum) * (contrast * sum);
-        is_uneven || sum * self.unit() > max_solid_angle
+        self.criterion.splits(size, sum, squares - sum * sum / size, self.unit())
     }
 }
 

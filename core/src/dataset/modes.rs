@@ -78,7 +78,7 @@ pub struct IndirectReport {
     /// Largest of these cuts.
     pub max_cut: usize,
     /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`, of
-    /// solid angles.
+    /// solid angles. Cuts that were coarsened to fit a texture, which `warnings` tell, were compared before.
     pub relative_error: f64,
     /// Mean number of nodes of a source's cut over the environment.
     pub mean_environment_cut: f64,

@@ -6,7 +6,7 @@ use super::{
     BakeError, Geometry,
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     clock::Clock,
-    pack::{Packed, concatenate, pack, unbaked},
+    pack::{Packed, TEXTURE_BYTES, concatenate, fit_sources, pack, unbaked},
 };
 use crate::{
     MeshSurface,
@@ -103,7 +103,9 @@ impl Stage<'_> {
         let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
             bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
         })?;
-        pack(concatenate(&chunks), &chunks, points.of_vertex.iter().copied(), Series::Sources)
+        let criterion = self.settings.indirect.criterion;
+        let cuts = fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
+        pack(cuts, &chunks, points.of_vertex.iter().copied(), Series::Sources)
     }
 
     fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
