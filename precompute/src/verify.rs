@@ -14,6 +14,7 @@ use lapidary_core::{
     cut::{
         CutSelector, SourceCutSelector,
         packed::{depth, value},
+        prune_sources,
     },
     dataset::Dataset,
     ray::Intersector,
@@ -110,12 +111,15 @@ fn check_sources(
     let height = indirect.sources.len().ilog2();
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
     let sampler = SourceSampler::new(intersector, &indirect.sources, offset);
+    let asked = dataset.settings.indirect.criterion;
+    let kept = dataset.report.indirect.as_ref().map_or(asked, |report| report.criterion(asked));
     let places = points.for_sources(&dataset.scene.mesh, intersector, &dataset.settings.shots);
     let differs = |vertex: &&usize| {
         let mut seen = vec![0.0; indirect.sources.len()];
         sampler.sample_singly(&places[points.of_vertex[**vertex] as usize], &mut seen);
         let mut again = Vec::new();
-        SourceCutSelector::new(height, dataset.settings.indirect.criterion).select(&seen, &mut again);
+        SourceCutSelector::new(height, asked).select(&seen, &mut again);
+        let again = if kept == asked { again } else { prune_sources(height, kept, &again) };
         again != indirect.cuts.cut(height, **vertex as u32)
     };
     (vertices.len(), vertices.par_iter().filter(differs).count())
@@ -182,7 +186,7 @@ mod tests {
         sidedness::tests::{cuboid, floor, scene_of},
     };
     use lapidary_core::{
-        cut::packed::PackedCuts,
+        cut::{SourceCriterion, packed::PackedCuts},
         dataset::{BakeMode, BakeSettings, IndirectSettings},
     };
 
@@ -233,6 +237,27 @@ mod tests {
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.rms_visibility > 1.7 * good.rms_visibility, "{bad:?}");
         assert!(!verify(&dataset, 0).passed, "nothing was checked");
+    }
+
+    #[test]
+    fn source_cuts_that_were_coarsened_to_fit_agree() {
+        let criterion = SourceCriterion { sigma: 0.25, contrast: 0.05, ..Default::default() };
+        let indirect = IndirectSettings { sources: 256, criterion, ..Default::default() };
+        let settings = BakeSettings { mode: BakeMode::Indirect, indirect, lights: 256, ..Preset::Draft.settings() };
+        let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
+        let coarser = dataset.settings.indirect.criterion.coarser(8.0);
+        let baked = dataset.indirect.as_mut().unwrap();
+        let mut coarsened = PackedCuts::default();
+        for vertex in 0..dataset.scene.mesh.positions.len() as u32 {
+            let offset = coarsened.push_cut(&prune_sources(8, coarser, baked.cuts.cut(8, vertex)));
+            coarsened.push_vertex(offset);
+        }
+        assert!(coarsened.nodes().len() < baked.cuts.nodes().len());
+        baked.cuts = coarsened;
+        assert!(!verify(&dataset, 64).passed, "negative control: nothing says that they were");
+        dataset.report.indirect.as_mut().unwrap().coarsened = Some(8.0);
+        let good = verify(&dataset, 64);
+        assert!(good.passed && good.source_vertices > 0, "{good:?}");
     }
 
     #[test]

@@ -78,12 +78,21 @@ pub struct IndirectReport {
     /// Largest of these cuts.
     pub max_cut: usize,
     /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`, of
-    /// solid angles. Cuts that were coarsened to fit a texture, which `warnings` tell, were compared before.
+    /// solid angles. Cuts that were coarsened to fit a texture were compared before.
     pub relative_error: f64,
+    /// How many times as uneven as asked for the nodes of these cuts may be, where they had to be coarsened to fit a texture.
+    pub coarsened: Option<f32>,
     /// Mean number of nodes of a source's cut over the environment.
     pub mean_environment_cut: f64,
     /// Bytes of both kinds of cuts.
     pub bytes_cuts: u64,
     /// Rays traced between vertices and sources, and around vertices for near ones.
     pub rays_traced: u64,
+}
+
+impl IndirectReport {
+    /// The criterion that the cuts over the sources keep, where `asked` was asked for.
+    pub fn criterion(&self, asked: SourceCriterion) -> SourceCriterion {
+        self.coarsened.map_or(asked, |factor| asked.coarser(factor))
+    }
 }

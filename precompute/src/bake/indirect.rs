@@ -39,7 +39,7 @@ impl Stage<'_> {
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
         self.bind(&sources, clock)?;
-        let seen = self.source_cuts(&sources, clock)?;
+        let (seen, coarsened) = self.source_cuts(&sources, clock)?;
         let environment = self.environment_cuts(&sources, clock)?;
         let spacings = || sources.iter().map(|source| source.spacing);
         let report = IndirectReport {
@@ -51,6 +51,7 @@ impl Stage<'_> {
             without_area: sources.iter().filter(|s| s.area == 0.0).count(),
             mean_cut: seen.mean_cut(),
             max_cut: seen.max_cut,
+            coarsened,
             relative_error: (seen.squared_error / seen.points.max(1) as f64).sqrt(),
             mean_environment_cut: environment.mean_cut(),
             bytes_cuts: seen.bytes() + environment.bytes(),
@@ -91,7 +92,8 @@ impl Stage<'_> {
         Ok(())
     }
 
-    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+    /// What the bake points see of the sources, and by what factor that was coarsened, see [`IndirectReport::coarsened`].
+    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<(Packed, Option<f32>), BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let places = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
         let maker = SourceCuts {
@@ -104,8 +106,9 @@ impl Stage<'_> {
             bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
         })?;
         let criterion = self.settings.indirect.criterion;
-        let cuts = fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
-        pack(cuts, &chunks, points.of_vertex.iter().copied(), Series::Sources)
+        let (cuts, coarsened) =
+            fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
+        Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), Series::Sources)?, coarsened))
     }
 
     fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {

@@ -124,20 +124,20 @@ pub(super) fn fit_environment(
     (cuts, sigma)
 }
 
-/// The vertices' cuts over the surface sources within `most` bytes.
+/// The vertices' cuts over the surface sources within `most` bytes, and how many times as uneven they may be for that.
 pub(super) fn fit_sources(
     cuts: Vec<Vec<u16>>,
     height: u32,
     asked: SourceCriterion,
     most: u64,
     observer: &dyn Observer,
-) -> Vec<Vec<u16>> {
+) -> (Vec<Vec<u16>>, Option<f32>) {
     let (cuts, factor) = fit(cuts, most, |factor, cut| prune_sources(height, asked.coarser(factor), cut));
     if let Some(factor) = factor {
         let sigma = asked.coarser(factor).sigma;
         warn_of_coarsening("surface sources", "--source-sigma", asked.sigma, sigma, observer);
     }
-    cuts
+    (cuts, factor)
 }
 
 /// Coarsens all cuts by a common factor, the smallest of a geometric series with which they take no more than `most` bytes; `None`
@@ -219,10 +219,10 @@ mod tests {
         let criterion = SourceCriterion::default();
         let cuts = vec![alternating(6, solid_angle_code(1e-2)); 10];
         let whole = bytes(&cuts);
-        assert_eq!(fit_sources(cuts.clone(), 6, criterion, whole, &remarks), cuts);
+        assert_eq!(fit_sources(cuts.clone(), 6, criterion, whole, &remarks), (cuts.clone(), None));
         assert!(remarks.warnings().is_empty(), "negative control");
-        let fitted = fit_sources(cuts, 6, criterion, whole / 2, &remarks);
-        assert!((1..=whole / 2).contains(&bytes(&fitted)));
+        let (fitted, factor) = fit_sources(cuts, 6, criterion, whole / 2, &remarks);
+        assert!((1..=whole / 2).contains(&bytes(&fitted)) && factor.is_some_and(|f| f > 1.0));
         let said = remarks.warnings().concat();
         assert!(said.contains("a --source-sigma of ") && said.contains(" where 2 was asked for"), "{said}");
     }

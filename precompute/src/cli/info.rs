@@ -98,7 +98,7 @@ fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
         r.area,
         r.mean_cut,
         r.max_cut,
-        s.indirect.criterion.sigma,
+        r.criterion(s.indirect.criterion).sigma,
         100.0 * r.relative_error,
         r.bytes_cuts as f64 / 1e6
     )

@@ -165,7 +165,7 @@ fn segments_per_second(report: &BakeReport) -> Option<f64> {
 
 fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
     let report = dataset.report.indirect.as_ref().filter(|report| report.mean_cut > 0.0 && report.sources > 0)?;
-    Some((report.mean_cut, report.sources, dataset.settings.indirect.criterion.sigma))
+    Some((report.mean_cut, report.sources, report.criterion(dataset.settings.indirect.criterion).sigma))
 }
 
 #[cfg(test)]
