@@ -161,8 +161,14 @@ impl<'a> SourceSampler<'a> {
     fn gather_near(&self, point: &BakePoint, has_near: [bool; 2], seen: &mut [f32]) -> u64 {
         let gather = |(upper, _)| {
             let normal = if upper { point.normal } else { -point.normal };
-            let (position, own_cosine) = (point.origin(upper), point.own_cosine());
-            let origin = Origin { position, normal, face: normal, lift: point.offset, own_cosine };
+            let origin = Origin {
+                position: point.origin(upper),
+                anchor: point.position + normal * point.offset,
+                normal,
+                face: normal,
+                lift: point.offset,
+                own_cosine: point.own_cosine(),
+            };
             let receives = |d| point.is_upper(d) == upper;
             self.near.gather(self.sources, self.scene, origin, receives, |i, angle| seen[i] += angle)
         };

@@ -48,6 +48,8 @@ pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
 pub struct Origin {
     /// Off all surfaces.
     pub position: Vec3,
+    /// Where `position` is but for vertices that sample beside themselves: over the place that all faces around them share.
+    pub anchor: Vec3,
     /// Unit vector that cosines are of.
     pub normal: Vec3,
     /// Unit normal of the surface that the point lies in.
@@ -65,7 +67,8 @@ impl Origin {
 
     /// Whether a place is of the surface that the point lies in.
     fn lies_in_surface_of(&self, place: &Surfel) -> bool {
-        self.height_over(place) < OWN_LIFTS * self.lift && place.normal.dot(self.face) > self.own_cosine
+        let height = (self.anchor - place.position).dot(place.normal);
+        height < OWN_LIFTS * self.lift && place.normal.dot(self.face) > self.own_cosine
     }
 
     fn height_over(&self, place: &Surfel) -> f32 {
@@ -192,7 +195,8 @@ mod tests {
 
     fn gathered(near: &NearField, scene: &Intersector, sources: &[Source], origin: Vec3, normal: Vec3) -> Vec<f32> {
         let mut angles = vec![0.0; sources.len()];
-        let origin = Origin { position: origin, normal, face: normal, lift: 0.0, own_cosine: Origin::OWN_COSINE };
+        let (face, own_cosine) = (normal, Origin::OWN_COSINE);
+        let origin = Origin { position: origin, anchor: origin, normal, face, lift: 0.0, own_cosine };
         near.gather(sources, scene, origin, |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
         angles
     }
@@ -262,19 +266,27 @@ mod tests {
         let (scene, sources) = floor_and_wall();
         let (near, lift) = (NearField::new(&sources), 0.02 * CELL);
         let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
-        let leaning = |face, lift, own_cosine| {
-            let position = Vec3::new(2.02, 0.02 * CELL, 0.03);
-            let origin = Origin { position, normal, face, lift, own_cosine };
+        let position = Vec3::new(2.02, 0.02 * CELL, 0.03);
+        let in_floor =
+            Origin { position, anchor: position, normal, face: Vec3::Y, lift, own_cosine: Origin::OWN_COSINE };
+        let gathered = |origin| {
             let mut sum = 0.0;
             near.gather(&sources, &scene, origin, |d| d.dot(normal) > 0.0, |_, angle| sum += angle);
             sum
         };
-        let gathered = |face, lift| leaning(face, lift, Origin::OWN_COSINE);
-        assert_eq!(gathered(Vec3::Y, lift), 0.0);
-        assert_eq!(leaning(normal, lift, 0.99 * normal.y), 0.0, "a vertex, of which the normal alone is known");
-        assert!(gathered(normal, lift) > 0.5, "negative control: one whose faces are said to lean less");
-        assert!(gathered(Vec3::Y, 0.0) > 0.5, "negative control: a point that close above the floor, but not in it");
-        assert!(gathered(Vec3::NEG_Z, lift) > 0.5, "negative control: the foot of a wall");
+        assert_eq!(gathered(in_floor), 0.0);
+        let vertex = Origin { face: normal, own_cosine: 0.99 * normal.y, ..in_floor };
+        assert_eq!(gathered(vertex), 0.0, "of which the normal alone is known");
+        let beside = Origin { position: position + Vec3::Y * 0.1 * CELL, ..in_floor };
+        assert_eq!(gathered(beside), 0.0, "a vertex that samples beside itself");
+        for (control, is) in [
+            (Origin { own_cosine: Origin::OWN_COSINE, ..vertex }, "one whose faces are said to lean less"),
+            (Origin { anchor: beside.position, ..beside }, "a point as high above the floor"),
+            (Origin { lift: 0.0, ..in_floor }, "a point that close above the floor, but not in it"),
+            (Origin { face: Vec3::NEG_Z, ..in_floor }, "the foot of a wall"),
+        ] {
+            assert!(gathered(control) > 0.5, "negative control: {is}");
+        }
     }
 
     #[test]

@@ -98,6 +98,7 @@ impl SourceShader<'_> {
         let lifted = point.ray_origin - point.position;
         let origin = Origin {
             position: point.ray_origin,
+            anchor: point.ray_origin,
             normal: point.world_from_local.z_axis,
             face: lifted.normalize_or(point.smooth_normal),
             lift: lifted.length(),
