@@ -4,6 +4,7 @@ mod bounces;
 mod chunks;
 mod clock;
 mod error;
+mod fit;
 mod indirect;
 mod meshless;
 mod pack;
@@ -17,7 +18,8 @@ use self::{
     bounces::bake_bounces,
     chunks::{EnvironmentCuts, bake_chunks},
     clock::Clock,
-    pack::{fit_environment, unbaked},
+    fit::fit_environment,
+    pack::unbaked,
     remarks::Remarks,
 };
 use crate::{

@@ -64,34 +64,12 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::{SourceCutSelector, packed::cut_len};
+    use crate::cut::{
+        packed::cut_len,
+        select_sources::tests::{HEIGHT, expand, leaves, select},
+    };
 
-    const HEIGHT: u32 = 10;
     const FINE: SourceCriterion = SourceCriterion { sigma: 0.5, max_solid_angle: 0.2, contrast: 0.1 };
-
-    /// Runs of solid angles around a level each, some hidden.
-    fn leaves(seed: u64) -> Vec<f32> {
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let unit = LARGEST_SOLID_ANGLE / 1024.0;
-        let mut values = Vec::new();
-        while values.len() < 1024 {
-            let level = if rng.bool() { 0.0 } else { unit * 4.0 * rng.f32() };
-            values.extend((0..rng.usize(1..60)).map(|_| level * (0.8 + 0.4 * rng.f32())));
-        }
-        values.truncate(1024);
-        values
-    }
-
-    fn select(criterion: SourceCriterion, leaves: &[f32]) -> Vec<u16> {
-        let mut cut = Vec::new();
-        SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
-        cut
-    }
-
-    fn expand(cut: &[u16]) -> Vec<f32> {
-        let repeat = |&n: &u16| std::iter::repeat_n(solid_angle(n & VALUE_MAX), 1 << (HEIGHT - depth(n)));
-        cut.iter().flat_map(repeat).collect()
-    }
 
     /// Root of the squared error over all leaves, in steradians.
     fn error(cut: &[u16], leaves: &[f32]) -> f32 {
@@ -102,10 +80,10 @@ mod tests {
     fn coarsened_cuts_are_as_good_as_selected_ones_of_their_length() {
         for seed in 0..10 {
             let leaves = leaves(seed);
-            let fine = select(FINE, &leaves);
+            let fine = select(FINE, &leaves).0;
             for factor in [2.0, 4.0, 8.0] {
                 let coarser = FINE.coarser(factor);
-                let (pruned, selected) = (prune_sources(HEIGHT, coarser, &fine), select(coarser, &leaves));
+                let (pruned, selected) = (prune_sources(HEIGHT, coarser, &fine), select(coarser, &leaves).0);
                 assert_eq!(cut_len(HEIGHT, &pruned), Ok(pruned.len()));
                 // Stored values are rounded, so nodes at a bound may fall to either side of it.
                 assert!(pruned.len() < fine.len() && pruned.len() <= selected.len() + selected.len() / 20);
@@ -114,7 +92,7 @@ mod tests {
             }
             let blind: Vec<f32> = leaves.chunks(64).flat_map(|c| vec![c.iter().sum::<f32>() / 64.0; 64]).collect();
             let (blind, found) =
-                (select(FINE, &blind), error(&prune_sources(HEIGHT, FINE.coarser(2.0), &fine), &leaves));
+                (select(FINE, &blind).0, error(&prune_sources(HEIGHT, FINE.coarser(2.0), &fine), &leaves));
             assert!(error(&blind, &leaves) > 1.4 * found, "negative control: nodes that know nothing of their leaves");
         }
     }
@@ -122,7 +100,7 @@ mod tests {
     #[test]
     fn nothing_is_lost_at_a_sigma_of_zero_and_light_is_kept_at_any() {
         let leaves = leaves(3);
-        let fine = select(FINE, &leaves);
+        let fine = select(FINE, &leaves).0;
         let exact = SourceCriterion { sigma: 0.0, contrast: 0.0, ..FINE };
         assert_eq!(prune_sources(HEIGHT, exact, &fine), fine);
         let pruned = prune_sources(HEIGHT, FINE.coarser(1e4), &fine);

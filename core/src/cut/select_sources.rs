@@ -122,14 +122,14 @@ impl SourceCutSelector {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::cut::packed::cut_len;
 
-    const HEIGHT: u32 = 10;
+    pub const HEIGHT: u32 = 10;
 
     /// Runs of alike solid angles, some hidden, some large.
-    fn leaves(seed: u64) -> Vec<f32> {
+    pub fn leaves(seed: u64) -> Vec<f32> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let unit = LARGEST_SOLID_ANGLE / 1024.0;
         let mut values = Vec::new();
@@ -141,14 +141,15 @@ mod tests {
         values
     }
 
-    fn select(criterion: SourceCriterion, leaves: &[f32]) -> (Vec<u16>, f64) {
+    /// The cut and its squared error.
+    pub fn select(criterion: SourceCriterion, leaves: &[f32]) -> (Vec<u16>, f64) {
         let mut cut = Vec::new();
         let error = SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
         assert_eq!(cut_len(HEIGHT, &cut), Ok(cut.len()));
         (cut, error)
     }
 
-    fn expand(cut: &[u16]) -> Vec<f32> {
+    pub fn expand(cut: &[u16]) -> Vec<f32> {
         let repeat = |&n: &u16| std::iter::repeat_n(solid_angle(n & VALUE_MAX), 1 << (HEIGHT - depth(n)));
         cut.iter().flat_map(repeat).collect()
     }

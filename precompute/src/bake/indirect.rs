@@ -6,7 +6,8 @@ use super::{
     BakeError, Geometry,
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     clock::Clock,
-    pack::{Packed, TEXTURE_BYTES, concatenate, fit_sources, pack, unbaked},
+    fit::{TEXTURE_BYTES, fit_sources},
+    pack::{Packed, concatenate, pack, unbaked},
 };
 use crate::{
     MeshSurface,
