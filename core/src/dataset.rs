@@ -40,7 +40,7 @@ mod write;
 
 pub use error::DatasetError;
 pub use meshless::{MeshlessReport, MeshlessSettings};
-pub use modes::{BakeMode, IndirectReport, IndirectSettings};
+pub use modes::{BakeMode, IndirectReport, IndirectSettings, sigma_text};
 
 use crate::{
     camera::Camera,

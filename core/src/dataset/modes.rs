@@ -96,3 +96,23 @@ impl IndirectReport {
         self.coarsened.map_or(asked, |factor| asked.coarser(factor))
     }
 }
+
+/// A sigma for people: as it was asked for, or rounded, with what was asked, where a limit of size raised it by some factor.
+pub fn sigma_text(held: f32, asked: f32) -> String {
+    if held == asked {
+        return asked.to_string();
+    }
+    let rounded = format!("{held:.2e}").parse().unwrap_or(held);
+    format!("{rounded} ({asked} asked for)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sigma_that_a_limit_raised_is_told_rounded_and_others_as_asked() {
+        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(2), 2.0), "2.21 (2 asked for)");
+        assert_eq!(sigma_text(0.001_234_5, 0.001_234_5), "0.0012345");
+    }
+}

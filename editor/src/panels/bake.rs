@@ -125,7 +125,7 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         });
     }
     if let Some(dataset) = context.dataset {
-        section(ui, "Report", true, |ui| report::show(ui, &dataset.report));
+        section(ui, "Report", true, |ui| report::show(ui, &dataset.report, &dataset.settings));
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{json_text, print_out};
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::dataset::{BakeSettings, Dataset, IndirectReport, MeshlessReport};
+use lapidary_core::dataset::{BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
 use std::path::PathBuf;
 
 /// Options of `info`.
@@ -60,7 +60,8 @@ fn info_text(dataset: &Dataset) -> String {
     }
     if s.mode.environment() {
         text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
-        text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {}\n", r.mean_cut, r.max_cut, r.sigma);
+        let sigma = sigma_text(r.sigma, s.criterion.sigma);
+        text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {sigma}\n", r.mean_cut, r.max_cut);
         text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
     } else {
         text += "cuts       not baked: the environment is dark\n";
@@ -98,7 +99,7 @@ fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
         r.area,
         r.mean_cut,
         r.max_cut,
-        r.criterion(s.indirect.criterion).sigma,
+        sigma_text(r.criterion(s.indirect.criterion).sigma, s.indirect.criterion.sigma),
         100.0 * r.relative_error,
         r.bytes_cuts as f64 / 1e6
     )

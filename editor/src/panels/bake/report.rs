@@ -4,16 +4,16 @@ use super::progress::described;
 use crate::panels::units::{bytes, duration, grouped};
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};
-use lapidary_core::dataset::BakeReport;
+use lapidary_core::dataset::{BakeReport, BakeSettings, sigma_text};
 use lapidary_precompute::Phase;
 
 /// Height of the histogram in points.
 const PLOT_HEIGHT: f32 = 110.0;
 
-/// Shows a report.
-pub fn show(ui: &mut Ui, report: &BakeReport) {
+/// Shows the report of a bake with these settings.
+pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
     Grid::new("bake report").num_columns(2).striped(true).show(ui, |ui| {
-        for (name, value) in rows(report) {
+        for (name, value) in rows(report, settings) {
             ui.label(RichText::new(name).weak());
             ui.label(RichText::new(value).monospace());
             ui.end_row();
@@ -30,15 +30,15 @@ pub fn show(ui: &mut Ui, report: &BakeReport) {
 }
 
 /// The table: names and values with units. Only what was baked has rows.
-fn rows(report: &BakeReport) -> Vec<(String, String)> {
+fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
     let mut rows = vec![
         ("Vertices", format!("{} ({} points)", count(report.vertices), count(report.bake_points))),
         ("Triangles", count(report.triangles)),
     ];
     if report.mode.environment() {
-        rows.extend(environment_rows(report));
+        rows.extend(environment_rows(report, settings));
     }
-    rows.extend(bounce_rows(report));
+    rows.extend(bounce_rows(report, settings));
     rows.extend([("File", bytes(report.bytes_total)), ("Peak memory", bytes(report.peak_memory_bytes))]);
     let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let of_phase = |phase: Phase| (phase.name(), described(phase).0.to_lowercase());
@@ -55,12 +55,12 @@ fn count(n: usize) -> String {
 }
 
 /// What was baked of distant light.
-fn environment_rows(report: &BakeReport) -> [(&'static str, String); 7] {
+fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> [(&'static str, String); 7] {
     [
         ("Lights", count(report.lights)),
         ("Mean cut", format!("{:.1} nodes", report.mean_cut)),
         ("Largest cut", format!("{} nodes", count(report.max_cut))),
-        ("Sigma", report.sigma.to_string()),
+        ("Sigma", sigma_text(report.sigma, settings.criterion.sigma)),
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
         ("Speed", format!("{:.1} M pairs/s", report.samples_per_second / 1e6)),
@@ -68,12 +68,14 @@ fn environment_rows(report: &BakeReport) -> [(&'static str, String); 7] {
 }
 
 /// What was baked of bounced light.
-fn bounce_rows(report: &BakeReport) -> Vec<(&'static str, String)> {
+fn bounce_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     if let Some(indirect) = &report.indirect {
+        let asked = settings.indirect.criterion;
         rows.extend([
             ("Sources", count(indirect.sources)),
             ("Mean source cut", format!("{:.1} nodes", indirect.mean_cut)),
+            ("Source sigma", sigma_text(indirect.criterion(asked).sigma, asked.sigma)),
             ("Bounce error", format!("{:.1} %", 100.0 * indirect.relative_error)),
             ("Source cuts", bytes(indirect.bytes_cuts)),
         ]);
@@ -137,9 +139,11 @@ mod tests {
     #[test]
     fn the_table_has_units_and_only_phases_that_ran() {
         let seconds = [("visibility".to_owned(), 12.0), ("total".to_owned(), 14.0)].into();
-        let rows = rows(&BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, seconds, ..Default::default() });
+        let report = BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, sigma: 3.0, seconds, ..Default::default() };
+        let rows = rows(&report, &BakeSettings::default());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
+        assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
         assert_eq!(value("Time, light from outside"), Some("12 s"));
         assert_eq!(value("Time, grouping directions"), None);
@@ -150,9 +154,11 @@ mod tests {
         let indirect = IndirectReport { sources: 4096, mean_cut: 87.5, relative_error: 0.042, ..Default::default() };
         let seconds = [("source-visibility".to_owned(), 6.0)].into();
         let mode = BakeMode::Indirect;
-        let rows = rows(&BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() });
+        let report = BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() };
+        let rows = rows(&report, &BakeSettings::default());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));
+        assert_eq!(value("Source sigma"), Some("2"));
         assert_eq!((value("Bounce error"), value("Time, light between surfaces")), (Some("4.2 %"), Some("6.0 s")));
         assert_eq!([value("Lights"), value("Mean cut"), value("Basis")], [None; 3]);
     }
