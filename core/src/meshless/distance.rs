@@ -5,12 +5,32 @@ use glam::Vec3;
 
 /// `F_squash`: surfaces of equal distance are ellipsoids, thinner along the normal by one plus this.
 pub const SQUASH: f32 = 2.0;
+/// A function hardly weighs where the surface steps to another layer by its radius over this: functions of one of two layers,
+/// as of a wall and the one behind it, otherwise take the light of both.
+const LAYERS: f32 = 8.0;
+/// What a function weighs on another layer. Where no function of that layer is near, it is all there is.
+const LEAST_WEIGHT: f32 = 0.02;
 
 /// Distance in metres of `x` from a point with a unit normal (Eq. 10): what leaves its tangent plane is farther.
 #[inline(always)]
 pub fn squashed_distance(center: Vec3, normal: Vec3, x: Vec3) -> f32 {
     let v = x - center;
     (v + normal * (SQUASH * v.dot(normal))).length()
+}
+
+/// From 1 at the centre to 0 at distance 1 and beyond, with no slope at either (meshless paper, Eq. 9).
+#[inline(always)]
+pub(super) fn kernel(t: f32) -> f32 {
+    let t = t.min(1.0);
+    (2.0 * t - 3.0) * t * t + 1.0
+}
+
+/// The factor in weights for a step between layers, in radii. `offset` leads from one point to the other, and `normals` is the sum
+/// of their unit normals: the offset is at right angles to it within a plane and also on a sphere or cylinder, however much it leaves the plane.
+#[inline(always)]
+pub(super) fn same_layer(offset: Vec3, normals: Vec3, radius: f32) -> f32 {
+    let step = 0.5 * offset.dot(normals).abs() / radius;
+    LEAST_WEIGHT + (1.0 - LEAST_WEIGHT) * kernel(LAYERS * step)
 }
 
 /// The factor of two unit normals in weights and distances: the square of their cosine, zero where they face apart.
@@ -46,6 +66,16 @@ mod tests {
         assert!((distance(&p, &tilted) - 1.0 / 0.36).abs() < 1e-5, "a tilted normal");
         assert_eq!(distance(&p, &surfel(Vec3::X * 1e-6, Vec3::X)), f32::INFINITY, "at a right angle");
         assert_eq!(distance(&p, &surfel(Vec3::ZERO, Vec3::NEG_Y)), f32::INFINITY, "the other side");
+    }
+
+    #[test]
+    fn layers_are_told_from_curves() {
+        let bent = |angle: f32| Vec3::new(angle.sin(), angle.cos(), 0.0);
+        let on_curve = same_layer(bent(0.7) - bent(-0.2), bent(0.7) + bent(-0.2), 2.0);
+        let in_plane = same_layer(Vec3::X, 2.0 * Vec3::Y, 2.0);
+        assert!([on_curve, in_plane].iter().all(|f| (f - 1.0).abs() < 1e-5), "{on_curve}, {in_plane}");
+        let behind = |gap: f32| same_layer(Vec3::X - gap * Vec3::Y, 2.0 * Vec3::Y, 2.0);
+        assert!(behind(0.25) == LEAST_WEIGHT && behind(9.0) == LEAST_WEIGHT && (0.5..0.6).contains(&behind(0.125)));
     }
 
     #[test]

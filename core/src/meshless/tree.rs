@@ -1,6 +1,6 @@
 //! Which functions of a level reach a point: a tree over the boxes of their supports.
 
-use super::distance::SQUASH;
+use super::distance::{SQUASH, kernel, same_layer};
 use crate::surfel::Surfel;
 use glam::{Vec3, Vec3A};
 use obvhs::{
@@ -44,7 +44,8 @@ impl LevelTree {
         Self { bvh, functions, radius }
     }
 
-    /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9).
+    /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9, less
+    /// between layers).
     #[inline]
     pub fn weights(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
         self.bvh.point_traverse(position.into(), |bvh, node| {
@@ -56,7 +57,9 @@ impl LevelTree {
                 // Eq. 10, squared: most functions of a leaf end here, without a root.
                 let distance_sq = offset.length_squared() + STRETCH * height * height;
                 if facing > 0.0 && distance_sq < self.radius * self.radius {
-                    let weight = kernel(distance_sq.sqrt() / self.radius) * facing * facing;
+                    let near = kernel(distance_sq.sqrt() / self.radius);
+                    let layer = same_layer(offset, normal + function.normal, self.radius);
+                    let weight = near * layer * facing * facing;
                     if weight > 0.0 {
                         out.push((function.index, weight));
                     }
@@ -65,12 +68,6 @@ impl LevelTree {
             true
         });
     }
-}
-
-/// From 1 at the centre to 0 at distance 1, with no slope at either (meshless paper, Eq. 9).
-#[inline(always)]
-fn kernel(t: f32) -> f32 {
-    (2.0 * t - 3.0) * t * t + 1.0
 }
 
 /// The box around the ellipsoid of points that a function reaches, a little wider than rounding.
@@ -103,13 +100,35 @@ mod tests {
             for (i, p) in points.iter().enumerate() {
                 let offset = position - p.position;
                 let distance = (offset + SQUASH * offset.dot(p.normal) * p.normal).length();
-                let weight = kernel((distance / 0.4).min(1.0)) * normal.dot(p.normal).max(0.0).powi(2);
+                let step = 4.0 * offset.dot(p.normal + normal).abs() / 0.4;
+                let weight =
+                    kernel(distance / 0.4) * (0.02 + 0.98 * kernel(step)) * normal.dot(p.normal).max(0.0).powi(2);
                 let in_tree = found.iter().find(|f| f.0 == i as u32 + 7).map_or(0.0, |f| f.1);
                 assert!((weight - in_tree).abs() < 1e-5, "{weight} and {in_tree} at {position}");
                 seen += usize::from(weight > 1e-4);
             }
         }
         assert!(seen > 1000);
+    }
+
+    #[test]
+    fn layers_close_behind_each_other_hardly_mix_and_a_lone_one_reaches_as_far_as_before() {
+        let layer = |y: f32| Surfel { position: Vec3::Y * y, normal: Vec3::Y, place: Default::default() };
+        let share_of_back = |gap: f32| {
+            let tree = LevelTree::new(&[layer(0.0), layer(-gap)], 0, 1.0);
+            let mut found = Vec::new();
+            tree.weights(Vec3::X * 0.2, Vec3::Y, &mut found);
+            let sum: f32 = found.iter().map(|f| f.1).sum();
+            found.iter().find(|f| f.0 == 1).map_or(0.0, |f| f.1 / sum)
+        };
+        assert!(share_of_back(0.15) < 0.02 && share_of_back(0.005) > 0.45, "{}", share_of_back(0.15));
+        assert!(
+            kernel((0.04_f32 + 0.15 * 0.15 * 9.0).sqrt()) / kernel(0.2) > 0.5,
+            "negative control: it is within reach"
+        );
+        let mut reached = Vec::new();
+        LevelTree::new(&[layer(0.0)], 0, 1.0).weights(Vec3::Y * 0.3, Vec3::Y, &mut reached);
+        assert!(reached.len() == 1 && reached[0].1 > 0.0);
     }
 
     #[test]

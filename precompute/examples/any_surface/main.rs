@@ -85,7 +85,7 @@ fn main() -> Result<()> {
 /// Direct light, and what it becomes in four bounces.
 fn indirect(bake: &MeshlessBake, scene: &Aggregate, lamp: &Lamp) -> Vec<Mat3A> {
     let solver = Solver::new(bake);
-    let samples = SenderSamples::new(&bake.basis, &solver);
+    let samples = SenderSamples::on_surface(&bake.basis, &solver, scene);
     let direct: Vec<Vec3> = samples.points().par_iter().map(|p| lamp.irradiance(scene, p)).collect();
     let reflectance: Vec<Vec3> = samples.points().iter().map(|p| scene.reflectance(p)).collect();
     let (direct, reflectance) = samples.fit(&solver, &direct, &reflectance);

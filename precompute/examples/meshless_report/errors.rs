@@ -51,7 +51,7 @@ struct OneBounce<'a> {
 
 impl<'a> OneBounce<'a> {
     fn new(bake: &'a MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: &Lamp) -> Self {
-        let (irradiance, grey) = lit(&SenderSamples::new(&bake.basis, solver), solver, surface, lamp);
+        let (irradiance, grey) = lit(&SenderSamples::on_surface(&bake.basis, solver, surface), solver, surface, lamp);
         let outgoing: Vec<f32> = irradiance.iter().map(|e| e.x * GREY * FRAC_1_PI).collect();
         let projection = Projection::new(&bake.basis, bake.basis.sender_levels());
         let once = SolveSettings { bounces: 1, ..Default::default() };

@@ -16,7 +16,7 @@ use std::{hint::black_box, time::Instant};
 /// Prints links, bytes, seconds, and the difference to iterating at the points of all functions. Links below `least` are
 /// dropped.
 pub fn print(bake: &MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: &Lamp, bounces: u32, least: f32) {
-    let (direct, grey) = lit(&SenderSamples::new(&bake.basis, solver), solver, surface, lamp);
+    let (direct, grey) = lit(&SenderSamples::on_surface(&bake.basis, solver, surface), solver, surface, lamp);
     let start = Instant::now();
     let Some(series) = Series::new(bake, solver, &grey, bounces, least, &|| false) else { return };
     let seconds = start.elapsed().as_secs_f32();

@@ -10,7 +10,7 @@ use std::hint::black_box;
 /// Prints medians of nine runs.
 pub fn print(bake: &MeshlessBake, solver: &Solver, prepared: &Prepared, lamp: &Lamp) {
     let (mesh, surface) = (&prepared.scene.mesh, prepared.surface());
-    let samples = SenderSamples::new(&bake.basis, solver);
+    let samples = SenderSamples::on_surface(&bake.basis, solver, &surface);
     let direct = || lit(&samples, solver, &surface, lamp);
     let (irradiance, grey) = direct();
     let time = median_ms(|| drop(black_box(direct())));

@@ -12,7 +12,7 @@ use lapidary_core::{
     dataset::Dataset,
     lights::Light,
     meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
-    surfel::Surfel,
+    surfel::{OFFSET, Surfel},
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -42,7 +42,11 @@ impl MeshlessRig {
         let bake = dataset.meshless.as_ref()?;
         let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
         let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
-        let samples = SenderSamples::new(&bake.basis, &solver);
+        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let is_free = |point: &Surfel, direction: Vec3, within: f32| {
+            !baked.intersector().occluded_before(point.position + point.normal * offset, direction, within)
+        };
+        let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
         let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);
         let (at_vertices, at_sources, solved, environment) = (None, None, None, None);
         Some(Self { dataset, solver, samples, lit, environment, at_vertices, at_sources, solved })

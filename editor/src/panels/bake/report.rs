@@ -128,6 +128,7 @@ fn bar_text(index: usize, points: u64) -> String {
 mod tests {
     use super::*;
     use lapidary_core::dataset::{BakeMode, IndirectReport};
+    use lapidary_precompute::Preset;
 
     #[test]
     fn bars_name_their_range() {
@@ -140,7 +141,7 @@ mod tests {
     fn the_table_has_units_and_only_phases_that_ran() {
         let seconds = [("visibility".to_owned(), 12.0), ("total".to_owned(), 14.0)].into();
         let report = BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, sigma: 3.0, seconds, ..Default::default() };
-        let rows = rows(&report, &BakeSettings::default());
+        let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
@@ -155,7 +156,7 @@ mod tests {
         let seconds = [("source-visibility".to_owned(), 6.0)].into();
         let mode = BakeMode::Indirect;
         let report = BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() };
-        let rows = rows(&report, &BakeSettings::default());
+        let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));
         assert_eq!(value("Source sigma"), Some("2"));
