@@ -112,7 +112,8 @@ mod tests {
 
     #[test]
     fn a_sigma_that_a_limit_raised_is_told_rounded_and_others_as_asked() {
-        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(2), 2.0), "2.21 (2 asked for)");
+        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(2), 2.0), "2.2 (2 asked for)");
+        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(3), 2.0), "2.32 (2 asked for)");
         assert_eq!(sigma_text(0.001_234_5, 0.001_234_5), "0.0012345");
     }
 }
