@@ -4,7 +4,7 @@ mod common;
 
 use common::Stage;
 use glam::{DVec3, Vec3};
-use lapidary_core::{cut::packed::PackedCuts, image::Image};
+use lapidary_core::{cut::packed::PackedCuts, image::Image, meshless::Transport};
 use serde_json::Value;
 
 /// Few sources, but fine cuts over them.
@@ -67,6 +67,60 @@ fn the_bounce_of_the_colour_box_is_that_of_traced_paths() {
     stage.write("lamp.json", LAMP.into());
     let (error, means) = against_paths("box.cuts", "--lights lamp.json");
     assert!(error > 0.3 && means.x < 0.8, "{error} {means}");
+}
+
+/// A basis for the box as well; its light is soft, so that few levels do.
+const BASIS: &str = "--levels 5 --sender-levels 4 --gather-rays 128 --epsilon 0.01";
+
+#[test]
+fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
+    let stage = Stage::new();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
+    let all = BAKE.replace("indirect", "all");
+    stage.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {all} {BASIS}"));
+    let measured = |dataset: &str, solution: &str| {
+        let options = "--env none --size 48x36 --spp 512 --aa 16 --no-samples --out truth --quiet";
+        stage.succeed(&format!("bounces {dataset} --solution {solution} {options}"));
+        let row = stage.json("truth/bounces.json")["solutions"][0].clone();
+        let figure = |name: &str| row[name].as_f64().expect("a number");
+        (row["bounces"].as_u64(), figure("error"), figure("energy"))
+    };
+    let mut turned = stage.dataset("box.cuts");
+    let bake = turned.meshless.as_mut().expect("a basis");
+    let (transport, size) = (&bake.transport, [bake.transport.receivers(), bake.transport.senders()]);
+    let mut links = transport.packed().to_vec();
+    links.iter_mut().for_each(|link| link.vector.rotate_left(1));
+    bake.transport =
+        Transport::from_parts(size, transport.scale(), transport.offsets().to_vec(), links).expect("whole links");
+    turned.write(&stage.path("turned.cuts")).expect("a writable folder");
+    for (solution, bounces, bound) in [("meshless", 4, 0.08), ("cuts+meshless", 5, 0.06)] {
+        let (of_paths, error, energy) = measured("box.cuts", solution);
+        assert_eq!(of_paths, Some(bounces), "{solution}");
+        assert!(error < bound && (energy - 1.0).abs() < 0.05, "{solution}: {error} {energy}");
+        let (_, wrong, _) = measured("turned.cuts", solution);
+        assert!(wrong > error + 0.05, "negative control, light from other sides: {solution} {wrong}");
+    }
+
+    // White walls send on for ever: the picture says so, and that of grey ones does not.
+    let errors = |color: &str| {
+        let options = format!("--solution meshless --base-color {color} --backend cpu --out a.exr");
+        let output = stage.run(&format!("render box.cuts {VIEW} {options}"));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert!(errors("1,1,1").contains("bounce on"), "{}", errors("1,1,1"));
+    assert!(!errors("0.5,0.5,0.5").contains("bounce on"));
+}
+
+#[test]
+fn an_environment_that_was_not_baked_is_left_out_or_told() {
+    let stage = colour_box();
+    let errors = |options: &str| {
+        let output = stage.run(&format!("render box.cuts --size 8x8 --backend cpu --out a.exr {options}"));
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert!(!errors("").contains("environment"), "{}", errors(""));
+    assert!(errors("--env studio").contains("baked without it"), "{}", errors("--env studio"));
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod demo;
 mod document;
 mod evidence;
 mod export;
+mod fading;
 mod jobs;
 mod ladder;
 mod look;

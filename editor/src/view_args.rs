@@ -129,6 +129,7 @@ impl ViewArgs {
         let light = self.light.resolve(local, console)?;
         let lights = local.read()?;
         let mut dataset = Dataset::read(&self.file)?;
+        let light = self.light.of_bake(light, dataset.settings.mode, console);
         let local = local.resolve(lights, &dataset, &self.file)?;
         self.material.apply(&mut dataset.scene)?;
         let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;

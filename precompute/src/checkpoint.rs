@@ -104,7 +104,7 @@ pub struct Checkpoint {
 }
 
 /// Changes whenever the same settings would give other chunks.
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 
 impl Checkpoint {
     /// The folder beside an output file.

@@ -4,7 +4,7 @@
 //! its parents already account for (Eq. 17), keeps what is significant, and has its children examined if anything was.
 //!
 //! Departures from the paper: reflectance is not inside (see [`lapidary_core::meshless::Transport`]), so `ε` is compared
-//! with the link of a sender of reflectance 0.4, `0.4 ‖T_ij‖ / π`, whatever colours the scene has now. Receivers that no coarser one
+//! with the link of a sender of reflectance 0.38, `0.38 ‖T_ij‖ / π`, whatever colours the scene has now. Receivers that no coarser one
 //! reaches are gathered always. Coarse receivers have smaller thresholds, and links to coarse senders are merged rather than
 //! dropped (see [`refine::Criterion`]). Rays are uniform over
 //! the hemisphere and not by cosine, whose estimate of the tangential parts of vector irradiance has no finite variance;

@@ -64,7 +64,7 @@ pub enum Solution {
     #[default]
     #[serde(rename = "cuts")]
     Cuts,
-    /// Any number of diffuse bounces in the meshless basis.
+    /// Four diffuse bounces in the meshless basis.
     #[serde(rename = "meshless")]
     Meshless,
     /// Meshless bounces added to the sources, whose light the cuts gather.

@@ -39,7 +39,7 @@ pub struct MeshlessSettings {
     pub coarse_radius: Option<f32>,
     /// Rays of each gather, 16 or more: what limits noise.
     pub rays: usize,
-    /// Links are kept above this share of the irradiance of their sender if its reflectance is 0.4, 0 to 1; smaller is finer.
+    /// Links are kept above this share of the irradiance of their sender if its reflectance is 0.38, 0 to 1; smaller is finer.
     pub epsilon: f32,
 }
 

@@ -1,8 +1,9 @@
 //! Renders finished pictures of one scene, one look after another; of a look that follows another only what differs is done
 //! again. The live view has a renderer of its own (`jobs/render_thread`), which can be interrupted at any band of rows.
 
-use crate::look::Look;
 use crate::{
+    fading,
+    look::Look,
     outcome::Interrupted,
     sheet::DisplayPicture,
     whole_picture::{BAND_ROWS, stats},
@@ -127,6 +128,8 @@ impl Studio {
         let local = self.local.lighting(look.components, look.solution, look.illum_cut);
         let remarks = self.backend.set_local_lighting(&local)?;
         self.tell(remarks);
+        let energy = local.energy.map(|energy| fading::in_picture(energy, look.solution));
+        self.tell(energy.and_then(fading::remark).into_iter().collect());
         self.last = Some((look.clone(), lighting));
         Ok(())
     }

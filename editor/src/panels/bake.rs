@@ -1,5 +1,6 @@
 //! The bake: presets with what they cost, all settings, progress, and the report of the last one.
 
+mod bounces;
 mod estimate;
 mod mode;
 mod progress;
@@ -121,6 +122,7 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         settings::presets(ui, context, &speed, actions);
         section(ui, "Advanced", false, |ui| {
             settings::advanced(ui, &context.document.bake, actions);
+            bounces::advanced(ui, &context.document.bake, actions);
             mode::advanced(ui, context.document.bake.mode, actions);
         });
     }

@@ -113,7 +113,7 @@ pub fn combo_row<T: PartialEq + Copy>(
     row(ui, label, help, false, |ui, name, _| {
         let before = *value;
         let current = choices.iter().find(|c| c.0 == before).map_or("", |c| c.1);
-        let list = ComboBox::from_id_salt(label).selected_text(current).width(ui.available_width());
+        let list = ComboBox::from_id_salt(label).selected_text(current).width(ui.available_width()).truncate();
         let list = list.show_ui(ui, |ui| {
             for &(choice, name, meaning) in choices {
                 ui.selectable_value(value, choice, name).on_hover_text(meaning);

@@ -4,7 +4,7 @@ use crate::{console::Console, document::Bounces, options};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::{
-    dataset::Dataset,
+    dataset::{BakeMode, Dataset},
     environment::Environment,
     lights::{Light, LightsFile},
 };
@@ -13,12 +13,13 @@ use std::path::{Path, PathBuf};
 
 /// Without an environment nothing shines from afar.
 const NONE: &str = "none";
+const DARK: &str = "constant:0,0,0";
 
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
     /// Environment: the path of a latitude-longitude .hdr or .exr, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to
-    /// 90), studio, orientation or none [default: studio, none with --lights]
+    /// 90), studio, orientation or none [default: studio, none with --lights or if it was not baked]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
     /// Turn the environment about the vertical, in degrees, counter-clockwise seen from above
@@ -89,7 +90,7 @@ impl EnvironmentArgs {
     pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Illumination> {
         let default = if local.has_file() { NONE } else { "studio" };
         let spec = match self.env.as_deref().unwrap_or(default) {
-            NONE => "constant:0,0,0",
+            NONE => DARK,
             spec => spec,
         };
         let (environment, warnings) = Environment::from_spec(spec)?;
@@ -99,6 +100,23 @@ impl EnvironmentArgs {
             rotation: self.rotate.to_radians(),
             intensity: self.intensity,
         })
+    }
+
+    /// No environment where none was baked, unless one is named: it would light nothing, but a reference would have its light.
+    pub fn of_bake(&self, light: Illumination, mode: BakeMode, console: Console) -> Illumination {
+        let dark = || Environment::from_spec(DARK).map(|(environment, _)| environment.into());
+        match self.env.as_deref() {
+            _ if mode.environment() => light,
+            None => Illumination { environment: dark().unwrap_or(light.environment), ..light },
+            Some(NONE) => light,
+            Some(_) => {
+                console.warning(
+                    "the environment lights nothing in pictures of this dataset, which was baked without it, but does \
+                     so in light paths; bake with --mode cuts or all, or add --env none",
+                );
+                light
+            }
+        }
     }
 }
 
@@ -202,6 +220,14 @@ mod tests {
         };
         assert!(dark("--lights a.json") && dark("--env none") && dark("--env none --lights a.json"));
         assert!(!dark("") && !dark("--lights a.json --env studio") && !dark("--lights none"));
+        let dark = |text: &str, mode: BakeMode| {
+            let Options { environment, local } = options(text).unwrap();
+            let quiet = Console { quiet: true };
+            let light = environment.of_bake(environment.resolve(&local, quiet).unwrap(), mode, quiet);
+            light.environment.map.pixels.iter().all(|p| *p == glam::Vec3::ZERO)
+        };
+        assert!(dark("", BakeMode::Indirect) && dark("", BakeMode::Meshless) && !dark("", BakeMode::Cuts));
+        assert!(!dark("--env studio", BakeMode::Indirect) && dark("--env none", BakeMode::All));
     }
 
     #[test]

@@ -18,6 +18,11 @@ impl Aggregate {
     pub fn new(parts: Vec<Box<dyn Surface + Send>>) -> Self {
         Self { parts }
     }
+
+    /// Which part a surfel is of.
+    pub fn part_of(&self, at: &Surfel) -> usize {
+        (at.place.triangle / PLACES) as usize
+    }
 }
 
 impl Surface for Aggregate {
@@ -38,7 +43,7 @@ impl Surface for Aggregate {
     fn reflectance(&self, at: &Surfel) -> Vec3 {
         let mut within = *at;
         within.place.triangle %= PLACES;
-        self.parts[(at.place.triangle / PLACES) as usize].reflectance(&within)
+        self.parts[self.part_of(at)].reflectance(&within)
     }
 
     fn bounds(&self) -> Bounds {

@@ -19,7 +19,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::MeshlessSettings,
     image::Image,
-    meshless::{MeshlessBake, SenderSamples, SolveSettings, Solver, irradiance},
+    meshless::{MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     surfel::{Surface, Surfel},
 };
 use lapidary_precompute::{Silent, meshless_bake};
@@ -44,18 +44,17 @@ fn main() -> Result<()> {
     let args = Args::parse();
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("cannot make the folder; check the path ({})", args.out.display()))?;
-    let scene = Aggregate::new(vec![
-        Box::new(room::Room::new()),
-        Box::new(implicit::Implicit::pot()),
-        Box::new(volume::Isosurface::foliage()),
-    ]);
-    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 0.95), Vec3::new(0.0, 0.8, -1.0), 80.0);
+    let (scene, camera) = (scene(), camera());
     let start = Instant::now();
     let settings = MeshlessSettings { levels: args.levels, sender_levels: args.levels.min(3), ..Default::default() };
     let (bake, report) = meshless_bake(&scene, camera.eye, &settings, &Silent)?;
     println!("{} functions, {} links, {:.1} s", bake.basis.len(), report.links, start.elapsed().as_secs_f32());
     let lamp = Lamp::default();
-    let coefficients = indirect(&bake, &scene, &lamp);
+    let solution = indirect(&bake, &scene, &lamp, SolveSettings::default());
+    for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
+        println!("mean irradiance after {bounce} bounces: {:.4} {:.4} {:.4}", mean.x, mean.y, mean.z);
+    }
+    let coefficients = solution.coefficients;
     let size = [args.width, args.width * 3 / 4];
     let pixels: Vec<Shaded> = (0..size[0] * size[1])
         .into_par_iter()
@@ -82,18 +81,27 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Direct light, and what it becomes in four bounces.
-fn indirect(bake: &MeshlessBake, scene: &Aggregate, lamp: &Lamp) -> Vec<Mat3A> {
+/// A room of triangles, an implicit pot, and foliage as an isosurface of a volume.
+fn scene() -> Aggregate {
+    Aggregate::new(vec![
+        Box::new(room::Room::new()),
+        Box::new(implicit::Implicit::pot()),
+        Box::new(volume::Isosurface::foliage()),
+    ])
+}
+
+fn camera() -> Camera {
+    Camera::look_at(Vec3::new(0.0, 1.0, 0.95), Vec3::new(0.0, 0.8, -1.0), 80.0)
+}
+
+/// What direct light becomes.
+fn indirect(bake: &MeshlessBake, scene: &Aggregate, lamp: &Lamp, settings: SolveSettings) -> Solution {
     let solver = Solver::new(bake);
     let samples = SenderSamples::on_surface(&bake.basis, &solver, scene);
     let direct: Vec<Vec3> = samples.points().par_iter().map(|p| lamp.irradiance(scene, p)).collect();
     let reflectance: Vec<Vec3> = samples.points().iter().map(|p| scene.reflectance(p)).collect();
     let (direct, reflectance) = samples.fit(&solver, &direct, &reflectance);
-    let solution = solver.solve(bake, &direct, &reflectance, SolveSettings::default());
-    for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
-        println!("mean irradiance after {bounce} bounces: {:.4} {:.4} {:.4}", mean.x, mean.y, mean.z);
-    }
-    solution.coefficients
+    solver.solve(bake, &direct, &reflectance, settings)
 }
 
 /// Radiance of a pixel.
@@ -126,4 +134,52 @@ fn shade(
 
 fn indirect_at(bake: &MeshlessBake, coefficients: &[Mat3A], at: &Surfel) -> Vec3 {
     irradiance(&bake.basis.evaluate(bake.basis.levels(), at.position, at.normal, coefficients), at.normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::sphere::{cosine_direction, frame_around};
+    use std::f32::consts::PI;
+
+    /// Rays from a place; the lamp's light on each hit takes sixteen more.
+    const RAYS: usize = 256;
+
+    /// Irradiance in one bounce, by rays.
+    fn gathered(scene: &Aggregate, lamp: &Lamp, at: &Surfel) -> Vec3 {
+        let (frame, origin) = (frame_around(at.normal), at.position + at.normal * scene.offset());
+        let sent = |i: usize| {
+            let direction = cosine_direction((i as f32 + 0.5) / RAYS as f32, (i as f32 * 0.618_034).fract());
+            let hit = scene.first_hit(origin, frame * direction)?;
+            Some(scene.reflectance(&hit) * lamp.irradiance(scene, &hit) * FRAC_1_PI)
+        };
+        (0..RAYS).filter_map(sent).sum::<Vec3>() * (PI / RAYS as f32)
+    }
+
+    #[test]
+    fn each_kind_of_surface_gets_the_light_that_rays_find() {
+        let (scene, camera, lamp) = (scene(), camera(), Lamp::default());
+        let settings = MeshlessSettings { levels: 4, sender_levels: 3, rays: 128, ..Default::default() };
+        let (bake, _) = meshless_bake(&scene, camera.eye, &settings, &Silent).expect("a bake");
+        let once = SolveSettings { bounces: 1, ..Default::default() };
+        let coefficients = indirect(&bake, &scene, &lamp, once).coefficients;
+        let mut of_part = [const { Vec::<(f32, f32)>::new() }; 3];
+        for pixel in 0..48 * 36 {
+            let direction = camera.direction_through(Vec2::new((pixel % 48) as f32, (pixel / 48) as f32), [48, 36]);
+            let Some(hit) = scene.first_hit(camera.eye, direction) else { continue };
+            let seen = &mut of_part[scene.part_of(&hit)];
+            if seen.len() < 60 {
+                seen.push((gathered(&scene, &lamp, &hit).y, indirect_at(&bake, &coefficients, &hit).y));
+            }
+        }
+        let error = |pairs: &[(f32, f32)], scale: f32| {
+            let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(f).sum::<f32>();
+            (sum(&|p| (p.0 - scale * p.1).powi(2)) / sum(&|p| p.0 * p.0)).sqrt()
+        };
+        for (part, pairs) in ["room", "pot", "foliage"].iter().zip(&of_part) {
+            assert!(pairs.len() == 60, "{part}: {} places", pairs.len());
+            assert!(error(pairs, 1.0) < 0.2, "{part}: {}", error(pairs, 1.0));
+            assert!(error(pairs, 1.5) > 0.3, "negative control, too much light: {part} {}", error(pairs, 1.5));
+        }
+    }
 }

@@ -39,7 +39,7 @@ pub struct BakeArgs {
     /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
     #[arg(long, value_name = "L")]
     pub levels: Option<usize>,
-    /// How many of its first levels send light [default: that of the preset]
+    /// How many of its first levels send light [default: that of the preset: 4, of a draft 3]
     #[arg(long, value_name = "L")]
     pub sender_levels: Option<usize>,
     /// Distance of its coarsest points in metres, a ten-thousandth of the scene's diagonal or more [default: one
@@ -49,7 +49,7 @@ pub struct BakeArgs {
     /// Rays by which each of its points gathers light, 16 to 65536 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub gather_rays: Option<usize>,
-    /// Links between its functions are kept above this share of the light of a sender of reflectance 0.4, 0 to 1;
+    /// Links between its functions are kept above this share of the light of a sender of reflectance 0.38, 0 to 1;
     /// smaller is finer [default: 0.025]
     #[arg(long, value_name = "E")]
     pub epsilon: Option<f32>,

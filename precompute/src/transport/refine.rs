@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// The paper's links hold the reflectance of the scene, ours do not; its threshold means about this much.
-const TYPICAL_REFLECTANCE: f32 = 0.4;
+const TYPICAL_REFLECTANCE: f32 = 0.38;
 /// Receivers of this level and finer ones have the full threshold, each coarser level so much of that of the next.
 const FULL_THRESHOLD_LEVEL: usize = 3;
 const OF_NEXT_THRESHOLD: f32 = 0.18;

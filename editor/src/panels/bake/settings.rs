@@ -12,7 +12,7 @@ use crate::{
         edit_row,
         entries::{Decades, combo_row, limit_row},
         units::{bytes, duration, grouped},
-        widgets::{Number, slider_row},
+        widgets::{Edited, Number, slider_row},
     },
 };
 use egui::{Button, Grid, RichText, Ui};
@@ -103,15 +103,27 @@ pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     }
 }
 
-fn lights_row(ui: &mut Ui, bake: &mut BakeSettings) -> crate::panels::widgets::Edited {
-    let mut counts: Vec<usize> = (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h).collect();
-    if !counts.contains(&bake.lights) {
-        counts.push(bake.lights);
+fn lights_row(ui: &mut Ui, bake: &mut BakeSettings) -> Edited {
+    let help = "Samples of the environment: a power of two.";
+    count_row(ui, "Lights", help, (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h), &mut bake.lights)
+}
+
+/// A number out of a list, which also has the present one.
+pub(super) fn count_row(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    counts: impl Iterator<Item = usize>,
+    value: &mut usize,
+) -> Edited {
+    let mut counts: Vec<usize> = counts.collect();
+    if !counts.contains(value) {
+        counts.push(*value);
     }
     let names: Vec<String> = counts.iter().map(|&n| grouped(n as u64)).collect();
     let choices: Vec<(usize, &str, &str)> =
         counts.iter().zip(&names).map(|(&n, name)| (n, name.as_str(), "")).collect();
-    combo_row(ui, "Lights", "Samples of the environment: a power of two.", &mut bake.lights, &choices)
+    combo_row(ui, label, help, value, &choices)
 }
 
 fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {

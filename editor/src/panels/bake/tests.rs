@@ -233,6 +233,34 @@ fn advanced_settings_are_typed_ticked_and_chosen() {
 }
 
 #[test]
+fn advanced_settings_of_bounces_are_those_that_the_bake_has() {
+    let open = |mode: BakeMode| {
+        let mut document = document();
+        document.bake.mode = mode;
+        let mut panel = panel(BakeStatus::None, document, None);
+        clicked(&mut panel, "Advanced");
+        panel.run();
+        assert_fits(&panel, WIDTH);
+        panel
+    };
+    let shown =
+        |mode: BakeMode| ["Source sigma value", "Epsilon value"].map(|l| open(mode).query_by_label(l).is_some());
+    assert_eq!(shown(BakeMode::Environment), [false, false]);
+    assert_eq!(shown(BakeMode::Cuts), [true, false]);
+    assert_eq!(shown(BakeMode::Meshless), [false, true]);
+    assert_eq!(shown(BakeMode::All), [true, true]);
+
+    let mut panel = open(BakeMode::All);
+    clicked(&mut panel, "Sources");
+    assert_eq!(bake_asked(&clicked(&mut panel, "4,096")).expect("an edit").indirect.sources, 4096);
+    clicked(&mut panel, "Gather rays");
+    assert_eq!(bake_asked(&clicked(&mut panel, "1,024")).expect("an edit").meshless.rays, 1024);
+    clicked(&mut panel, "Basis levels");
+    let fewer = bake_asked(&clicked(&mut panel, "3")).expect("an edit").meshless;
+    assert_eq!((fewer.levels, fewer.sender_levels), (3, 3), "no more levels send than there are");
+}
+
+#[test]
 fn a_bake_is_for_the_views_that_are_chosen() {
     let asked = |document: Document, name: &str| {
         let mut panel = panel(BakeStatus::None, document, None);

@@ -4,6 +4,7 @@ use super::{LightsContext, LightsPanel};
 use crate::{
     actions::Action,
     document::{Bounces, Component, ComponentSettings, Document, Edit},
+    fading,
     panels::{
         edit_row,
         entries::combo_row,
@@ -13,9 +14,6 @@ use crate::{
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
 use lapidary_render::{Solution, ViewMode};
-
-/// Share of the light above which it is said that bounces are missing: a few percent are not seen.
-const MUCH_MISSING: f32 = 0.1;
 
 /// Shows switches, solo buttons and the solution.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
@@ -28,8 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(bounces) if bounces.any() => {
             let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            let has_gathered = now == Some(Solution::CutsMeshless);
-            fading(ui, context.energy.map(|energy| if has_gathered { gathered(energy) } else { energy }));
+            fade(ui, context.energy.map(|energy| fading::in_picture(energy, now.unwrap_or_default())));
             if bounces.cuts {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
@@ -79,37 +76,14 @@ pub fn environment_hint(
 }
 
 /// How much light the bounces carry, and what to do if much is left when they end.
-fn fading(ui: &mut Ui, energy: Option<BounceEnergy>) {
-    let Some(BounceEnergy { bounces, last_share, missing_share }) = energy else { return };
-    let text = format!("Bounces: {bounces}, the last carries {} of the light.", percent(last_share));
+fn fade(ui: &mut Ui, energy: Option<BounceEnergy>) {
+    let Some(energy) = energy else { return };
+    let BounceEnergy { bounces, last_share, .. } = energy;
+    let text = format!("Bounces: {bounces}, the last carries {} of the light.", fading::percent(last_share));
     ui.label(RichText::new(text).weak().small());
-    if missing_share > MUCH_MISSING {
-        let text = if missing_share < 1.0 {
-            format!("About {} of the light is missing, for it would bounce on.", percent(missing_share))
-        } else {
-            "The light would bounce on without end: surfaces reflect all of it.".into()
-        };
-        let remedy = "Lower the base color of the brightest materials, below 0.8, to see it all.";
-        ui.label(RichText::new(format!("{text} {remedy}")).color(ui.visuals().warn_fg_color));
+    if let Some(remark) = fading::remark(energy) {
+        ui.label(RichText::new(remark).color(ui.visuals().warn_fg_color));
     }
-}
-
-/// With the bounce that the cuts gather, one more than the basis has: the next of the same series.
-fn gathered(energy: BounceEnergy) -> BounceEnergy {
-    let BounceEnergy { bounces, last_share: last, missing_share } = energy;
-    let bounces = bounces + 1;
-    if last <= 0.0 || missing_share >= 1.0 {
-        return BounceEnergy { bounces, ..energy };
-    }
-    // Of the light so far: what is missing is last * kept / (1 - kept).
-    let missing = missing_share / (1.0 - missing_share);
-    let next = last * missing / (last + missing);
-    BounceEnergy { bounces, last_share: next / (1.0 + next), missing_share: (missing - next) / (1.0 + missing) }
-}
-
-fn percent(share: f32) -> String {
-    let percent = 100.0 * share;
-    if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
 fn texts(component: Component) -> (&'static str, &'static str) {
@@ -219,16 +193,5 @@ mod tests {
         }
         assert_eq!(union(&[BakeMode::Environment, BakeMode::Indirect]), BakeMode::Cuts);
         assert_eq!(union(&[BakeMode::Meshless, BakeMode::Indirect]), BakeMode::All);
-    }
-
-    #[test]
-    fn the_gathered_bounce_goes_on_with_the_series() {
-        // 16, 8, 4, and then 2, 1 and so on.
-        let energy = BounceEnergy { bounces: 2, last_share: 4.0 / 28.0, missing_share: 4.0 / 32.0 };
-        let BounceEnergy { bounces, last_share, missing_share } = gathered(energy);
-        assert_eq!(bounces, 3);
-        assert!((last_share - 2.0 / 30.0).abs() < 1e-6 && (missing_share - 2.0 / 32.0).abs() < 1e-6);
-        let endless = BounceEnergy { bounces: 4, last_share: 0.2, missing_share: 1.0 };
-        assert_eq!(gathered(endless), BounceEnergy { bounces: 5, ..endless });
     }
 }
