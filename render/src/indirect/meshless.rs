@@ -121,14 +121,16 @@ impl MeshlessRig {
 pub(crate) mod tests {
     use super::*;
     use crate::{
-        Backend, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, View, indirect::tests::floor_and_wall,
-        renderer::tests::from_above,
+        Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer, View,
+        indirect::tests::floor_and_wall,
+        renderer::tests::{from_above, illumination},
     };
     use glam::Vec2;
     use lapidary_core::{
         camera::Camera,
         lights::Emission,
         meshless::{Basis, Transport},
+        sphere::{cosine_direction, frame_around},
         surfel::MeshPlace,
     };
     use std::f32::consts::FRAC_1_PI;
@@ -208,6 +210,37 @@ pub(crate) mod tests {
         let expected = 0.5 * (irradiance(&finer[0]) + irradiance(&finer[1])) * reflected.x;
         assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
         assert!((irradiance(&wall) * reflected.x / expected - 1.0).abs() > 0.02, "negative control: its own point");
+    }
+
+    #[test]
+    fn the_environment_lights_the_senders() {
+        let baked = Baked::from(dataset());
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let radiance = Vec3::new(1.0, 2.0, 0.5);
+        let mesh = &baked.dataset.scene.mesh;
+        let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0];
+        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        let mut on_floor = |light: &Illumination| {
+            rig.set_environment(Some(&Renderer::new(baked.clone()).lighting(light, 256)));
+            super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y)
+        };
+        // What the floor does not hide of it from the vertices around, by cosine.
+        let free = |vertex: u32, i: u32| {
+            let direction = cosine_direction((i as f32 + 0.5) / 1024.0, (i as f32 * 0.618_034).fract());
+            let origin = mesh.positions[vertex as usize] + 1e-4 * (wall.normal + Vec3::Y);
+            u8::from(!baked.intersector().occluded(origin, frame_around(wall.normal) * direction))
+        };
+        let share = |vertex: u32| (0..1024).map(|i| f32::from(free(vertex, i))).sum::<f32>() / 1024.0;
+        let open = mesh.triangles[wall.place.triangle as usize].map(share).iter().sum::<f32>() / 3.0;
+        let albedo = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place);
+        let expected = open * albedo * radiance * LINK.dot(Vec3::Y);
+        let found = on_floor(&illumination([64, 32], |_, _| radiance));
+        assert!((found / expected - 1.0).abs().max_element() < 0.05, "{found} for {expected}, {open}");
+        // The wall faces +X, whose directions are on the left of the map.
+        let behind = on_floor(&illumination([64, 32], |x, _| radiance * f32::from(u8::from(x >= 32))));
+        assert!(behind.max_element() < 0.02 * expected.max_element(), "negative control, from behind: {behind}");
+        rig.set_environment(None);
+        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: none");
     }
 
     #[test]
