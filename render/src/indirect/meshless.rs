@@ -207,7 +207,18 @@ pub(crate) mod tests {
         let reflected = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place) * FRAC_1_PI * LINK.dot(Vec3::Y);
         let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
         let found = super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y).x;
-        let expected = 0.5 * (irradiance(&finer[0]) + irradiance(&finer[1])) * reflected.x;
+        // They count by what they see beyond a quarter of the functions' radius.
+        let reach = 0.25 * baked.dataset.meshless.as_ref().unwrap().basis.radii()[0];
+        let open = finer.map(|p| {
+            let free = |i: &u32| {
+                let direction = cosine_direction((*i as f32 + 0.5) / 32.0, (*i as f32 * 0.618_034).fract());
+                let direction = frame_around(p.normal) * direction;
+                !baked.intersector().occluded_before(p.position + 1e-4 * p.normal, direction, reach)
+            };
+            (0..32).filter(free).count() as f32
+        });
+        let mean = (open[0] * irradiance(&finer[0]) + open[1] * irradiance(&finer[1])) / (open[0] + open[1]);
+        let expected = mean * reflected.x;
         assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
         assert!((irradiance(&wall) * reflected.x / expected - 1.0).abs() > 0.02, "negative control: its own point");
     }
