@@ -1,0 +1,23 @@
+//! Hashes of the pixels of `.exr` files, a line for each channel: equal lines are pictures that are equal to the bit. What
+//! files say about how long a picture took is not hashed. `tests/pixel_hashes.sh` compares two builds by it.
+
+use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
+use std::{env, error::Error, path::Path};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    for file in env::args().skip(1) {
+        let picture = Path::new(&file).file_stem().unwrap_or_default().to_string_lossy();
+        for layer in read_all_flat_layers_from_file(&file)?.layer_data {
+            for channel in layer.channel_data.list {
+                println!("{} {picture} {}", hash(&channel.sample_data)?, channel.name);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The first 16 digits of a hash of floats of 32 bits, which is what Lapidary writes.
+fn hash(samples: &FlatSamples) -> Result<String, &'static str> {
+    let FlatSamples::F32(values) = samples else { return Err("a channel is not of 32-bit floats") };
+    Ok(blake3::hash(bytemuck::cast_slice(values)).to_hex()[..16].to_owned())
+}

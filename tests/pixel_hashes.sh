@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Hashes of pictures of the bundled scenes: environment, bounces and meshless solution, all layers (which hold the pixels of
+# every view mode), on the CPU and on the graphics adapter, and of their ray-traced references. A change of structure leaves
+# them as they are:
+#
+#   tests/pixel_hashes.sh BEFORE >before.txt; tests/pixel_hashes.sh AFTER >after.txt; diff before.txt after.txt
+#
+# BEFORE and AFTER are two builds of `lapidary`. Compare on one machine: libraries of mathematics and drivers differ in
+# their last bits. 
+set -euo pipefail
+lapidary=$(realpath "${1:?usage: tests/pixel_hashes.sh LAPIDARY}")
+cd "$(dirname "$0")/.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export XDG_RUNTIME_DIR="$work"
+
+small="--preset draft --lights 2048 --max-vertices 4000 --quiet"
+"$lapidary" bake data/still-life/still-life.gltf -o "$work/still-life.cuts" $small
+"$lapidary" bake data/color-box/color-box.gltf -o "$work/color-box.cuts" $small --mode all --sources 2048 --levels 3
+"$lapidary" bake data/interior/interior.gltf -o "$work/interior.cuts" $small --mode all --sources 2048 --levels 3
+
+# picture NAME DATASET OPTIONS: on both backends.
+picture() {
+  local name=$1 dataset=$2 backend
+  shift 2
+  for backend in cpu gpu; do
+    "$lapidary" render "$work/$dataset.cuts" --backend $backend --size 160x120 --quiet --layers all "$@" \
+      --out "$work/$name-$backend.exr"
+  done
+}
+reference() {
+  local name=$1 dataset=$2
+  shift 2
+  "$lapidary" reference "$work/$dataset.cuts" --size 40x30 --quiet "$@" --out "$work/$name.exr"
+}
+
+studio="--env data/environments/studio.hdr"
+sky="--env data/environments/sun-and-sky.hdr --rotate 40"
+picture still-life-refined still-life $studio --aa 2
+picture still-life-once still-life $sky --brdf once --illum-cut 128
+picture still-life-ward still-life $studio --material tests/pixel_hashes_ward.json
+for solution in cuts meshless cuts+meshless; do
+  picture "color-box-$solution" color-box --env none --solution $solution
+  picture "interior-$solution" interior $sky --solution $solution
+done
+reference still-life-samples still-life $sky --kind samples
+reference interior-samples interior $sky --kind samples --components environment,direct,indirect
+reference interior-paths interior $sky --kind path --bounces 2 --spp 8
+reference color-box-paths color-box --env none --kind path --bounces 3 --spp 8
+
+cargo run --release --quiet -p lapidary-core --example pixel_hashes -- "$work"/*.exr
