@@ -38,4 +38,6 @@ pub mod simd;
 pub mod source_tree;
 pub mod sphere;
 pub mod surfel;
+#[cfg(any(test, feature = "test-scenes"))]
+pub mod test_scenes;
 pub mod texture;

@@ -10,10 +10,8 @@ mod path_list;
 pub mod recent;
 mod relative;
 pub mod session;
-#[cfg(test)]
-pub(crate) mod test_data;
 
-pub use components::{Bounces, Component, ComponentSettings, Unlit};
+pub use components::{Component, ComponentSettings, Unlit};
 pub use edit::Edit;
 pub use history::History;
 pub use path_list::write_setting;
@@ -272,14 +270,16 @@ pub fn proposed_bake(scene: &Scene) -> BakeSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::shot::Shot;
-    use test_data::{camera, dataset};
+    use lapidary_core::{
+        shot::Shot,
+        test_scenes::{self, camera, dataset},
+    };
 
     #[test]
     fn a_scene_with_lights_is_proposed_a_bake_of_their_bounce() {
         let mut scene = dataset(&["a"], &[]).scene;
         assert_eq!(Document::of_scene(&scene, None).bake, Preset::Normal.settings());
-        scene.lights = vec![test_data::light()];
+        scene.lights = vec![test_scenes::light()];
         let bake = Document::of_scene(&scene, None).bake;
         assert_eq!(bake, BakeSettings { mode: BakeMode::Indirect, ..Preset::Normal.settings() });
     }

@@ -40,7 +40,7 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 pub fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(lapidary_precompute::cli::error_text(&error)),
+        Ok(Err(error)) => Err(lapidary_studies::terminal::error_text(&error)),
         Err(panic) => Err(format!(
             "{what} failed by a mistake in Lapidary ({}); please report it, and save the session",
             panic_text(&*panic)

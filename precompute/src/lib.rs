@@ -10,7 +10,6 @@
 mod bake;
 mod bake_points;
 mod checkpoint;
-pub mod cli;
 mod memory;
 mod mesh_surface;
 mod meshless;

@@ -1,6 +1,6 @@
 //! Which light is in a picture, and how bounced light is computed.
 
-use lapidary_core::meshless::SolveSettings;
+use lapidary_core::{dataset::Dataset, meshless::SolveSettings};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -94,6 +94,43 @@ impl fmt::Display for Solution {
     }
 }
 
+/// The means of bounced light that a dataset has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bounces {
+    /// Surface samples and their visibility cuts.
+    pub cuts: bool,
+    /// A meshless basis and its transport.
+    pub meshless: bool,
+}
+
+impl Bounces {
+    /// Those of a dataset.
+    pub fn of(dataset: &Dataset) -> Self {
+        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
+    }
+
+    /// Whether there are any.
+    pub fn any(self) -> bool {
+        self.cuts || self.meshless
+    }
+
+    /// The solutions that can be chosen.
+    pub fn solutions(self) -> Vec<Solution> {
+        let all = [
+            (Solution::Cuts, self.cuts),
+            (Solution::Meshless, self.meshless),
+            (Solution::CutsMeshless, self.cuts && self.meshless),
+        ];
+        all.into_iter().filter(|(_, has)| *has).map(|(solution, _)| solution).collect()
+    }
+
+    /// The wanted solution, or else one that there is.
+    pub fn closest_to(self, wanted: Solution) -> Option<Solution> {
+        let solutions = self.solutions();
+        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,5 +144,15 @@ mod tests {
         for bad in ["", "sun", "direct,,indirect", "Direct"] {
             assert!(bad.parse::<Components>().is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn only_what_is_baked_can_be_chosen() {
+        let bounces = |cuts, meshless| Bounces { cuts, meshless };
+        assert!(bounces(false, false).solutions().is_empty());
+        assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
+        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
+        assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
+        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
     }
 }

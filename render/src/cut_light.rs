@@ -7,6 +7,7 @@ use crate::{
 };
 use lapidary_core::{cut::packed::PackedCuts, dataset::Dataset};
 use serde::Serialize;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Light on a tree, with its illumination cut.
@@ -16,6 +17,25 @@ pub enum CutLight<'a> {
     Environment(&'a SceneLighting),
     /// Bounced light: leaves are sources on surfaces.
     Sources(&'a SourceLighting),
+}
+
+/// A [`CutLight`] that owns its light.
+#[derive(Clone)]
+pub enum GatheredLight {
+    /// Of the environment.
+    Environment(Arc<SceneLighting>),
+    /// Bounced by surface sources.
+    Sources(Arc<SourceLighting>),
+}
+
+impl GatheredLight {
+    /// The light.
+    pub fn light(&self) -> CutLight<'_> {
+        match self {
+            Self::Environment(lighting) => CutLight::Environment(lighting),
+            Self::Sources(lighting) => CutLight::Sources(lighting),
+        }
+    }
 }
 
 /// Which of the two.

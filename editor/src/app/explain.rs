@@ -3,7 +3,7 @@
 use super::state::EditorState;
 use crate::{
     jobs::{
-        explain::{ExplainJob, ExplainSubject, Explained, Lit},
+        explain::{ExplainJob, ExplainSubject, Explained},
         render_thread::{Changes, RenderRequest, changes},
     },
     panels::explain::{self, ExplainContext, ExplainPanel, ExplainRequest},
@@ -11,7 +11,7 @@ use crate::{
 };
 use egui::{Context, ScrollArea, Window};
 use lapidary_core::image::Region;
-use lapidary_render::{ErrorSplit, TreeOf};
+use lapidary_render::{ErrorSplit, GatheredLight, TreeOf};
 
 /// Size of the window in points at first.
 const SIZE: egui::Vec2 = egui::vec2(320.0, 640.0);
@@ -119,8 +119,8 @@ impl EditorState {
         let (picture, shown) = (self.requests.last_sent()?, self.pictures.shown()?);
         let (baked, look) = (picture.baked.clone()?, &picture.look);
         let mode = baked.dataset.settings.mode;
-        let environment = mode.environment().then(|| Lit::Environment(shown.lighting.clone()));
-        let sources = shown.local.indirect.clone().map(Lit::Sources);
+        let environment = mode.environment().then(|| GatheredLight::Environment(shown.lighting.clone()));
+        let sources = shown.local.indirect.clone().map(GatheredLight::Sources);
         let lit = match self.explain.tree {
             Some(TreeOf::Sources) => sources.or(environment),
             _ => environment.or(sources),

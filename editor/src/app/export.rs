@@ -7,13 +7,11 @@ use super::{
 use crate::{
     actions::Action,
     document::folder_of,
-    export::LayerList,
     jobs::export::{ExportMessage, ExportRun, ExportTask},
-    look::Look,
 };
 use egui::Context;
-use lapidary_precompute::cli::error_text;
-use lapidary_render::Baked;
+use lapidary_render::{Baked, Look};
+use lapidary_studies::{export::LayerList, terminal::error_text};
 use std::{
     path::{Path, PathBuf},
     time::Instant,

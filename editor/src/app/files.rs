@@ -3,7 +3,6 @@
 use super::state::EditorState;
 use crate::{
     actions::{Action, MapKind},
-    backend_option::shader_source,
     document::{Document, Edit, TextureEntry},
     jobs::load::{LoadResult, Loaded, Source, Topic},
     panels::material::new_slot,
@@ -15,6 +14,7 @@ use lapidary_core::{
     material::Material,
     texture::{Texture, TextureSlot},
 };
+use lapidary_studies::args::shader_source;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,

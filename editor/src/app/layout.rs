@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     actions::Action,
-    document::{self, BackgroundKind, Bounces, Component, Document, Unlit},
+    document::{self, BackgroundKind, Component, Document, Unlit},
     jobs::render_thread::RenderedFrame,
     panels::{
         bake::{self, BakeContext, SceneStats},
@@ -25,7 +25,7 @@ use crate::{
     viewport::{self, ViewportContext, ViewportResponse, ViewportState, compare::Compared},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_render::{Baked, ViewMode};
+use lapidary_render::{Baked, Bounces, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;

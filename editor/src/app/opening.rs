@@ -15,8 +15,8 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::dataset::Dataset;
-use lapidary_precompute::cli::error_text;
 use lapidary_render::Baked;
+use lapidary_studies::terminal::error_text;
 use std::{
     path::{Path, PathBuf},
     sync::mpsc::{Receiver, TryRecvError, channel},

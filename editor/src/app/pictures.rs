@@ -8,10 +8,10 @@ use crate::{
         render_thread::{LinearPicture, RenderEvent, RenderedFrame},
         spawn,
     },
-    sheet::DisplayPicture,
 };
 use anyhow::Result;
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use lapidary_studies::sheet::DisplayPicture;
 use std::{
     path::{Path, PathBuf},
     sync::{

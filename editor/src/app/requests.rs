@@ -3,14 +3,13 @@
 
 use super::state::EditorState;
 use crate::{
-    document::{Bounces, Document, lights::shines},
+    document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
-    look::Look,
     viewport::ViewportResponse,
 };
 use egui::Context;
 use lapidary_core::{environment::Environment, lights::Light, material::Material};
-use lapidary_render::{Appearance, Baked, Components, Illumination, View};
+use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
 
 /// What was asked for last.
@@ -146,16 +145,18 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{TextureEntry, test_data};
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, texture::Texture};
+    use crate::document::TextureEntry;
+    use lapidary_core::{
+        cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, test_scenes, texture::Texture,
+    };
 
     #[test]
     fn lights_stay_where_they_are_until_what_shines_changes() {
         let mut requests = Requests::default();
-        let off = Light { enabled: false, ..test_data::light() };
-        let mut document = Document { lights: vec![test_data::light(), off], ..Document::empty() };
+        let off = Light { enabled: false, ..test_scenes::light() };
+        let mut document = Document { lights: vec![test_scenes::light(), off], ..Document::empty() };
         let first = requests.lights_of(&document);
-        assert_eq!(*first, [test_data::light()]);
+        assert_eq!(*first, [test_scenes::light()]);
         document.lights[1].intensity *= 2.0;
         assert!(Arc::ptr_eq(&first, &requests.lights_of(&document)), "it is switched off");
         document.lights[0].intensity *= 2.0;
@@ -165,7 +166,7 @@ mod tests {
     #[test]
     fn light_that_was_not_baked_is_not_shown() {
         let document = Document::empty();
-        let mut dataset = test_data::dataset(&["a"], &[]);
+        let mut dataset = test_scenes::dataset(&["a"], &[]);
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { indirect: false, ..Components::ALL }, "no bounces were baked");
         dataset.settings.mode = BakeMode::Indirect;

@@ -1,18 +1,18 @@
 //! The dialog in which an image sequence is described: what turns, what is swept, how many frames, and where they go.
 
-use crate::{
+use crate::panels::widgets::check_box;
+use anyhow::{Result, bail};
+use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
+use glam::Vec3;
+use lapidary_render::Look;
+use lapidary_studies::{
     export::LayerList,
-    look::Look,
-    outputs::wanted_layers,
-    panels::widgets::check_box,
+    export::wanted_layers,
     sequence::{
         Domain, Existing, FrameNames, Parameter, SequenceSettings, SequenceTask, SheetTask, Sweep, Target, Turn, Value,
         plan,
     },
 };
-use anyhow::{Result, bail};
-use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
-use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Width of the dialog in points.
@@ -377,7 +377,7 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequence::test_look;
+    use lapidary_render::test_scenes::look as test_look;
 
     #[test]
     fn every_sweep_that_is_proposed_makes_a_sequence() {

@@ -6,8 +6,6 @@ use super::{
     state::{Bundled, EditorState, Setup},
 };
 use crate::{
-    backend_option::BackendOption,
-    demo::DataFolder,
     document::{absolute, library::maps_in},
     jobs::Wake,
     paths::Folders,
@@ -16,6 +14,7 @@ use crate::{
 use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
+use lapidary_studies::{args::BackendOption, demo::DataFolder};
 use std::{path::PathBuf, sync::Arc};
 
 /// How the window begins.

@@ -1,7 +1,7 @@
-//! Which parts of the light are in the picture, and which solutions of bounced light a dataset has.
+//! Which parts of the light are in the picture.
 
 use lapidary_core::{dataset::Dataset, lights::Light};
-use lapidary_render::{Components, Solution};
+use lapidary_render::{Bounces, Components};
 use serde::{Deserialize, Serialize};
 
 /// A part of the light.
@@ -87,48 +87,10 @@ impl Unlit {
     }
 }
 
-/// The means of bounced light that a dataset has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Bounces {
-    /// Surface samples and their visibility cuts.
-    pub cuts: bool,
-    /// A meshless basis and its transport.
-    pub meshless: bool,
-}
-
-impl Bounces {
-    /// Those of a dataset.
-    pub fn of(dataset: &Dataset) -> Self {
-        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
-    }
-
-    /// Whether there are any.
-    pub fn any(self) -> bool {
-        self.cuts || self.meshless
-    }
-
-    /// The solutions that can be chosen.
-    pub fn solutions(self) -> Vec<Solution> {
-        let all = [
-            (Solution::Cuts, self.cuts),
-            (Solution::Meshless, self.meshless),
-            (Solution::CutsMeshless, self.cuts && self.meshless),
-        ];
-        all.into_iter().filter(|(_, has)| *has).map(|(solution, _)| solution).collect()
-    }
-
-    /// The wanted solution, or else one that there is.
-    pub fn closest_to(self, wanted: Solution) -> Option<Solution> {
-        let solutions = self.solutions();
-        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::test_data;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, test_scenes};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {
@@ -143,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_unlit_where_nothing_that_shines_is_shown() {
-        let mut dataset = test_data::dataset(&["a"], &[]);
+        let mut dataset = test_scenes::dataset(&["a"], &[]);
         let shows = |solo| ComponentSettings { solo, ..Default::default() };
         let off = ComponentSettings { environment: false, direct: false, indirect: false, solo: None };
         let unlit = |dataset: &Dataset, lights: &[Light], components| Unlit::of(lights, components, dataset);
@@ -152,7 +114,7 @@ mod tests {
         assert_eq!(unlit(&dataset, &[], off), Some(Unlit::SwitchedOff));
         dataset.settings.mode = BakeMode::Meshless;
         assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
-        let lamp = test_data::light();
+        let lamp = test_scenes::light();
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);
         let bounce_alone = shows(Some(Component::Indirect));
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), bounce_alone), Some(Unlit::SwitchedOff));
@@ -161,15 +123,5 @@ mod tests {
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), bounce_alone), None, "by the bounce alone");
         let broken = Light { enabled: false, ..lamp };
         assert_eq!(unlit(&dataset, &[broken], shows(None)), Some(Unlit::SwitchedOff));
-    }
-
-    #[test]
-    fn only_what_is_baked_can_be_chosen() {
-        let bounces = |cuts, meshless| Bounces { cuts, meshless };
-        assert!(bounces(false, false).solutions().is_empty());
-        assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
-        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
-        assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
-        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
     }
 }

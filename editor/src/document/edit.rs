@@ -93,7 +93,8 @@ impl Edit {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::test_data, *};
+    use super::*;
+    use lapidary_core::test_scenes;
 
     #[test]
     fn swapping_twice_restores_both() {
@@ -110,7 +111,7 @@ mod tests {
 
     #[test]
     fn lights_are_edited_one_by_one_and_as_a_list() {
-        let light = |name: &str| Light { name: name.into(), ..test_data::light() };
+        let light = |name: &str| Light { name: name.into(), ..test_scenes::light() };
         let mut document = Document { lights: vec![light("a"), light("b")], ..Document::empty() };
         let edit = |index, name: &str| Edit::Light { index, light: Box::new(light(name)) };
         assert!(edit(1, "c").changes(&document) && !edit(1, "b").changes(&document));

@@ -5,8 +5,8 @@ use anyhow::Result;
 use lapidary_core::{image::Region, lights::Light};
 use lapidary_precompute::VertexSampler;
 use lapidary_render::{
-    Appearance, Baked, BrdfSampling, CutLight, CutMap, ErrorSplit, Illumination, PixelExplanation, Progress, Renderer,
-    SceneLighting, SourceLighting, SplitJob, View,
+    Appearance, Baked, BrdfSampling, CutMap, ErrorSplit, GatheredLight, Illumination, PixelExplanation, Progress,
+    Renderer, SplitJob, View,
 };
 use std::sync::{
     Arc,
@@ -17,25 +17,6 @@ use std::sync::{
 const MAP_WIDTH: u32 = 512;
 /// Light paths a pixel, rounded up to whole sets of the pixel's samples.
 const SPLIT_SPP: u32 = 256;
-
-/// Light that is gathered by cuts, and its owner.
-#[derive(Clone)]
-pub enum Lit {
-    /// Of the environment.
-    Environment(Arc<SceneLighting>),
-    /// Bounced by surface sources.
-    Sources(Arc<SourceLighting>),
-}
-
-impl Lit {
-    /// The light.
-    pub fn light(&self) -> CutLight<'_> {
-        match self {
-            Self::Environment(lighting) => CutLight::Environment(lighting),
-            Self::Sources(lighting) => CutLight::Sources(lighting),
-        }
-    }
-}
 
 /// A picture whose pixels are explained.
 #[derive(Clone)]
@@ -49,7 +30,7 @@ pub struct ExplainSubject {
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,
     /// Which light, as the picture has it.
-    pub lit: Lit,
+    pub lit: GatheredLight,
     /// The continuous environment.
     pub illumination: Illumination,
     /// Local lights, whose bounce the sources hold.

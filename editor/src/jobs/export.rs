@@ -1,15 +1,13 @@
 //! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
 
 use super::{Wake, guarded, hearing::Hearing, render_thread::Factory, spawn};
-use crate::{
-    export::{LayerKind, Studio},
-    look::Look,
-    outcome::Interrupted,
-    outputs::Finished,
-    sequence::{Record, SequenceEnd, SequenceTask},
-};
 use anyhow::Result;
-use lapidary_render::{Baked, Progress};
+use lapidary_render::{Baked, Look, Progress};
+use lapidary_studies::{
+    export::{Finished, LayerKind, Studio},
+    sequence::{Record, SequenceEnd, SequenceTask},
+    terminal::Interrupted,
+};
 use std::{
     path::PathBuf,
     slice,

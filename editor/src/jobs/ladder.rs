@@ -7,12 +7,12 @@ use super::{
     render_thread::{Factory, RenderRequest},
     spawn,
 };
-use crate::ladder::{Found, Rung, Settings, Subject, climb};
 use anyhow::{Context as _, Result};
 use lapidary_render::{
     Post, Preview, Progress, RenderStats, View, ViewMode,
     compare::{Metrics, compare},
 };
+use lapidary_studies::ladder::{Found, Rung, Settings, Subject, climb};
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -212,8 +212,8 @@ mod tests {
         render_thread::tests::request,
         testing::{silent, wait_for},
     };
-    use crate::ladder::SIZES;
     use lapidary_render::{Appearance, CpuBackend};
+    use lapidary_studies::ladder::SIZES;
 
     fn start(picture: RenderRequest) -> LadderJob {
         LadderJob::start(Arc::new(|| Ok(Box::new(CpuBackend::new()))), picture, silent())

@@ -10,9 +10,8 @@ pub use changes::{Changes, changes};
 pub(super) use station::Station;
 
 use super::{Wake, spawn};
-use crate::look::Look;
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{Backend, BackendError, Baked, LocalLighting, PictureStats, SceneLighting};
+use lapidary_render::{Backend, BackendError, Baked, LocalLighting, Look, PictureStats, SceneLighting};
 use std::{
     sync::{
         Arc, Mutex, PoisonError,

@@ -11,13 +11,10 @@ pub use components::environment_hint;
 pub use list::add_menu;
 
 use super::widgets::section;
-use crate::{
-    actions::Action,
-    document::{Bounces, Document},
-};
+use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
-use lapidary_render::Baked;
+use lapidary_render::{Baked, Bounces};
 
 /// What the panel shows.
 pub struct LightsContext<'a> {

@@ -4,10 +4,10 @@
 //! The options have no roll: +Y is upward in what is read from them. A camera as JSON, as session files hold it, is
 //! read too.
 
-use crate::options;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use glam::Vec3;
 use lapidary_core::camera::Camera;
+use lapidary_studies::args::values;
 
 /// Vertical field of view in degrees where the text gives none, as on the command line.
 const DEFAULT_FOV: f32 = 40.0;
@@ -32,11 +32,11 @@ pub fn parse(text: &str) -> Result<Camera> {
 }
 
 fn from_options(text: &str) -> Result<Camera> {
-    let vector = |name| -> Result<Option<Vec3>> { read(text, name, options::vector) };
+    let vector = |name| -> Result<Option<Vec3>> { read(text, name, values::vector) };
     let (Some(eye), Some(target)) = (vector("--eye")?, vector("--target")?) else {
         bail!("this text holds no camera; copy one, or write it as --eye 0,1,3 --target 0,0,0 --fov 40");
     };
-    let fov = read(text, "--fov", options::field_of_view)?.unwrap_or(DEFAULT_FOV);
+    let fov = read(text, "--fov", values::field_of_view)?.unwrap_or(DEFAULT_FOV);
     Ok(Camera::look_at(eye, target, fov))
 }
 

@@ -17,7 +17,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use glam::Vec3;
 use lapidary_core::{dataset::MeshlessSettings, meshless::Solver, surfel::Surface};
-use lapidary_precompute::{Silent, cli::place, find_viewpoint, meshless_bake};
+use lapidary_precompute::{Silent, find_viewpoint, meshless_bake};
 use prepared::{Lamp, Prepared};
 use std::time::Instant;
 
@@ -114,4 +114,13 @@ fn median_ms(mut work: impl FnMut()) -> f32 {
         .collect();
     times.sort_unstable_by(f32::total_cmp);
     times[times.len() / 2]
+}
+
+/// A place from three numbers with commas between.
+fn place(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err("give three numbers with commas between, such as 0,1.5,-2".into()),
+    }
 }

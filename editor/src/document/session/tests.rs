@@ -6,13 +6,13 @@ use super::{file::SessionMaps, *};
 use crate::document::{
     BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
     lights::LightKind,
-    test_data::{camera, dataset, light, write_picture},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     lights::Light,
     material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    test_scenes::{camera, dataset, light, write_picture},
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
 use lapidary_render::{Post, Solution, ToneMap};

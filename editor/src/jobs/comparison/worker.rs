@@ -1,18 +1,19 @@
 //! What the thread does: the picture with cuts, then the reference, for one request after another.
 
 use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
-use crate::{
-    jobs::{
-        Wake, guarded,
-        render_thread::{Factory, Station},
-    },
-    ladder::{Subject, every_sample},
-    look::Look,
-    whole_picture::BAND_ROWS,
+use crate::jobs::{
+    Wake, guarded,
+    render_thread::{Factory, Station},
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
-use lapidary_render::{Baked, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode, predicted_error};
+use lapidary_render::{
+    Baked, Look, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode, predicted_error,
+};
+use lapidary_studies::{
+    ladder::{Subject, every_sample},
+    whole_picture::BAND_ROWS,
+};
 use std::{
     path::Path,
     sync::{

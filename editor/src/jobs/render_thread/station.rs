@@ -1,8 +1,9 @@
 //! The renderer and what it holds: brought up to date step by step, so that an edit redoes only what it changed.
 
 use super::{Factory, RenderRequest, changes::same_dataset};
-use crate::look::same_light;
-use lapidary_render::{Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, LocalRig, SceneLighting};
+use lapidary_render::{
+    Backend, BackendError, Baked, Illumination, LightRig, LocalLighting, LocalRig, SceneLighting, same_light,
+};
 use std::sync::Arc;
 
 /// The renderer, its scene and its light.

@@ -4,20 +4,17 @@ mod failures;
 mod fake;
 
 use super::*;
-use crate::{
-    document::test_data,
-    jobs::testing::{silent, wait_for},
-};
+use crate::jobs::testing::{silent, wait_for};
 use fake::{Fake, Log, Shared};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, environment::Environment, lights::Light};
+use lapidary_core::{camera::Camera, environment::Environment, lights::Light, test_scenes};
 use lapidary_render::{
     Appearance, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Post, Renderer, Solution, View,
 };
 use std::ops::Range;
 
 fn dataset() -> Arc<Dataset> {
-    test_data::dataset(&["a"], &[]).into()
+    test_scenes::dataset(&["a"], &[]).into()
 }
 
 pub fn request(aa: u32) -> RenderRequest {
@@ -127,7 +124,7 @@ fn nothing_is_rendered_when_nothing_changed() {
 
 #[test]
 fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not() {
-    let lights: Arc<[_]> = Arc::new([test_data::light()]);
+    let lights: Arc<[_]> = Arc::new([test_scenes::light()]);
     let mut old = request(1);
     old.look.lights = lights.clone();
     let change = |change: &dyn Fn(&mut RenderRequest)| {
@@ -136,7 +133,7 @@ fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not()
         changes::changes(Some(&old), &new)
     };
     assert_eq!(change(&|r| r.look.lights = lights.clone()), changes::Changes::Nothing);
-    let moved = Light { position: Vec3::splat(7.0), ..test_data::light() };
+    let moved = Light { position: Vec3::splat(7.0), ..test_scenes::light() };
     assert_eq!(change(&|r| r.look.lights = Arc::new([moved.clone()])), changes::Changes::Picture);
     assert_eq!(change(&|r| r.look.components = Components::UNBOUNCED), changes::Changes::Picture);
     assert_eq!(change(&|r| r.look.solution = Solution::Meshless), changes::Changes::Picture);
@@ -178,7 +175,7 @@ fn local_light_is_given_when_it_changes_and_not_again_for_the_camera() {
     edited.look.view.camera.eye.x = 4.0;
     thread.request(edited.clone());
     complete(&mut thread);
-    edited.look.lights = Arc::new([test_data::light()]);
+    edited.look.lights = Arc::new([test_scenes::light()]);
     edited.look.view.camera.eye.x = 5.0;
     thread.request(edited.clone());
     complete(&mut thread);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    document::{Edit, test_data},
+    document::Edit,
     panels::tests::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
@@ -14,6 +14,7 @@ use lapidary_core::{
     dataset::{BakeMode, BakeReport, BakeSettings},
     light_tree::TreeKind,
     shot::Shot,
+    test_scenes,
 };
 use lapidary_precompute::Preset;
 
@@ -31,7 +32,7 @@ pub fn test_dataset() -> Dataset {
             warnings: vec!["a corner is thin".into()],
             ..Default::default()
         },
-        ..test_data::dataset(&[""], &[])
+        ..test_scenes::dataset(&[""], &[])
     }
 }
 

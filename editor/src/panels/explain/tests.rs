@@ -1,12 +1,9 @@
 use super::*;
-use crate::{
-    document::test_data::dataset,
-    panels::tests::{WIDTH, assert_fits},
-};
+use crate::panels::tests::{WIDTH, assert_fits};
 use egui::vec2;
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, environment::Environment, image::Image};
+use lapidary_core::{camera::Camera, environment::Environment, image::Image, test_scenes::dataset};
 use lapidary_render::{BrdfSampling, CutLight, Illumination, Quiet, Region, Renderer, SplitJob, View};
 
 /// What a panel is shown, and what it asked for last.

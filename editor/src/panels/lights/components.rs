@@ -3,8 +3,7 @@
 use super::{LightsContext, LightsPanel};
 use crate::{
     actions::Action,
-    document::{Bounces, Component, ComponentSettings, Document, Edit},
-    fading,
+    document::{Component, ComponentSettings, Document, Edit},
     panels::{
         edit_row,
         entries::combo_row,
@@ -13,7 +12,8 @@ use crate::{
 };
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
-use lapidary_render::{Solution, ViewMode};
+use lapidary_render::{Bounces, Solution, ViewMode};
+use lapidary_studies::fading;
 
 /// Shows switches, solo buttons and the solution.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {

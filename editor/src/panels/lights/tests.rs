@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    document::{Component, ComponentSettings, Edit, lights::LightKind, test_data},
+    document::{Component, ComponentSettings, Edit, lights::LightKind},
     panels::tests::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
@@ -13,8 +13,9 @@ use lapidary_core::{
     dataset::BakeMode,
     lights::{Emission, Light},
     meshless::BounceEnergy,
+    test_scenes,
 };
-use lapidary_render::{Baked, Solution, ViewMode};
+use lapidary_render::{Baked, Bounces, Solution, ViewMode};
 
 struct Probe {
     document: Document,
@@ -28,7 +29,7 @@ struct Probe {
 }
 
 fn light(kind: LightKind) -> Light {
-    Light { name: kind.label().into(), emission: kind.emission(1.0), ..test_data::light() }
+    Light { name: kind.label().into(), emission: kind.emission(1.0), ..test_scenes::light() }
 }
 
 fn panel(selected: Option<usize>, bounces: Option<Bounces>) -> Harness<'static, Probe> {
@@ -313,7 +314,7 @@ fn closed_box() -> Baked {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 0.2 - 0.1;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles: Vec<_> = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    let mut dataset = test_data::dataset(&[""], &[]);
+    let mut dataset = test_scenes::dataset(&[""], &[]);
     dataset.two_sided = vec![false; triangles.len()];
     dataset.vertex_valid = vec![true; 8];
     let mesh = &mut dataset.scene.mesh;

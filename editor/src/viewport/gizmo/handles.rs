@@ -190,12 +190,11 @@ fn distance_to_segment(p: Pos2, a: Pos2, b: Pos2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::test_data;
     use egui::{Rect, pos2};
-    use lapidary_core::camera::Camera;
+    use lapidary_core::{camera::Camera, test_scenes};
 
     fn seen(eye: Vec3) -> (Projection, Handles) {
-        let light = Light { position: Vec3::ZERO, target: Vec3::new(0.0, -1.0, 0.5), ..test_data::light() };
+        let light = Light { position: Vec3::ZERO, target: Vec3::new(0.0, -1.0, 0.5), ..test_scenes::light() };
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0));
         let projection = Projection::new(&Camera::look_at(eye, Vec3::ZERO, 40.0), rect);
         let handles = Handles::of(&light, &projection).unwrap();

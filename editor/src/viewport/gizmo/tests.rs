@@ -3,17 +3,17 @@
 use super::projection::Projection;
 use crate::{
     actions::Action,
-    document::{Edit, test_data},
+    document::Edit,
     viewport::tests::{App, button, click, harness, seen_at},
 };
 use egui::{Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, lights::Light};
+use lapidary_core::{camera::Camera, lights::Light, test_scenes};
 
 /// Aimed at the left square.
 fn spot() -> Light {
-    Light { position: Vec3::new(0.2, 0.6, 0.5), target: Vec3::new(-1.0, 0.0, 0.0), ..test_data::light() }
+    Light { position: Vec3::new(0.2, 0.6, 0.5), target: Vec3::new(-1.0, 0.0, 0.0), ..test_scenes::light() }
 }
 
 /// Two lights, and the camera at an angle, so that all axes are seen.

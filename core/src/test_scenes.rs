@@ -1,0 +1,96 @@
+//! Small scenes and datasets that the tests of all crates share.
+
+use crate::{
+    camera::Camera,
+    cut::{
+        CutCriterion,
+        packed::{PackedCuts, pack_node},
+    },
+    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
+    image::Image,
+    light_tree::{LightTree, TreeKind},
+    lights::{Emission, Light},
+    material::Material,
+    scene::{Mesh, Object, Scene},
+    texture::Texture,
+};
+use glam::{Vec2, Vec3, Vec4};
+use std::path::Path;
+
+/// A baked triangle that sees all of the environment, with materials and textures of these names.
+pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
+    let mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        normals: vec![Vec3::Y; 3],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        triangles: vec![[0, 2, 1]],
+        triangle_material: vec![0],
+        triangle_object: vec![0],
+    };
+    let scene = Scene {
+        mesh,
+        materials: materials.iter().map(|&name| Material { name: name.into(), ..Default::default() }).collect(),
+        textures: textures.iter().map(|name| Texture::missing(name).into()).collect(),
+        objects: vec![Object { name: "o".into() }],
+        ..Default::default()
+    };
+    let mut cuts = PackedCuts::default();
+    for _ in 0..3 {
+        let offset = cuts.push_cut(&[pack_node(0, 1.0)]);
+        cuts.push_vertex(offset);
+    }
+    Dataset {
+        indirect: None,
+        meshless: None,
+        two_sided: vec![false],
+        vertex_valid: vec![true; 3],
+        tree: LightTree::geometric(64).expect("a power of two"),
+        cuts,
+        settings: settings(),
+        scene_hash: scene_hash(&scene),
+        report: BakeReport::default(),
+        scene,
+    }
+}
+
+fn settings() -> BakeSettings {
+    BakeSettings {
+        lights: 64,
+        tree: TreeKind::Mixed,
+        beta: 0.5,
+        criterion: CutCriterion { sigma: 1.5, ..CutCriterion::default() },
+        pilot_clusters: 256,
+        max_vertices: Some(30_000),
+        shots: Vec::new(),
+        max_bytes: None,
+        mode: BakeMode::Environment,
+        indirect: IndirectSettings { sources: 8192, ..IndirectSettings::default() },
+        meshless: MeshlessSettings { levels: 4, sender_levels: 3, rays: 256, ..MeshlessSettings::default() },
+    }
+}
+
+/// A camera of this name.
+pub fn camera(name: &str) -> Camera {
+    Camera { name: name.into(), ..Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 35.0) }
+}
+
+/// A spot above the origin that shines down.
+pub fn light() -> Light {
+    Light {
+        name: "spot".into(),
+        enabled: true,
+        emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
+        position: Vec3::new(0.0, 2.0, 0.0),
+        target: Vec3::ZERO,
+        intensity: Vec3::new(3.0, 2.0, 1.0),
+    }
+}
+
+/// Writes a small picture.
+///
+/// # Panics
+/// If it cannot be written.
+pub fn write_picture(path: &Path) {
+    Image::filled([2, 2], Vec3::splat(0.25)).write(path).expect("a writable folder");
+}

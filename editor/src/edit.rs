@@ -1,0 +1,39 @@
+//! `lapidary edit`: the window.
+
+use crate::app::{self, Launch};
+use anyhow::Result;
+use clap::Args;
+use lapidary_studies::{args::BackendOption, terminal::Outcome};
+use std::path::PathBuf;
+
+/// Options of `edit`.
+#[derive(Args, Clone, Debug, Default)]
+pub struct EditArgs {
+    /// A scene (.gltf, .glb, .obj, .ply), a dataset (.cuts) or a session (.lapidary) [default: the bundled still life]
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// What computes the pictures
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendOption,
+    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+}
+
+impl EditArgs {
+    /// Without options; the variable for the data folder still counts.
+    pub fn of_environment() -> Self {
+        let data = std::env::var_os("LAPIDARY_DATA").filter(|value| !value.is_empty()).map(PathBuf::from);
+        Self { data, ..Self::default() }
+    }
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// No display, or a data folder without data.
+pub fn run(args: &EditArgs) -> Result<Outcome> {
+    let EditArgs { file, backend, data } = args.clone();
+    app::run(&Launch { file, backend, data })?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,39 @@
+//! Looks that the tests of several crates share.
+
+use crate::{Appearance, Components, Illumination, Look, View};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    environment::Environment,
+    image::Image,
+    lights::{Emission, Light},
+    material::{Material, MaterialMaps},
+    texture::TextureSlot,
+};
+
+/// A look with two materials with maps, a light and an environment.
+pub fn look() -> Look {
+    let maps =
+        MaterialMaps { bump: Some(TextureSlot::default()), normal: Some(TextureSlot::default()), ..Default::default() };
+    let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
+    let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
+    let light = Light {
+        name: "key".into(),
+        enabled: true,
+        emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
+        position: Vec3::new(1.0, 2.0, 0.5),
+        target: Vec3::new(0.0, 0.2, 0.0),
+        intensity: Vec3::splat(5.0),
+    };
+    Look {
+        appearance: Appearance { materials: vec![material("gold"), material("wood")], textures: Vec::new() },
+        light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0 },
+        lights: [light].into(),
+        components: Components::ALL,
+        solution: Default::default(),
+        illum_cut: 256,
+        sampling: Default::default(),
+        view: View::new(Camera::look_at(Vec3::new(0.5, 1.0, 3.0), Vec3::new(0.1, 0.3, 0.0), 40.0), [8, 6]),
+        post: Default::default(),
+    }
+}

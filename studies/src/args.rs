@@ -1,0 +1,16 @@
+//! Options that several commands share, and the values that their texts stand for.
+
+mod backend;
+mod bake;
+mod light;
+mod picture;
+mod shot;
+pub mod values;
+mod view;
+
+pub use backend::{BackendOption, shader_source};
+pub use bake::{ModeOption, PresetOption, TreeOption};
+pub use light::{LocalLightArgs, warn_of_buried};
+pub use picture::{BrdfOption, PictureArgs};
+pub use shot::ShotOption;
+pub use view::{Shot, ViewArgs, replace_materials};

@@ -1,0 +1,244 @@
+//! The options about light: the environment, local lights, and what of them is in the picture.
+
+use super::values;
+use crate::terminal::Console;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use lapidary_core::{
+    dataset::{BakeMode, Dataset},
+    environment::Environment,
+    lights::{Light, LightsFile},
+};
+use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution};
+use std::path::{Path, PathBuf};
+
+/// Without an environment nothing shines from afar.
+const NONE: &str = "none";
+const DARK: &str = "constant:0,0,0";
+
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Light")]
+pub(super) struct EnvironmentArgs {
+    /// Environment: the path of a latitude-longitude .hdr or .exr, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to
+    /// 90), studio, orientation or none [default: studio, none with --lights or if it was not baked]
+    #[arg(long, value_name = "MAP")]
+    env: Option<String>,
+    /// Turn the environment about the vertical, in degrees, counter-clockwise seen from above
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
+    rotate: f32,
+    /// Scale the environment's radiance, 0 or more
+    #[arg(long, value_name = "X", default_value = "1", value_parser = values::non_negative)]
+    intensity: f32,
+}
+
+/// Local lights, and what of all light is in the picture.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Local lights")]
+pub struct LocalLightArgs {
+    // The brackets are of JSON, no links.
+    #[allow(rustdoc::broken_intra_doc_links)]
+    /// Local lights as JSON, or none: {"lights": [{"kind": "point|spot|directional|rectangle", "position": [x,y,z],
+    /// "target": [x,y,z], "intensity": [r,g,b], ...}]}; spots have cone_degrees (axis to edge) and penumbra_degrees,
+    /// rectangles width and height in metres. Intensity is in W/sr; of directional lights the irradiance in W/m², of
+    /// rectangles the radiance in W/(m² sr) [default: the lights of the scene]
+    #[arg(long, value_name = "FILE.json")]
+    lights: Option<PathBuf>,
+    /// What of the light is in the picture, a comma list of environment (its direct light, and itself behind the scene),
+    /// direct (direct light of local lights) and indirect (all that bounced) [default: what there is; without indirect in a
+    /// reference]
+    #[arg(long, value_name = "LIST")]
+    components: Option<Components>,
+    /// How bounced light is computed from the dataset; light paths need none of it [default: cuts if they are baked, else
+    /// meshless; all of them with bounces]
+    #[arg(long, value_enum)]
+    solution: Option<SolutionOption>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SolutionOption {
+    /// One bounce by cuts over surface sources
+    Cuts,
+    /// Many bounces in the meshless basis
+    Meshless,
+    /// Cuts over surface sources that hold the meshless bounces
+    #[value(name = "cuts+meshless")]
+    CutsMeshless,
+}
+
+impl From<SolutionOption> for Solution {
+    fn from(option: SolutionOption) -> Self {
+        match option {
+            SolutionOption::Cuts => Self::Cuts,
+            SolutionOption::Meshless => Self::Meshless,
+            SolutionOption::CutsMeshless => Self::CutsMeshless,
+        }
+    }
+}
+
+/// Local lights as asked for.
+#[derive(Clone, Debug, Default)]
+pub struct LocalLights {
+    /// The lights, checked.
+    pub lights: Vec<Light>,
+    /// What of the light is asked for, if anything is named.
+    pub components: Option<Components>,
+    /// How bounced light is computed, if that is asked for.
+    pub solution: Option<Solution>,
+}
+
+impl EnvironmentArgs {
+    /// `studio` where no environment is named, unless that is for `local` lights to do.
+    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Illumination> {
+        let default = if local.has_file() { NONE } else { "studio" };
+        let spec = match self.env.as_deref().unwrap_or(default) {
+            NONE => DARK,
+            spec => spec,
+        };
+        let (environment, warnings) = Environment::from_spec(spec)?;
+        warnings.iter().for_each(|w| console.warning(w));
+        Ok(Illumination {
+            environment: environment.into(),
+            rotation: self.rotate.to_radians(),
+            intensity: self.intensity,
+        })
+    }
+
+    /// No environment where none was baked, unless one is named: it would light nothing, but a reference would have its light.
+    pub fn of_bake(&self, light: Illumination, mode: BakeMode, console: Console) -> Illumination {
+        let dark = || Environment::from_spec(DARK).map(|(environment, _)| environment.into());
+        match self.env.as_deref() {
+            _ if mode.environment() => light,
+            None => Illumination { environment: dark().unwrap_or(light.environment), ..light },
+            Some(NONE) => light,
+            Some(_) => {
+                console.warning(
+                    "the environment lights nothing in pictures of this dataset, which was baked without it, but does \
+                     so in light paths; bake with --mode cuts or all, or add --env none",
+                );
+                light
+            }
+        }
+    }
+}
+
+impl LocalLightArgs {
+    /// Reads the lights file, so that a bad one is told before the dataset is read.
+    pub(super) fn read(&self) -> Result<Option<Vec<Light>>> {
+        match &self.lights {
+            None => Ok(None),
+            Some(path) if path == Path::new(NONE) => Ok(Some(Vec::new())),
+            Some(path) => Ok(Some(LightsFile::read(path)?.lights)),
+        }
+    }
+
+    /// What was asked for; `lights` was read before, and the scene's lights serve where there was no file.
+    pub(super) fn resolve(&self, lights: Option<Vec<Light>>, dataset: &Dataset, path: &Path) -> Result<LocalLights> {
+        let file = LightsFile { lights: lights.unwrap_or_else(|| dataset.scene.lights.clone()) };
+        file.validate(path)?;
+        Ok(LocalLights {
+            lights: file.lights,
+            components: self.components,
+            solution: self.solution.map(Solution::from),
+        })
+    }
+
+    /// Whether the parts of the light are asked for by name.
+    pub fn names_components(&self) -> bool {
+        self.components.is_some()
+    }
+
+    fn has_file(&self) -> bool {
+        self.lights.as_ref().is_some_and(|path| path != Path::new(NONE))
+    }
+}
+
+impl LocalLights {
+    /// What a picture from a dataset holds, and how its bounced light is computed: what was asked for, or all that there is.
+    ///
+    /// # Errors
+    /// Bounced light was asked for, and the dataset has none of that kind.
+    pub fn bounces_of(&self, dataset: &Dataset) -> Result<(Components, Solution)> {
+        let bounces = Bounces::of(dataset);
+        let solution = self.solution.unwrap_or(bounces.closest_to(Solution::Cuts).unwrap_or_default());
+        let has = bounces.solutions().contains(&solution);
+        let components = self.components.unwrap_or(Components { indirect: has, ..Components::ALL });
+        if !has && (components.indirect || self.solution.is_some()) {
+            match solution {
+                Solution::Cuts => bail!("the dataset has no surface sources; bake it with --mode indirect"),
+                Solution::Meshless => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
+                Solution::CutsMeshless => {
+                    bail!("the dataset has not both surface sources and a meshless basis; bake it with --mode all")
+                }
+            }
+        }
+        Ok((components, solution))
+    }
+}
+
+/// Most lights that are told one by one.
+const MOST_NAMED: usize = 5;
+
+/// Tells which lights are inside an object.
+pub fn warn_of_buried(renderer: &Renderer, lights: &[Light], console: Console) {
+    let buried = renderer.buried_lights(lights);
+    for Light { name, position, .. } in buried.iter().take(MOST_NAMED) {
+        console.warning(format_args!(
+            "the light \"{name}\" at {position} is inside an object and lights nothing; move it"
+        ));
+    }
+    if buried.len() > MOST_NAMED {
+        let more = buried.len() - MOST_NAMED;
+        console.warning(format_args!(
+            "{more} more of {} lights are inside objects; move them or switch them off",
+            lights.len()
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Options {
+        #[command(flatten)]
+        environment: EnvironmentArgs,
+        #[command(flatten)]
+        local: LocalLightArgs,
+    }
+
+    fn options(text: &str) -> Result<Options, clap::Error> {
+        Options::try_parse_from(std::iter::once("test").chain(text.split_whitespace()))
+    }
+
+    #[test]
+    fn there_is_no_environment_beside_local_lights_unless_it_is_named() {
+        let dark = |text: &str| {
+            let Options { environment, local } = options(text).unwrap();
+            let light = environment.resolve(&local, Console { quiet: true }).unwrap();
+            light.environment.map.pixels.iter().all(|p| *p == glam::Vec3::ZERO)
+        };
+        assert!(dark("--lights a.json") && dark("--env none") && dark("--env none --lights a.json"));
+        assert!(!dark("") && !dark("--lights a.json --env studio") && !dark("--lights none"));
+        let dark = |text: &str, mode: BakeMode| {
+            let Options { environment, local } = options(text).unwrap();
+            let quiet = Console { quiet: true };
+            let light = environment.of_bake(environment.resolve(&local, quiet).unwrap(), mode, quiet);
+            light.environment.map.pixels.iter().all(|p| *p == glam::Vec3::ZERO)
+        };
+        assert!(dark("", BakeMode::Indirect) && dark("", BakeMode::Meshless) && !dark("", BakeMode::Cuts));
+        assert!(!dark("--env studio", BakeMode::Indirect) && dark("--env none", BakeMode::All));
+    }
+
+    #[test]
+    fn components_and_solutions_are_read_by_name() {
+        let local = |text: &str| options(text).map(|o| o.local);
+        let two = local("--components direct,indirect --solution cuts+meshless").unwrap();
+        assert_eq!(two.components, Some(Components { environment: false, ..Components::ALL }));
+        assert_eq!(two.solution.map(Solution::from), Some(Solution::CutsMeshless));
+        let bad = local("--components sun").unwrap_err().to_string();
+        assert!(bad.contains("environment, direct or indirect"), "{bad}");
+        assert!(local("--solution magic").is_err());
+    }
+}

@@ -1,0 +1,309 @@
+//! The options about what is shown, which all commands that make pictures share, and what they resolve to.
+
+use super::{
+    light::{EnvironmentArgs, LocalLightArgs, LocalLights},
+    values,
+};
+use crate::terminal::Console;
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    dataset::Dataset,
+    import::load_material,
+    material::{BrdfModel, BrdfParameters, Material},
+    scene::{Scene, camera_named},
+};
+use lapidary_precompute::available_memory;
+use lapidary_render::{Background, Illumination, View};
+
+use std::{path::PathBuf, sync::Arc};
+
+/// Dataset, light, material and view.
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    /// Dataset that `lapidary bake` wrote
+    #[arg(value_name = "FILE.cuts")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    light: EnvironmentArgs,
+    #[command(flatten)]
+    material: MaterialArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+}
+
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Material (any of these replaces all materials of the scene by one)")]
+struct MaterialArgs {
+    /// Perceptual roughness of a GGX material, 0 to 1; its alpha is the square [default with the others: 0.5]
+    #[arg(long, value_name = "R", value_parser = values::fraction)]
+    roughness: Option<f32>,
+    /// Base color of a GGX material, linear, each 0 to 1 [default with the others: 0.8,0.8,0.8]
+    #[arg(long, value_name = "R,G,B", value_parser = values::color)]
+    base_color: Option<Vec3>,
+    /// Metalness of a GGX material, 0 to 1 [default with the others: 0]
+    #[arg(long, value_name = "M", value_parser = values::fraction)]
+    metalness: Option<f32>,
+    /// Material of any model, with textures, as JSON
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["roughness", "base_color", "metalness"])]
+    material: Option<PathBuf>,
+}
+
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "View")]
+struct CameraArgs {
+    /// Camera of the scene, by name, or "Shot 1" and so on for the shots that it was baked for [default: the first shot, or
+    /// else the first camera, or a view of the whole scene if it has none]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Position of the eye in metres [default: that of the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    eye: Option<Vec3>,
+    /// Point to look at in metres [default: that of the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    target: Option<Vec3>,
+    /// Vertical field of view in degrees, 1 to 170 [default: that of the camera, 40 with --eye and --target]
+    #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
+    fov: Option<f32>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
+    size: [u32; 2],
+    /// Samples a pixel, 1 to 256; 1 is its center
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+    aa: u32,
+    /// What is seen where there is no surface; black leaves the environment out of measured errors
+    #[arg(long, value_enum, default_value_t)]
+    background: BackgroundOption,
+}
+
+/// What is seen where there is no surface, as an option.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum BackgroundOption {
+    /// The environment
+    #[default]
+    Environment,
+    /// The environment out of focus
+    Blurred,
+    /// Black
+    Black,
+    /// Nothing: png and exr files get an alpha channel
+    Transparent,
+}
+
+/// Standard deviation in radians of a blurred background: about 8 degrees.
+const BLUR: f32 = 0.14;
+
+impl From<BackgroundOption> for Background {
+    fn from(option: BackgroundOption) -> Self {
+        match option {
+            BackgroundOption::Environment => Self::Environment,
+            BackgroundOption::Blurred => Self::Blurred(BLUR),
+            BackgroundOption::Transparent => Self::Transparent,
+            BackgroundOption::Black => Self::Flat(Vec3::ZERO),
+        }
+    }
+}
+
+/// What to make a picture of.
+#[derive(Debug)]
+pub struct Shot {
+    /// The baked scene, with the materials asked for.
+    pub dataset: Arc<Dataset>,
+    /// Camera and picture size.
+    pub view: View,
+    /// The environment as it is turned and scaled; black if there is none.
+    pub light: Illumination,
+    /// Local lights, and what of all light is asked for.
+    pub local: LocalLights,
+}
+
+impl ViewArgs {
+    /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
+    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Shot> {
+        self.camera.check_memory()?;
+        let light = self.light.resolve(local, console)?;
+        let lights = local.read()?;
+        let mut dataset = Dataset::read(&self.file)?;
+        let light = self.light.of_bake(light, dataset.settings.mode, console);
+        let local = local.resolve(lights, &dataset, &self.file)?;
+        self.material.apply(&mut dataset.scene)?;
+        let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;
+        let view = View {
+            aa: self.camera.aa,
+            background: self.camera.background.into(),
+            ..View::new(camera, self.camera.size)
+        };
+        Ok(Shot { dataset: dataset.into(), view, light, local })
+    }
+}
+
+impl MaterialArgs {
+    /// Replaces all materials if one was asked for.
+    fn apply(&self, scene: &mut Scene) -> Result<()> {
+        let material = match &self.material {
+            Some(path) => Some(load_material(path, scene)?),
+            None => self.ggx(),
+        };
+        if let Some(material) = material {
+            replace_materials(&mut scene.materials, &material);
+        }
+        Ok(())
+    }
+
+    fn ggx(&self) -> Option<Material> {
+        let given = self.roughness.is_some() || self.base_color.is_some() || self.metalness.is_some();
+        let fallback = BrdfParameters::default();
+        let parameters = BrdfParameters {
+            roughness: self.roughness.unwrap_or(fallback.roughness),
+            base_color: self.base_color.unwrap_or(fallback.base_color),
+            metalness: self.metalness.unwrap_or(fallback.metalness),
+            ..fallback
+        };
+        given.then(|| Material { model: BrdfModel::Ggx, parameters, ..Default::default() })
+    }
+}
+
+/// Gives all of a scene one material. What is seen from both sides stays so: that was baked.
+pub fn replace_materials(materials: &mut [Material], material: &Material) {
+    for old in materials {
+        *old = Material { double_sided: old.double_sided, ..material.clone() };
+    }
+}
+
+/// Field of view in degrees where only positions are given.
+const DEFAULT_FOV: f32 = 40.0;
+
+impl CameraArgs {
+    fn resolve(&self, scene: &Scene, shots: &[Camera]) -> Result<Camera> {
+        let base = self.named_camera(scene, shots)?;
+        let fov = |default: f32| self.fov.unwrap_or(default);
+        let camera = match (self.eye, self.target, base) {
+            (Some(eye), Some(target), _) => Camera::look_at(eye, target, fov(DEFAULT_FOV)),
+            (eye, target, Some(base)) => Camera {
+                eye: eye.unwrap_or(base.eye),
+                target: target.unwrap_or(base.target),
+                fov_y: fov(base.fov_y.to_degrees()).to_radians(),
+                ..base.clone()
+            },
+            (None, None, None) => {
+                let bounds = scene.mesh.bounds();
+                let camera = Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
+                Camera { fov_y: fov(camera.fov_y.to_degrees()).to_radians(), ..camera }
+            }
+            (Some(_), None, None) => bail!("the scene has no camera to take the target from; give --target with --eye"),
+            (None, Some(_), None) => bail!("the scene has no camera to take the eye from; give --eye with --target"),
+        };
+        if camera.eye == camera.target {
+            bail!("--eye and --target are the same point; move one of them");
+        }
+        Ok(camera)
+    }
+
+    fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
+        // A shot may be one of the scene's own cameras.
+        let mut cameras = shots.iter().chain(scene.cameras.iter().filter(|camera| !shots.contains(camera)));
+        match &self.camera {
+            Some(name) => Ok(Some(camera_named(cameras, name)?)),
+            None => Ok(cameras.next()),
+        }
+    }
+
+    fn check_memory(&self) -> Result<()> {
+        /// Two copies of the picture, and its encoded file.
+        const BYTES_PER_PIXEL: u64 = 48;
+        let [width, height] = self.size;
+        let needed = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+        match available_memory() {
+            Some(available) if needed > available => bail!(
+                "a picture of {width} x {height} needs about {} MB of memory, {} MB are free; lower --size",
+                needed >> 20,
+                available >> 20
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOTHING: CameraArgs = CameraArgs {
+        camera: None,
+        eye: None,
+        target: None,
+        fov: None,
+        size: [4, 4],
+        aa: 1,
+        background: BackgroundOption::Environment,
+    };
+
+    fn scene(cameras: Vec<Camera>) -> Scene {
+        let mut scene = Scene { cameras, materials: vec![Material::default(); 2], ..Default::default() };
+        scene.mesh.positions = vec![Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0)];
+        scene
+    }
+
+    fn named(name: &str, x: f32) -> Camera {
+        Camera { name: name.into(), ..Camera::look_at(Vec3::new(x, 0.0, 9.0), Vec3::ZERO, 30.0) }
+    }
+
+    #[test]
+    fn cameras_default_to_the_first_and_are_overridden_in_part() {
+        let scene = scene(vec![named("a", 1.0), named("b", 2.0)]);
+        assert_eq!(NOTHING.resolve(&scene, &[]).unwrap(), named("a", 1.0));
+        let b = CameraArgs { camera: Some("b".into()), ..NOTHING };
+        assert_eq!(b.resolve(&scene, &[]).unwrap(), named("b", 2.0));
+        let moved = CameraArgs { eye: Some(Vec3::Y), fov: Some(50.0), ..NOTHING }.resolve(&scene, &[]).unwrap();
+        assert_eq!((moved.eye, moved.target), (Vec3::Y, Vec3::ZERO));
+        assert!((moved.fov_y.to_degrees() - 50.0).abs() < 1e-4);
+        let explicit = CameraArgs { eye: Some(Vec3::Y), target: Some(Vec3::X), ..NOTHING };
+        assert_eq!(explicit.resolve(&scene, &[]).unwrap(), Camera::look_at(Vec3::Y, Vec3::X, DEFAULT_FOV));
+    }
+
+    #[test]
+    fn shots_come_before_the_cameras_of_the_scene_and_have_names_too() {
+        let scene = scene(vec![named("a", 1.0)]);
+        let shots = [named("Shot 1", 3.0), named("Shot 2", 4.0), named("a", 1.0)];
+        let resolved = |camera: Option<&str>| {
+            CameraArgs { camera: camera.map(Into::into), ..NOTHING }.resolve(&scene, &shots).map(|camera| camera.name)
+        };
+        assert_eq!(resolved(None).unwrap(), "Shot 1");
+        assert_eq!(resolved(Some("Shot 2")).unwrap(), "Shot 2");
+        assert_eq!(resolved(Some("a")).unwrap(), "a");
+        let missing = resolved(Some("Shot 3")).unwrap_err().to_string();
+        assert!(missing.ends_with("it has Shot 1, Shot 2, a"), "each once: {missing}");
+    }
+
+    #[test]
+    fn what_no_camera_supplies_is_asked_for() {
+        let bare = scene(vec![]);
+        assert_eq!(NOTHING.resolve(&bare, &[]).unwrap().target, Vec3::X);
+        let message = |args: CameraArgs| args.resolve(&bare, &[]).unwrap_err().to_string();
+        assert!(message(CameraArgs { eye: Some(Vec3::Y), ..NOTHING }).contains("--target"));
+        assert!(message(CameraArgs { target: Some(Vec3::Y), ..NOTHING }).contains("--eye"));
+        let same = CameraArgs { eye: Some(Vec3::Y), target: Some(Vec3::Y), ..NOTHING };
+        assert!(message(same).contains("same point"));
+        let unknown = CameraArgs { camera: Some("c".into()), ..NOTHING };
+        assert!(unknown.resolve(&scene(vec![named("a", 1.0)]), &[]).unwrap_err().to_string().contains("it has a"));
+    }
+
+    #[test]
+    fn one_option_of_a_material_replaces_all_and_none_replaces_none() {
+        let none = MaterialArgs { roughness: None, base_color: None, metalness: None, material: None };
+        let mut changed = scene(vec![]);
+        changed.materials[1].double_sided = true;
+        changed.materials[0].name = "own".into();
+        none.apply(&mut changed).unwrap();
+        assert_eq!(changed.materials[0].name, "own");
+        MaterialArgs { roughness: Some(0.2), ..none }.apply(&mut changed).unwrap();
+        let parameters = BrdfParameters { roughness: 0.2, ..Default::default() };
+        assert!(changed.materials.iter().all(|m| m.parameters == parameters && m.name.is_empty()));
+        assert!(!changed.materials[0].double_sided && changed.materials[1].double_sided);
+    }
+}

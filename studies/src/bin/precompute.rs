@@ -1,0 +1,45 @@
+//! Baking without renderer or window: for render farms and scripts.
+
+use clap::{Parser, Subcommand};
+use lapidary_studies::{
+    commands::{bake::BakeArgs, info::InfoArgs, verify::VerifyArgs},
+    terminal::error_text,
+};
+use std::process::ExitCode;
+
+/// Bake what surfaces see of the environment and of each other, and inspect and verify the result
+#[derive(Parser)]
+#[command(name = "precompute", version, arg_required_else_help = true)]
+struct Cli {
+    /// Print nothing but errors
+    #[arg(long, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Bake a scene's visibility, and its bounced light with --mode
+    Bake(Box<BakeArgs>),
+    /// Describe a dataset
+    Info(InfoArgs),
+    /// Trace random vertices and surface sources of a dataset and make random links again, and compare
+    Verify(VerifyArgs),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Bake(args) => args.run(cli.quiet).map(|_| ()),
+        Command::Info(args) => args.run(),
+        Command::Verify(args) => args.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", error_text(&error));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The commands, a file each, and what `--help` says of them. `demo` and `evidence` have folders of their own.
+
+pub mod bake;
+mod bench;
+pub(crate) mod bounces;
+mod compare;
+mod explain;
+mod export;
+pub mod info;
+mod ladder;
+mod predict;
+mod reference;
+mod render;
+mod sequence;
+pub mod verify;
+
+use crate::{
+    demo::{self, DemoArgs},
+    evidence::{self, EvidenceArgs},
+    terminal::{Console, Outcome},
+};
+use anyhow::Result;
+use bake::BakeArgs;
+use bench::BenchArgs;
+use bounces::BouncesArgs;
+use clap::Subcommand;
+use compare::CompareArgs;
+use explain::ExplainArgs;
+use export::ExportArgs;
+use info::InfoArgs;
+use ladder::LadderArgs;
+use predict::PredictArgs;
+use reference::ReferenceArgs;
+use render::RenderArgs;
+use sequence::SequenceArgs;
+use verify::VerifyArgs;
+
+/// A command that needs no window.
+#[derive(Clone, Subcommand)]
+pub enum Command {
+    /// Show all of it on bundled data: bake, render, trace, compare, and write a report to look at
+    #[command(after_help = "\
+Takes under two minutes on two cores. Writes pictures (PNG and EXR), report.json (every figure) and report.html.
+
+Example:
+  lapidary demo --out /tmp/demo")]
+    Demo(DemoArgs),
+    /// Bake a scene's visibility into a dataset
+    #[command(after_help = "\
+Ctrl-C leaves a checkpoint beside the output (exit code 130); the same command with --resume goes on from there.
+Units are metres. The result is the same, bit for bit, for any number of threads and chunks.
+
+Examples:
+  lapidary bake scene.obj -o scene.cuts --preset draft
+  lapidary bake scene.gltf -o scene.cuts --sigma 1.5 --max-vertices 200000 --report bake.json
+  lapidary bake scene.gltf -o scene.cuts --resume")]
+    Bake(BakeArgs),
+    /// Describe a dataset
+    #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
+    Info(InfoArgs),
+    /// Trace random vertices of a dataset again and compare
+    #[command(after_help = "Fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
+verify scene.cuts --vertices 1000")]
+    Verify(VerifyArgs),
+    /// Render with cuts: seconds, free of noise
+    #[command(after_help = "\
+Examples:
+  lapidary render scene.cuts --env sky.hdr --out picture.png
+  lapidary render scene.cuts --env sun-sky:30 --rotate 120 --size 1280x960 --aa 4 --out a.exr --out a.png
+  lapidary render scene.cuts --env studio --eye 0.3,0.5,3.5 --target 0,0.4,0 --fov 35 --out close.png
+  lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json
+  lapidary render scene.cuts --lights lamps.json --out lamps.png
+  lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr
+  lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth")]
+    Render(RenderArgs),
+    /// Render turntables and sweeps of any parameter as image sequences
+    #[command(after_help = "\
+What turns, turns about the vertical through the point that the camera looks at. Visibility was baked for the scene as
+it stands, so --turn object turns it as a whole: camera, environment and lights go the other way together.
+Turn and sweeps run together. Ctrl-C leaves the finished frames (exit code 130); the same command with --resume goes on.
+
+Examples:
+  lapidary sequence scene.cuts --env studio --turn object --frames 48 --out turn/frame.####.png
+  lapidary sequence scene.cuts --env sky.hdr --turn environment --frames 24 --out env/f.##.exr --contact-sheet env.png
+  lapidary sequence scene.cuts --sweep roughness=0.05..0.8 --frames 16 --out sweep/r.##.png --contact-sheet r.png
+  lapidary sequence scene.cuts --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
+  lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
+    Sequence(SequenceArgs),
+    /// Measure how long a frame takes, by pass and size of the illumination cut
+    #[command(after_help = "\
+Prints medians. The passes wait for each other, which an editor's frames need not.
+
+Examples:
+  lapidary bench scene.cuts --size 1920x1080 --json
+  lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5")]
+    Bench(BenchArgs),
+    /// Trace rays for the same picture, to measure against
+    #[command(after_help = "\
+Ctrl-C writes the picture as far as it is (exit code 130).
+
+Examples:
+  lapidary reference scene.cuts --env sky.hdr --out truth.exr
+  lapidary reference scene.cuts --env sky.hdr --kind path --spp 256 --out truth.exr
+  lapidary reference scene.cuts --lights lamps.json --kind path --bounces 4 --spp 256 --out truth.exr
+  lapidary reference scene.cuts --lights lamps.json --kind path --bounces 1 --components indirect --out bounce.exr")]
+    Reference(ReferenceArgs),
+    /// Measure the dataset's solutions of bounced light against light paths
+    #[command(after_help = "\
+Takes minutes: paths are noisy, and the noise is estimated and taken off the error. Writes bounces.json and, for each
+solution, a picture of reference, solution and error side by side (PNG) and the pictures themselves (EXR).
+
+Examples:
+  lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
+  lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
+    Bounces(BouncesArgs),
+    /// Find out which size of the illumination cut is enough for a shot
+    #[command(after_help = "\
+Renders at each size, traces every light sample for the same picture, and measures. Writes all pictures (PNG and EXR),
+sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest, in
+proportion to pixels and lights: begin with a small --size.
+
+Examples:
+  lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
+  lapidary ladder scene.cuts --env sky.hdr --roughness 0.2 --metalness 1 --illum-cuts 128,256,512,1024 --out ladder")]
+    Ladder(LadderArgs),
+    /// Measure the paper's figures anew: clusters, wavelets, cut sizes, the table, and errors by setting
+    #[command(after_help = "\
+Runs unattended, for some tens of minutes on two cores over the bundled scenes, and writes one page with pictures,
+evidence.html, and evidence.json. A figure that is done is on disk before the next begins; Ctrl-C keeps it (exit code 130).
+
+Examples:
+  lapidary evidence --out evidence
+  lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
+  lapidary evidence --out try --quick")]
+    Evidence(EvidenceArgs),
+    /// Explain a pixel by its merged cut, and split the error of a picture by causes
+    #[command(after_help = "\
+Writes explain.json; of the pixel its merged cut drawn on the map of directions (cut.png), what rays find there (traced.png), and
+where interpolated visibility lets light through (red) or holds it back (blue, visibility.png); of the region the pictures between
+the rendered one and light paths, two neighbours of which differ in one factor (EXR, and all in split.png, below each what the step
+to the next one changes). Takes seconds for a pixel and its surroundings, minutes for a picture.
+
+Examples:
+  lapidary explain scene.cuts --env sky.hdr --pixel 320,240 --out why
+  lapidary explain scene.cuts --env sky.hdr --region 100,80,200,150 --spp 1024 --out why
+  lapidary explain room.cuts --lights lamps.json --tree sources --pixel 320,240 --no-split --out why")]
+    Explain(ExplainArgs),
+    /// Predict the error of a picture without tracing a ray, by the variances of what its clusters average
+    #[command(after_help = "\
+The bound adds up what every cluster could err by; with --calibrate the error that is really there is traced, and the table tells
+how much of it the bound holds and how well it sorts pixels by their error.
+
+Examples:
+  lapidary predict scene.cuts --env sky.hdr --out predicted.png --out predicted.exr
+  lapidary predict scene.cuts --env sky.hdr --kind expected --size 320x240 --calibrate --out predicted.png")]
+    Predict(PredictArgs),
+    /// Measure how far a picture is from a reference
+    #[command(after_help = "\
+rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
+psnr (decibels), ssim (1 for equal), flip (0 for equal): on what a display shows.
+Bounds compare literally: for psnr and ssim, where larger is better, use --fail-below.
+
+Examples:
+  lapidary compare picture.exr truth.exr
+  lapidary compare picture.exr truth.exr --map flip --out flip.png
+  lapidary compare layers.exr truth.exr --layer indirect
+  lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
+    Compare(CompareArgs),
+    /// Write the scene for another renderer, to measure against it
+    #[command(after_help = "\
+Takes the view, material and light options of `render`. materials.xml has Mitsuba's nearest BSDFs; materials-exact.xml
+has the formulas of this program, for the plugin in tests/crosscheck.
+
+Examples:
+  lapidary export scene.cuts --env sky.hdr --rotate 30 --mitsuba /tmp/scene
+  mitsuba -m scalar_rgb -D spp=64 /tmp/scene/scene.xml")]
+    Export(ExportArgs),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Whatever went wrong, in words for the user.
+    pub fn run(&self, console: Console) -> Result<Outcome> {
+        match self {
+            Self::Demo(args) => demo::run(args, console),
+            Self::Bake(args) => bake::run(args, console),
+            Self::Info(args) => args.run().map(|()| Outcome::Done),
+            Self::Verify(args) => args.run().map(|()| Outcome::Done),
+            Self::Render(args) => render::run(args, console),
+            Self::Sequence(args) => sequence::run(args, console),
+            Self::Bench(args) => bench::run(args, console),
+            Self::Reference(args) => reference::run(args, console),
+            Self::Bounces(args) => bounces::run(args, console),
+            Self::Ladder(args) => ladder::run(args, console),
+            Self::Evidence(args) => evidence::run(args, console),
+            Self::Explain(args) => explain::run(args, console),
+            Self::Predict(args) => predict::run(args, console),
+            Self::Compare(args) => compare::run(args, console),
+            Self::Export(args) => export::run(args, console),
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The `bake` command.
+
+use crate::{
+    args::{ModeOption, PresetOption, ShotOption, TreeOption, values::vector},
+    terminal::{ProgressReporter, ProgressStyle, write_json},
+};
+use anyhow::{Context, Result};
+use clap::Args;
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeReport, BakeSettings},
+    import::import,
+};
+use lapidary_precompute::{BakeJob, Preset, bake, resolve, with_room};
+use std::{path::PathBuf, time::Instant};
+
+/// Options of `bake`.
+#[derive(Args, Clone, Debug)]
+pub struct BakeArgs {
+    /// Scene to bake: .obj, .gltf, .glb or .ply
+    pub scene: PathBuf,
+    /// Dataset to write
+    #[arg(short, long, value_name = "FILE.cuts")]
+    pub output: PathBuf,
+    /// Starting point for the options below
+    #[arg(long, value_enum, default_value_t)]
+    pub preset: PresetOption,
+    /// What to bake
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: ModeOption,
+    /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
+    #[arg(long, value_name = "N")]
+    pub sources: Option<usize>,
+    /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's part of the
+    /// hemisphere; 0 to 1000, smaller is finer [default: 2]
+    #[arg(long, value_name = "S")]
+    pub source_sigma: Option<f32>,
+    /// A place in the open from which light reaches all that matters, in metres; surfaces that it cannot
+    /// reach get no sources [default: in the largest closed space, at a camera or light if one is there]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub viewpoint: Option<Vec3>,
+    /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
+    #[arg(long, value_name = "L")]
+    pub levels: Option<usize>,
+    /// How many of its first levels send light [default: that of the preset: 4, of a draft 3]
+    #[arg(long, value_name = "L")]
+    pub sender_levels: Option<usize>,
+    /// Distance of its coarsest points in metres, a ten-thousandth of the scene's diagonal or more [default: one
+    /// that gives about 300 of them]
+    #[arg(long, value_name = "R")]
+    pub coarse_radius: Option<f32>,
+    /// Rays by which each of its points gathers light, 16 to 65536 [default: that of the preset]
+    #[arg(long, value_name = "N")]
+    pub gather_rays: Option<usize>,
+    /// Links between its functions are kept above this share of the light of a sender of reflectance 0.38, 0 to 1;
+    /// smaller is finer [default: 0.025]
+    #[arg(long, value_name = "E")]
+    pub epsilon: Option<f32>,
+    /// Number of light samples: a power of two up to 32768 [default: that of the preset]
+    #[arg(long, value_name = "N")]
+    pub lights: Option<usize>,
+    /// Metric that the light tree is clustered by [default: mixed]
+    #[arg(long, value_enum)]
+    pub tree: Option<TreeOption>,
+    /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
+    #[arg(long, value_name = "B")]
+    pub beta: Option<f32>,
+    /// Error bound of a cluster: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
+    /// is finer [default: that of the preset]
+    #[arg(long, value_name = "S")]
+    pub sigma: Option<f32>,
+    /// Most nodes of a vertex's cut, 1 or more [default: no limit]
+    #[arg(long, value_name = "K")]
+    pub max_cut: Option<u32>,
+    /// Bound the error of each whole cut instead of each cluster, 0 to 1000 [default: off]
+    #[arg(long, value_name = "E")]
+    pub total_error: Option<f32>,
+    /// Most bytes for the vertices' cuts over the environment, 1024 or more; they are coarsened until they fit.
+    /// Surface sources and the meshless basis have no such bound [default: no limit]
+    #[arg(long, value_name = "BYTES")]
+    pub max_bytes: Option<u64>,
+    /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
+    #[arg(long, value_name = "M")]
+    pub pilot_clusters: Option<usize>,
+    /// Most vertices after tessellation, 3 or more [default: that of the preset, or a quarter more than the scene
+    /// has if that is more]
+    #[arg(long, value_name = "V")]
+    pub max_vertices: Option<usize>,
+    /// Leave the mesh as it is
+    #[arg(long, conflicts_with = "max_vertices")]
+    pub no_tessellate: bool,
+    /// A picture that the bake is for, again for each further one: most vertices go where its camera looks. The
+    /// name of a camera of the scene (for a picture of 16 to 9), or the places of the eye and of what it looks at
+    /// in metres, the vertical field of view in degrees (40 if left out) and width over height (1.7778)
+    /// [default: all views alike]
+    #[arg(
+        long = "shot",
+        conflicts_with = "no_tessellate",
+        value_name = "NAME|X,Y,Z:X,Y,Z[:DEG[:ASPECT]]",
+        value_parser = ShotOption::parse,
+        allow_hyphen_values = true
+    )]
+    pub shots: Vec<ShotOption>,
+    /// Worker threads; the result does not depend on them [default: one for each core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+    /// Number of checkpoints; the result does not depend on them [default: one every few seconds]
+    #[arg(long, value_name = "C")]
+    pub chunks: Option<usize>,
+    /// Go on with an interrupted bake of the same scene, options and output
+    #[arg(long)]
+    pub resume: bool,
+    /// Write the bake report as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// How progress is shown on standard error
+    #[arg(long, value_enum, default_value_t)]
+    pub progress: ProgressStyle,
+}
+
+impl BakeArgs {
+    fn settings(&self) -> BakeSettings {
+        let mut s = Preset::from(self.preset).settings();
+        s.lights = self.lights.unwrap_or(s.lights);
+        s.tree = self.tree.map_or(s.tree, Into::into);
+        s.beta = self.beta.unwrap_or(s.beta);
+        s.criterion.sigma = self.sigma.unwrap_or(s.criterion.sigma);
+        s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);
+        s.criterion.total_error = self.total_error.or(s.criterion.total_error);
+        s.max_bytes = self.max_bytes.or(s.max_bytes);
+        s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
+        s.mode = self.mode.into();
+        s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
+        s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
+        s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);
+        s.meshless.levels = self.levels.unwrap_or(s.meshless.levels);
+        s.meshless.sender_levels = self.sender_levels.unwrap_or(s.meshless.sender_levels.min(s.meshless.levels));
+        s.meshless.coarse_radius = self.coarse_radius.or(s.meshless.coarse_radius);
+        s.meshless.rays = self.gather_rays.unwrap_or(s.meshless.rays);
+        s.meshless.epsilon = self.epsilon.unwrap_or(s.meshless.epsilon);
+        s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
+        s
+    }
+
+    /// Imports and bakes, with progress on standard error; Ctrl-C leaves a checkpoint.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, options out of range, an output that cannot be written, or Ctrl-C.
+    pub fn run(&self, quiet: bool) -> Result<BakeReport> {
+        let mut settings = resolve(self.settings())?;
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+            pool.context("cannot start the worker threads; choose a smaller --threads")?;
+        }
+        let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
+        progress.cancel_on_interrupt();
+        let start = Instant::now();
+        let imported = import(&self.scene)?;
+        imported.report.warnings.iter().for_each(|w| progress.warn(w));
+        let vertices = imported.scene.mesh.positions.len();
+        if self.max_vertices.is_none() {
+            settings.max_vertices = settings.max_vertices.map(|most| with_room(most, vertices));
+        }
+        settings.shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
+        let job = BakeJob {
+            settings,
+            output: self.output.clone(),
+            chunks: self.chunks,
+            resume: self.resume,
+            import_secs: start.elapsed().as_secs_f64(),
+            warnings: imported.report.warnings,
+        };
+        let report = bake(imported.scene, &job, &progress)?.report;
+        progress.finish();
+        if let Some(path) = &self.report {
+            write_json(path, &report)?;
+        }
+        Ok(report)
+    }
+}

@@ -1,0 +1,76 @@
+//! `lapidary export`: the scene for another renderer.
+
+use crate::{
+    args::{LocalLightArgs, Shot, ViewArgs},
+    export::create_folder,
+    export::mitsuba::{Exported, MitsubaScene},
+    terminal::Console,
+    terminal::Outcome,
+};
+use anyhow::{Result, bail};
+use clap::Args;
+use glam::Vec3;
+use lapidary_core::lights::Light;
+use lapidary_render::{Components, Illumination};
+use std::path::PathBuf;
+
+/// Options of `export`.
+#[derive(Args, Clone, Debug)]
+pub struct ExportArgs {
+    /// Folder for a scene of Mitsuba 3: scene.xml, materials.xml, meshes, textures and environment; files of these names
+    /// are replaced
+    #[arg(long, value_name = "DIR", required = true)]
+    mitsuba: PathBuf,
+    /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0, or 1 if
+    /// --components names indirect]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    bounces: Option<u32>,
+    #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Writes the scene.
+///
+/// # Errors
+/// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
+pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
+    create_folder(&args.mitsuba)?;
+    let shot = args.view.resolve(&args.local, console)?;
+    let exported = scene(&shot, args.bounces)?.write(&args.mitsuba)?;
+    let Exported { meshes, triangles, materials, remarks } = exported;
+    remarks.iter().for_each(|remark| console.warning(remark));
+    let scene = args.mitsuba.join("scene.xml");
+    console.summary(format_args!(
+        "{}: {triangles} triangles in {meshes} meshes, {materials} materials",
+        scene.display()
+    ))?;
+    Ok(Outcome::Done)
+}
+
+/// The part of the light that is asked for, as lights and a number of bounces.
+fn scene(shot: &Shot, bounces: Option<u32>) -> Result<MitsubaScene<'_>> {
+    let components = shot.local.components.unwrap_or(Components::ALL);
+    let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
+    let bounces = if components.indirect { bounces.unwrap_or(default) } else { 0 };
+    let environment = Some(&shot.light).filter(|light| gives_light(light));
+    let lights: Vec<&Light> = shot.local.lights.iter().filter(|light| light.shines()).collect();
+    let left_out = (environment.is_some() && !components.environment) || (!lights.is_empty() && !components.direct);
+    if bounces > 0 && left_out {
+        bail!(
+            "Mitsuba shows bounced light with the direct light that it comes from; leave --components out, or name \
+             environment and direct beside indirect"
+        );
+    }
+    let environment = environment.filter(|_| components.environment);
+    let lights = if components.direct { lights } else { Vec::new() };
+    if environment.is_none() && lights.is_empty() {
+        bail!("there is no light to export; give one with --env or --lights");
+    }
+    Ok(MitsubaScene { dataset: &shot.dataset, view: &shot.view, environment, lights, bounces })
+}
+
+fn gives_light(light: &Illumination) -> bool {
+    light.intensity > 0.0 && light.environment.map.pixels.iter().any(|texel| *texel != Vec3::ZERO)
+}

@@ -1,0 +1,119 @@
+//! The `info` command.
+
+use crate::terminal::{json_text, print_out};
+use anyhow::Result;
+use clap::Args;
+use lapidary_core::dataset::{BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
+use std::path::PathBuf;
+
+/// Options of `info`.
+#[derive(Args, Clone, Debug)]
+pub struct InfoArgs {
+    /// Dataset to describe
+    pub file: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl InfoArgs {
+    /// Prints what a dataset holds.
+    ///
+    /// # Errors
+    /// A dataset that cannot be read.
+    pub fn run(&self) -> Result<()> {
+        let dataset = Dataset::read(&self.file)?;
+        if self.json { print_out(&json_text(&info_json(&dataset))?) } else { print_out(&info_text(&dataset)) }
+    }
+}
+
+fn info_json(dataset: &Dataset) -> serde_json::Value {
+    let scene = &dataset.scene;
+    serde_json::json!({
+        "settings": dataset.settings,
+        "report": dataset.report,
+        "scene_hash": dataset.scene_hash,
+        "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+        "objects": scene.objects.iter().map(|o| &o.name).collect::<Vec<_>>(),
+        "textures": scene.textures.iter().map(|t| &t.name).collect::<Vec<_>>(),
+        "cameras": scene.cameras,
+    })
+}
+
+fn info_text(dataset: &Dataset) -> String {
+    let (r, s, scene) = (&dataset.report, &dataset.settings, &dataset.scene);
+    let size = scene.mesh.bounds().max - scene.mesh.bounds().min;
+    let mut text = format!(
+        "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
+        r.vertices, r.triangles, size.x, size.y, size.z
+    );
+    text += &format!(
+        "scene      {} objects, {} materials, {} textures, {} cameras\n",
+        scene.objects.len(),
+        scene.materials.len(),
+        scene.textures.len(),
+        scene.cameras.len()
+    );
+    if !s.shots.is_empty() {
+        let plural = if s.shots.len() == 1 { "" } else { "s" };
+        text += &format!("for        {} shot{plural}\n", s.shots.len());
+    }
+    if s.mode.environment() {
+        text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
+        let sigma = sigma_text(r.sigma, s.criterion.sigma);
+        text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {sigma}\n", r.mean_cut, r.max_cut);
+        text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
+    } else {
+        text += "cuts       not baked: the environment is dark\n";
+    }
+    text += &r.indirect.as_ref().map_or(String::new(), |indirect| indirect_text(indirect, s));
+    text += &r.meshless.as_ref().map_or(String::new(), meshless_text);
+    text += &format!(
+        "size       {:.1} MB of cuts, {:.1} MB in all\n",
+        r.bytes_cuts as f64 / 1e6,
+        r.bytes_total as f64 / 1e6
+    );
+    text += &format!(
+        "bake       {:.1} s, {:.1} million samples a second\n",
+        r.seconds.get("total").unwrap_or(&0.0),
+        r.samples_per_second / 1e6
+    );
+    for warning in &r.warnings {
+        text += &format!("warning    {warning}\n");
+    }
+    text
+}
+
+fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
+    let [x, y, z] = r.viewpoint;
+    let without = if r.without_area > 0 { format!(" ({} of them on none)", r.without_area) } else { String::new() };
+    let apart = if r.widest_spacing > r.radius {
+        format!("{:.3} to {:.3}", r.radius, r.widest_spacing)
+    } else {
+        format!("{:.3}", r.radius)
+    };
+    format!(
+        "sources    {} on {:.1} m²{without}, {apart} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
+         seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB\n",
+        r.sources,
+        r.area,
+        r.mean_cut,
+        r.max_cut,
+        sigma_text(r.criterion(s.indirect.criterion).sigma, s.indirect.criterion.sigma),
+        100.0 * r.relative_error,
+        r.bytes_cuts as f64 / 1e6
+    )
+}
+
+fn meshless_text(r: &MeshlessReport) -> String {
+    format!(
+        "meshless   {} functions on {} levels, {} of them send\n\
+         links      {}, {:.3} % of the possible ones, {:.1} MB with points\n",
+        r.functions.iter().sum::<usize>(),
+        r.functions.len(),
+        r.senders,
+        r.links,
+        100.0 * r.share,
+        (r.bytes_links + r.bytes_points) as f64 / 1e6
+    )
+}

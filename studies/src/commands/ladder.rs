@@ -1,0 +1,90 @@
+//! `lapidary ladder`: which size of the illumination cut is enough for a shot.
+
+use crate::{
+    args::{BackendOption, BrdfOption, LocalLightArgs, ViewArgs, warn_of_buried},
+    export::create_folder,
+    ladder::{self, Ladder, Settings, Subject, Summary, climb},
+    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
+};
+use anyhow::{Context, Result};
+use clap::Args;
+use lapidary_core::atomic::write_atomically;
+use lapidary_render::Post;
+use std::path::PathBuf;
+
+/// Options of `ladder`.
+#[derive(Args, Clone, Debug)]
+pub struct LadderArgs {
+    /// Folder for the pictures (PNG and EXR), sheet.png, ladder.html and ladder.json; it is created if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Sizes of the illumination cut, separated by commas
+    #[arg(long, value_name = "K,..", value_delimiter = ',', default_values_t = ladder::SIZES,
+          value_parser = clap::value_parser!(u32).range(1..=32_768))]
+    illum_cuts: Vec<u32>,
+    /// How the BRDF is sampled
+    #[arg(long, value_enum, default_value_t)]
+    brdf: BrdfOption,
+    /// What computes the pictures; the reference is traced on the CPU
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendOption,
+    #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Renders, traces, compares and writes.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
+    create_folder(&args.out)?;
+    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+    interrupt.cancel_on_interrupt();
+    let shot = args.view.resolve(&args.local, console)?;
+    let subject = Subject::of(&shot)?;
+    warn_of_buried(&subject.renderer(), &subject.lights, console);
+    let mut backend = args.backend.open()?;
+    let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
+    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf.into(), ..Settings::default() };
+    let ladder = climb(&subject, &settings, &mut *backend, None, &progress, &mut |found| {
+        tell(found, console)?;
+        ladder::write_picture(found, &args.out, "")
+    })?;
+    progress.finish();
+    let Some(ladder) = ladder else {
+        console.note(format_args!("stopped early: {} has the pictures so far, without errors", args.out.display()));
+        return Ok(Outcome::Interrupted);
+    };
+    write(args, &subject, &ladder)?;
+    console.summary(format_args!("open {}", args.out.join("ladder.html").display()))?;
+    Ok(Outcome::Done)
+}
+
+fn tell(found: ladder::Found, console: Console) -> Result<()> {
+    match found {
+        ladder::Found::Picture(rung) => {
+            console.note(format_args!("illumination cut {}: {:.2} s", rung.illum_cut, rung.stats.seconds));
+        }
+        ladder::Found::Truth(truth) => console.note(format_args!("reference: {:.1} s", truth.seconds)),
+        ladder::Found::Step(step) => console.summary(format_args!(
+            "cut {:>5}: relative RMSE {:.4}, FLIP {:.4}, {:.2} s, {:.0} merged nodes",
+            step.rung.illum_cut,
+            step.metrics.rel_rmse,
+            step.metrics.flip,
+            step.rung.stats.seconds,
+            step.rung.stats.mean_merged_nodes
+        ))?,
+    }
+    Ok(())
+}
+
+fn write(args: &LadderArgs, subject: &Subject, ladder: &Ladder) -> Result<()> {
+    ladder::sheet(ladder, &Post::default()).write_png(&args.out.join("sheet.png"))?;
+    let summary = Summary::new(subject, ladder, "");
+    write_json(&args.out.join("ladder.json"), &summary)?;
+    let page = args.out.join("ladder.html");
+    write_atomically(&page, ladder::page(&summary).as_bytes())
+        .with_context(|| format!("cannot write the page; check the free space ({})", page.display()))
+}

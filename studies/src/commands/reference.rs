@@ -1,0 +1,157 @@
+//! `lapidary reference`: the picture by ray tracing.
+
+use crate::{
+    args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
+    export::{check_pictures, write_pictures},
+    ladder::{Subject, every_sample},
+    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress},
+};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use lapidary_core::image::Image;
+use lapidary_precompute::Observer;
+use lapidary_render::{Components, PathSettings, Places, Renderer, Solution};
+use std::{path::PathBuf, time::Instant};
+
+/// Options of `reference`.
+#[derive(Args, Clone, Debug)]
+pub struct ReferenceArgs {
+    /// What is traced
+    #[arg(long, value_enum, default_value_t)]
+    kind: Kind,
+    /// Samples a pixel of --kind path, 1 to 1000000 [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    spp: Option<u32>,
+    /// Most bounces of light between surfaces with --kind path, 0 to 1000; 1 is direct light and one indirect bounce
+    /// [default: 0, or 1 if --components names indirect]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    bounces: Option<u32>,
+    /// Which light paths of --kind path are followed, 0 to 4000: pictures of other numbers have noise of their own
+    /// [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
+    seed: Option<u32>,
+    /// Where in the pixels paths of --kind path begin [default: shared]
+    #[arg(long, value_enum)]
+    places: Option<PlacesArg>,
+    /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Vec<PathBuf>,
+    #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// All light samples of the dataset with a ray each at every pixel: shows what the cuts lose
+    #[default]
+    Samples,
+    /// Light paths from the continuous environment and from local lights by multiple importance sampling, with any
+    /// number of bounces: shows the whole error, with some noise
+    Path,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PlacesArg {
+    /// At the --aa places of `render`, the same in all pixels: what differs from its pictures is light alone
+    Shared,
+    /// Anywhere, in each pixel and for each --seed elsewhere: the mean over whole pixels, as other renderers have it
+    Shifted,
+}
+
+impl From<PlacesArg> for Places {
+    fn from(places: PlacesArg) -> Self {
+        match places {
+            PlacesArg::Shared => Self::Shared,
+            PlacesArg::Shifted => Self::Shifted,
+        }
+    }
+}
+
+/// Samples a pixel by default: noise about that of a clean preview.
+const DEFAULT_SPP: u32 = 64;
+
+/// Traces and writes the picture, or as much of it as there is at Ctrl-C.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
+    check_pictures(&args.out)?;
+    if args.kind == Kind::Samples && args.spp.is_some() {
+        bail!("--spp goes with --kind path; --kind samples traces every light sample once");
+    }
+    if args.kind == Kind::Samples && args.bounces.is_some() {
+        bail!("--bounces goes with --kind path; --kind samples traces no light paths");
+    }
+    if args.kind == Kind::Samples && args.seed.is_some() {
+        bail!("--seed goes with --kind path; --kind samples has no noise");
+    }
+    if args.kind == Kind::Samples && args.places.is_some() {
+        bail!("--places goes with --kind path; --kind samples takes those of `render`");
+    }
+    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+    interrupt.cancel_on_interrupt();
+    let shot = args.view.resolve(&args.local, console)?;
+    if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
+        let (_, solution) = shot.local.bounces_of(&shot.dataset)?;
+        if solution == Solution::Meshless {
+            bail!(
+                "--kind samples shows bounced light of surface sources only; use --kind path, or bake with --mode all"
+            );
+        }
+    }
+    let start = Instant::now();
+    let image = trace(args, &shot, &interrupt, console)?;
+    write_pictures(&image, None, &args.out)?;
+    let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
+    if interrupt.cancelled() {
+        console.note(format_args!("stopped early: the picture is unfinished ({})", names.join(", ")));
+        return Ok(Outcome::Interrupted);
+    }
+    console.summary(format_args!("{}: {:.1} s", names.join(", "), start.elapsed().as_secs_f64()))?;
+    Ok(Outcome::Done)
+}
+
+fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Result<Image> {
+    let renderer = Renderer::new(shot.dataset.clone());
+    warn_of_buried(&renderer, &shot.local.lights, console);
+    let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
+    match args.kind {
+        Kind::Samples => {
+            let progress = progress("pixels");
+            let image = every_sample(&unbounced(shot)?, &renderer, &progress);
+            progress.finish();
+            image
+        }
+        Kind::Path => {
+            let progress = progress("passes");
+            let image = renderer.path_reference(
+                &shot.view,
+                &shot.light,
+                &shot.local.lights,
+                path_settings(args, shot),
+                &progress,
+            );
+            progress.finish();
+            Ok(image)
+        }
+    }
+}
+
+/// The shot without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+fn unbounced(shot: &Shot) -> Result<Subject> {
+    let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
+    Ok(Subject { components, ..Subject::of(shot)? })
+}
+
+/// Bounces where they are asked for, by their number or as a component.
+fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
+    let components = shot.local.components.unwrap_or(Components::ALL);
+    let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
+    let bounces = args.bounces.unwrap_or(default);
+    let spp = args.spp.unwrap_or(DEFAULT_SPP);
+    let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
+    let places = args.places.map(Places::from).unwrap_or_default();
+    PathSettings { spp, first_pass, bounces, components, places }
+}

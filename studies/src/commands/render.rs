@@ -1,0 +1,74 @@
+//! `lapidary render`: a picture by merged cuts.
+
+use crate::{
+    args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
+    export::{Finished, LayerList, Studio, check_folder, check_pictures, is_exr, wanted_layers},
+    terminal::{Console, Outcome, write_json},
+};
+use anyhow::{Result, bail};
+use clap::Args;
+use lapidary_render::{Baked, RenderStats, Renderer};
+use std::path::PathBuf;
+
+/// Options of `render`.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Picture to write: .exr or .hdr (scene-linear), .png (as displayed); may be given several times
+    #[arg(long, value_name = "FILE")]
+    out: Vec<PathBuf>,
+    /// Layers of exr files beside the picture, a comma list of environment, direct and indirect (parts of the light, which sum
+    /// to the picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes, merged-nodes and
+    /// brdf-evaluations (work), or all
+    #[arg(long, value_name = "LIST")]
+    layers: Option<LayerList>,
+    /// Write times and counts as JSON
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+    #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Renders and writes the picture.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
+    check_pictures(&args.out)?;
+    args.stats.iter().try_for_each(|path| check_folder(path))?;
+    if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
+        bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
+    }
+    let shot = args.view.resolve(&args.local, console)?;
+    let look = args.picture.look(&shot)?;
+    let layers = wanted_layers(args.layers.as_ref(), &look)?;
+    let baked = Baked::from(shot.dataset.clone());
+    let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
+    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
+    let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
+    studio.remarks().iter().for_each(|remark| console.warning(remark));
+    let stats = finished.taken.stats.clone();
+    finished.write(&look, &shot.dataset, &args.out)?;
+    if let Some(path) = &args.stats {
+        write_json(path, &stats)?;
+    }
+    if args.out.is_empty() && args.stats.is_none() {
+        console.note("nothing was written; add --out FILE.png or --out FILE.exr");
+    }
+    console.summary(summary(&args.out, shot.view.size, &stats))?;
+    Ok(Outcome::Done)
+}
+
+fn summary(out: &[PathBuf], [width, height]: [u32; 2], stats: &RenderStats) -> String {
+    let names: Vec<String> = out.iter().map(|p| format!("{}: ", p.display())).collect();
+    format!(
+        "{}{width} x {height} in {:.2} s, {:.0} merged nodes and {:.0} BRDF evaluations a sample",
+        names.concat(),
+        stats.seconds,
+        stats.mean_merged_nodes,
+        stats.mean_brdf_evaluations
+    )
+}

@@ -1,0 +1,137 @@
+//! `lapidary sequence`: turntables and sweeps as image sequences.
+
+use crate::{
+    args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
+    export::{LayerList, Studio, has_extension, is_exr, wanted_layers},
+    sequence::{Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan},
+    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress},
+};
+use anyhow::{Result, bail};
+use clap::Args;
+use lapidary_render::{Baked, Renderer};
+use std::{path::PathBuf, time::Instant};
+
+/// Options of `sequence`.
+#[derive(Args, Clone, Debug)]
+pub struct SequenceArgs {
+    /// What turns about the vertical through the point that the camera looks at
+    #[arg(long, value_enum)]
+    turn: Option<Turn>,
+    /// How far it turns, in degrees, counter-clockwise seen from above; after whole turns the last frame is one step before
+    /// the first, so that the sequence loops
+    #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::args::values::finite, allow_hyphen_values = true, requires = "turn")]
+    degrees: f32,
+    /// Parameter that goes from one value to another, from the first frame to the last, in equal steps or with log: in equal
+    /// ratios: NAME=FROM..TO or NAME=log:FROM..TO; may be given several times. NAME is roughness, base-color, metalness,
+    /// specular, ior, anisotropy, bump or normal (of all materials, or with @MATERIAL of one), rotation, intensity,
+    /// exposure, illum-cut, light-intensity (a factor; of all lights, or with @LIGHT of one), light-position, light-target
+    /// (X,Y,Z..X,Y,Z), eye, target or fov
+    #[arg(long, value_name = "SWEEP", allow_hyphen_values = true)]
+    sweep: Vec<Sweep>,
+    /// How many frames
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=108_000))]
+    frames: u32,
+    /// Number of the first frame
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=9_999_999))]
+    first: u32,
+    /// Files to write, #### standing for the frame's number: DIR/frame.####.png (as displayed), .exr or .hdr (scene-linear);
+    /// may be given several times. DIR is made; frame.json in it says what each frame shows
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Vec<PathBuf>,
+    /// Layers of exr files, as for `render`
+    #[arg(long, value_name = "LIST")]
+    layers: Option<LayerList>,
+    /// Draw all frames on one sheet
+    #[arg(long, value_name = "FILE.png")]
+    contact_sheet: Option<PathBuf>,
+    /// Frames in a row of the sheet [default: about as many as rows]
+    #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=100))]
+    columns: Option<u32>,
+    /// Go on: frames that are there stay
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Replace frames that are there
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    picture: PictureArgs,
+    #[command(flatten)]
+    local: LocalLightArgs,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Renders the sequence, or as much of it as there is at Ctrl-C.
+///
+/// # Errors
+/// Files that cannot be read or written, options that contradict each other.
+pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
+    let outputs = args.outputs()?;
+    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+    interrupt.cancel_on_interrupt();
+    let shot = args.view.resolve(&args.local, console)?;
+    let look = args.picture.look(&shot)?;
+    let task = SequenceTask {
+        frames: plan(&look, &args.settings())?,
+        outputs,
+        layers: wanted_layers(args.layers.as_ref(), &look)?,
+        existing: args.existing(),
+        sheet: args.sheet(),
+    };
+    let record = task.prepare(&shot.dataset)?;
+    let start = Instant::now();
+    let baked = Baked::from(shot.dataset.clone());
+    let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
+    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
+    let progress = StepProgress::new("sequence", "frames", &interrupt, console.quiet);
+    let end = task.run(record, &mut studio, &progress);
+    progress.finish();
+    studio.remarks().iter().for_each(|remark| console.warning(remark));
+    tell(&task, end?, start, console)
+}
+
+fn tell(task: &SequenceTask, end: SequenceEnd, start: Instant, console: Console) -> Result<Outcome> {
+    let SequenceEnd { rendered, kept, cancelled } = end;
+    let record = task.record_path();
+    if cancelled {
+        let (done, all) = (rendered + kept, task.frames.len());
+        console
+            .note(format_args!("stopped: {done} of {all} frames are there; --resume goes on ({})", record.display()));
+        return Ok(Outcome::Interrupted);
+    }
+    let kept = if kept > 0 { format!(", {kept} were there") } else { String::new() };
+    let seconds = start.elapsed().as_secs_f64();
+    console.summary(format_args!("{}: {rendered} frames in {seconds:.1} s{kept}", record.display()))?;
+    Ok(Outcome::Done)
+}
+
+impl SequenceArgs {
+    fn outputs(&self) -> Result<Vec<FrameNames>> {
+        if self.layers.is_some() && !self.out.iter().any(|path| is_exr(path)) {
+            bail!("only exr files hold layers; add --out DIR/frame.####.exr, or leave --layers out");
+        }
+        // Its folder may be that of the frames, which is made later.
+        if let Some(sheet) = self.contact_sheet.as_ref().filter(|sheet| !has_extension(sheet, "png")) {
+            bail!("a contact sheet is a png file; end its name in .png ({})", sheet.display());
+        }
+        self.out.iter().map(|path| FrameNames::new(path)).collect()
+    }
+
+    fn settings(&self) -> SequenceSettings {
+        let Self { frames, first, turn, degrees, sweep, .. } = self;
+        SequenceSettings { frames: *frames, first: *first, turn: *turn, degrees: *degrees, sweeps: sweep.clone() }
+    }
+
+    fn existing(&self) -> Existing {
+        match (self.resume, self.overwrite) {
+            (true, _) => Existing::Resume,
+            (false, true) => Existing::Overwrite,
+            (false, false) => Existing::Refuse,
+        }
+    }
+
+    fn sheet(&self) -> Option<SheetTask> {
+        let columns = self.columns.map(|columns| columns as usize);
+        self.contact_sheet.clone().map(|path| SheetTask { path, columns })
+    }
+}

@@ -1,0 +1,69 @@
+//! `lapidary demo`: the whole of it on bundled data, and a report to look at.
+
+mod bake;
+mod data;
+mod gallery;
+mod ladder;
+mod page;
+mod report;
+mod stage;
+mod steps;
+
+use crate::{
+    export::create_folder,
+    terminal::{Console, Outcome, write_json},
+};
+use anyhow::{Context, Result};
+use clap::Args;
+pub use data::DataFolder;
+use lapidary_core::atomic::write_atomically;
+use lapidary_precompute::verify;
+use report::Report;
+use stage::Picture;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Instant,
+};
+pub use steps::Steps;
+
+/// Options of `demo`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoArgs {
+    /// Folder for pictures, report.json and report.html; it is created if it is not there
+    #[arg(long, value_name = "DIR", default_value = "out/demo")]
+    out: PathBuf,
+    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+}
+
+/// Vertices that are traced again after the bake.
+const VERIFIED_VERTICES: usize = 64;
+
+/// Bakes, renders, traces, compares and reports.
+///
+/// # Errors
+/// Data that are not there, a folder that cannot be written, or Ctrl-C.
+pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
+    let start = Instant::now();
+    let data = DataFolder::find(args.data.as_deref())?;
+    create_folder(&args.out)?;
+    let steps = Steps::new(console);
+    let environments = data.environments(console)?;
+    let dataset = Arc::new(bake::bake_still_life(&data, &args.out, &steps)?);
+    let verification = verify(&dataset, VERIFIED_VERTICES);
+    let gallery = gallery::take(&dataset, &environments, &args.out, &steps)?;
+    let ladder = ladder::climb(&dataset, &environments, &args.out, &steps)?;
+    let report = Report::new(&dataset, verification, gallery, ladder, start.elapsed().as_secs_f64());
+    write_report(&report, &args.out)?;
+    console.summary(format_args!("{:.0} s; open {}", report.seconds, args.out.join("report.html").display()))?;
+    Ok(Outcome::Done)
+}
+
+fn write_report(report: &Report, out: &Path) -> Result<()> {
+    write_json(&out.join("report.json"), report)?;
+    let page = out.join("report.html");
+    write_atomically(&page, page::page(report).as_bytes())
+        .with_context(|| format!("cannot write the report; check the free space ({})", page.display()))
+}

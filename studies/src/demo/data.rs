@@ -1,0 +1,93 @@
+//! The bundled scenes and environments, wherever they lie.
+
+use crate::terminal::Console;
+use anyhow::{Result, bail};
+use lapidary_core::environment::Environment;
+use std::{
+    iter,
+    path::{Path, PathBuf},
+};
+
+/// Where the source tree has them.
+const IN_SOURCE_TREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
+
+/// Names of the environments' files, without extension.
+const ENVIRONMENTS: [&str; 3] = ["studio", "sun-and-sky", "window-room"];
+
+/// The folder of bundled data.
+pub struct DataFolder(PathBuf);
+
+impl DataFolder {
+    /// The folder given, or that of the source tree.
+    ///
+    /// # Errors
+    /// A folder without the still life.
+    pub fn find(given: Option<&Path>) -> Result<Self> {
+        let folder = Self(given.unwrap_or(Path::new(IN_SOURCE_TREE)).to_owned());
+        if !folder.still_life().is_file() {
+            bail!(
+                "the bundled data are not there; give their folder with --data or the variable LAPIDARY_DATA ({})",
+                folder.0.display()
+            );
+        }
+        Ok(folder)
+    }
+
+    /// The scene.
+    pub fn still_life(&self) -> PathBuf {
+        self.0.join("still-life/still-life.gltf")
+    }
+
+    /// The scenes that the window offers, the still life first.
+    pub fn scenes(&self) -> Vec<PathBuf> {
+        let others = ["interior/interior.gltf", "color-box/color-box.gltf"].map(|name| self.0.join(name));
+        iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
+    }
+
+    /// Where the environments are.
+    pub fn environment_folder(&self) -> PathBuf {
+        self.0.join("environments")
+    }
+
+    /// All environments.
+    ///
+    /// # Errors
+    /// One that cannot be read.
+    pub fn environments(&self, console: Console) -> Result<Environments> {
+        let read = |name: &str| {
+            let (environment, warnings) =
+                Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
+            warnings.iter().for_each(|w| console.warning(w));
+            Ok(Environment { name: name.into(), ..environment })
+        };
+        Ok(Environments(ENVIRONMENTS.into_iter().map(read).collect::<Result<_>>()?))
+    }
+}
+
+/// The environments by name.
+pub struct Environments(Vec<Environment>);
+
+impl Environments {
+    /// All of them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|e| e.name.as_str())
+    }
+
+    /// One of them.
+    pub fn get(&self, name: &str) -> &Environment {
+        self.0.iter().find(|e| e.name == name).expect("pictures are planned with bundled environments")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_source_tree_has_the_data_and_another_folder_is_refused() {
+        let scenes = DataFolder::find(None).unwrap().scenes();
+        assert!(scenes.len() == 3 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
+        let error = DataFolder::find(Some(Path::new("nowhere"))).err().map(|e| e.to_string());
+        assert!(error.is_some_and(|e| e.contains("--data") && e.ends_with("(nowhere)")));
+    }
+}

@@ -1,0 +1,40 @@
+//! What the demonstration is doing, on standard error, and whether it should stop.
+
+use crate::terminal::{Console, Interrupted, ProgressReporter, ProgressStyle, StepProgress};
+use anyhow::Result;
+use lapidary_precompute::Observer;
+
+/// Names the steps and watches for Ctrl-C.
+pub struct Steps {
+    console: Console,
+    /// Shows the bake, and holds the flag of Ctrl-C.
+    pub reporter: ProgressReporter,
+}
+
+impl Steps {
+    /// Watches for Ctrl-C from here on.
+    pub fn new(console: Console) -> Self {
+        let style = if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar };
+        let reporter = ProgressReporter::new(style);
+        reporter.cancel_on_interrupt();
+        Self { console, reporter }
+    }
+
+    /// Begins a step.
+    pub fn begin(&self, what: &str) {
+        self.console.note(what);
+    }
+
+    /// A bar for a step that counts in `unit`.
+    pub fn progress(&self, name: &str, unit: &str) -> StepProgress<'_> {
+        StepProgress::new(name, unit, &self.reporter, self.console.quiet)
+    }
+
+    /// Stops after Ctrl-C.
+    ///
+    /// # Errors
+    /// [`Interrupted`].
+    pub fn check(&self) -> Result<()> {
+        if self.reporter.cancelled() { Err(Interrupted.into()) } else { Ok(()) }
+    }
+}

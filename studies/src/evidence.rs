@@ -1,0 +1,113 @@
+//! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), and errors against what a bake is set to,
+//! measured anew. One page and one file of figures, written again after each of them.
+
+mod cases;
+mod clusters;
+mod cut_sizes;
+mod ladders;
+mod notebook;
+mod scale;
+mod sweeps;
+mod table;
+mod wavelets;
+
+use crate::{
+    demo::{DataFolder, Steps},
+    export::create_folder,
+    terminal::Console,
+    terminal::Outcome,
+};
+use anyhow::{Result, bail};
+use cases::{Case, Plan};
+use clap::Args;
+use lapidary_core::environment::Environment;
+use notebook::{Head, Notebook};
+use scale::Scale;
+use std::path::PathBuf;
+
+/// Options of `evidence`.
+#[derive(Args, Clone, Debug)]
+pub struct EvidenceArgs {
+    /// Folder for the pictures, evidence.json and evidence.html; it is created if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Further scenes: .obj, .gltf, .glb or .ply
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    scenes: Vec<PathBuf>,
+    /// Leave the bundled scenes out
+    #[arg(long, requires = "scenes")]
+    no_bundled: bool,
+    /// Environment, as for `render`: a file, or constant:R,G,B, sun-sky:ELEVATION, studio or orientation
+    #[arg(long, value_name = "MAP", default_value = "studio")]
+    env: String,
+    /// Few lights, vertices and pixels: to see that all of it works, in a minute; the figures mean little
+    #[arg(long)]
+    quick: bool,
+    /// Folder with the bundled scenes [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+}
+
+/// Bakes, renders, traces, measures and writes.
+///
+/// # Errors
+/// A folder that cannot be written, scenes or data that cannot be read, or Ctrl-C; figures that were done are kept.
+pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
+    create_folder(&args.out)?;
+    let scale = if args.quick { Scale::QUICK } else { Scale::FULL };
+    let (environment, warnings) = Environment::from_spec(&args.env)?;
+    warnings.iter().for_each(|w| console.warning(w));
+    let plans = scenes(args)?.iter().map(|path| Plan::read(path)).collect::<Result<Vec<_>>>()?;
+    let plans = cases::named_apart(plans);
+    let steps = Steps::new(console);
+    let head = Head::new(scale, &args.env, plans.iter().map(|plan| plan.name.clone()).collect());
+    let mut notebook = Notebook::new(&args.out, head)?;
+    let measurement = Measurement { scale, environment: environment.into(), steps: &steps, out: &args.out };
+    let cases = plans.into_iter().map(|plan| measurement.bake(plan)).collect::<Result<Vec<_>>>()?;
+    measurement.figures(&cases, &mut notebook)?;
+    notebook.finish()?;
+    console.summary(format_args!("{:.0} s; open {}", notebook.seconds(), args.out.join(notebook::PAGE).display()))?;
+    Ok(Outcome::Done)
+}
+
+/// The bundled scenes, and those given.
+fn scenes(args: &EvidenceArgs) -> Result<Vec<PathBuf>> {
+    let mut scenes = if args.no_bundled { Vec::new() } else { DataFolder::find(args.data.as_deref())?.scenes() };
+    scenes.extend(args.scenes.iter().cloned());
+    if scenes.is_empty() {
+        bail!("there are no scenes to measure; give some with --scenes");
+    }
+    Ok(scenes)
+}
+
+/// What all figures share.
+struct Measurement<'a> {
+    scale: &'static Scale,
+    environment: std::sync::Arc<Environment>,
+    steps: &'a Steps,
+    out: &'a std::path::Path,
+}
+
+impl Measurement<'_> {
+    /// All figures in the order of the paper, each written before the next begins.
+    fn figures(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
+        let open: Vec<_> = cases.iter().filter_map(|case| case.environment.as_ref().map(|e| (case, e))).collect();
+        if let Some((case, bakes)) = open.first() {
+            self.steps.begin("Fig. 5: clusters of the light tree");
+            clusters::record(self, case, bakes, notebook)?;
+            self.steps.begin("Fig. 6a: wavelets against cuts");
+            wavelets::record(self, case, bakes, notebook)?;
+            cut_sizes::record(&open, notebook)?;
+        }
+        self.steps.begin("Fig. 7: size of the illumination cut");
+        let ladders = ladders::record(self, cases, notebook)?;
+        self.steps.begin("Fig. 10: the table");
+        table::record(self, cases, &ladders, notebook)?;
+        if let Some((case, bakes)) = open.first() {
+            let truth = ladders.iter().find(|ladder| ladder.of_environment_of(case)).map(|ladder| &ladder.truth);
+            self.steps.begin("errors against beta, sigma, lights and vertices");
+            sweeps::record(self, case, bakes, truth, notebook)?;
+        }
+        Ok(())
+    }
+}

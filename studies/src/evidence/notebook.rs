@@ -1,0 +1,142 @@
+//! What has been measured so far, as a page and as a file of figures: both are whole after each figure.
+
+use super::scale::Scale;
+use crate::{
+    report::{self, section},
+    terminal::write_json,
+};
+use anyhow::{Context, Result};
+use lapidary_core::atomic::write_atomically;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::{path::Path, time::Instant};
+
+/// Name of the page.
+pub const PAGE: &str = "evidence.html";
+/// Name of the file of figures.
+const FIGURES: &str = "evidence.json";
+
+/// What the figures were made with.
+#[derive(Clone, Debug, Serialize)]
+pub struct Head {
+    version: &'static str,
+    threads: usize,
+    environment: String,
+    scenes: Vec<String>,
+    scale: Scale,
+}
+
+impl Head {
+    /// For this program on this machine.
+    pub fn new(scale: &Scale, environment: &str, scenes: Vec<String>) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            environment: environment.into(),
+            scenes,
+            scale: *scale,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Contents<'a> {
+    #[serde(flatten)]
+    head: &'a Head,
+    /// Whether all figures are there.
+    complete: bool,
+    /// Wall-clock seconds so far.
+    seconds: f64,
+    figures: &'a Map<String, Value>,
+}
+
+/// Keeps figures and writes them.
+pub struct Notebook<'a> {
+    out: &'a Path,
+    head: Head,
+    start: Instant,
+    complete: bool,
+    figures: Map<String, Value>,
+    sections: Vec<String>,
+}
+
+impl<'a> Notebook<'a> {
+    /// Begins an empty one in a folder; what an earlier one left there is replaced.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn new(out: &'a Path, head: Head) -> Result<Self> {
+        let (figures, sections) = (Map::new(), Vec::new());
+        let notebook = Self { out, head, start: Instant::now(), complete: false, figures, sections };
+        notebook.write()?;
+        Ok(notebook)
+    }
+
+    /// Adds a figure: its name in the file of figures, its heading and HTML on the page, and its numbers.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn record(&mut self, key: &str, heading: &str, html: &str, numbers: &impl Serialize) -> Result<()> {
+        self.figures.insert(key.into(), serde_json::to_value(numbers)?);
+        self.sections.push(section(heading, html));
+        self.write()
+    }
+
+    /// Says that no figure is missing.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn finish(&mut self) -> Result<()> {
+        self.complete = true;
+        self.write()
+    }
+
+    /// Wall-clock seconds so far.
+    pub fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn write(&self) -> Result<()> {
+        let Self { head, complete, figures, .. } = self;
+        let contents = Contents { head, complete: *complete, seconds: self.seconds(), figures };
+        write_json(&self.out.join(FIGURES), &contents)?;
+        let Head { version, threads, .. } = head;
+        let state = if *complete { "complete" } else { "not complete yet" };
+        let line = format!("lapidary evidence, version {version}, {threads} threads, {:.0} s, {state}", self.seconds());
+        let page = self.out.join(PAGE);
+        write_atomically(&page, self.page(&line).as_bytes())
+            .with_context(|| format!("cannot write the page; check the free space ({})", page.display()))
+    }
+
+    fn page(&self, line: &str) -> String {
+        let intro = "<div><h1>What the cuts cost, and what they save</h1><p>The figures of Cheslack-Postava, Wang, Akerlund and \
+                     Pellacini, <em>Fast, Realistic Lighting and Material Design using Nonlinear Cut Approximation</em> \
+                     (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to. All \
+                     numbers are in <a href=\"evidence.json\">evidence.json</a>.</p></div>";
+        let sections: Vec<String> = std::iter::once(intro.to_owned()).chain(self.sections.iter().cloned()).collect();
+        report::page("evidence", line, &sections)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_on_disk_before_the_next_begins() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut notebook = Notebook::new(folder.path(), Head::new(Scale::QUICK, "studio", vec!["a".into()])).unwrap();
+        let read =
+            || -> Value { serde_json::from_slice(&std::fs::read(folder.path().join(FIGURES)).unwrap()).unwrap() };
+        assert_eq!(read()["figures"], serde_json::json!({}));
+        notebook.record("one", "One", "<p>first</p>", &[1, 2]).unwrap();
+        assert_eq!((&read()["figures"]["one"][1], &read()["complete"]), (&2.into(), &false.into()));
+        let page = || std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        assert!(page().contains("first") && page().contains("not complete"));
+        notebook.finish().unwrap();
+        assert_eq!(read()["complete"], true);
+        assert!(!page().contains("not complete"));
+        let file = folder.path().join(FIGURES);
+        assert!(Notebook::new(&file, Head::new(Scale::QUICK, "studio", Vec::new())).is_err(), "a file is no folder");
+    }
+}

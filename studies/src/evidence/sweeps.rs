@@ -1,0 +1,281 @@
+//! Error of the picture against what a bake is set to: the weight of the metrics, the error bound of cuts, the number of lights
+//! and of vertices. Only what the picture shows is baked, and points are traced once for all trees and bounds.
+
+use super::{
+    Measurement,
+    cases::{Bakes, Case, view},
+    notebook::Notebook,
+};
+use crate::{
+    args::BackendOption,
+    commands::bounces::against_paths,
+    ladder::{Settings, Truth, climb},
+    report::{
+        chart::{self, Chart, Line},
+        table,
+        text::{escaped, short},
+    },
+    terminal::Interrupted,
+};
+use anyhow::Result;
+use lapidary_core::{
+    cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector, scene::Scene,
+};
+use lapidary_precompute::{Study, Variant};
+use lapidary_render::{PathSettings, Quiet, View};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// One point of a sweep.
+#[derive(Serialize)]
+struct Point {
+    /// Of what is swept.
+    value: f64,
+    /// Against the sweep's reference; with the reference's noise taken off if it has any.
+    rel_rmse: f64,
+    /// Mean over the points that the picture shows.
+    mean_cut: f64,
+    /// Of their stored visibility.
+    rms_visibility: f64,
+    vertices: usize,
+}
+
+/// One sweep.
+#[derive(Serialize)]
+struct Sweep {
+    scene: String,
+    swept: &'static str,
+    reference: String,
+    /// Relative RMSE of the reference itself.
+    reference_noise: f64,
+    points: Vec<Point>,
+}
+
+/// Measures all sweeps of one scene; each is written when it is done. `truth` is the picture by all light samples, if known.
+///
+/// # Errors
+/// Ctrl-C, or a folder that cannot be written.
+pub fn record(
+    measurement: &Measurement,
+    case: &Case,
+    bakes: &Bakes,
+    truth: Option<&Truth>,
+    notebook: &mut Notebook,
+) -> Result<()> {
+    let truth = truth.cloned().map_or_else(|| traced(measurement, bakes.mixed()), Ok)?;
+    let sweeper = Sweeper { measurement, case, truth };
+    let [beta, sigma] = sweeper.beta_and_sigma(bakes)?;
+    for (key, heading, text, sweep) in
+        [("error_by_beta", "Error against beta", BETA, beta), ("error_by_sigma", "Error against sigma", SIGMA, sigma)]
+    {
+        notebook.record(key, heading, &sweep.html(text), &sweep)?;
+    }
+    let lights = sweeper.lights(bakes)?;
+    notebook.record("error_by_lights", "Error against the number of lights", &lights.html(LIGHTS), &lights)?;
+    let vertices = sweeper.vertices()?;
+    notebook.record("error_by_vertices", "Error against tessellation", &vertices.html(VERTICES), &vertices)
+}
+
+const BETA: &str = "Weight of the geometric metric; 0 clusters by visibility alone.";
+const SIGMA: &str = "Bound of a node’s error (Eq. 5), over the mixed tree.";
+const LIGHTS: &str = "Samples of the environment, each with its own tree, and sigma in proportion to the root of their number, so \
+                      that it bounds the same solid angle. Against light paths of the continuous environment, whose noise is \
+                      taken off.";
+const VERTICES: &str = "Vertices after tessellation, from the mesh as it is: linear interpolation of visibility needs them where \
+                        shadows fall. Each against its own surfaces, for splits also turn the normals between vertices a little.";
+
+/// All light samples on the surfaces of a dataset.
+fn traced(measurement: &Measurement, dataset: &Arc<Dataset>) -> Result<Truth> {
+    let progress = measurement.steps.progress("reference", "pixels");
+    let truth = Truth::trace(&measurement.lit_from_afar(dataset, measurement.scale.view), &progress)?;
+    progress.finish();
+    measurement.steps.check()?;
+    Ok(truth)
+}
+
+struct Sweeper<'a> {
+    measurement: &'a Measurement<'a>,
+    case: &'a Case,
+    truth: Truth,
+}
+
+impl Sweeper<'_> {
+    fn beta_and_sigma(&self, bakes: &Bakes) -> Result<[Sweep; 2]> {
+        let scale = self.measurement.scale;
+        let usual = self.measurement.criterion(scale.lights);
+        let betas = scale.betas.iter().map(|&beta| Variant { criterion: usual, ..weighted(beta) });
+        let sigma = |&sigma: &f32| Variant { criterion: CutCriterion { sigma, ..usual }, ..weighted(0.5) };
+        let variants: Vec<Variant> = betas.chain(scale.sigmas.iter().map(sigma)).collect();
+        let made = self.bake(&bakes.study, scale.lights, &variants)?;
+        let (by_beta, by_sigma) = made.split_at(scale.betas.len());
+        Ok([
+            self.sweep("beta", self.points(scale.betas, by_beta)?),
+            self.sweep("sigma", self.points(scale.sigmas, by_sigma)?),
+        ])
+    }
+
+    fn vertices(&self) -> Result<Sweep> {
+        let scale = self.measurement.scale;
+        let usual = Variant { criterion: self.measurement.criterion(scale.lights), ..weighted(0.5) };
+        let mut points = Vec::new();
+        for &budget in scale.vertex_budgets {
+            let scene = self.case.scene.clone();
+            let vertices = (budget * scene.mesh.positions.len() as f64) as usize;
+            let study = Study::new(scene, (budget > 1.0).then_some(vertices), &self.measurement.steps.reporter)?;
+            for dataset in self.bake(&study, scale.lights, &[usual])? {
+                let error = self.picture(&dataset, &traced(self.measurement, &dataset)?)?.1;
+                points.push(Point::new(dataset.report.vertices as f64, error, &dataset));
+            }
+        }
+        Ok(self.sweep("vertices", points))
+    }
+
+    fn lights(&self, bakes: &Bakes) -> Result<Sweep> {
+        let (scale, steps) = (self.measurement.scale, self.measurement.steps);
+        let subject = self.measurement.lit_from_afar(bakes.mixed(), scale.view);
+        let renderer = subject.renderer();
+        let progress = steps.progress("light paths", "passes");
+        let settings = PathSettings::direct(scale.spp);
+        let paths = renderer.path_picture(&subject.view, &subject.light, &[], settings, &progress);
+        let paths = against_paths::Truth::from(paths);
+        progress.finish();
+        steps.check()?;
+        let mut points = Vec::new();
+        for &lights in scale.light_counts {
+            let variant = Variant { criterion: self.measurement.criterion(lights), ..weighted(0.5) };
+            for dataset in self.bake(&bakes.study, lights, &[variant])? {
+                let error = paths.against(&self.picture(&dataset, &self.truth)?.0)?.error;
+                points.push(Point::new(lights as f64, error, &dataset));
+            }
+        }
+        Ok(Sweep {
+            scene: self.case.name.clone(),
+            swept: "lights",
+            reference: format!("{} light paths a pixel", scale.spp),
+            reference_noise: paths.noise,
+            points,
+        })
+    }
+
+    /// Datasets with cuts for what the picture shows.
+    fn bake(&self, study: &Study, lights: usize, variants: &[Variant]) -> Result<Vec<Arc<Dataset>>> {
+        let Measurement { scale, steps, .. } = self.measurement;
+        let shown = shown_vertices(study.scene(), study.intersector(), &view(study.scene(), scale.view));
+        let points = study.points_of(shown);
+        let made = study.bake(lights, scale.sweep_pilot_clusters, variants, &points, &steps.reporter)?;
+        steps.reporter.finish();
+        Ok(made.into_iter().map(Arc::new).collect())
+    }
+
+    /// The errors of datasets that differ in one value and have the same surfaces.
+    fn points(&self, values: &[f32], datasets: &[Arc<Dataset>]) -> Result<Vec<Point>> {
+        let point = |(&value, dataset): (&f32, &Arc<Dataset>)| {
+            Ok(Point::new(value.into(), self.picture(dataset, &self.truth)?.1, dataset))
+        };
+        values.iter().zip(datasets).map(point).collect()
+    }
+
+    fn sweep(&self, swept: &'static str, points: Vec<Point>) -> Sweep {
+        let (scene, reference) = (self.case.name.clone(), self.truth.what.clone());
+        Sweep { scene, swept, reference, reference_noise: 0.0, points }
+    }
+
+    /// The picture of a dataset, and its relative RMSE against all light samples.
+    fn picture(&self, dataset: &Arc<Dataset>, truth: &Truth) -> Result<(Image, f64)> {
+        self.measurement.steps.check()?;
+        let scale = self.measurement.scale;
+        let subject = self.measurement.lit_from_afar(dataset, scale.view);
+        let settings = Settings { sizes: vec![scale.sweep_cut], ..Default::default() };
+        let mut backend = BackendOption::Cpu.open()?;
+        let known = Some(truth.clone());
+        let ladder = climb(&subject, &settings, &mut *backend, known, &Quiet, &mut |_| Ok(()))?;
+        let step = ladder.and_then(|ladder| ladder.steps.into_iter().next()).ok_or(Interrupted)?;
+        Ok((step.rung.image, step.metrics.rel_rmse))
+    }
+}
+
+/// The tree of this weight: the ends of the range are trees of their own.
+fn weighted(beta: f32) -> Variant {
+    let tree = match beta {
+        0.0 => TreeKind::DataDriven,
+        1.0 => TreeKind::Geometric,
+        _ => TreeKind::Mixed,
+    };
+    Variant { tree, beta, criterion: CutCriterion::default() }
+}
+
+/// Corners of the triangles that a picture with one sample a pixel shows.
+fn shown_vertices(scene: &Scene, intersector: &Intersector, view: &View) -> Vec<u32> {
+    let [width, height] = view.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let hit = |[x, y]: [u32; 2]| {
+        let center = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        let direction = view.camera.direction_through(center, view.size);
+        intersector.closest_hit(view.camera.eye, direction)
+    };
+    let mut vertices: Vec<u32> =
+        pixels.filter_map(hit).flat_map(|h| scene.mesh.triangles[h.triangle as usize]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+impl Point {
+    fn new(value: f64, rel_rmse: f64, dataset: &Dataset) -> Self {
+        let report = &dataset.report;
+        let (mean_cut, rms_visibility, vertices) = (report.mean_cut, report.rms_visibility, report.vertices);
+        Self { value, rel_rmse, mean_cut, rms_visibility, vertices }
+    }
+}
+
+impl Sweep {
+    fn html(&self, text: &str) -> String {
+        let line = |name: &str, y: fn(&Point) -> f64| Line {
+            name: name.into(),
+            points: self.points.iter().map(|p| (p.value, y(p))).collect(),
+        };
+        let scale = if matches!(self.swept, "lights" | "vertices") { chart::Scale::Log } else { chart::Scale::Linear };
+        let lines = [line("rel. RMSE", |p| p.rel_rmse), line("visibility", |p| p.rms_visibility)];
+        let title = "Error of picture and of visibility";
+        let chart = Chart { title, x_label: self.swept, x: scale, y: chart::Scale::Linear, lines: &lines };
+        let row = |p: &Point| {
+            let sizes = [format!("{:.1}", p.mean_cut), p.vertices.to_string()];
+            [short(p.value), short(p.rel_rmse), short(p.rms_visibility)].into_iter().chain(sizes).collect()
+        };
+        let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
+        let head = [self.swept, "Rel. RMSE", "RMS of visibility", "Mean cut", "Vertices"];
+        let noise = if self.reference_noise > 0.0 {
+            format!(" Noise of the reference: {}.", short(self.reference_noise))
+        } else {
+            String::new()
+        };
+        format!(
+            "<p>{text} Scene “{}”; reference: {}.{noise} Mean cut and visibility are of the points that the picture shows.</p>\
+             <div class=\"grid two\">{}{}</div>",
+            escaped(&self.scene),
+            escaped(&self.reference),
+            chart.svg(),
+            table(&head, &rows)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lapidary_core::{camera::Camera, test_scenes};
+
+    #[test]
+    fn only_what_is_in_the_picture_is_baked() {
+        let scene = test_scenes::dataset(&["a"], &[]).scene;
+        let intersector = Intersector::new(&scene.mesh);
+        let toward = |target: Vec3| View::new(Camera::look_at(Vec3::new(0.3, 2.0, 0.2), target, 30.0), [8, 8]);
+        assert_eq!(shown_vertices(&scene, &intersector, &toward(Vec3::new(0.3, 0.0, 0.2))), [0, 1, 2]);
+        assert!(shown_vertices(&scene, &intersector, &toward(Vec3::new(0.3, 9.0, 0.2))).is_empty());
+        assert_eq!(
+            [0.0, 0.5, 1.0].map(|b| weighted(b).tree),
+            [TreeKind::DataDriven, TreeKind::Mixed, TreeKind::Geometric]
+        );
+    }
+}

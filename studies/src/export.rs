@@ -1,0 +1,15 @@
+//! Finished pictures for files, from the window and the command line alike: rendering them, their layers, and what the
+//! files say about them.
+
+mod files;
+mod layers;
+mod metadata;
+pub mod mitsuba;
+mod studio;
+
+pub use files::{
+    Finished, check_folder, check_pictures, create_folder, has_extension, is_exr, wanted_layers, write_pictures,
+};
+pub use layers::{LayerKind, LayerList, take_layers};
+pub use metadata::{layered, settings};
+pub use studio::{Studio, Taken};

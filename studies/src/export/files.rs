@@ -1,0 +1,124 @@
+//! Pictures to write: checked before the work, written after it.
+
+use crate::export::{LayerKind, LayerList, Studio, Taken, layered, take_layers};
+use anyhow::{Context, Result, bail};
+use lapidary_core::{
+    atomic::check_writable,
+    dataset::Dataset,
+    image::{Image, ImageError, Layer},
+};
+use lapidary_render::{Background, Look};
+use std::path::{Path, PathBuf};
+
+/// Checks that each path names a picture format and lies in a folder that is there.
+///
+/// # Errors
+/// The first path that cannot be written to.
+pub fn check_pictures(paths: &[PathBuf]) -> Result<()> {
+    for path in paths {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if !["exr", "hdr", "png"].contains(&extension.as_str()) {
+            return Err(ImageError::UnknownExtension { path: path.clone() }.into());
+        }
+        check_folder(path)?;
+    }
+    Ok(())
+}
+
+/// Checks that the folder of `path` is there and takes files.
+///
+/// # Errors
+/// A folder that is not, or does not.
+pub fn check_folder(path: &Path) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("there is no folder to write to; create it first ({})", folder.display());
+    }
+    check_writable(folder).with_context(|| {
+        format!("cannot write to the folder; check its permissions and the free space ({})", folder.display())
+    })
+}
+
+/// Whether a file holds layers.
+pub fn is_exr(path: &Path) -> bool {
+    has_extension(path, "exr")
+}
+
+/// Whether a file's name ends in an extension, in letters of any case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Writes one picture to all paths, with its coverage as alpha channel if there is one.
+///
+/// # Errors
+/// The first path that cannot be written to; a file that was there before is kept then.
+pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]) -> Result<()> {
+    for path in paths {
+        image.write_with(coverage, path)?;
+    }
+    Ok(())
+}
+
+/// Creates a folder and those above it, and makes sure that files can be written to it: long work follows.
+///
+/// # Errors
+/// What the file system says.
+pub fn create_folder(path: &Path) -> Result<()> {
+    std::fs::create_dir_all(path).with_context(|| {
+        format!("cannot create the folder; check the path and the permissions ({})", path.display())
+    })?;
+    let probe = path.join(format!(".lapidary-{}", std::process::id()));
+    std::fs::write(&probe, [])
+        .and_then(|()| std::fs::remove_file(&probe))
+        .with_context(|| format!("cannot write to the folder; check its permissions ({})", path.display()))
+}
+
+/// The layers of a look that are asked for; the picture alone if none are.
+///
+/// # Errors
+/// A part of the light that is not in the picture.
+pub fn wanted_layers(list: Option<&LayerList>, look: &Look) -> Result<Vec<LayerKind>> {
+    list.map_or_else(|| Ok(vec![LayerKind::Beauty]), |list| list.of(look))
+}
+
+/// A picture and its layers, to be written.
+pub struct Finished {
+    /// The picture.
+    pub taken: Taken,
+    layers: Vec<Layer>,
+}
+
+impl Finished {
+    /// Renders them.
+    ///
+    /// # Errors
+    /// As [`Studio::take`].
+    pub fn take(studio: &mut Studio, look: &Look, kinds: &[LayerKind], cancelled: &dyn Fn() -> bool) -> Result<Self> {
+        let (taken, layers) = take_layers(studio, look, kinds, cancelled)?;
+        Ok(Self { taken, layers })
+    }
+
+    /// Writes to each path what its extension asks for: an exr gets all layers and says how it was made, a png is as a display
+    /// shows it, and an hdr is scene-linear. Where nothing lies behind the scene, exr and png have an alpha channel.
+    ///
+    /// # Errors
+    /// The first path that cannot be written to; a file that was there before is kept then.
+    pub fn write(self, look: &Look, dataset: &Dataset, paths: &[PathBuf]) -> Result<()> {
+        let Self { taken, layers } = self;
+        let transparent = look.view.background == Background::Transparent;
+        for path in paths.iter().filter(|path| has_extension(path, "png")) {
+            taken.shown.write_png(path)?;
+        }
+        for path in paths.iter().filter(|path| has_extension(path, "hdr")) {
+            let coverage = transparent.then_some(taken.coverage.as_slice());
+            taken.image.write_with(coverage, path)?;
+        }
+        let exr: Vec<&PathBuf> = paths.iter().filter(|path| is_exr(path)).collect();
+        let Some((last, others)) = exr.split_last() else { return Ok(()) };
+        let image = layered(look, dataset, &taken, layers);
+        // Layers may take much memory: only a second file needs a copy.
+        others.iter().try_for_each(|path| image.clone().write(path))?;
+        Ok(image.write(last)?)
+    }
+}

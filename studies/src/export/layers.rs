@@ -1,0 +1,240 @@
+//! The layers of a picture: its parts by where the light came from, what its surfaces are, and the work that was done.
+
+use super::{Studio, Taken};
+use anyhow::{Result, bail};
+use glam::Vec3;
+use lapidary_core::image::Layer;
+use lapidary_render::{Background, Components, Look, SurfaceLayers, ViewMode};
+use std::{fmt, str::FromStr};
+
+/// A layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayerKind {
+    /// The picture itself, which is the layer that programs show first.
+    Beauty,
+    /// Direct light of the environment, and whatever lies behind the scene.
+    Environment,
+    /// Direct light of local lights.
+    Direct,
+    /// All light that bounced.
+    Indirect,
+    /// Shading normals in world space.
+    Normal,
+    /// Base colour.
+    Albedo,
+    /// Perceptual roughness.
+    Roughness,
+    /// Places in the world in metres.
+    Position,
+    /// Distance along the optical axis in metres.
+    Depth,
+    /// Share of a pixel that surfaces cover.
+    Coverage,
+    /// Nodes of the visibility cuts.
+    VisibilityNodes,
+    /// Nodes of the merged cut.
+    MergedNodes,
+    /// BRDF evaluations.
+    BrdfEvaluations,
+}
+
+impl LayerKind {
+    /// All of them, in the order of files.
+    pub const ALL: [Self; 13] = [
+        Self::Beauty,
+        Self::Environment,
+        Self::Direct,
+        Self::Indirect,
+        Self::Normal,
+        Self::Albedo,
+        Self::Roughness,
+        Self::Position,
+        Self::Depth,
+        Self::Coverage,
+        Self::VisibilityNodes,
+        Self::MergedNodes,
+        Self::BrdfEvaluations,
+    ];
+
+    /// Its name, as options have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Beauty => "beauty",
+            Self::Environment => "environment",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::Normal => "normal",
+            Self::Albedo => "albedo",
+            Self::Roughness => "roughness",
+            Self::Position => "position",
+            Self::Depth => "depth",
+            Self::Coverage => "coverage",
+            Self::VisibilityNodes => "visibility-nodes",
+            Self::MergedNodes => "merged-nodes",
+            Self::BrdfEvaluations => "brdf-evaluations",
+        }
+    }
+
+    /// Its name in files: Nuke takes no hyphens.
+    fn file_name(self) -> String {
+        self.name().replace('-', "_")
+    }
+
+    /// The part of the light that it shows, if it shows one.
+    fn component(self) -> Option<Components> {
+        const NONE: Components = Components { environment: false, direct: false, indirect: false };
+        match self {
+            Self::Environment => Some(Components { environment: true, ..NONE }),
+            Self::Direct => Some(Components { direct: true, ..NONE }),
+            Self::Indirect => Some(Components { indirect: true, ..NONE }),
+            _ => None,
+        }
+    }
+
+    /// The count that it shows, if it shows one.
+    fn count(self) -> Option<ViewMode> {
+        match self {
+            Self::VisibilityNodes => Some(ViewMode::VisibilityCut),
+            Self::MergedNodes => Some(ViewMode::MergedCut),
+            Self::BrdfEvaluations => Some(ViewMode::BrdfEvaluations),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a part of the picture of a look, or no part of any.
+    fn is_in(self, look: &Look) -> bool {
+        let shown = look.components;
+        match self {
+            Self::Environment => shown.environment || has_flat_background(look),
+            Self::Direct => shown.direct,
+            Self::Indirect => shown.indirect,
+            _ => true,
+        }
+    }
+}
+
+/// A flat background is seen whether there is an environment or not.
+fn has_flat_background(look: &Look) -> bool {
+    matches!(look.view.background, Background::Flat(radiance) if radiance != Vec3::ZERO)
+}
+
+/// The layers that are asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum LayerList {
+    /// All that the picture has.
+    #[default]
+    All,
+    /// These.
+    These(Vec<LayerKind>),
+}
+
+impl FromStr for LayerList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "all" {
+            return Ok(Self::All);
+        }
+        let kind = |name: &str| {
+            let found = LayerKind::ALL.into_iter().find(|kind| kind.name() == name.trim().replace('_', "-"));
+            found.ok_or_else(|| {
+                let known: Vec<&str> = LayerKind::ALL.iter().map(|kind| kind.name()).collect();
+                format!("\"{}\" is no layer; list {}, or all", name.trim(), known.join(", "))
+            })
+        };
+        text.split(',').map(kind).collect::<Result<_, _>>().map(Self::These)
+    }
+}
+
+impl fmt::Display for LayerList {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::These(kinds) => f.write_str(&kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(",")),
+        }
+    }
+}
+
+impl LayerList {
+    /// The layers for the picture of a look, each once, in the order of files, and always the picture itself.
+    ///
+    /// # Errors
+    /// A part of the light that is not in the picture.
+    pub fn of(&self, look: &Look) -> Result<Vec<LayerKind>> {
+        let wanted = |kind: &LayerKind| match self {
+            Self::All => kind.is_in(look),
+            Self::These(kinds) => *kind == LayerKind::Beauty || kinds.contains(kind),
+        };
+        let kinds: Vec<LayerKind> = LayerKind::ALL.into_iter().filter(wanted).collect();
+        if let Some(missing) = kinds.iter().find(|kind| !kind.is_in(look)) {
+            let shown = look.components.to_string();
+            bail!(
+                "the picture has no {0} light, so there is no layer {0}: it shows {shown}; see --components, and bake with \
+                 --mode indirect or meshless for bounced light",
+                missing.name()
+            );
+        }
+        Ok(kinds)
+    }
+}
+
+/// Renders a picture and its layers: the parts of its light and the counts by passes of their own, what its surfaces are by
+/// camera rays. The parts of the light sum to the picture.
+///
+/// # Errors
+/// As [`Studio::take`].
+pub fn take_layers(
+    studio: &mut Studio,
+    look: &Look,
+    kinds: &[LayerKind],
+    cancelled: &dyn Fn() -> bool,
+) -> Result<(Taken, Vec<Layer>)> {
+    let beauty = studio.take(look, cancelled)?;
+    let mut surfaces = None;
+    let mut layers = Vec::new();
+    for &kind in kinds {
+        layers.push(match (kind.component(), kind.count()) {
+            (Some(part), _) => {
+                let taken = studio.take(&only(look, part), cancelled)?;
+                Layer::color(&kind.file_name(), &taken.image)
+            }
+            (_, Some(mode)) => {
+                let view = lapidary_render::View { mode, ..look.view.clone() };
+                let taken = studio.take(&Look { view, ..look.clone() }, cancelled)?;
+                Layer::scalar(&kind.file_name(), "Y", taken.image.pixels.iter().map(|pixel| pixel.x).collect())
+            }
+            _ if kind == LayerKind::Beauty => beauty_layer(look, &beauty),
+            _ => surface_layer(kind, surfaces.get_or_insert_with(|| studio.surfaces(look))),
+        });
+    }
+    Ok((beauty, layers))
+}
+
+/// One part of the light; what lies behind the scene belongs to that of the environment, so that it is counted once.
+fn only(look: &Look, part: Components) -> Look {
+    let mut alone = look.clone();
+    let shown = look.components;
+    alone.components = Components { environment: part.environment && shown.environment, ..part };
+    if !part.environment && look.view.background != Background::Transparent {
+        alone.view.background = Background::Flat(Vec3::ZERO);
+    }
+    alone
+}
+
+/// The picture, with its coverage as alpha channel where nothing lies behind the scene.
+fn beauty_layer(look: &Look, beauty: &Taken) -> Layer {
+    let layer = Layer::color("", &beauty.image);
+    if look.view.background == Background::Transparent { layer.with_alpha(&beauty.coverage) } else { layer }
+}
+
+fn surface_layer(kind: LayerKind, surfaces: &SurfaceLayers) -> Layer {
+    let name = kind.file_name();
+    match kind {
+        LayerKind::Normal => Layer::vectors(&name, &surfaces.normal),
+        LayerKind::Position => Layer::vectors(&name, &surfaces.position),
+        LayerKind::Albedo => Layer::color(&name, &surfaces.albedo),
+        LayerKind::Roughness => Layer::scalar(&name, "Y", surfaces.roughness.clone()),
+        LayerKind::Depth => Layer::scalar(&name, "Z", surfaces.depth.clone()),
+        _ => Layer::scalar(&name, "A", surfaces.coverage.clone()),
+    }
+}

@@ -1,0 +1,89 @@
+//! What files say about their picture: everything that it takes to make it again, and what it took.
+
+use super::Taken;
+use lapidary_core::{
+    dataset::Dataset,
+    image::{Layer, LayeredImage, MetaValue, Metadata},
+};
+use lapidary_render::{Look, RenderStats};
+use serde_json::{Map, Value, json};
+
+/// The program with its version.
+pub const SOFTWARE: &str = concat!("Lapidary ", env!("CARGO_PKG_VERSION"));
+
+/// Everything that decides a picture but its size, by names that are those of attributes without their prefix.
+pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
+    let camera = &look.view.camera;
+    let lights: Vec<_> = look.lights.iter().filter(|light| light.shines()).collect();
+    let environment = &look.light.environment;
+    let Value::Object(settings) = json!({
+        "scene_hash": dataset.scene_hash,
+        "bake": dataset.settings,
+        "camera": camera.name,
+        "camera.eye": camera.eye.to_array().map(number),
+        "camera.target": camera.target.to_array().map(number),
+        "camera.up": camera.up.to_array().map(number),
+        "camera.fov_degrees": number(camera.fov_y.to_degrees()),
+        "environment": environment.name,
+        "environment.rotation_degrees": number(look.light.rotation.to_degrees()),
+        "environment.intensity": number(look.light.intensity),
+        "lights": lights,
+        "materials": look.appearance.materials,
+        "components": look.components.to_string(),
+        "solution": look.solution.to_string(),
+        "illumination_cut": look.illum_cut,
+        "brdf_sampling": look.sampling,
+        "samples": look.view.aa,
+        "background": format!("{:?}", look.view.background),
+        "exposure_stops": number(look.post.exposure),
+        "tone_map": look.post.tone_map,
+    }) else {
+        unreachable!("braces make an object")
+    };
+    settings
+}
+
+/// A number with the digits that it has as a float of 32 bits, and no more.
+fn number(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::NAN)
+}
+
+/// A file of layers that says how it was made.
+pub fn layered(look: &Look, dataset: &Dataset, taken: &Taken, layers: Vec<Layer>) -> LayeredImage {
+    let mut entries = settings(look, dataset);
+    entries.append(&mut work(&taken.stats));
+    let attribute = |(name, value): (String, Value)| (format!("lapidary.{name}"), attribute(value));
+    let metadata = Metadata {
+        software: Some(SOFTWARE.into()),
+        camera: Some(look.view.camera.clone()),
+        entries: entries.into_iter().map(attribute).collect(),
+    };
+    LayeredImage { size: look.view.size, layers, metadata }
+}
+
+/// What a picture took.
+fn work(stats: &RenderStats) -> Map<String, Value> {
+    let entries = [
+        ("backend", json!(stats.adapter.as_ref().unwrap_or(&stats.backend))),
+        ("render_seconds", json!(stats.seconds)),
+        ("pixels_shaded", json!(stats.pixels_shaded)),
+        ("mean_merged_nodes", json!(stats.mean_merged_nodes)),
+        ("mean_brdf_evaluations", json!(stats.mean_brdf_evaluations)),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// Three numbers are a vector; what attributes cannot hold is written as JSON.
+fn attribute(value: Value) -> MetaValue {
+    match value {
+        Value::String(words) => MetaValue::Text(words),
+        Value::Number(number) => MetaValue::Number(number.as_f64().unwrap_or(f64::NAN)),
+        other => vector(&other).map_or_else(|| MetaValue::Text(other.to_string()), MetaValue::Vector),
+    }
+}
+
+fn vector(value: &Value) -> Option<glam::Vec3> {
+    let [x, y, z] = value.as_array()?.as_slice() else { return None };
+    let part = |value: &Value| value.as_f64().map(|number| number as f32);
+    Some(glam::Vec3::new(part(x)?, part(y)?, part(z)?))
+}

@@ -1,0 +1,131 @@
+//! A dataset's scene as Mitsuba 3 reads it, so that an independent renderer can make the same picture.
+//!
+//! | file | |
+//! |---|---|
+//! | `scene.xml` | integrator, camera, light, shapes; its defaults `materials`, `max_depth` and `spp` can be set from outside |
+//! | `materials.xml` | the BSDFs of Mitsuba that are nearest to the materials |
+//! | `materials-exact.xml` | the same materials by the formulas of this program, for the plugin `tests/crosscheck/lapidary_ggx.py` |
+//! | `meshes/*.ply` | triangles by material and side, as they were baked |
+//! | `textures/*.exr` | maps of the materials, multiplied by their parameters, linear |
+//! | `environment.exr` | the map on the grid on which Mitsuba interpolates as this program does |
+//!
+//! What differs by definition stands where it is written: see [`bsdf`], [`emitters`] and [`sensor`].
+
+mod bsdf;
+mod emitters;
+mod meshes;
+mod sensor;
+mod textures;
+mod xml;
+
+use crate::export::create_folder;
+use anyhow::{Context, Result};
+use lapidary_core::{atomic::write_atomically, dataset::Dataset, lights::Light, scene::Scene};
+use lapidary_render::{Illumination, View};
+use meshes::Part;
+use std::{collections::BTreeSet, path::Path};
+use textures::TextureFolder;
+
+/// What is exported.
+pub struct MitsubaScene<'a> {
+    /// Mesh, sides and materials.
+    pub dataset: &'a Dataset,
+    /// Camera, picture size, and whether the environment is seen.
+    pub view: &'a View,
+    /// The environment, if it gives light.
+    pub environment: Option<&'a Illumination>,
+    /// Local lights; dark ones are left out.
+    pub lights: Vec<&'a Light>,
+    /// Bounces of light between surfaces before the one toward the eye.
+    pub bounces: u32,
+}
+
+/// What was written.
+pub struct Exported {
+    /// PLY files.
+    pub meshes: usize,
+    /// Triangles in them.
+    pub triangles: usize,
+    /// Materials in use.
+    pub materials: usize,
+    /// What Mitsuba shows otherwise, in sentences.
+    pub remarks: Vec<String>,
+}
+
+impl MitsubaScene<'_> {
+    /// Writes everything into `folder`, which is made if it is not there; files of the same names are replaced.
+    ///
+    /// # Errors
+    /// A folder or file that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Exported> {
+        for part in ["", "meshes", "textures"] {
+            create_folder(&folder.join(part))?;
+        }
+        let parts = meshes::parts(self.dataset);
+        let mut remarks = self.remarks();
+        let shapes: String = parts.iter().map(Part::shape).collect();
+        let scene = sensor::integrator_and_sensor(self) + &self.emitters(folder)? + &shapes;
+        write_text(folder, "scene.xml", &xml::document(&(sensor::DEFAULTS.to_owned() + &scene)))?;
+        for part in &parts {
+            write_file(folder, &part.file(), &part.ply(&self.dataset.scene.mesh))?;
+        }
+        let used: BTreeSet<u32> = parts.iter().map(|part| part.material).collect();
+        self.write_materials(folder, &parts, &used, &mut remarks)?;
+        let triangles = parts.iter().map(|part| part.triangles.len()).sum();
+        Ok(Exported { meshes: parts.len(), triangles, materials: used.len(), remarks })
+    }
+
+    fn emitters(&self, folder: &Path) -> Result<String> {
+        let mut text = String::new();
+        if let Some(light) = self.environment {
+            emitters::environment_map(&light.environment.map).write(&folder.join(emitters::ENVIRONMENT_FILE))?;
+            text += &emitters::environment(light);
+        }
+        text.extend(self.lights.iter().copied().filter_map(emitters::local));
+        Ok(text)
+    }
+
+    fn write_materials(
+        &self,
+        folder: &Path,
+        parts: &[Part],
+        used: &BTreeSet<u32>,
+        remarks: &mut Vec<String>,
+    ) -> Result<()> {
+        let Scene { materials, textures, .. } = &self.dataset.scene;
+        let mut textures = TextureFolder::new(folder, textures);
+        for (file, models) in [("materials.xml", bsdf::Models::Nearest), ("materials-exact.xml", bsdf::Models::Exact)] {
+            let mut text = String::new();
+            for &index in used {
+                let material = &materials[index as usize];
+                let both = [false, true]
+                    .map(|two_sided| parts.iter().any(|p| (p.material, p.two_sided) == (index, two_sided)));
+                text += &bsdf::bsdfs(material, index, both, models, &mut textures)?;
+                if models == bsdf::Models::Nearest {
+                    remarks.extend(bsdf::remarks(material));
+                }
+            }
+            write_text(folder, file, &xml::document(&text))?;
+        }
+        Ok(())
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let mut remarks = sensor::remarks(self.view);
+        remarks.extend(emitters::remarks(&self.lights));
+        remarks
+    }
+}
+
+fn write_text(folder: &Path, name: &str, text: &str) -> Result<()> {
+    write_file(folder, name, text.as_bytes())
+}
+
+fn write_file(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    let path = folder.join(name);
+    write_atomically(&path, bytes)
+        .with_context(|| format!("cannot write; check the permissions and the free space ({})", path.display()))
+}
+
+#[cfg(test)]
+mod tests;

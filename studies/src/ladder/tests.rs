@@ -1,0 +1,111 @@
+use super::*;
+use glam::Vec3;
+use lapidary_core::{camera::Camera, environment::Environment, test_scenes};
+use lapidary_render::{Background, BrdfSampling, Components, CpuBackend, Illumination, Post, Progress, Quiet, View};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A triangle seen from above, under a light that differs by direction.
+fn subject() -> Subject {
+    let camera = Camera::look_at(Vec3::new(0.4, 2.0, 0.5), Vec3::new(0.4, 0.0, 0.3), 30.0);
+    let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [16, 12]) };
+    let environment = Environment::from_spec("orientation").unwrap().0.into();
+    Subject::new(test_scenes::dataset(&["a"], &[]), view, Illumination { environment, rotation: 0.0, intensity: 1.0 })
+}
+
+fn settings(sizes: &[u32]) -> Settings {
+    Settings { sizes: sizes.into(), sampling: BrdfSampling::Once, ..Settings::default() }
+}
+
+fn climbed(sizes: &[u32]) -> Ladder {
+    climb(&subject(), &settings(sizes), &mut CpuBackend::new(), None, &Quiet, &mut |_| Ok(())).unwrap().unwrap()
+}
+
+#[test]
+fn a_cut_of_all_leaves_is_the_truth_and_a_single_node_is_not() {
+    let ladder = climbed(&[1, 8, 64]);
+    let errors: Vec<f64> = ladder.steps.iter().map(|step| step.metrics.rel_rmse).collect();
+    assert!(errors[2] < 1e-4, "every leaf, all of them seen: {errors:?}");
+    assert!(errors[0] > 10.0 * errors[2].max(1e-3), "negative control: {errors:?}");
+    let nodes: Vec<f64> = ladder.steps.iter().map(|step| step.rung.stats.mean_merged_nodes).collect();
+    assert_eq!((nodes[0], nodes[2]), (1.0, 64.0));
+    assert!(ladder.truth.what.contains("64 samples"), "{}", ladder.truth.what);
+}
+
+#[test]
+fn results_come_as_they_are_found() {
+    let mut order = Vec::new();
+    let mut found = |found: Found| {
+        order.push(match found {
+            Found::Picture(rung) => format!("picture {}", rung.illum_cut),
+            Found::Truth(_) => "truth".into(),
+            Found::Step(step) => format!("step {}", step.rung.illum_cut),
+        });
+        Ok(())
+    };
+    climb(&subject(), &settings(&[1, 2]), &mut CpuBackend::new(), None, &Quiet, &mut found).unwrap();
+    assert_eq!(order, ["picture 1", "picture 2", "truth", "step 1", "step 2"]);
+    let known = climbed(&[1]).truth;
+    let marked = Truth { what: "known".into(), ..known };
+    let again = climb(&subject(), &settings(&[1]), &mut CpuBackend::new(), Some(marked), &Quiet, &mut |_| Ok(()));
+    assert_eq!(again.unwrap().unwrap().truth.what, "known");
+}
+
+#[test]
+fn it_stops_when_it_is_told_to() {
+    struct Flag(AtomicBool);
+    impl Progress for Flag {
+        fn advanced(&self, _done: u64, _total: u64) {}
+        fn cancelled(&self) -> bool {
+            self.0.load(Ordering::SeqCst)
+        }
+    }
+    let flag = Flag(AtomicBool::new(false));
+    let mut pictures = 0;
+    let mut found = |found: Found| {
+        assert!(matches!(found, Found::Picture(_)), "no truth and no errors after it was stopped");
+        pictures += 1;
+        flag.0.store(true, Ordering::SeqCst);
+        Ok(())
+    };
+    let ladder = climb(&subject(), &settings(&[1, 2, 4]), &mut CpuBackend::new(), None, &flag, &mut found).unwrap();
+    assert!(ladder.is_none() && pictures == 1);
+    let failing =
+        climb(&subject(), &settings(&[1]), &mut CpuBackend::new(), None, &Quiet, &mut |_| anyhow::bail!("a full disk"));
+    assert!(failing.unwrap_err().to_string().contains("full disk"));
+}
+
+#[test]
+fn parts_that_are_not_shown_are_not_in_the_truth() {
+    let lit = Subject { lights: [test_scenes::light()].into(), components: Components::UNBOUNCED, ..subject() };
+    let mean = |subject: &Subject| {
+        let truth = Truth::trace(subject, &Quiet).unwrap();
+        (truth.image.pixels.iter().map(|p| p.y).sum::<f32>(), truth.what)
+    };
+    let (both, what) = mean(&lit);
+    let (sky, _) = mean(&subject());
+    let only = Components { direct: true, ..Components::NONE };
+    let (lamp, _) = mean(&Subject { components: only, ..lit.clone() });
+    assert!((both - sky - lamp).abs() < 1e-3 * both && lamp > 0.0 && sky > 0.0, "{both} = {sky} + {lamp}");
+    assert!(what.contains("1 local light"), "{what}");
+}
+
+#[test]
+fn sheet_page_and_figures_show_every_step() {
+    let ladder = climbed(&[1, 4, 16]);
+    let summary = Summary::new(&subject(), &ladder, "x-");
+    let json = serde_json::to_value(&summary).unwrap();
+    for key in ["illum_cut", "rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
+        assert!(json["steps"].as_array().unwrap().iter().all(|step| step[key].is_number()), "{key}");
+    }
+    let page = page(&summary);
+    for text in ["x-cut-1.png", "x-cut-16.png", "x-reference.png", "<svg"] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(!page.contains("NaN"));
+    let folder = tempfile::tempdir().unwrap();
+    write_picture(Found::Picture(&ladder.steps[0].rung), folder.path(), "x-").unwrap();
+    assert!(folder.path().join("x-cut-1.exr").is_file() && folder.path().join("x-cut-1.png").is_file());
+    let whole = sheet(&ladder, &Post::default());
+    let shorter = sheet(&climbed(&[1]), &Post::default());
+    assert!(whole.size[0] > shorter.size[0], "four columns against two");
+}

@@ -1,0 +1,19 @@
+//! What is done with baked scenes beside editing them: pictures, sequences, references, comparisons and measurements, as
+//! commands and for the window alike.
+//!
+//! [`commands`] has a file for each command, [`args`] the options that several of them share, [`terminal`] what they say.
+//! Each study is a folder: [`ladder`] (which size of the illumination cut is enough), [`sequence`] (turntables and sweeps),
+//! evidence (the paper's figures measured anew), [`export`] (pictures with layers, scenes for Mitsuba), [`demo`].
+
+pub mod args;
+pub mod commands;
+pub mod demo;
+mod evidence;
+pub mod export;
+pub mod fading;
+pub mod ladder;
+pub mod report;
+pub mod sequence;
+pub mod sheet;
+pub mod terminal;
+pub mod whole_picture;

@@ -1,0 +1,18 @@
+//! Image sequences: turntables, and sweeps of any parameter. What the frames show is planned ([`plan()`]) before any is rendered
+//! ([`SequenceTask::run`]); the window and the command line do both alike.
+
+mod names;
+mod parameter;
+mod plan;
+mod record;
+mod run;
+mod sweep;
+mod turn;
+
+pub use names::FrameNames;
+pub use parameter::{Domain, Parameter, Target};
+pub use plan::{Frame, SequenceSettings, plan};
+pub use record::Record;
+pub use run::{Existing, SequenceEnd, SequenceTask, SheetTask};
+pub use sweep::{Sweep, Value};
+pub use turn::Turn;

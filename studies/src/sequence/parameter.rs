@@ -1,0 +1,259 @@
+//! What sweeps can change, by name.
+
+use super::{Value, sweep::SweepError};
+use glam::Vec3;
+use lapidary_core::{
+    lights::Light,
+    material::{BrdfParameters, Material, MaterialMaps},
+    texture::TextureSlot,
+};
+use lapidary_render::Look;
+use std::sync::Arc;
+
+/// A parameter of a look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// Perceptual roughness.
+    Roughness,
+    /// Base colour.
+    BaseColor,
+    /// Metalness.
+    Metalness,
+    /// Weight of the specular lobe.
+    Specular,
+    /// Index of refraction.
+    Ior,
+    /// Stretch of the highlight.
+    Anisotropy,
+    /// Strength of the bump map.
+    Bump,
+    /// Strength of the normal map.
+    Normal,
+    /// Turn of the environment in degrees.
+    Rotation,
+    /// Scale of the environment's radiance.
+    Intensity,
+    /// Stops.
+    Exposure,
+    /// Most nodes of the illumination cut.
+    IllumCut,
+    /// Scale of the intensity of local lights.
+    LightIntensity,
+    /// Place of a local light.
+    LightPosition,
+    /// What a local light points at.
+    LightTarget,
+    /// Place of the camera.
+    Eye,
+    /// What the camera looks at.
+    Target,
+    /// Vertical field of view in degrees.
+    Fov,
+}
+
+/// What a parameter belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// One material by name, or all.
+    Material,
+    /// One local light by name; all, or the only one, without.
+    Light,
+    /// There is one.
+    Picture,
+}
+
+/// What values a parameter has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Domain {
+    /// A number in a range.
+    Number(f32, f32),
+    /// Three numbers from 0 to 1.
+    Color,
+    /// A place in metres.
+    Place,
+}
+
+impl Parameter {
+    /// All of them, in the order of lists.
+    pub const ALL: [Self; 18] = [
+        Self::Roughness,
+        Self::BaseColor,
+        Self::Metalness,
+        Self::Specular,
+        Self::Ior,
+        Self::Anisotropy,
+        Self::Bump,
+        Self::Normal,
+        Self::Rotation,
+        Self::Intensity,
+        Self::Exposure,
+        Self::IllumCut,
+        Self::LightIntensity,
+        Self::LightPosition,
+        Self::LightTarget,
+        Self::Eye,
+        Self::Target,
+        Self::Fov,
+    ];
+
+    /// Its name, as options and files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Roughness => "roughness",
+            Self::BaseColor => "base-color",
+            Self::Metalness => "metalness",
+            Self::Specular => "specular",
+            Self::Ior => "ior",
+            Self::Anisotropy => "anisotropy",
+            Self::Bump => "bump",
+            Self::Normal => "normal",
+            Self::Rotation => "rotation",
+            Self::Intensity => "intensity",
+            Self::Exposure => "exposure",
+            Self::IllumCut => "illum-cut",
+            Self::LightIntensity => "light-intensity",
+            Self::LightPosition => "light-position",
+            Self::LightTarget => "light-target",
+            Self::Eye => "eye",
+            Self::Target => "target",
+            Self::Fov => "fov",
+        }
+    }
+
+    /// What it belongs to.
+    pub fn target(self) -> Target {
+        match self {
+            Self::Roughness
+            | Self::BaseColor
+            | Self::Metalness
+            | Self::Specular
+            | Self::Ior
+            | Self::Anisotropy
+            | Self::Bump
+            | Self::Normal => Target::Material,
+            Self::LightIntensity | Self::LightPosition | Self::LightTarget => Target::Light,
+            _ => Target::Picture,
+        }
+    }
+
+    /// What values it has.
+    pub fn domain(self) -> Domain {
+        match self {
+            Self::Roughness | Self::Metalness | Self::Specular => Domain::Number(0.0, 1.0),
+            Self::BaseColor => Domain::Color,
+            Self::Ior => Domain::Number(1.0, 10.0),
+            Self::Anisotropy => Domain::Number(-1.0, 1.0),
+            Self::Bump | Self::Normal => Domain::Number(-1e3, 1e3),
+            Self::Rotation => Domain::Number(-36_000.0, 36_000.0),
+            Self::Intensity | Self::LightIntensity => Domain::Number(0.0, 1e6),
+            Self::Exposure => Domain::Number(-30.0, 30.0),
+            Self::IllumCut => Domain::Number(1.0, 32_768.0),
+            Self::Fov => Domain::Number(1.0, 170.0),
+            Self::LightPosition | Self::LightTarget | Self::Eye | Self::Target => Domain::Place,
+        }
+    }
+
+    /// Gives it a value, of its domain, in a look; `of` names one of the materials or lights.
+    ///
+    /// # Errors
+    /// No such material, map or light, or several where one has to be named.
+    pub fn set(self, look: &mut Look, of: Option<&str>, value: Value) -> Result<(), SweepError> {
+        let (number, vector) = (value.number(), value.vector());
+        match self {
+            Self::Roughness => each_brdf(look, of, |p| p.roughness = number),
+            Self::BaseColor => each_brdf(look, of, |p| p.base_color = vector),
+            Self::Metalness => each_brdf(look, of, |p| p.metalness = number),
+            Self::Specular => each_brdf(look, of, |p| p.specular = number),
+            Self::Ior => each_brdf(look, of, |p| p.ior = number),
+            Self::Anisotropy => each_brdf(look, of, |p| p.anisotropy = number),
+            Self::Bump => each_map(look, of, "bump", number, |maps| &mut maps.bump),
+            Self::Normal => each_map(look, of, "normal", number, |maps| &mut maps.normal),
+            Self::LightIntensity => each_light(look, of, |light| light.intensity *= number),
+            Self::LightPosition => one_light(self, look, of, |light| light.position = vector),
+            Self::LightTarget => one_light(self, look, of, |light| light.target = vector),
+            _ => {
+                self.set_of_picture(look, number, vector);
+                Ok(())
+            }
+        }
+    }
+
+    fn set_of_picture(self, look: &mut Look, number: f32, vector: Vec3) {
+        match self {
+            Self::Rotation => look.light.rotation = number.to_radians(),
+            Self::Intensity => look.light.intensity = number,
+            Self::Exposure => look.post.exposure = number,
+            Self::IllumCut => look.illum_cut = number as u32,
+            Self::Eye => look.view.camera.eye = vector,
+            Self::Target => look.view.camera.target = vector,
+            Self::Fov => look.view.camera.fov_y = number.to_radians(),
+            _ => {}
+        }
+    }
+}
+
+fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut Material)) -> Result<(), SweepError> {
+    let mut found = false;
+    for material in look.appearance.materials.iter_mut().filter(|m| of.is_none_or(|name| m.name == name)) {
+        change(material);
+        found = true;
+    }
+    let names = || names(look.appearance.materials.iter().map(|m| m.name.as_str()));
+    if found { Ok(()) } else { Err(SweepError::NoMaterial { wanted: of.unwrap_or_default().into(), names: names() }) }
+}
+
+fn each_brdf(look: &mut Look, of: Option<&str>, change: impl Fn(&mut BrdfParameters)) -> Result<(), SweepError> {
+    each_material(look, of, |material| change(&mut material.parameters))
+}
+
+fn each_map(
+    look: &mut Look,
+    of: Option<&str>,
+    map: &'static str,
+    strength: f32,
+    slot: impl Fn(&mut MaterialMaps) -> &mut Option<TextureSlot>,
+) -> Result<(), SweepError> {
+    let mut found = false;
+    each_material(look, of, |material| {
+        if let Some(slot) = slot(&mut material.maps) {
+            slot.strength = strength;
+            found = true;
+        }
+    })?;
+    if found { Ok(()) } else { Err(SweepError::NoMap { map }) }
+}
+
+fn each_light(look: &mut Look, of: Option<&str>, change: impl Fn(&mut Light)) -> Result<(), SweepError> {
+    let mut lights = look.lights.to_vec();
+    let mut found = false;
+    for light in lights.iter_mut().filter(|light| of.is_none_or(|name| light.name == name)) {
+        change(light);
+        found = true;
+    }
+    if !found {
+        let names = names(lights.iter().map(|light| light.name.as_str()));
+        return Err(SweepError::NoLight { wanted: of.unwrap_or_default().into(), names });
+    }
+    look.lights = Arc::from(lights);
+    Ok(())
+}
+
+/// Lights that all moved to one place would be no sweep that anyone meant.
+fn one_light(
+    parameter: Parameter,
+    look: &mut Look,
+    of: Option<&str>,
+    change: impl Fn(&mut Light),
+) -> Result<(), SweepError> {
+    if of.is_none() && look.lights.len() > 1 {
+        let names = names(look.lights.iter().map(|light| light.name.as_str()));
+        return Err(SweepError::WhichLight { parameter: parameter.name(), names });
+    }
+    each_light(look, of, change)
+}
+
+/// Names for a message.
+fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let named: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
+    if named.is_empty() { "none with a name".into() } else { named.join(", ") }
+}

@@ -1,0 +1,104 @@
+//! The JSON file beside the frames that says what each of them shows, and by which going on finds out whether the frames that
+//! are there belong to the same sequence.
+
+use super::{Frame, FrameNames, Value};
+use crate::{export::settings, terminal::write_json};
+use anyhow::{Context, Result};
+use lapidary_core::dataset::Dataset;
+use lapidary_render::{Look, RenderStats};
+use serde::{Deserialize, Serialize};
+use serde_json::Map;
+use std::{collections::BTreeMap, path::Path};
+
+/// What the file holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Record {
+    /// Width and height of the frames in pixels.
+    size: [u32; 2],
+    /// Everything that decides the first frame's picture.
+    settings: Map<String, serde_json::Value>,
+    /// The frames, in their order.
+    frames: Vec<FrameRecord>,
+}
+
+/// What it says of a frame.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct FrameRecord {
+    frame: u32,
+    files: Vec<String>,
+    /// What differs from frame to frame.
+    values: BTreeMap<String, Value>,
+    /// Wall-clock seconds of rendering, once it is there.
+    seconds: Option<f64>,
+    /// Nodes of the merged cut, averaged over its pixels.
+    mean_merged_nodes: Option<f64>,
+}
+
+impl Record {
+    /// Of frames that are planned, none of them rendered.
+    pub fn new(frames: &[Frame], outputs: &[FrameNames], dataset: &Dataset) -> Self {
+        let file = |names: &FrameNames, number| {
+            names.path(number).file_name().unwrap_or_default().to_string_lossy().into_owned()
+        };
+        let record = |frame: &Frame| FrameRecord {
+            frame: frame.number,
+            files: outputs.iter().map(|names| file(names, frame.number)).collect(),
+            values: frame.values.iter().cloned().collect(),
+            seconds: None,
+            mean_merged_nodes: None,
+        };
+        let first: Option<&Look> = frames.first().map(|frame| &frame.look);
+        Self {
+            size: first.map_or([0, 0], |look| look.view.size),
+            settings: first.map(|look| settings(look, dataset)).unwrap_or_default(),
+            frames: frames.iter().map(record).collect(),
+        }
+    }
+
+    /// Reads the file of a sequence that was begun.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no such record.
+    pub fn read(path: &Path) -> Result<Self> {
+        let begun = || format!("cannot tell what the frames that are there show; use --overwrite ({})", path.display());
+        let text = std::fs::read(path).with_context(begun)?;
+        serde_json::from_slice(&text).with_context(begun)
+    }
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        write_json(path, self)
+    }
+
+    /// What differs between two sequences, in a word or two; `None` if one goes on with the other.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        if self.size != other.size {
+            return Some("size".into());
+        }
+        let names = self.settings.keys().chain(other.settings.keys());
+        let mut names = names.filter(|name| self.settings.get(*name) != other.settings.get(*name));
+        if let Some(name) = names.next() {
+            return Some(name.clone());
+        }
+        let values = |record: &Self| -> Vec<_> {
+            record.frames.iter().map(|frame| (frame.frame, frame.values.clone(), frame.files.clone())).collect()
+        };
+        (values(self) != values(other)).then(|| "frames, turn or sweep".into())
+    }
+
+    /// Takes over what another says of frames that are there.
+    pub fn keep(&mut self, other: &Self) {
+        for (frame, known) in self.frames.iter_mut().zip(&other.frames) {
+            (frame.seconds, frame.mean_merged_nodes) = (known.seconds, known.mean_merged_nodes);
+        }
+    }
+
+    /// A frame is there.
+    pub fn finished(&mut self, index: usize, stats: &RenderStats) {
+        let frame = &mut self.frames[index];
+        (frame.seconds, frame.mean_merged_nodes) = (Some(stats.seconds), Some(stats.mean_merged_nodes));
+    }
+}

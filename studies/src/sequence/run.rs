@@ -1,0 +1,204 @@
+//! Renders the frames of a plan one by one to files, each under a temporary name that is renamed when it is complete: whatever
+//! stops it, finished frames stay, and it can go on from them.
+
+use super::{Frame, FrameNames, record::Record};
+use crate::{
+    export::Finished,
+    export::{LayerKind, Studio},
+    sheet::{DisplayPicture, SheetStyle, Tile, contact_sheet},
+    terminal::Interrupted,
+};
+use anyhow::{Context, Result, bail};
+use lapidary_core::{
+    atomic::check_writable,
+    dataset::Dataset,
+    image::{Image, decode},
+    texture::Texels,
+};
+use lapidary_render::{Post, Progress};
+use std::path::{Path, PathBuf};
+
+/// Longest side in pixels of a frame in a contact sheet.
+const TILE: u32 = 240;
+
+/// What becomes of frames that are there already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Nothing is rendered.
+    #[default]
+    Refuse,
+    /// They stay, and the others are rendered.
+    Resume,
+    /// They are replaced.
+    Overwrite,
+}
+
+/// A contact sheet of all frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SheetTask {
+    /// The png file.
+    pub path: PathBuf,
+    /// Frames in a row; about as many as rows without.
+    pub columns: Option<usize>,
+}
+
+/// A sequence to render.
+#[derive(Clone, Debug)]
+pub struct SequenceTask {
+    /// What it shows.
+    pub frames: Vec<Frame>,
+    /// Where it goes, in each format.
+    pub outputs: Vec<FrameNames>,
+    /// Layers of exr files.
+    pub layers: Vec<LayerKind>,
+    /// What becomes of frames that are there.
+    pub existing: Existing,
+    /// A contact sheet, if one is wanted.
+    pub sheet: Option<SheetTask>,
+}
+
+/// How a sequence ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SequenceEnd {
+    /// Frames that were rendered.
+    pub rendered: usize,
+    /// Frames that were there.
+    pub kept: usize,
+    /// Whether it was stopped before all were there.
+    pub cancelled: bool,
+}
+
+impl SequenceTask {
+    /// Checks folders and what is there, before anything slow. Returns the record to begin with.
+    ///
+    /// # Errors
+    /// Folders that cannot be made or written to; frames that are there and may not be replaced, or are of another sequence.
+    pub fn prepare(&self, dataset: &Dataset) -> Result<Record> {
+        for folder in self.folders() {
+            std::fs::create_dir_all(folder).and_then(|()| check_writable(folder)).with_context(|| {
+                format!(
+                    "cannot write to the folder; check the path, its permissions and the space ({})",
+                    folder.display()
+                )
+            })?;
+        }
+        let mut record = Record::new(&self.frames, &self.outputs, dataset);
+        let there = self.frames.iter().filter(|frame| self.files(frame).iter().any(|file| file.exists())).count();
+        match self.existing {
+            Existing::Refuse if there > 0 => bail!(
+                "{there} of the {} frames are there already; use --resume to render the others, --overwrite to replace them, \
+                 or another name ({})",
+                self.frames.len(),
+                self.outputs[0].folder().display()
+            ),
+            Existing::Resume if there > 0 => {
+                let begun = Record::read(&self.record_path())?;
+                if let Some(what) = record.difference(&begun) {
+                    bail!(
+                        "the frames that are there are of another sequence: their {what} differs; use --overwrite to replace \
+                         them, or another name ({})",
+                        self.record_path().display()
+                    );
+                }
+                record.keep(&begun);
+            }
+            _ => {}
+        }
+        Ok(record)
+    }
+
+    /// Renders what is not there yet, after [`Self::prepare`]. `progress` counts frames, also those that are there.
+    ///
+    /// # Errors
+    /// A renderer that fails, or files that cannot be written; the frames before stay.
+    pub fn run(&self, mut record: Record, studio: &mut Studio, progress: &dyn Progress) -> Result<SequenceEnd> {
+        let dataset = studio.baked().dataset.clone();
+        let mut end = SequenceEnd { rendered: 0, kept: 0, cancelled: false };
+        let mut tiles = Vec::new();
+        record.write(&self.record_path())?;
+        let all = self.frames.len() as u64;
+        // Those that are there first: from then on progress tells the pace.
+        let mut done = self.frames.iter().filter(|frame| self.is_there(frame)).count() as u64;
+        for (index, frame) in self.frames.iter().enumerate() {
+            progress.advanced(done, all);
+            if self.is_there(frame) {
+                end.kept += 1;
+                tiles.extend(self.sheet.as_ref().map(|_| self.read_tile(frame)).transpose()?);
+                continue;
+            }
+            let finished = match Finished::take(studio, &frame.look, &self.layers, &|| progress.cancelled()) {
+                Err(error) if error.is::<Interrupted>() => {
+                    end.cancelled = true;
+                    return Ok(end);
+                }
+                finished => finished?,
+            };
+            tiles.extend(self.sheet.as_ref().map(|_| tile(frame, &finished.taken.shown)));
+            record.finished(index, &finished.taken.stats);
+            finished.write(&frame.look, &dataset, &self.files(frame)).with_context(|| self.so_far(end))?;
+            record.write(&self.record_path())?;
+            end.rendered += 1;
+            done += 1;
+        }
+        progress.advanced(all, all);
+        self.write_sheet(&tiles)?;
+        Ok(end)
+    }
+
+    fn so_far(&self, end: SequenceEnd) -> String {
+        let done = end.rendered + end.kept;
+        format!("{done} of {} frames are written and stay; --resume goes on from there", self.frames.len())
+    }
+
+    /// Where the record is.
+    pub fn record_path(&self) -> PathBuf {
+        self.outputs[0].record_path()
+    }
+
+    fn folders(&self) -> impl Iterator<Item = &Path> {
+        let sheet = self.sheet.iter().filter_map(|sheet| sheet.path.parent());
+        self.outputs.iter().map(FrameNames::folder).chain(sheet.filter(|folder| !folder.as_os_str().is_empty()))
+    }
+
+    fn files(&self, frame: &Frame) -> Vec<PathBuf> {
+        self.outputs.iter().map(|names| names.path(frame.number)).collect()
+    }
+
+    /// Whether a frame is there in all formats and stays.
+    fn is_there(&self, frame: &Frame) -> bool {
+        self.existing == Existing::Resume && self.files(frame).iter().all(|file| file.exists())
+    }
+
+    /// A frame that was rendered before.
+    fn read_tile(&self, frame: &Frame) -> Result<Tile> {
+        let files = self.files(frame);
+        let is_png = |file: &&PathBuf| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        let shown = match files.iter().find(is_png) {
+            Some(file) => read_png(file)?,
+            None => DisplayPicture::shown(&Image::read(&files[0])?, &frame.look.post),
+        };
+        Ok(tile(frame, &shown))
+    }
+
+    fn write_sheet(&self, tiles: &[Tile]) -> Result<()> {
+        let Some(SheetTask { path, columns }) = &self.sheet else { return Ok(()) };
+        let columns = columns.unwrap_or((tiles.len() as f64).sqrt().ceil() as usize);
+        contact_sheet(tiles, columns, &SheetStyle::default()).write_png(path)
+    }
+}
+
+fn tile(frame: &Frame, shown: &DisplayPicture) -> Tile {
+    Tile { image: shown.shrunk(TILE), caption: frame.caption() }
+}
+
+fn read_png(path: &Path) -> Result<DisplayPicture> {
+    let unreadable = || format!("cannot read a frame that was rendered before; remove it ({})", path.display());
+    let texture = decode(&std::fs::read(path).with_context(unreadable)?, path).with_context(unreadable)?;
+    match texture.texels {
+        Texels::U8(pixels) => Ok(DisplayPicture { size: texture.size, pixels }),
+        Texels::F32(_) => Ok(DisplayPicture::shown(&Image::read(path)?, &Post::default())),
+    }
+}
+
+#[cfg(test)]
+mod tests;

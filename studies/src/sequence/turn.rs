@@ -1,0 +1,160 @@
+//! Turntables: what turns about the vertical through the point that the camera looks at.
+
+use clap::ValueEnum;
+use glam::{Quat, Vec3};
+use lapidary_core::{camera::Camera, lights::Light};
+use lapidary_render::Look;
+
+/// What turns, counter-clockwise seen from above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Turn {
+    /// The scene as a whole, before the camera and under its lights. Visibility was baked for the scene as it stands, so
+    /// camera, environment and lights turn the other way together, which shows the same; single objects cannot turn
+    Object,
+    /// The camera, about the point that it looks at
+    Camera,
+    /// The environment
+    Environment,
+    /// The local lights, about the point that the camera looks at
+    Lights,
+}
+
+impl Turn {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Object, Self::Camera, Self::Environment, Self::Lights];
+
+    /// Its name, as options and files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::Camera => "camera",
+            Self::Environment => "environment",
+            Self::Lights => "lights",
+        }
+    }
+
+    /// The look after a turn of some degrees.
+    pub fn apply(self, look: &mut Look, degrees: f32) {
+        let degrees = if self == Self::Object { -degrees } else { degrees };
+        let axis = Axis { center: look.view.camera.target, turn: Quat::from_rotation_y(degrees.to_radians()) };
+        if matches!(self, Self::Object | Self::Camera) {
+            look.view.camera = axis.turned_camera(&look.view.camera);
+        }
+        if matches!(self, Self::Object | Self::Environment) {
+            look.light.rotation += degrees.to_radians();
+        }
+        if matches!(self, Self::Object | Self::Lights) {
+            look.lights = look.lights.iter().map(|light| axis.turned_light(light)).collect();
+        }
+    }
+}
+
+/// The vertical through a point, and a turn about it.
+struct Axis {
+    center: Vec3,
+    turn: Quat,
+}
+
+impl Axis {
+    fn place(&self, place: Vec3) -> Vec3 {
+        self.center + self.turn * (place - self.center)
+    }
+
+    fn turned_camera(&self, camera: &Camera) -> Camera {
+        // The direction that is upward in the picture, which a camera that looks straight down has to turn as well.
+        let up = camera.world_from_view().y_axis;
+        Camera { eye: self.place(camera.eye), target: self.place(camera.target), up: self.turn * up, ..camera.clone() }
+    }
+
+    fn turned_light(&self, light: &Light) -> Light {
+        Light { position: self.place(light.position), target: self.place(light.target), ..light.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_render::test_scenes::look;
+
+    fn turned(turn: Turn, degrees: f32) -> Look {
+        let mut look = look();
+        turn.apply(&mut look, degrees);
+        look
+    }
+
+    /// A direction of the world in the picture, and in the map.
+    fn seen(look: &Look, direction: Vec3) -> (Vec3, Vec3) {
+        let view = look.view.camera.world_from_view().transpose() * direction;
+        (view, Quat::from_rotation_y(-look.light.rotation) * direction)
+    }
+
+    #[test]
+    fn an_object_that_turns_leaves_light_and_background_where_they_are_in_the_picture() {
+        let (before, after) = (look(), turned(Turn::Object, 40.0));
+        // What is seen at a place of the picture, in the frame of the map.
+        let map_at = |look: &Look, view: Vec3| seen(look, look.view.camera.world_from_view() * view).1;
+        for view in [Vec3::X, Vec3::Y, Vec3::NEG_Z] {
+            assert!((map_at(&before, view) - map_at(&after, view)).length() < 1e-5);
+            let camera = turned(Turn::Camera, 40.0);
+            assert!(
+                view == Vec3::Y || (map_at(&before, view) - map_at(&camera, view)).length() > 0.1,
+                "negative control"
+            );
+        }
+        let light = |look: &Look| {
+            let camera = &look.view.camera;
+            camera.world_from_view().transpose() * (look.lights[0].position - camera.eye)
+        };
+        assert!((light(&before) - light(&after)).length() < 1e-5);
+        assert!((light(&before) - light(&turned(Turn::Camera, 40.0))).length() > 0.1, "negative control");
+    }
+
+    #[test]
+    fn an_object_turns_counter_clockwise_seen_from_above() {
+        // A point of the scene toward the camera goes to its right.
+        let (before, after) = (look(), turned(Turn::Object, 20.0));
+        let camera = &before.view.camera;
+        let point = camera.target + 0.5 * (camera.eye - camera.target).with_y(0.0);
+        let right = |look: &Look| {
+            let camera = &look.view.camera;
+            (camera.world_from_view().transpose() * (point - camera.eye)).x
+        };
+        assert!(right(&before).abs() < 1e-5 && right(&after) > 0.1, "{}", right(&after));
+        // And the camera itself, counter-clockwise, shows it on the left.
+        assert!(right(&turned(Turn::Camera, 20.0)) < -0.1);
+    }
+
+    #[test]
+    fn each_turn_moves_its_own_and_a_full_one_comes_back() {
+        let before = look();
+        let parts = |look: &Look| (look.view.camera.eye, look.light.rotation, look.lights[0].position);
+        let moved = |turn| {
+            let (eye, rotation, light) = parts(&turned(turn, 90.0));
+            let (eye0, rotation0, light0) = parts(&before);
+            [eye != eye0, rotation != rotation0, light != light0]
+        };
+        assert_eq!(moved(Turn::Object), [true, true, true]);
+        assert_eq!(moved(Turn::Camera), [true, false, false]);
+        assert_eq!(moved(Turn::Environment), [false, true, false]);
+        assert_eq!(moved(Turn::Lights), [false, false, true]);
+        let after = turned(Turn::Object, 360.0);
+        assert!((after.view.camera.eye - before.view.camera.eye).length() < 1e-4);
+        let half = turned(Turn::Camera, 180.0).view.camera;
+        let camera = &before.view.camera;
+        assert!(
+            ((half.eye - camera.target) + (camera.eye - camera.target).with_y(-half.eye.y + camera.target.y)).length()
+                < 1e-4
+        );
+        assert_eq!(half.target, camera.target);
+    }
+
+    #[test]
+    fn a_camera_that_looks_straight_down_turns_as_well() {
+        let mut look = look();
+        look.view.camera = Camera::look_at(Vec3::new(0.0, 3.0, 0.0), Vec3::ZERO, 40.0);
+        let before = look.view.camera.world_from_view();
+        Turn::Camera.apply(&mut look, 90.0);
+        let after = look.view.camera.world_from_view();
+        assert!((after.x_axis - Quat::from_rotation_y(90f32.to_radians()) * before.x_axis).length() < 1e-5);
+    }
+}

@@ -1,0 +1,13 @@
+//! The terminal: what commands say, how they tell how far they are, how Ctrl-C stops them, and how they end.
+
+mod console;
+mod outcome;
+mod output;
+mod progress;
+mod step_progress;
+
+pub use console::Console;
+pub use outcome::{Interrupted, Outcome};
+pub use output::{error_text, json_text, print_out, write_json};
+pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
+pub use step_progress::StepProgress;

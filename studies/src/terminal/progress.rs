@@ -1,0 +1,115 @@
+//! Progress on standard error: a bar with rate and time left, JSON lines, or nothing.
+
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle as BarStyle};
+use lapidary_precompute::{Event, Observer, Phase};
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ProgressStyle {
+    /// A bar with rate and time left
+    #[default]
+    Bar,
+    /// One JSON object a line
+    Json,
+    /// Nothing
+    None,
+}
+
+/// Shows the messages of a job and cancels it on Ctrl-C.
+pub struct ProgressReporter {
+    style: ProgressStyle,
+    bar: Mutex<ProgressBar>,
+    cancelled: Arc<AtomicBool>,
+}
+
+impl ProgressReporter {
+    /// Shows nothing until the first message.
+    pub fn new(style: ProgressStyle) -> Self {
+        Self { style, bar: Mutex::new(ProgressBar::hidden()), cancelled: Arc::default() }
+    }
+
+    /// Cancels at Ctrl-C; a second one ends the process at once.
+    pub fn cancel_on_interrupt(&self) {
+        let flag = Arc::clone(&self.cancelled);
+        let handler = move || {
+            if flag.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+            eprintln!("\nstopping after the current step; press Ctrl-C again to stop at once");
+        };
+        // Only fails if there is a handler already, which then serves as well.
+        let _ = ctrlc::set_handler(handler);
+    }
+
+    /// Shows a warning above the bar.
+    pub fn warn(&self, message: &str) {
+        match self.style {
+            ProgressStyle::Json => self.print_json(&Event::Warning { message: message.to_owned() }),
+            ProgressStyle::Bar => self.bar().suspend(|| eprintln!("warning: {message}")),
+            ProgressStyle::None => {}
+        }
+    }
+
+    /// Ends the display.
+    pub fn finish(&self) {
+        self.bar().finish_and_clear();
+    }
+
+    fn bar(&self) -> std::sync::MutexGuard<'_, ProgressBar> {
+        self.bar.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn print_json(&self, event: &Event) {
+        if let Ok(line) = serde_json::to_string(event) {
+            eprintln!("{line}");
+        }
+    }
+
+    fn start_bar(&self, phase: Phase, total: u64, unit: &str) {
+        let mut bar = self.bar();
+        bar.finish_and_clear();
+        *bar = phase_bar(phase.name(), total, unit);
+    }
+}
+
+/// A bar for a named step of `total` units on standard error.
+pub fn phase_bar(name: &str, total: u64, unit: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr_with_hz(8));
+    let template = if total > 0 {
+        format!("{name:>10} [{{bar:32}}] {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left")
+    } else {
+        format!("{name:>10} {{elapsed}}")
+    };
+    if let Ok(style) = BarStyle::with_template(&template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    if total == 0 {
+        // Nothing advances it, but its seconds should.
+        bar.enable_steady_tick(Duration::from_millis(250));
+    }
+    bar
+}
+
+impl Observer for ProgressReporter {
+    fn event(&self, event: Event) {
+        match (self.style, event) {
+            (ProgressStyle::None, _) => {}
+            (ProgressStyle::Json, event) => self.print_json(&event),
+            (ProgressStyle::Bar, Event::Started { phase, total, unit }) => self.start_bar(phase, total, unit),
+            (ProgressStyle::Bar, Event::Advanced { done }) => self.bar().set_position(done),
+            (ProgressStyle::Bar, Event::Warning { message }) => self.warn(&message),
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::SeqCst)
+    }
+}
