@@ -32,10 +32,12 @@
 //! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
 
 mod error;
+mod header;
 mod indirect;
 mod meshless;
 mod modes;
 mod read;
+mod tensors;
 mod write;
 
 pub use error::DatasetError;

@@ -16,6 +16,7 @@
 //! * Everything random is seeded from (scene, vertex or pixel), never from time or thread.
 
 pub mod atomic;
+pub mod bounds;
 pub mod brdf;
 pub mod camera;
 pub mod color;

@@ -2,8 +2,7 @@
 
 use super::{
     error::{Damage, SourceDamage},
-    read::Reader,
-    write::{Tensor, cut_tensors, owned, tensor},
+    tensors::{Reader, Tensor, cut_tensors, owned, tensor},
 };
 use crate::{
     indirect::{IndirectBake, Source},
