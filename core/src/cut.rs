@@ -6,13 +6,13 @@
 pub mod illumination;
 pub mod merge;
 pub mod packed;
-mod prune_sources;
-mod select;
-mod select_sources;
+mod solid_angles;
+mod visibility;
 
-pub use prune_sources::prune_sources;
-pub use select::{CutCriterion, CutSelector, prune};
-pub use select_sources::{SourceCriterion, SourceCutSelector};
+pub use solid_angles::{
+    LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code,
+};
+pub use visibility::{CutCriterion, CutSelector, prune};
 
 use thiserror::Error;
 

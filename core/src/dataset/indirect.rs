@@ -5,8 +5,8 @@ use super::{
     tensors::{Reader, Tensor, cut_tensors, owned, tensor},
 };
 use crate::{
-    indirect::{IndirectBake, Source},
     light_tree::height_of,
+    sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
 use glam::{Vec2, Vec3};

@@ -147,7 +147,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 mod tests {
     use super::*;
     use crate::document::{TextureEntry, test_data};
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, texture::Texture};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, texture::Texture};
 
     #[test]
     fn lights_stay_where_they_are_until_what_shines_changes() {

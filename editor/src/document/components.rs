@@ -128,7 +128,7 @@ impl Bounces {
 mod tests {
     use super::*;
     use crate::document::test_data;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {

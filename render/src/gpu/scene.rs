@@ -9,7 +9,7 @@ use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
-    indirect::IndirectBake,
+    sources::IndirectBake,
 };
 
 /// Buffers and textures of one dataset.
