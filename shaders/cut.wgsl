@@ -8,7 +8,7 @@
 // Texels in one row of both textures, as a power of two.
 const CUT_WIDTH_LOG2: u32 = 13u;
 const VALUE_SCALE: f32 = 1.0 / 4095.0;
-// The code of solid angles, see core/src/indirect.rs: the largest, and binary orders of magnitude a step.
+// The code of solid angles, see core/src/cut/solid_angles/code.rs: the largest, and binary orders of magnitude a step.
 const LARGEST_SOLID_ANGLE: f32 = 6.2831855;
 const ORDERS: f32 = 30.0;
 const ORDERS_PER_CODE: f32 = 30.0 / 4094.0;

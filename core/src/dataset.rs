@@ -19,7 +19,7 @@
 //! | `source_spacings` | f32 | S | metres that each keeps from the others |
 //! | `source_triangles` | u32 | S | triangle that each lies on |
 //! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
-//! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::indirect`] |
+//! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::sources`] |
 //! | `source_cut_offsets` | u32 | V | first texel of each vertex's cut |
 //! | `source_environment_cuts` | u32 | texels, 4 | visibility of the N lights from the sources |
 //! | `source_environment_cut_offsets` | u32 | S | first texel of each source's cut |
@@ -32,10 +32,12 @@
 //! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
 
 mod error;
+mod header;
 mod indirect;
 mod meshless;
 mod modes;
 mod read;
+mod tensors;
 mod write;
 
 pub use error::DatasetError;
@@ -45,11 +47,11 @@ pub use modes::{BakeMode, IndirectReport, IndirectSettings, sigma_text};
 use crate::{
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
-    indirect::IndirectBake,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
     scene::Scene,
     shot::Shot,
+    sources::IndirectBake,
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};

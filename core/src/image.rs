@@ -1,6 +1,6 @@
 //! A floating-point RGB picture and its files.
 
-use crate::{atomic::write_atomically, texture::Texture};
+use crate::atomic::write_atomically;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -131,14 +131,6 @@ impl Image {
     pub fn every(&self, step: u32) -> Self {
         let size = self.size.map(|side| side.div_ceil(step));
         Self::from_fn(size, |x, y| self.at((x * step) as usize, (y * step) as usize))
-    }
-
-    /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
-    ///
-    /// # Errors
-    /// A file that cannot be read, is no picture, or is too large.
-    pub fn read(path: &Path) -> Result<Self, ImageError> {
-        Ok(read::linear_image(&Texture::read(path)?))
     }
 
     /// Writes an exr or hdr (scene-linear) or png (sRGB, clamped) by the extension of `path`, to a

@@ -14,19 +14,39 @@
 //!   A rotation is counter-clockwise seen from +Y and turns the environment, not the camera.
 //! * A BRDF value never holds the cosine unless its name says so (`brdf_cos`).
 //! * Everything random is seeded from (scene, vertex or pixel), never from time or thread.
+//!
+//! # Rooms
+//!
+//! The scene:
+//! * [`scene`]: the mesh, and what is in the scene with it; [`bounds`]: axis-aligned boxes
+//! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
+//! * [`material`]: parameters and maps; [`texture`]: the images that maps read
+//! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
+//! * [`import`]: scenes and materials from files of other programs
+//! * [`image`]: pictures and their files
+//!
+//! The papers:
+//! * [`brdf`]: eight directions at a time, and the lobe filtered by the spread of a node
+//! * [`light_tree`]: the tree over the samples of distant light (Eq. 10 to 12), and the radiance of its nodes
+//! * [`cut`]: merging (3.2), selection for visibility and for solid angles (Eq. 5), illumination cuts, 16-bit packing
+//! * [`sources`]: surface samples as lights (4.1), their tree, its radiance, and what is near a receiver
+//! * [`meshless`]: the meshless hierarchical basis and its light transport
+//! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
+//! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
+//!
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
+//! replaced whole).
 
 pub mod atomic;
+pub mod bounds;
 pub mod brdf;
 pub mod camera;
 pub mod color;
-pub mod cube_map;
 pub mod cut;
 pub mod dataset;
 pub mod environment;
-pub mod haar;
 pub mod image;
 pub mod import;
-pub mod indirect;
 pub mod light_tree;
 pub mod lights;
 pub mod material;
@@ -35,7 +55,7 @@ pub mod ray;
 pub mod scene;
 pub mod shot;
 pub mod simd;
-pub mod source_tree;
+pub mod sources;
 pub mod sphere;
 pub mod surfel;
 #[cfg(any(test, feature = "test-scenes"))]

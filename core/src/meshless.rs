@@ -9,12 +9,10 @@
 //! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
 //! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
 //! * [`Flattening`]: the solution at vertices, or at any other points
-//! * [`neumann`]: several bounces as one operator, with the reflectance of the moment baked in
 
 mod basis;
 pub mod distance;
 mod flatten;
-pub mod neumann;
 mod projection;
 mod sampling;
 mod solve;

@@ -1,6 +1,7 @@
 //! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
 
 use crate::{
+    bounds::Bounds,
     camera::Camera,
     lights::Light,
     material::Material,
@@ -86,33 +87,6 @@ pub struct NoSuchCamera {
     pub name: String,
     /// Those of the scene.
     pub known: Vec<String>,
-}
-
-/// Axis-aligned bounds in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Smallest corner.
-    pub min: Vec3,
-    /// Largest corner.
-    pub max: Vec3,
-}
-
-impl Bounds {
-    /// The smallest box around `points`; empty bounds (`min > max`) for no points.
-    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
-        let empty = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-        points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
-    }
-
-    /// Length of the diagonal in metres; zero for empty bounds.
-    pub fn diagonal(&self) -> f32 {
-        (self.max - self.min).max(Vec3::ZERO).length()
-    }
-
-    /// Centre of the box.
-    pub fn center(&self) -> Vec3 {
-        0.5 * (self.min + self.max)
-    }
 }
 
 /// What makes a mesh unusable. Importers repair or report before this; a dataset is checked when loaded.

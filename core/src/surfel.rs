@@ -5,7 +5,7 @@ mod graded_grid;
 
 pub use graded_grid::GradedGrid;
 
-use crate::scene::Bounds;
+use crate::bounds::Bounds;
 use glam::{Vec2, Vec3};
 
 /// Where on a mesh a surface point lies, to look its material up.

@@ -1,15 +1,9 @@
 //! Textures: the encoded file, its decoded texels, and bilinear lookup with repeat.
 
-use crate::{
-    color::linear_from_srgb,
-    image::{ImageError, decode},
-};
+use crate::color::linear_from_srgb;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
-use std::{
-    path::Path,
-    sync::{Arc, LazyLock},
-};
+use std::sync::{Arc, LazyLock};
 
 /// How texels become parameter values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,16 +113,6 @@ impl Texture {
     pub fn missing(name: &str) -> Self {
         let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
         Self { name: name.to_owned(), size: [8, 8], texels: Texels::U8(texels.collect()), encoded: Arc::from([]) }
-    }
-
-    /// Reads a png, jpg, tga, hdr or exr file.
-    ///
-    /// # Errors
-    /// A file that cannot be read, is no picture, or is too large.
-    pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
-        decode(&bytes, path)
     }
 
     /// The texel at integer coordinates, repeated outside the image, in linear values.

@@ -27,11 +27,7 @@ pub mod pick;
 
 use crate::{actions::Action, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
-use lapidary_core::{
-    dataset::BakeMode,
-    ray::Intersector,
-    scene::{Bounds, Mesh},
-};
+use lapidary_core::{bounds::Bounds, dataset::BakeMode, ray::Intersector, scene::Mesh};
 use lapidary_render::{SourceLighting, ViewMode};
 use std::{sync::Arc, time::Duration};
 

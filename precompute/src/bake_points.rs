@@ -11,10 +11,10 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    indirect::Origin,
     ray::Intersector,
     scene::Mesh,
     shot::Shot,
+    sources::Origin,
     sphere::{fibonacci_directions, frame_around},
 };
 use rayon::prelude::*;

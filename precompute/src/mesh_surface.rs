@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    bounds::Bounds,
     ray::Intersector,
-    scene::{Bounds, Mesh},
+    scene::Mesh,
     surfel::{MeshPlace, Surface, Surfel},
 };
 

@@ -10,10 +10,10 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::BakeSettings,
-    indirect::{NearField, Origin, Source},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::{Intersector, SegmentBatch},
     shot::Shot,
+    sources::{NearField, Origin, Source},
     surfel::{Surface, Surfel},
 };
 

@@ -17,7 +17,7 @@ use lapidary_core::{
     cut::illumination::{IlluminationCriterion, intensity_cut},
     dataset::Dataset,
     lights::Light,
-    source_tree::{SourceRadiance, SourceTree},
+    sources::{SourceRadiance, SourceTree},
     surfel::OFFSET,
 };
 use lit_points::LitPoints;

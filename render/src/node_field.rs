@@ -3,7 +3,10 @@
 
 use crate::{indirect::SourceLighting, lighting::SceneLighting};
 use glam::Vec3;
-use lapidary_core::{cut::packed::VALUE_MAX, indirect::solid_angle, simd::Vec3x8};
+use lapidary_core::{
+    cut::{packed::VALUE_MAX, solid_angle},
+    simd::Vec3x8,
+};
 use std::sync::LazyLock;
 use wide::f32x8;
 

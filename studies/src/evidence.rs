@@ -3,7 +3,9 @@
 
 mod cases;
 mod clusters;
+mod cube_map;
 mod cut_sizes;
+mod haar;
 mod ladders;
 mod notebook;
 mod scale;

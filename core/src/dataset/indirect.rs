@@ -2,12 +2,11 @@
 
 use super::{
     error::{Damage, SourceDamage},
-    read::Reader,
-    write::{Tensor, cut_tensors, owned, tensor},
+    tensors::{Reader, Tensor, cut_tensors, owned, tensor},
 };
 use crate::{
-    indirect::{IndirectBake, Source},
     light_tree::height_of,
+    sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
 use glam::{Vec2, Vec3};

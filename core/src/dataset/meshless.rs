@@ -15,8 +15,7 @@
 
 use super::{
     error::{Damage, MeshlessDamage},
-    read::Reader,
-    write::{Tensor, owned, tensor},
+    tensors::{Reader, Tensor, owned, tensor},
 };
 use crate::{
     meshless::{Basis, MeshlessBake, PackedLink, Transport},

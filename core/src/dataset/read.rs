@@ -3,11 +3,11 @@
 use super::{
     Dataset, DatasetError, FORMAT_VERSION,
     error::Damage,
-    write::{Header, METADATA_KEY},
+    header::{Header, METADATA_KEY},
+    tensors::Reader,
 };
 use crate::{
     camera::Camera,
-    cut::packed::PackedCuts,
     image::decode,
     light_tree::LightTree,
     lights::Light,
@@ -44,11 +44,6 @@ fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
         return Err(DatasetError::Newer { path: path.into(), found, supported: FORMAT_VERSION });
     }
     Ok(())
-}
-
-pub(super) struct Reader<'a> {
-    tensors: SafeTensors<'a>,
-    path: &'a Path,
 }
 
 impl Reader<'_> {
@@ -126,60 +121,11 @@ impl Reader<'_> {
         Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })
     }
 
-    /// Whether a tensor of that name is there.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.tensors.tensor(name).is_ok()
-    }
-
-    /// `count` cuts of trees of `height` from the tensors of their texels and of their offsets.
-    pub(super) fn cuts(&self, names: [&'static str; 2], height: u32, count: usize) -> Result<PackedCuts, Damage> {
-        let [cuts, offsets] = names;
-        let texels: Vec<[u32; 4]> = self.array(cuts, Dtype::U32, &[4], None)?;
-        let nodes = bytemuck::cast_slice(&texels).to_vec();
-        let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
-        PackedCuts::from_parts(height, nodes, offsets).map_err(|(index, source)| Damage::Cut { cuts, index, source })
-    }
-
     fn permutation(&self) -> Result<Vec<u32>, Damage> {
         let order: Vec<u32> = self.array("tree_order", Dtype::U32, &[], None)?;
         let mut seen = vec![false; order.len()];
         let fresh = order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)));
         if fresh { Ok(order) } else { Err(Damage::Tree) }
-    }
-
-    fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {
-        let bytes: Vec<u8> = self.array(name, Dtype::U8, &[], Some(count))?;
-        Ok(bytes.into_iter().map(|b| b != 0).collect())
-    }
-
-    /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
-    pub(super) fn array<T: bytemuck::AnyBitPattern>(
-        &self,
-        name: &str,
-        dtype: Dtype,
-        inner: &[usize],
-        count: Option<usize>,
-    ) -> Result<Vec<T>, Damage> {
-        let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.into()))?;
-        let shape = tensor.shape();
-        let fits = tensor.dtype() == dtype
-            && shape.split_first().is_some_and(|(&n, rest)| rest == inner && count.is_none_or(|c| c == n));
-        if !fits {
-            let rows = count.map_or("any number".to_owned(), |c| c.to_string());
-            return Err(Damage::Shape {
-                name: name.into(),
-                found: format!("{:?} {shape:?}", tensor.dtype()),
-                expected: format!("{dtype:?} of {rows} x {inner:?}"),
-            });
-        }
-        debug_assert_eq!(
-            size_of::<T>(),
-            inner.iter().product::<usize>() * dtype.bitsize() / 8,
-            "{name} of {}",
-            self.path.display()
-        );
-        // Copied one by one: the file's bytes need not be aligned.
-        Ok(tensor.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
     }
 }
 

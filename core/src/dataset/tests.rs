@@ -3,10 +3,10 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
-    indirect::Source,
     material::{Material, MaterialMaps},
     meshless::{Basis, Transport},
     scene::{Mesh, Object},
+    sources::Source,
     surfel::{MeshPlace, Surfel},
     texture::{Channel, Texture, TextureSlot},
 };

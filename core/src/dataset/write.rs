@@ -1,43 +1,14 @@
 //! Writing a dataset, atomically.
 
-use super::{BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, indirect, meshless};
-use crate::{atomic::write_atomically, camera::Camera, cut::packed::PackedCuts, lights::Light, material::Material};
-use safetensors::{Dtype, tensor::TensorView};
-use serde::{Deserialize, Serialize};
-use std::{
-    borrow::Cow,
-    collections::{BTreeMap, HashMap},
-    io,
-    path::Path,
+use super::{
+    Dataset, DatasetError, FORMAT_VERSION,
+    header::{Header, METADATA_KEY},
+    indirect, meshless,
+    tensors::{Tensor, cut_tensors, tensor},
 };
-
-/// Key of the JSON in the safetensors metadata.
-pub(super) const METADATA_KEY: &str = "lapidary";
-
-/// The JSON part of a dataset.
-#[derive(Serialize, Deserialize)]
-pub(super) struct Header {
-    pub format_version: u32,
-    pub settings: BakeSettings,
-    pub scene_hash: String,
-    pub report: BakeReport,
-    pub materials: Vec<Material>,
-    pub objects: Vec<String>,
-    pub cameras: Vec<Camera>,
-    #[serde(default)]
-    pub lights: Vec<Light>,
-    pub textures: Vec<String>,
-    /// BLAKE3 of each tensor's bytes, hexadecimal.
-    pub checksums: BTreeMap<String, String>,
-}
-
-/// A tensor about to be written.
-pub(super) struct Tensor<'a> {
-    name: String,
-    dtype: Dtype,
-    shape: Vec<usize>,
-    bytes: Cow<'a, [u8]>,
-}
+use crate::atomic::write_atomically;
+use safetensors::{Dtype, tensor::TensorView};
+use std::{borrow::Cow, collections::HashMap, io, path::Path};
 
 impl Dataset {
     /// Writes the dataset to a temporary name beside `path` and renames it when it is complete, so that a failure leaves
@@ -119,27 +90,4 @@ impl Dataset {
         }
         tensors
     }
-}
-
-pub(super) fn tensor<'a, T: bytemuck::NoUninit, const D: usize>(
-    name: &str,
-    dtype: Dtype,
-    shape: [usize; D],
-    values: &'a [T],
-) -> Tensor<'a> {
-    Tensor { name: name.into(), dtype, shape: shape.to_vec(), bytes: Cow::Borrowed(bytemuck::cast_slice(values)) }
-}
-
-/// A tensor with bytes of its own.
-pub(super) fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
-    Tensor { bytes: Cow::Owned(tensor.bytes.into_owned()), name: tensor.name, dtype: tensor.dtype, shape: tensor.shape }
-}
-
-/// The texels and the offsets of cuts.
-pub(super) fn cut_tensors<'a>(texels: &str, offsets: &str, cuts: &'a PackedCuts) -> [Tensor<'a>; 2] {
-    let nodes: &[u8] = bytemuck::cast_slice(cuts.nodes());
-    [
-        tensor(texels, Dtype::U32, [nodes.len() / 16, 4], nodes),
-        tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets()),
-    ]
 }

@@ -15,6 +15,28 @@ use std::{io::Cursor, path::Path, sync::Arc};
 /// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats a pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
+impl Texture {
+    /// Reads a png, jpg, tga, hdr or exr file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no picture, or is too large.
+    pub fn read(path: &Path) -> Result<Self, ImageError> {
+        let bytes =
+            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+        decode(&bytes, path)
+    }
+}
+
+impl Image {
+    /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no picture, or is too large.
+    pub fn read(path: &Path) -> Result<Self, ImageError> {
+        Ok(linear_image(&Texture::read(path)?))
+    }
+}
+
 /// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
 ///
 /// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) only the slot that uses them
@@ -44,7 +66,7 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
 pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
-pub(crate) fn linear_image(texture: &Texture) -> Image {
+fn linear_image(texture: &Texture) -> Image {
     let pixels = match &texture.texels {
         Texels::U8(texels) => {
             let lut: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));

@@ -89,8 +89,8 @@ pub(super) fn repair(mut raw: RawMesh, report: &mut ImportReport) -> Result<Mesh
     mark_invalid_attributes(&mut raw);
     turn_flipped_triangles(&mut raw, report);
     let referenced = count_referenced(&raw);
-    let (mut mesh, state) = weld(&raw, report);
-    tangents::complete(&mut mesh, &state, report);
+    let (mut mesh, has_uv) = weld(&raw, report);
+    tangents::complete(&mut mesh, &has_uv, report);
     report.welded_vertices = referenced.saturating_sub(mesh.positions.len());
     report.split_vertices = mesh.positions.len().saturating_sub(referenced);
     (report.vertices, report.triangles) = (mesh.positions.len(), mesh.triangles.len());
@@ -171,12 +171,6 @@ fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// What is known of each vertex of the mesh while its tangents are still to be found.
-pub(super) struct VertexState {
-    /// The file had texture coordinates.
-    pub has_uv: Vec<bool>,
-}
-
 /// All attributes of a vertex as bits, and its object: vertices are one where these agree.
 type VertexKey = [u32; 13];
 
@@ -193,8 +187,9 @@ fn vertex_key(object: u32, position: Vec3, normal: Vec3, uv: Vec2, tangent: Vec4
     key
 }
 
-/// Gives every corner its normal and texture coordinates, and makes corners that agree in everything one vertex.
-fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, VertexState) {
+/// Gives every corner its normal and texture coordinates, and makes corners that agree in everything one vertex. Also
+/// returns which vertices of the mesh had texture coordinates in the file.
+fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
     let rebuilt =
         (raw.triangles.iter().flatten().any(|&v| raw.normals[v as usize] == Vec3::ZERO)).then(|| smooth_normals(raw));
     let mut welder = Welder::new(raw);
@@ -209,17 +204,18 @@ fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, VertexState) {
     }
     report.normals_rebuilt = welder.normals_rebuilt;
     let mut mesh = welder.mesh;
-    report.uvs_projected = welder.state.has_uv.iter().filter(|has| !**has).count();
+    report.uvs_projected = welder.has_uv.iter().filter(|has| !**has).count();
     mesh.triangles = triangles;
     mesh.triangle_material = raw.triangle_material.clone();
     mesh.triangle_object = raw.triangle_object.clone();
-    (mesh, welder.state)
+    (mesh, welder.has_uv)
 }
 
 struct Welder<'a> {
     raw: &'a RawMesh,
     mesh: Mesh,
-    state: VertexState,
+    /// The file had texture coordinates, one a vertex of `mesh`.
+    has_uv: Vec<bool>,
     normals_rebuilt: usize,
     by_key: HashMap<VertexKey, u32>,
     /// The object and the new index of raw vertices whose normals are stored; most corners end here.
@@ -229,8 +225,8 @@ struct Welder<'a> {
 impl<'a> Welder<'a> {
     fn new(raw: &'a RawMesh) -> Self {
         let by_raw_vertex = vec![None; raw.positions.len()];
-        let state = VertexState { has_uv: Vec::new() };
-        Self { raw, mesh: Mesh::default(), state, normals_rebuilt: 0, by_key: HashMap::new(), by_raw_vertex }
+        let (has_uv, by_key) = (Vec::new(), HashMap::new());
+        Self { raw, mesh: Mesh::default(), has_uv, normals_rebuilt: 0, by_key, by_raw_vertex }
     }
 
     /// The new index of a corner at raw vertex `v`; `rebuilt` is its normal where the file has none.
@@ -257,7 +253,7 @@ impl<'a> Welder<'a> {
             mesh.normals.push(normal);
             mesh.uvs.push(uv);
             mesh.tangents.push(tangent);
-            self.state.has_uv.push(has_uv);
+            self.has_uv.push(has_uv);
             self.normals_rebuilt += usize::from(rebuilt.is_some());
         }
         index

@@ -1,19 +1,19 @@
 //! Tangents where a mesh has none: by MikkTSpace from texture coordinates, as the programs that bake normal maps do.
 
-use super::{ImportReport, repair::VertexState};
+use super::ImportReport;
 use crate::scene::Mesh;
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec3, Vec4};
 
-/// Fills in all tangents that are zero. A vertex is split where mirrored texture coordinates meet; otherwise the
+/// Fills in all tangents that are zero. `has_uv` says which vertices had texture coordinates in the file. A vertex is split where mirrored texture coordinates meet; otherwise the
 /// tangents of its corners are averaged.
-pub(super) fn complete(mesh: &mut Mesh, state: &VertexState, report: &mut ImportReport) {
+pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportReport) {
     let missing = |v: u32| mesh.tangents[v as usize] == Vec4::ZERO;
-    let from_file = |v: usize| state.has_uv[v] && !missing(v as u32);
+    let from_file = |v: usize| has_uv[v] && !missing(v as u32);
     report.tangents_rebuilt = (0..mesh.tangents.len()).filter(|v| !from_file(*v)).count();
     let usable = |t: &usize| {
         let corners = mesh.triangles[*t];
-        corners.iter().all(|&v| state.has_uv[v as usize]) && corners.iter().any(|&v| missing(v))
+        corners.iter().all(|&v| has_uv[v as usize]) && corners.iter().any(|&v| missing(v))
     };
     let faces: Vec<usize> = (0..mesh.triangles.len()).filter(usable).collect();
     if !faces.is_empty() {

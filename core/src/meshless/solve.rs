@@ -81,7 +81,7 @@ impl Solution {
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) projection: Projection,
-    pub(super) at_senders: Flattening,
+    at_senders: Flattening,
     /// By which the points of the senders receive.
     normals: Vec<Vec3>,
 }

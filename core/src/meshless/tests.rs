@@ -5,7 +5,7 @@ use crate::{
     sphere::{fibonacci_directions, frame_around, uniform_direction},
     surfel::{MeshPlace, Surfel},
 };
-use glam::{Mat3A, Vec3};
+use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Points that lie evenly on a sphere, with normals outward, or inward for a negative radius.
@@ -219,36 +219,6 @@ fn a_white_sphere_keeps_its_energy_and_bad_numbers_stay_out() {
     let ones = vec![Vec3::ONE; direct.len()];
     let solution = solver.solve(&bake, &ones, &white, SolveSettings { bounces: 10, threshold: 0.0 });
     assert!((solution.mean_irradiance[10].x - 1.0).abs() < 0.1, "{:?}", solution.mean_irradiance[10]);
-}
-
-#[test]
-fn the_series_agrees_with_bounce_by_bounce() {
-    let bake = inside_of_a_sphere();
-    let solver = Solver::new(&bake);
-    let direct = samples(&bake.basis, |p| Vec3::splat(1.0 + p.x));
-    let reflectance = vec![Vec3::new(0.8, 0.4, 0.2); direct.len()];
-    let series = neumann::Series::new(&bake, &solver, &reflectance, 3, 0.0, &|| false).unwrap();
-    let at_once = series.apply(&solver.projection.pull_push(&direct));
-    let settings = SolveSettings { bounces: 3, threshold: 0.0 };
-    let by_bounce = solver.solve(&bake, &direct, &reflectance, settings).coefficients;
-    let differ = |a: &Mat3A, b: &Mat3A| (0..3).map(|c| (a.col(c) - b.col(c)).length()).fold(0.0, f32::max);
-    let largest = at_once.iter().zip(&by_bounce).map(|(a, b)| differ(a, b)).fold(0.0, f32::max);
-    assert!(largest < 0.02, "{largest}");
-    let one = neumann::Series::new(&bake, &solver, &reflectance, 1, 0.0, &|| false).unwrap();
-    let single = one.apply(&solver.projection.pull_push(&direct));
-    assert!(differ(&single[0], &by_bounce[0]) > 0.3, "one bounce is not three");
-    let truncated = neumann::Series::new(&bake, &solver, &reflectance, 3, 0.02, &|| false).unwrap();
-    assert!(truncated.links() < series.links() / 2);
-    assert!(neumann::Series::new(&bake, &solver, &reflectance, 3, 0.0, &|| true).is_none(), "cancelled");
-    let white = |rho| {
-        let series =
-            neumann::Series::new(&bake, &solver, &vec![Vec3::new(rho, 0.5, -rho); direct.len()], 1, 0.0, &|| false);
-        series.unwrap().apply(&solver.projection.pull_push(&direct))
-    };
-    assert_eq!(
-        white(7.0),
-        white(1.0).iter().map(|m| Mat3A::from_cols(m.x_axis, m.y_axis, Default::default())).collect::<Vec<_>>()
-    );
 }
 
 #[test]

@@ -238,13 +238,7 @@ fn band_range(offsets: &[u32], senders: usize, band: usize) -> Option<Range<usiz
 /// Irradiance on a surface with a unit normal, per channel, of vector irradiance with a column a channel. Never negative.
 #[inline(always)]
 pub fn irradiance(vector: &Mat3A, normal: Vec3) -> Vec3 {
-    signed_irradiance(vector, normal).max(Vec3::ZERO)
-}
-
-/// The same without the bound, so that it is linear.
-#[inline(always)]
-pub(super) fn signed_irradiance(vector: &Mat3A, normal: Vec3) -> Vec3 {
-    vector.transpose().mul_vec3(normal)
+    vector.transpose().mul_vec3(normal).max(Vec3::ZERO)
 }
 
 #[cfg(test)]

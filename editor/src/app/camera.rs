@@ -3,7 +3,7 @@
 use super::state::EditorState;
 use crate::viewport::{camera_text, navigation, pick};
 use egui::Context;
-use lapidary_core::{camera::Camera, scene::Bounds};
+use lapidary_core::{bounds::Bounds, camera::Camera};
 
 impl EditorState {
     pub(super) fn frame_selection(&mut self) {

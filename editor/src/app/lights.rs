@@ -7,8 +7,8 @@ use crate::document::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    bounds::Bounds,
     lights::{Light, LightsFile, MAX_LIGHTS},
-    scene::Bounds,
 };
 use lapidary_render::Baked;
 use std::path::Path;

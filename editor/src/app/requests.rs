@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use crate::document::TextureEntry;
     use lapidary_core::{
-        cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, test_scenes, texture::Texture,
+        cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes, texture::Texture,
     };
 
     #[test]

@@ -36,7 +36,7 @@ use crate::{
     viewport::pick,
 };
 use egui::{Event, Ui, ViewportCommand};
-use lapidary_core::scene::{Bounds, Mesh};
+use lapidary_core::{bounds::Bounds, scene::Mesh};
 use lapidary_render::Baked;
 use std::{
     collections::{HashMap, VecDeque},

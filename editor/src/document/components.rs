@@ -90,7 +90,7 @@ impl Unlit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, test_scenes};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {

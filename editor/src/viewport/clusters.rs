@@ -84,9 +84,8 @@ pub(super) mod tests {
     use egui::{Pos2, pos2};
     use glam::{Vec2, Vec3};
     use lapidary_core::{
-        indirect::Source,
         scene::Mesh as SceneMesh,
-        source_tree::SourceTree,
+        sources::{Source, SourceTree},
         surfel::{MeshPlace, Surfel},
     };
 

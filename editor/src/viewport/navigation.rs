@@ -4,7 +4,7 @@
 //! poles. A move that would leave the numbers (NaN, infinity, the eye on its target) returns the camera as it was.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{camera::Camera, scene::Bounds};
+use lapidary_core::{bounds::Bounds, camera::Camera};
 
 /// Turning stops this short of the poles, where +Y no longer says which way is upright.
 const MAX_PITCH: f32 = 89.9_f32.to_radians();

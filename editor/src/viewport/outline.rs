@@ -2,7 +2,7 @@
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, vec2};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, scene::Bounds};
+use lapidary_core::{bounds::Bounds, camera::Camera};
 
 /// Seconds that the box is shown in full, and that it takes to fade.
 const HOLD_SECS: f64 = 1.0;

@@ -1,11 +1,7 @@
 //! What lies under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    camera::Camera,
-    ray::Intersector,
-    scene::{Bounds, Mesh},
-};
+use lapidary_core::{bounds::Bounds, camera::Camera, ray::Intersector, scene::Mesh};
 
 /// What lies under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lapidary_core::{
-    scene::Bounds,
+    bounds::Bounds,
     surfel::{Surface, Surfel},
 };
 

@@ -3,7 +3,7 @@
 use crate::aggregate::passes;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    scene::Bounds,
+    bounds::Bounds,
     surfel::{MeshPlace, Surface, Surfel},
 };
 

@@ -3,8 +3,9 @@
 use crate::aggregate::passes;
 use glam::Vec3;
 use lapidary_core::{
+    bounds::Bounds,
     ray::Intersector,
-    scene::{Bounds, Mesh},
+    scene::Mesh,
     surfel::{MeshPlace, Surface, Surfel},
 };
 

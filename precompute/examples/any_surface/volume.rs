@@ -3,7 +3,7 @@
 use crate::aggregate::passes;
 use glam::{IVec3, Vec3};
 use lapidary_core::{
-    scene::Bounds,
+    bounds::Bounds,
     sphere::fibonacci_direction,
     surfel::{MeshPlace, Surface, Surfel},
 };

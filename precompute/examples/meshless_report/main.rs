@@ -1,5 +1,5 @@
 //! The figures of the meshless light transport in `docs/measurements.md`: size of the operator, error of one bounce against
-//! rays, times of a light that moves, and the Neumann series beside iterating.
+//! rays, and times of a light that moves.
 //!
 //! ```sh
 //! cargo run --release -p lapidary-precompute --example meshless_report -- SCENE --levels 6 --sender-levels 4 --gather-rays 300 --epsilon 0.025
@@ -10,7 +10,6 @@
 
 mod errors;
 mod prepared;
-mod series;
 mod times;
 
 use anyhow::{Context, Result};
@@ -50,12 +49,6 @@ struct Args {
     /// Points at which light is compared with rays
     #[arg(long, default_value_t = 600)]
     points: usize,
-    /// Also the Neumann series of so many bounces: minutes for thousands of senders
-    #[arg(long, value_name = "BOUNCES")]
-    series: Option<u32>,
-    /// Least link of the series
-    #[arg(long, default_value_t = 1e-5)]
-    series_epsilon: f32,
 }
 
 fn main() -> Result<()> {
@@ -93,9 +86,6 @@ fn main() -> Result<()> {
     println!("bake {seconds:.1} s");
     errors::print(&bake, &solver, &surface, &lamp, viewpoint, args.points);
     times::print(&bake, &solver, &prepared, &lamp);
-    if let Some(bounces) = args.series {
-        series::print(&bake, &solver, &surface, &lamp, bounces, args.series_epsilon);
-    }
     Ok(())
 }
 

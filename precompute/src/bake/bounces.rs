@@ -12,10 +12,10 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     dataset::{BakeSettings, IndirectReport, MeshlessReport},
-    indirect::IndirectBake,
     light_tree::LightTree,
     meshless::MeshlessBake,
     scene::Scene,
+    sources::IndirectBake,
     surfel::Surfel,
 };
 

@@ -86,7 +86,7 @@ fn warn_of_coarsening(leaves: &str, option: &str, asked: f32, fitted: f32, obser
 mod tests {
     use super::*;
     use crate::{bake::remarks::Remarks, observer::Silent};
-    use lapidary_core::{cut::packed::VALUE_MAX, indirect::solid_angle_code};
+    use lapidary_core::cut::{packed::VALUE_MAX, solid_angle_code};
 
     /// Nodes that alternate between seen and hidden, which any sigma below a half keeps.
     fn alternating(height: u32, seen: u16) -> Vec<u16> {

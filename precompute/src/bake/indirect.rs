@@ -20,8 +20,8 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeSettings, IndirectReport},
-    indirect::{IndirectBake, Source},
     light_tree::LightTree,
+    sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
 };
 

@@ -10,11 +10,14 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    cut::packed::{VALUE_MAX, depth},
+    cut::{
+        LARGEST_SOLID_ANGLE,
+        packed::{VALUE_MAX, depth},
+        solid_angle,
+    },
     dataset::{BakeMode, IndirectSettings, MeshlessSettings},
-    indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
     shot::Shot,
-    source_tree::SourceTree,
+    sources::{Source, SourceTree},
 };
 use std::{
     f32::consts::PI,

@@ -3,7 +3,7 @@
 use super::{PointsError, disk::DENSITY};
 use crate::{Event, MeshSurface, Observer};
 use lapidary_core::{
-    indirect::OWNED_WITHIN,
+    sources::OWNED_WITHIN,
     surfel::{GradedGrid, Surface, Surfel},
 };
 use rayon::prelude::*;

@@ -4,8 +4,8 @@ use super::*;
 use crate::{Silent, on_threads};
 use glam::Vec3;
 use lapidary_core::{
+    bounds::Bounds,
     meshless::{MeshlessBake, SolveSettings, Solver, irradiance},
-    scene::Bounds,
     sphere::{fibonacci_directions, uniform_direction},
     surfel::{MeshPlace, Surfel},
 };

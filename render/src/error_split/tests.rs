@@ -11,7 +11,7 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfModel, BrdfParameters},
     ray::{DirectionSet, Intersector},
-    source_tree::SourceTree,
+    sources::SourceTree,
 };
 use std::sync::{
     Arc,

@@ -10,7 +10,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    environment::texel_direction, image::Image, indirect::owners, light_tree::NearestLeaf, ray::DirectionSet,
+    environment::texel_direction, image::Image, light_tree::NearestLeaf, ray::DirectionSet, sources::owners,
     surfel::GradedGrid,
 };
 use rayon::prelude::*;

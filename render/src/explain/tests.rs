@@ -9,9 +9,8 @@ use crate::{
 use lapidary_core::{
     camera::Camera,
     image::Image,
-    indirect::Source,
     material::BrdfModel,
-    source_tree::SourceTree,
+    sources::{Source, SourceTree},
     surfel::{MeshPlace, Surfel},
 };
 use std::sync::Arc;

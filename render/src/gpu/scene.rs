@@ -6,10 +6,10 @@ use super::{
 };
 use crate::{backend::BackendError, view_mode::visibility_cuts};
 use lapidary_core::{
+    bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
-    indirect::IndirectBake,
-    scene::Bounds,
+    sources::IndirectBake,
 };
 
 /// Buffers and textures of one dataset.

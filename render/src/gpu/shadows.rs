@@ -102,8 +102,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use lapidary_core::{
+        bounds::Bounds,
         lights::{Emission, Light},
-        scene::Bounds,
     };
 
     fn lamps() -> Vec<Light> {

@@ -5,9 +5,9 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
     dataset::Dataset,
-    indirect::Source,
     lights::Light,
     ray::Intersector,
+    sources::Source,
     surfel::Surfel,
 };
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 //! what it sends is its mean.
 
 use glam::Vec3;
-use lapidary_core::{indirect::Source, meshless::distance::distance, ray::Intersector, surfel::Surfel};
+use lapidary_core::{meshless::distance::distance, ray::Intersector, sources::Source, surfel::Surfel};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 

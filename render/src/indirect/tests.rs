@@ -12,13 +12,14 @@ use lapidary_core::{
     cut::{
         CutCriterion, CutSelector,
         packed::{PackedCuts, pack_node},
+        solid_angle, solid_angle_code,
     },
     dataset::BakeMode,
     image::Image,
-    indirect::{IndirectBake, Source, solid_angle, solid_angle_code},
     lights::Emission,
     material::{BrdfModel, BrdfParameters, Material},
     scene::Mesh,
+    sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
 use std::f32::consts::PI;

@@ -9,9 +9,9 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    indirect::{NearField, Origin},
     ray::SegmentBatch,
     simd::Vec3x8,
+    sources::{NearField, Origin},
     surfel::OFFSET,
 };
 use std::array::from_fn;

@@ -9,6 +9,8 @@ use super::{
     Measurement,
     cases::{Bakes, Case, TREES},
     clusters::label,
+    cube_map::{self, FACES},
+    haar::{self, Nonlinear},
     notebook::Notebook,
 };
 use crate::report::{
@@ -19,9 +21,7 @@ use crate::report::{
 use anyhow::Result;
 use glam::Vec3;
 use lapidary_core::{
-    cube_map::{self, FACES},
     cut::{CutCriterion, CutSelector},
-    haar::{self, Nonlinear},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
 };
 use serde::Serialize;

@@ -1,6 +1,9 @@
 //! Properties of merging, against brute force and against the paper's own loop.
 
+mod full_precision;
+
 use super::*;
+use full_precision::{Cut, CutNode, combine, product_integral, visit_values};
 use proptest::prelude::*;
 
 /// A random cut: nodes split by a stream of decisions, values from a stream of integers.

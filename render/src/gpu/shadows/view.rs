@@ -6,8 +6,8 @@
 use crate::gpu::layout::{ShadowView, constants::KERNEL_RADIUS};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    bounds::Bounds,
     lights::{Emission, Light, RectangleShape},
-    scene::Bounds,
 };
 
 /// Texels around what a view has to show, so that the filter stays on the map.

@@ -234,7 +234,7 @@ fn shared_constants_have_the_same_values() {
         ("LOBE_LOSS_3", LOBE_LOSS[1]),
         ("LOBE_LOSS_4", LOBE_LOSS[2]),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
-        ("LARGEST_SOLID_ANGLE", lapidary_core::indirect::LARGEST_SOLID_ANGLE),
+        ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::node_field::LEAST_DISTANCE),
         ("LINE_WIDTH", crate::wireframe::LINE_WIDTH),
         ("LINE_FADE", crate::wireframe::LINE_FADE),

@@ -1,6 +1,6 @@
 //! What changes when the light on the sources changes: radiance and centres of all nodes of a source tree.
 
-use super::{Cloud, SourceTree};
+use super::tree::{Cloud, SourceTree};
 use crate::{color::luminance, light_tree::means_up_the_tree};
 use glam::Vec3;
 
@@ -54,8 +54,8 @@ fn means_by_area(tree: &SourceTree, leaves: &[Vec3]) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tree::tests::square;
     use super::*;
-    use crate::source_tree::tests::square;
 
     #[test]
     fn radiance_is_weighted_by_area_and_centres_lean_to_the_bright_source() {

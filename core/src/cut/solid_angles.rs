@@ -6,11 +6,16 @@
 //! Near by even a smooth slope is many units high, and all of the surroundings would be split to the leaves: so a node whose
 //! values are alike in proportion stays whole.
 
+mod code;
+mod prune;
+
+pub use code::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
+pub use prune::prune_sources;
+
 use super::{
     packed::{VALUE_MAX, depth},
-    select::CutWriter,
+    visibility::CutWriter,
 };
-use crate::indirect::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
 use serde::{Deserialize, Serialize};
 
 /// When a node of a source cut is fine enough.

@@ -5,10 +5,17 @@
 //! zero where it is hidden (`<V G>` of the paper, 3).
 
 mod near_field;
+mod radiance;
+mod tree;
 
 pub use near_field::{NearField, OWNED_WITHIN, Origin, owners};
+pub use radiance::SourceRadiance;
+pub use tree::SourceTree;
 
-use crate::{cut::packed::PackedCuts, surfel::Surfel};
+use crate::{
+    cut::{LARGEST_SOLID_ANGLE, packed::PackedCuts},
+    surfel::Surfel,
+};
 use glam::Vec3;
 
 /// A surface sample that sends light.
@@ -45,47 +52,15 @@ impl Source {
 pub struct IndirectBake {
     /// `2^H` sources in the order of the leaves of their complete binary tree.
     pub sources: Vec<Source>,
-    /// One cut a vertex over the sources; values are coded by [`solid_angle_code`].
+    /// One cut a vertex over the sources; values are coded by [`crate::cut::solid_angle_code`].
     pub cuts: PackedCuts,
     /// One cut a source over the dataset's light tree: its visibility of the environment.
     pub environment_cuts: PackedCuts,
 }
 
-/// Largest solid angle that a source can fill, in steradians: a hemisphere.
-pub const LARGEST_SOLID_ANGLE: f32 = 2.0 * std::f32::consts::PI;
-/// Binary orders of magnitude that the code spans; what is smaller counts as hidden.
-const ORDERS: f32 = 30.0;
-const CODES: f32 = 4094.0;
-
-/// A solid angle in 12 bits: 0 for none, else logarithmic, in steps of half a percent.
-pub fn solid_angle_code(steradians: f32) -> u16 {
-    if !(steradians > LARGEST_SOLID_ANGLE * (-ORDERS).exp2()) {
-        return 0;
-    }
-    let orders = (steradians / LARGEST_SOLID_ANGLE).min(1.0).log2() + ORDERS;
-    1 + (orders * (CODES / ORDERS) + 0.5) as u16
-}
-
-/// The solid angle in steradians of a code.
-#[inline(always)]
-pub fn solid_angle(code: u16) -> f32 {
-    if code == 0 { 0.0 } else { LARGEST_SOLID_ANGLE * (f32::from(code - 1) * (ORDERS / CODES) - ORDERS).exp2() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn solid_angles_keep_half_a_percent() {
-        assert_eq!((solid_angle_code(0.0), solid_angle_code(f32::NAN), solid_angle(0)), (0, 0, 0.0));
-        assert_eq!(solid_angle_code(100.0), 4095, "no code leaves the 12 bits");
-        let mut x = 1.1e-8;
-        while x < LARGEST_SOLID_ANGLE {
-            assert!((solid_angle(solid_angle_code(x)) / x - 1.0).abs() < 2.7e-3, "{x}");
-            x *= 1.07;
-        }
-    }
 
     #[test]
     fn solid_angles_are_near_those_of_discs_at_any_distance() {

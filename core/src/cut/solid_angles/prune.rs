@@ -2,9 +2,9 @@
 
 use super::{
     SourceCriterion,
-    packed::{VALUE_MAX, depth},
+    code::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code},
 };
-use crate::indirect::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
+use crate::cut::packed::{VALUE_MAX, depth};
 
 /// Coarsens a packed cut of solid angles of `2^height` sources: each node that keeps `criterion`, by the values that are stored,
 /// takes the place of all below it. What these have left out is not known any more, so that a cut selected by `criterion` at once
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
     use crate::cut::{
         packed::cut_len,
-        select_sources::tests::{HEIGHT, expand, leaves, select},
+        solid_angles::tests::{HEIGHT, expand, leaves, select},
     };
 
     const FINE: SourceCriterion = SourceCriterion { sigma: 0.5, max_solid_angle: 0.2, contrast: 0.1 };

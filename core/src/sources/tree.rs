@@ -3,11 +3,7 @@
 //! As the light tree it is complete, and its arrays are indexed by heap index. A node's sources are discs of some area;
 //! seen from far they are one light at their mean position.
 
-mod radiance;
-
-pub use radiance::SourceRadiance;
-
-use crate::indirect::Source;
+use super::Source;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -71,15 +67,15 @@ impl SourceTree {
 
 /// Weighted points: their weight, mean and mean squared distance from it.
 #[derive(Clone, Copy, Debug)]
-struct Cloud {
-    weight: f32,
-    center: Vec3,
-    variance: f32,
+pub(super) struct Cloud {
+    pub weight: f32,
+    pub center: Vec3,
+    pub variance: f32,
 }
 
 impl Cloud {
     /// The points of a source's disc.
-    fn disc(source: &Source, weight: f32) -> Self {
+    pub fn disc(source: &Source, weight: f32) -> Self {
         Self { weight, center: source.surfel.position, variance: source.area / TAU }
     }
 
@@ -98,7 +94,7 @@ impl Cloud {
     }
 
     /// Those of all nodes by heap index (entry 0 repeats the root), from the leaves'.
-    fn up_the_tree(leaves: Vec<Self>) -> Vec<Self> {
+    pub fn up_the_tree(leaves: Vec<Self>) -> Vec<Self> {
         let n = leaves.len();
         let mut nodes = leaves.clone();
         nodes.extend(leaves);
@@ -110,18 +106,18 @@ impl Cloud {
     }
 
     /// See [`SourceTree::radii`]: the mean squared distance of a disc is half of its squared radius.
-    fn radius(&self) -> f32 {
+    pub fn radius(&self) -> f32 {
         (2.0 * self.variance).sqrt()
     }
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::surfel::{MeshPlace, Surfel};
 
     /// A square of `2^(2 k)` sources in the plane y = 0, in Morton order, far from the origin.
-    pub(crate) fn square(k: u32, half: f32) -> Vec<Source> {
+    pub(in crate::sources) fn square(k: u32, half: f32) -> Vec<Source> {
         let side = 1 << k;
         let cell = 2.0 * half / side as f32;
         let coordinate = |code: u32| (0..k).fold(0, |c, bit| c | (code >> (2 * bit) & 1) << bit);

@@ -21,22 +21,6 @@ pub fn forward(values: &mut [f32], side: usize) {
     }
 }
 
-/// Replaces coefficients by the values that [`forward`] made them of.
-///
-/// # Panics
-/// As [`forward`].
-pub fn inverse(coefficients: &mut [f32], side: usize) {
-    check(coefficients, side);
-    let mut size = 2;
-    while size <= side {
-        step(coefficients, side, size, |half, x, y| {
-            let (x2, y2) = (2 * x, 2 * y);
-            (quarters(half, x, y), [[x2, y2], [x2 + 1, y2], [x2, y2 + 1], [x2 + 1, y2 + 1]])
-        });
-        size *= 2;
-    }
-}
-
 fn check(values: &[f32], side: usize) {
     assert!(side.is_power_of_two(), "the side is a power of two");
     assert_eq!(values.len(), side * side, "a square of values");
@@ -93,6 +77,7 @@ impl Nonlinear {
     }
 
     /// Squared error, summed over all values, with the `terms` largest coefficients.
+    #[cfg(test)]
     pub fn squared_error(&self, terms: usize) -> f64 {
         self.squared_errors.get(terms).copied().unwrap_or(0.0)
     }
@@ -106,6 +91,19 @@ impl Nonlinear {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Replaces coefficients by the values that [`forward`] made them of.
+    fn inverse(coefficients: &mut [f32], side: usize) {
+        check(coefficients, side);
+        let mut size = 2;
+        while size <= side {
+            step(coefficients, side, size, |half, x, y| {
+                let (x2, y2) = (2 * x, 2 * y);
+                (quarters(half, x, y), [[x2, y2], [x2 + 1, y2], [x2, y2 + 1], [x2 + 1, y2 + 1]])
+            });
+            size *= 2;
+        }
+    }
 
     fn random(side: usize, seed: u64) -> Vec<f32> {
         let mut rng = fastrand::Rng::with_seed(seed);

@@ -1,0 +1,30 @@
+//! Axis-aligned boxes.
+
+use glam::Vec3;
+
+/// Axis-aligned bounds in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The smallest box around `points`; empty bounds (`min > max`) for no points.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let empty = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+        points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Length of the diagonal in metres; zero for empty bounds.
+    pub fn diagonal(&self) -> f32 {
+        (self.max - self.min).max(Vec3::ZERO).length()
+    }
+
+    /// Centre of the box.
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+}

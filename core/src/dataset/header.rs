@@ -1,0 +1,26 @@
+//! The JSON part of a dataset, in the metadata of its file.
+
+use super::{BakeReport, BakeSettings};
+use crate::{camera::Camera, lights::Light, material::Material};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Key of the JSON in the safetensors metadata.
+pub(super) const METADATA_KEY: &str = "lapidary";
+
+/// The JSON part of a dataset.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Header {
+    pub format_version: u32,
+    pub settings: BakeSettings,
+    pub scene_hash: String,
+    pub report: BakeReport,
+    pub materials: Vec<Material>,
+    pub objects: Vec<String>,
+    pub cameras: Vec<Camera>,
+    #[serde(default)]
+    pub lights: Vec<Light>,
+    pub textures: Vec<String>,
+    /// BLAKE3 of each tensor's bytes, hexadecimal.
+    pub checksums: BTreeMap<String, String>,
+}
