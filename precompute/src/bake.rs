@@ -3,15 +3,14 @@
 mod bounces;
 mod chunks;
 mod clock;
-mod error;
 mod fit;
+mod geometry;
 mod indirect;
 mod meshless;
 mod pack;
 mod remarks;
 
-pub use error::BakeError;
-pub(crate) use indirect::point_of;
+pub(crate) use geometry::Geometry;
 pub(crate) use pack::{Packed, concatenate, pack};
 
 use self::{
@@ -23,24 +22,19 @@ use self::{
     remarks::Remarks,
 };
 use crate::{
-    SettingsError,
-    bake_points::BakePoints,
     checkpoint::{Checkpoint, Chunk, Series},
+    errors::{BakeError, SettingsError, cancelled},
     memory,
     meshless::check_coarse_radius,
     observer::{Event, Observer, Phase},
     pilot::sample_pilot,
-    settings::with_room,
-    sidedness::{Sidedness, classify},
-    tessellate::{Stored, Wanted, tessellate},
+    settings::resolve,
     visibility::VisibilitySampler,
 };
 use lapidary_core::{
-    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, scene_hash},
+    dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
-    ray::Intersector,
     scene::Scene,
-    shot::Shot,
     sphere::fibonacci_directions,
 };
 use std::{path::PathBuf, time::Instant};
@@ -70,7 +64,7 @@ pub struct BakeJob {
 /// # Errors
 /// See [`BakeError`]. Whatever stood at the output is kept unless the bake succeeds.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    let settings = crate::resolve(job.settings.clone())?;
+    let settings = resolve(job.settings.clone())?;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;
     check_memory(&scene, &settings)?;
@@ -150,60 +144,6 @@ fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError>
             Err(BakeError::Memory { remedy, needed: needed >> 20, available: available >> 20 })
         }
         _ => Ok(()),
-    }
-}
-
-/// An error if the job should stop.
-pub(crate) fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
-    if observer.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) }
-}
-
-/// The tessellated scene with its bake points.
-pub(crate) struct Geometry {
-    pub scene: Scene,
-    pub source_vertices: usize,
-    pub sides: Sidedness,
-    pub intersector: Intersector,
-    pub points: BakePoints,
-    pub buried: Vec<bool>,
-}
-
-impl Geometry {
-    pub fn new(
-        mut scene: Scene,
-        mode: BakeMode,
-        budget: Option<usize>,
-        shots: &[Shot],
-        observer: &dyn Observer,
-    ) -> Result<Self, BakeError> {
-        let source_vertices = scene.mesh.positions.len();
-        let mut sides = classify(&scene);
-        let source = Intersector::new(&scene.mesh);
-        let intersector = match budget {
-            Some(budget) => {
-                remark_on_budget(source_vertices, budget, observer);
-                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
-                let wanted = Wanted { stored, budget, shots };
-                tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
-                Intersector::new(&scene.mesh)
-            }
-            None => source,
-        };
-        let points = BakePoints::new(&scene.mesh, &sides);
-        let buried = points.buried(&intersector, &sides, observer)?;
-        Ok(Self { scene, source_vertices, sides, intersector, points, buried })
-    }
-}
-
-/// Tells of a mesh that has as many vertices already as it may get.
-fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
-    if budget <= vertices {
-        let message = format!(
-            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
-             --max-vertices {} or more",
-            with_room(0, vertices)
-        );
-        observer.event(Event::Warning { message });
     }
 }
 

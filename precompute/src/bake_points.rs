@@ -4,8 +4,7 @@ mod creases;
 mod sight;
 
 use crate::{
-    BakeError,
-    bake::cancelled,
+    errors::{BakeError, cancelled},
     observer::Observer,
     sidedness::{Sidedness, exact_key},
 };
@@ -16,6 +15,7 @@ use lapidary_core::{
     scene::Mesh,
     shot::Shot,
     sphere::{fibonacci_directions, frame_around},
+    surfel::Surfel,
 };
 use rayon::prelude::*;
 use sight::Sight;
@@ -56,6 +56,12 @@ pub struct BakePoints {
 }
 
 impl BakePoint {
+    /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset` metres off.
+    pub fn of_surfel(surfel: Surfel, offset: f32) -> Self {
+        let Surfel { position, normal, .. } = surfel;
+        Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
+    }
+
     /// Where rays of the upper (true) or lower side start.
     pub fn origin(&self, upper: bool) -> Vec3 {
         self.place(upper) + self.normal * if upper { self.offset } else { -self.offset }

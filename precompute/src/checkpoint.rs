@@ -10,6 +10,7 @@ mod rows;
 
 pub use places::Part;
 
+use crate::errors::CheckpointError;
 use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -17,7 +18,6 @@ use std::{
     ops::Range,
     path::{Path, PathBuf},
 };
-use thiserror::Error;
 
 /// The cuts of a range of points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,27 +41,6 @@ pub enum Series {
     Sources,
     /// Of the surface sources over the environment's lights.
     SourceEnvironment,
-}
-
-/// Why a checkpoint cannot be used or written.
-#[derive(Debug, Error)]
-pub enum CheckpointError {
-    /// The file system refused.
-    #[error("cannot {action} the checkpoint: {source}; check permissions and free space, finished chunks are kept ({})", path.display())]
-    Io {
-        /// `read`, `write` or `remove`.
-        action: &'static str,
-        /// Which file or folder.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The checkpoint belongs to another bake.
-    #[error("the checkpoint was made with another scene or other settings; use the same options, or leave out --resume to start over ({})", path.display())]
-    Mismatch {
-        /// Which folder.
-        path: PathBuf,
-    },
 }
 
 /// What a checkpoint belongs to.

@@ -1,8 +1,9 @@
 //! The meshless bake: points of all levels, then the operator between them (meshless paper, 2.3 and 3.2).
 
 use crate::{
-    BakeError, Candidates, Darts, Observer, PointsError, poisson_disk,
-    surface_points::{LEAST_COARSE_RADIUS, poisson_levels},
+    errors::{BakeError, LEAST_COARSE_RADIUS, PointsError},
+    observer::Observer,
+    surface_points::{Candidates, Darts, poisson_disk, poisson_levels},
     transport::transport_operator,
 };
 use glam::Vec3;

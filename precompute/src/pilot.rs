@@ -4,8 +4,8 @@
 //! both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so all of them are not worth seven times the rays.
 
 use crate::{
-    BakeError,
     bake_points::{BakePoint, BakePoints},
+    errors::{BakeError, SettingsError},
     observer::{Event, Observer},
     visibility::VisibilitySampler,
 };
@@ -32,7 +32,7 @@ pub fn sample_pilot(
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
     // In sample order: the tree that the samples will be arranged by does not exist yet.
-    let samples = LightTree::from_order((0..lights as u32).collect()).map_err(crate::SettingsError::from)?;
+    let samples = LightTree::from_order((0..lights as u32).collect()).map_err(SettingsError::from)?;
     let sampler = VisibilitySampler::new(scene, &samples);
     let sample = |point: &BakePoint, visible: &mut [u8]| {
         sampler.sample(point, visible);

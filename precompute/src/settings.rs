@@ -1,12 +1,12 @@
 //! Presets along quality and time, and the check that turns options into settings.
 
+use crate::errors::SettingsError;
 use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeMode, BakeSettings, IndirectSettings, MeshlessSettings},
-    light_tree::{LightCountError, TreeKind, height_of},
+    light_tree::{TreeKind, height_of},
 };
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// A named set of bake settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -68,35 +68,6 @@ impl Preset {
             Self::High => BakeSettings { criterion: sigma(1.5), max_vertices: Some(300_000), ..normal },
         }
     }
-}
-
-/// Settings that no bake can be made with.
-#[derive(Debug, Error, PartialEq)]
-pub enum SettingsError {
-    /// Number of lights.
-    #[error(transparent)]
-    Lights(#[from] LightCountError),
-    /// Number of surface sources.
-    #[error("{0} surface sources make no complete binary tree; use a power of two from 2 to 32768 for --sources")]
-    Sources(usize),
-    /// A shot of a camera that looks nowhere.
-    #[error(
-        "shot {0} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 degrees and a \
-         width over height above 0"
-    )]
-    Shot(usize),
-    /// A number outside its range.
-    #[error("{name} is {value}, but must lie between {low} and {high}")]
-    Range {
-        /// Which option.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Least value.
-        low: f64,
-        /// Greatest value.
-        high: f64,
-    },
 }
 
 /// Checks settings once; nothing validates them again.

@@ -2,8 +2,10 @@
 //! meshless basis paper in place of a repulsion of random ones).
 
 use crate::{
-    BakeError, MeshSurface, Observer, PointsError,
     bake_points::{BakePoint, BakePoints},
+    errors::{BakeError, PointsError},
+    mesh_surface::MeshSurface,
+    observer::Observer,
     pilot::pilot_of,
     surface_points::{Candidates, Spacing, poisson_count, sample_areas},
 };

@@ -7,8 +7,9 @@
 mod variants;
 
 use crate::{
-    bake::{BakeError, Geometry, cancelled},
+    bake::Geometry,
     bake_points::BakePoint,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer, Phase},
     pilot::pilot_of,
     visibility::VisibilitySampler,

@@ -12,8 +12,7 @@ mod scale;
 mod split;
 
 use crate::{
-    BakeError,
-    bake::cancelled,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer},
     sidedness::Sidedness,
 };

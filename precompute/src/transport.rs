@@ -20,7 +20,10 @@ pub(crate) use again::links_again;
 pub(crate) use gather::Row;
 pub(crate) use steps::{Forget, KeepsRows};
 
-use crate::{BakeError, Event, Observer};
+use crate::{
+    errors::{BakeError, cancelled},
+    observer::{Event, Observer},
+};
 use gather::Gatherer;
 use lapidary_core::{
     dataset::{MeshlessReport, MeshlessSettings},
@@ -62,7 +65,7 @@ pub(crate) fn resumable_operator(
     let mut steps_done = 0;
     for level in 0..basis.levels() {
         for step in receivers.chunks(RECEIVERS_PER_STEP) {
-            crate::bake::cancelled(observer)?;
+            cancelled(observer)?;
             let make = || {
                 let gather = |scratch: &mut _, &receiver: &usize| {
                     let (mut row, is_root) = gatherer.gather(scratch, receiver, level, &rows);

@@ -6,7 +6,10 @@ mod meshless;
 pub use meshless::MeshlessVerification;
 
 use crate::{
-    MeshSurface, bake::point_of, bake_points::BakePoints, sources::SourceSampler, vertex_sampler::bake_points,
+    bake_points::{BakePoint, BakePoints},
+    mesh_surface::MeshSurface,
+    sources::SourceSampler,
+    vertex_sampler::bake_points,
     visibility::VisibilitySampler,
 };
 use glam::Vec3;
@@ -139,7 +142,11 @@ fn check_source_environments(
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
     let differs = |source: &&usize| {
         let mut visible = vec![0; dataset.tree.len()];
-        sampler.sample_singly(&dataset.tree, &point_of(&indirect.sources[**source], offset), &mut visible);
+        sampler.sample_singly(
+            &dataset.tree,
+            &BakePoint::of_surfel(indirect.sources[**source].surfel, offset),
+            &mut visible,
+        );
         let mut again = Vec::new();
         CutSelector::new(height, dataset.settings.criterion).select(&visible, &mut again);
         again != indirect.environment_cuts.cut(height, **source as u32)

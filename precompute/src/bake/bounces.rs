@@ -1,12 +1,12 @@
 //! The parts of a bake that bounce light, from one viewpoint.
 
-use super::{BakeError, Geometry, clock::Clock, indirect::Stage, meshless::bake_meshless};
+use super::{Geometry, clock::Clock, indirect::Stage, meshless::bake_meshless};
 use crate::{
-    MeshSurface,
     checkpoint::Checkpoint,
-    find_viewpoint,
+    errors::BakeError,
+    mesh_surface::MeshSurface,
     observer::{Event, Observer},
-    surface_points::Surroundings,
+    surface_points::{Surroundings, find_viewpoint},
 };
 use glam::Vec3;
 use lapidary_core::{

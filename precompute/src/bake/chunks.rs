@@ -1,9 +1,9 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
-use super::{BakeError, cancelled};
 use crate::{
     bake_points::BakePoint,
     checkpoint::{Checkpoint, Chunk, Series},
+    errors::{BakeError, cancelled},
     observer::{Event, Observer},
     sources::{SourceSampler, SourceScratch},
     visibility::VisibilitySampler,

@@ -3,16 +3,17 @@
 //! Sources and tree are made again when a bake is resumed; if they are others than before, their chunks are discarded.
 
 use super::{
-    BakeError, Geometry,
+    Geometry,
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     clock::Clock,
     fit::{TEXTURE_BYTES, fit_sources},
     pack::{Packed, concatenate, pack, unbaked},
 };
 use crate::{
-    MeshSurface,
     bake_points::BakePoint,
     checkpoint::{Checkpoint, Part, Series},
+    errors::BakeError,
+    mesh_surface::MeshSurface,
     observer::{Event, Phase},
     sources::{SourceSampler, order_sources, place_sources},
     visibility::VisibilitySampler,
@@ -114,7 +115,8 @@ impl Stage<'_> {
 
     fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
         let chunks = if self.settings.mode.environment() {
-            let points: Vec<BakePoint> = sources.iter().map(|s| point_of(s, self.surface.offset())).collect();
+            let points: Vec<BakePoint> =
+                sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
             let maker = EnvironmentCuts {
                 points: &points,
                 sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree),
@@ -130,11 +132,4 @@ impl Stage<'_> {
         };
         pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, Series::SourceEnvironment)
     }
-}
-
-/// Where a source samples its visibility of the environment.
-pub(crate) fn point_of(source: &Source, offset: f32) -> BakePoint {
-    let surfel = source.surfel;
-    let Surfel { position, normal, .. } = surfel;
-    BakePoint { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
 }

@@ -1,8 +1,9 @@
 //! The phases of the meshless basis: its points, and the light transport between its functions.
 
-use super::{BakeError, clock::Clock};
+use super::clock::Clock;
 use crate::{
     checkpoint::{Checkpoint, Part},
+    errors::BakeError,
     meshless::place_basis,
     observer::{Event, Phase},
     transport::resumable_operator,

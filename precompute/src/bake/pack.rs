@@ -1,7 +1,9 @@
 //! Chunks to packed cuts.
 
-use super::BakeError;
-use crate::checkpoint::{Chunk, Series};
+use crate::{
+    checkpoint::{Chunk, Series},
+    errors::BakeError,
+};
 use lapidary_core::cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXTURE_WIDTH};
 
 /// All cuts, and sums over their points.

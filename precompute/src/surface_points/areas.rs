@@ -1,7 +1,11 @@
 //! The area that each surface point stands for: that of the reachable surface nearer to it than to the others.
 
-use super::{PointsError, disk::DENSITY};
-use crate::{Event, MeshSurface, Observer};
+use super::disk::DENSITY;
+use crate::{
+    errors::PointsError,
+    mesh_surface::MeshSurface,
+    observer::{Event, Observer},
+};
 use lapidary_core::{
     indirect::OWNED_WITHIN,
     surfel::{GradedGrid, Surface, Surfel},

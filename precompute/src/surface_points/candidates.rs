@@ -6,12 +6,11 @@
 //!
 //! Where pictures are given, most candidates are what lights these: ends of flights from the surfaces that they show.
 
-use super::PointsError;
-use crate::{Observer, surface_points::check_viewpoint};
+use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     shot::Shot,
-    sphere::{cosine_direction, frame_around, uniform_direction},
+    sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction},
     surfel::{Surface, Surfel},
 };
 use rayon::prelude::*;
@@ -21,6 +20,8 @@ use std::collections::VecDeque;
 const BOUNCES: usize = 30;
 /// The first of them that do not count (the paper's 3).
 const DROPPED: usize = 3;
+/// Rays that tell whether anything is seen from a viewpoint.
+const RAYS_OF_CHECK: usize = 256;
 /// Particles that tell what share of them lands how often.
 const FIRST: u64 = 256;
 /// Particles traced at a time: enough that no core waits long for the others.
@@ -137,6 +138,19 @@ impl<'a> Candidates<'a> {
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
         let pixel = Vec2::new(rng.f32() * size[0] as f32, rng.f32() * size[1] as f32);
         flights(self.surface, camera.eye, camera.direction_through(pixel, size), 2, rng).nth(1)
+    }
+}
+
+/// Whether particles from a viewpoint land at all.
+///
+/// # Errors
+/// [`PointsError::SeesNothing`].
+pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), PointsError> {
+    let sees = |&d: &Vec3| surface.first_hit(viewpoint, d).is_some();
+    if viewpoint.is_finite() && fibonacci_directions(RAYS_OF_CHECK).iter().any(sees) {
+        Ok(())
+    } else {
+        Err(PointsError::SeesNothing(viewpoint))
     }
 }
 

@@ -1,7 +1,10 @@
 //! Poisson-disk sets by dart throwing (meshless basis paper, 2.3).
 
-use super::{Candidates, PointsError, spacing::USUAL_FACTOR};
-use crate::{Event, Observer};
+use super::candidates::Candidates;
+use crate::{
+    errors::PointsError,
+    observer::{Event, Observer},
+};
 use glam::Vec3;
 use lapidary_core::{
     sphere::{fibonacci_directions, frame_around},
@@ -16,6 +19,8 @@ pub(super) const DENSITY: f32 = 0.79;
 const OPENNESS_RAYS: usize = 32;
 /// No set is larger: a bound for surfaces too large for their radius. It is told when a level ends there.
 const MOST_POINTS: usize = 4_000_000;
+/// A factor of [`poisson_count`] with which there are some more points than asked for.
+const USUAL_FACTOR: f32 = 2.0;
 
 /// What dart throwing accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]

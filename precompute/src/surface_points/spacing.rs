@@ -6,11 +6,11 @@
 //! sum of these squared errors is small ([`Cells`]), and the widths of these tell how far apart sources are.
 
 use super::{
-    Candidates, PointsError,
-    candidates::Flight,
+    candidates::{Candidates, Flight},
     cells::{Cells, Landing},
     disk::DENSITY,
 };
+use crate::errors::PointsError;
 use lapidary_core::surfel::Surfel;
 use rayon::prelude::*;
 
@@ -30,9 +30,6 @@ const WIDEST: f32 = 2.0;
 /// Neighbours that tell how close together places are, at so many of these.
 const NEIGHBOURS: usize = 8;
 const SAMPLED: usize = 256;
-
-/// A factor with which there are some more sources than cells.
-pub(super) const USUAL_FACTOR: f32 = 2.0;
 
 /// How far apart sources may be, but for a common factor.
 pub struct Spacing {

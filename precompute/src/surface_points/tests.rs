@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::{
+    errors::PointsError,
     mesh_surface::tests::{Prepared, room},
     observer::{Event, Observer, Silent},
     sidedness::tests::{cuboid, floor},
 };
+use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     meshless::distance::distance,

@@ -6,8 +6,8 @@
 //! or a gap between two leaves, beats any room. Spaces between walls and under roofs may be large and closed as well, but
 //! show the backs of what they lie behind, or few things: what is meant to be seen is furnished.
 
-use super::{PointsError, candidates::landings};
-use crate::MeshSurface;
+use super::candidates::{check_viewpoint, landings};
+use crate::{errors::PointsError, mesh_surface::MeshSurface};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
@@ -40,19 +40,6 @@ const FRONTS_POWER: i32 = 6;
 /// What a place is worth that sees backs of two-sided surfaces alone, as a share: the sides of a mesh may be wrong.
 const BACKS_ONLY: f32 = 0.01;
 const SEED: u64 = 0x7669_6577_706f_696e;
-
-/// Whether particles from a viewpoint land at all.
-///
-/// # Errors
-/// [`PointsError::SeesNothing`].
-pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), PointsError> {
-    let sees = |&d: &Vec3| surface.first_hit(viewpoint, d).is_some();
-    if viewpoint.is_finite() && fibonacci_directions(RAYS).iter().any(sees) {
-        Ok(())
-    } else {
-        Err(PointsError::SeesNothing(viewpoint))
-    }
-}
 
 /// What lies around a place.
 pub struct Surroundings {

@@ -2,9 +2,8 @@
 
 use super::edges::{EdgeKey, Edges, end_vertices};
 use crate::{
-    BakeError,
-    bake::cancelled,
     bake_points::{BakePoint, BakePoints},
+    errors::{BakeError, cancelled},
     observer::Observer,
     sidedness::Sidedness,
 };

@@ -4,8 +4,7 @@
 //! surfaces that they see get most of the vertices; the rest goes to all surfaces alike, for views from elsewhere.
 
 use crate::{
-    BakeError,
-    bake::cancelled,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer},
     spread::on_triangle,
 };

@@ -1,7 +1,7 @@
 //! Links of single receivers made again, for verification.
 
 use super::{
-    Gatherer, Row,
+    gather::{Gatherer, Row},
     refine::{Criterion, is_examined},
 };
 use lapidary_core::{dataset::MeshlessSettings, meshless::Basis, surfel::Surface};

@@ -1,7 +1,7 @@
 //! Keeping what is finished of the operator, so that an interrupted computation can go on.
 
-use super::Row;
-use crate::CheckpointError;
+use super::gather::Row;
+use crate::errors::CheckpointError;
 
 /// Keeps the rows of finished steps.
 pub trait KeepsRows {

@@ -1,6 +1,6 @@
 //! The meshless operator: links of some functions made again, and the light that it carries against rays.
 
-use crate::{MeshSurface, transport::links_again};
+use crate::{mesh_surface::MeshSurface, transport::links_again};
 use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,

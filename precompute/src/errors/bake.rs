@@ -1,6 +1,7 @@
 //! Why a bake did not finish.
 
-use crate::{CheckpointError, PointsError, SettingsError};
+use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError};
+use crate::observer::Observer;
 use lapidary_core::{dataset::DatasetError, meshless::BasisError};
 use thiserror::Error;
 
@@ -56,4 +57,9 @@ impl From<PointsError> for BakeError {
             error => Self::Points(error),
         }
     }
+}
+
+/// An error if the job should stop.
+pub fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
+    if observer.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) }
 }
