@@ -8,11 +8,9 @@ mod variants;
 
 use crate::{
     bake::Geometry,
-    bake_points::BakePoint,
     errors::{BakeError, cancelled},
     observer::{Event, Observer, Phase},
-    pilot::pilot_of,
-    visibility::VisibilitySampler,
+    vertices::{pilot::pilot_of, points::BakePoint, visibility::VisibilitySampler},
 };
 use glam::Vec3;
 use lapidary_core::{

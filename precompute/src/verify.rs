@@ -6,11 +6,13 @@ mod meshless;
 pub use meshless::MeshlessVerification;
 
 use crate::{
-    bake_points::{BakePoint, BakePoints},
     mesh_surface::MeshSurface,
-    sources::SourceSampler,
-    vertex_sampler::bake_points,
-    visibility::VisibilitySampler,
+    sources::sampler::SourceSampler,
+    vertices::{
+        points::{BakePoint, BakePoints},
+        sampler::bake_points,
+        visibility::VisibilitySampler,
+    },
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -189,8 +191,9 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
 mod tests {
     use super::*;
     use crate::{
-        BakeJob, Preset, Silent, bake,
-        sidedness::tests::{cuboid, floor, scene_of},
+        bake::{BakeJob, bake, settings::Preset},
+        observer::Silent,
+        test_scenes::{cuboid, floor, scene_of},
     };
     use lapidary_core::{
         cut::{SourceCriterion, packed::PackedCuts},

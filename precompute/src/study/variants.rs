@@ -2,13 +2,15 @@
 
 use super::{Study, Variant};
 use crate::{
-    bake::{Packed, concatenate, pack, report},
-    checkpoint::{Chunk, Series},
+    bake::{
+        Packed,
+        checkpoint::{Chunk, Series},
+        concatenate, pack, report,
+        settings::{Preset, resolve},
+    },
     errors::{BakeError, SettingsError, cancelled},
     observer::{Event, Observer, Phase},
-    pilot::sample_pilot,
-    settings::{Preset, resolve},
-    visibility::VisibilitySampler,
+    vertices::{pilot::sample_pilot, visibility::VisibilitySampler},
 };
 use lapidary_core::{
     cut::CutSelector,
