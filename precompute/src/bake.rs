@@ -1,76 +1,49 @@
 //! The bake, phase by phase.
 
-mod bounces;
-mod chunks;
+pub(crate) mod checkpoint;
 mod clock;
-mod error;
-mod fit;
-mod indirect;
-mod meshless;
-mod pack;
+mod job;
+pub(crate) mod memory;
+mod phases;
 mod remarks;
+mod report;
+pub(crate) mod settings;
 
-pub use error::BakeError;
-pub(crate) use indirect::point_of;
-pub(crate) use pack::{Packed, concatenate, pack};
+pub use job::BakeJob;
+
+pub(crate) use phases::{
+    geometry::Geometry,
+    pack::{Packed, concatenate, pack},
+};
+pub(crate) use report::report;
 
 use self::{
-    bounces::bake_bounces,
-    chunks::{EnvironmentCuts, bake_chunks},
+    checkpoint::Series,
     clock::Clock,
-    fit::fit_environment,
-    pack::unbaked,
+    phases::{
+        bounces::bake_bounces, environment::bake_environment, fit::fit_environment, light_tree::checkpoint_and_tree,
+    },
     remarks::Remarks,
+    report::finish_report,
+    settings::resolve,
 };
 use crate::{
-    SettingsError,
-    bake_points::BakePoints,
-    checkpoint::{Checkpoint, Chunk, Series},
-    memory,
-    meshless::check_coarse_radius,
+    errors::{BakeError, cancelled},
+    meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
-    pilot::sample_pilot,
-    settings::with_room,
-    sidedness::{Sidedness, classify},
-    tessellate::{Stored, Wanted, tessellate},
-    visibility::VisibilitySampler,
 };
 use lapidary_core::{
-    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, scene_hash},
-    light_tree::{Features, LightTree, PilotVisibility, TreeKind},
-    ray::Intersector,
+    dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
     scene::Scene,
-    shot::Shot,
-    sphere::fibonacci_directions,
 };
-use std::{path::PathBuf, time::Instant};
-
-/// Bake points of one chunk unless asked for otherwise: a second or two of work to lose.
-const POINTS_PER_CHUNK: usize = 4096;
-
-/// What to bake, and how to go about it.
-#[derive(Clone, Debug)]
-pub struct BakeJob {
-    /// What decides the result; see [`crate::resolve`].
-    pub settings: BakeSettings,
-    /// Where the dataset goes; checkpoints lie beside it.
-    pub output: PathBuf,
-    /// Number of chunks; `None` for a checkpoint every few seconds.
-    pub chunks: Option<usize>,
-    /// Go on from the checkpoint of an interrupted bake.
-    pub resume: bool,
-    /// Seconds that the import took, for the report.
-    pub import_secs: f64,
-    /// What the import remarked, for the report.
-    pub warnings: Vec<String>,
-}
+use std::time::Instant;
 
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
 /// See [`BakeError`]. Whatever stood at the output is kept unless the bake succeeds.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    let settings = crate::resolve(job.settings.clone())?;
+    let settings = resolve(job.settings.clone())?;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;
     check_memory(&scene, &settings)?;
@@ -84,7 +57,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
         Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
     })?;
     cancelled(observer)?;
-    let (checkpoint, tree) = prepare(&geometry, job, &settings, &hash, &mut clock)?;
+    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &settings, &hash, &mut clock)?;
     let chunks = bake_environment(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
     let bounces = bake_bounces(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
@@ -115,30 +88,6 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     Ok(dataset)
 }
 
-/// What the bake points see of distant light, or nothing if that is not asked for.
-fn bake_environment(
-    geometry: &Geometry,
-    tree: &LightTree,
-    settings: &BakeSettings,
-    checkpoint: &Checkpoint,
-    clock: &mut Clock,
-) -> Result<Vec<Chunk>, BakeError> {
-    let points = &geometry.points.points;
-    if !settings.mode.environment() {
-        return Ok(unbaked(points.len()));
-    }
-    let maker = EnvironmentCuts {
-        points,
-        sampler: VisibilitySampler::new(&geometry.intersector, tree),
-        height: tree.height(),
-        criterion: settings.criterion,
-    };
-    let observer = clock.observer;
-    clock.time(Phase::Visibility, points.len() as u64, "points", || {
-        bake_chunks(&maker, Series::Environment, checkpoint, observer)
-    })
-}
-
 fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError> {
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0));
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
@@ -151,151 +100,6 @@ fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError>
         }
         _ => Ok(()),
     }
-}
-
-/// An error if the job should stop.
-pub(crate) fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
-    if observer.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) }
-}
-
-/// The tessellated scene with its bake points.
-pub(crate) struct Geometry {
-    pub scene: Scene,
-    pub source_vertices: usize,
-    pub sides: Sidedness,
-    pub intersector: Intersector,
-    pub points: BakePoints,
-    pub buried: Vec<bool>,
-}
-
-impl Geometry {
-    pub fn new(
-        mut scene: Scene,
-        mode: BakeMode,
-        budget: Option<usize>,
-        shots: &[Shot],
-        observer: &dyn Observer,
-    ) -> Result<Self, BakeError> {
-        let source_vertices = scene.mesh.positions.len();
-        let mut sides = classify(&scene);
-        let source = Intersector::new(&scene.mesh);
-        let intersector = match budget {
-            Some(budget) => {
-                remark_on_budget(source_vertices, budget, observer);
-                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
-                let wanted = Wanted { stored, budget, shots };
-                tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
-                Intersector::new(&scene.mesh)
-            }
-            None => source,
-        };
-        let points = BakePoints::new(&scene.mesh, &sides);
-        let buried = points.buried(&intersector, &sides, observer)?;
-        Ok(Self { scene, source_vertices, sides, intersector, points, buried })
-    }
-}
-
-/// Tells of a mesh that has as many vertices already as it may get.
-fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
-    if budget <= vertices {
-        let message = format!(
-            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
-             --max-vertices {} or more",
-            with_room(0, vertices)
-        );
-        observer.event(Event::Warning { message });
-    }
-}
-
-/// The light tree and the checkpoint: those of an interrupted bake, or new ones.
-fn prepare(
-    geometry: &Geometry,
-    job: &BakeJob,
-    settings: &BakeSettings,
-    hash: &str,
-    clock: &mut Clock,
-) -> Result<(Checkpoint, LightTree), BakeError> {
-    let points = geometry.points.points.len();
-    if job.resume
-        && let Some(checkpoint) = Checkpoint::open(&job.output, hash, settings)?
-    {
-        if checkpoint.points() == points
-            && let Ok(tree) = LightTree::from_order(checkpoint.tree_order().to_vec())
-        {
-            return Ok((checkpoint, tree));
-        }
-        let message = "the checkpoint has other bake points or another light tree than this bake and is discarded: all is \
-                       baked again";
-        clock.observer.event(Event::Warning { message: message.into() });
-    }
-    if !job.resume && Checkpoint::folder_of(&job.output).exists() {
-        let message = "an unfinished bake of this output is discarded; pass --resume to go on with it instead".into();
-        clock.observer.event(Event::Warning { message });
-    }
-    let tree = build_tree(geometry, settings, clock)?;
-    let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
-    let checkpoint = Checkpoint::create(&job.output, hash, settings, points, chunks, tree.order())?;
-    Ok((checkpoint, tree))
-}
-
-fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -> Result<LightTree, BakeError> {
-    let observer = clock.observer;
-    // A tree that nothing is baked over needs no pilot.
-    let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
-    let pilot = if kind == TreeKind::Geometric {
-        PilotVisibility { lights: settings.lights, fractions: Vec::new() }
-    } else {
-        let diagonal = geometry.scene.mesh.bounds().diagonal();
-        let (lights, clusters) = (settings.lights, settings.pilot_clusters);
-        clock.time(Phase::Pilot, clusters as u64, "clusters", || {
-            sample_pilot(&geometry.points, &geometry.intersector, diagonal, lights, clusters, observer)
-        })?
-    };
-    clock.time(Phase::Tree, settings.lights as u64, "lights", || {
-        let directions = fibonacci_directions(settings.lights);
-        let features = Features::of_kind(kind, settings.beta, &directions, &pilot);
-        Ok(LightTree::build(&features).map_err(SettingsError::from)?)
-    })
-}
-
-/// What a bake did, but for what only its phases know. `import_warnings` are the remarks of the import.
-pub(crate) fn report(
-    geometry: &Geometry,
-    settings: &BakeSettings,
-    packed: &Packed,
-    import_warnings: Vec<String>,
-) -> BakeReport {
-    let points = geometry.points.points.len();
-    let pairs = if settings.mode.environment() { points as u64 * settings.lights as u64 } else { 0 };
-    let buried_points = geometry.buried.iter().filter(|&&b| b).count();
-    BakeReport {
-        vertices: geometry.scene.mesh.positions.len(),
-        triangles: geometry.scene.mesh.triangles.len(),
-        lights: settings.lights,
-        tree: settings.tree,
-        beta: settings.beta,
-        mean_cut: packed.mean_cut(),
-        max_cut: packed.max_cut,
-        rms_visibility: (packed.squared_error / pairs.max(1) as f64).sqrt(),
-        bytes_cuts: packed.bytes(),
-        samples_resolved: pairs,
-        rays_traced: packed.rays,
-        bake_points: points,
-        buried_points,
-        source_vertices: geometry.source_vertices,
-        cut_size_histogram: packed.histogram.clone(),
-        mode: settings.mode,
-        warnings: import_warnings,
-        ..Default::default()
-    }
-}
-
-fn finish_report(dataset: &mut Dataset, clock: Clock) {
-    dataset.report.bytes_total = dataset.tensor_bytes();
-    dataset.report.seconds = clock.finish();
-    let secs = dataset.report.seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
-    dataset.report.samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
-    dataset.report.peak_memory_bytes = memory::peak();
 }
 
 #[cfg(test)]

@@ -8,36 +8,37 @@
 //! chunks.
 
 mod bake;
-mod bake_points;
-mod checkpoint;
-mod memory;
+mod errors;
 mod mesh_surface;
 mod meshless;
 mod observer;
-mod pilot;
-mod settings;
-mod sidedness;
 mod sources;
-mod spread;
 mod study;
-mod surface_points;
-mod tessellate;
+#[cfg(test)]
+mod test_scenes;
 mod threads;
-mod transport;
 mod verify;
-mod vertex_sampler;
-mod visibility;
+mod vertices;
 
-pub use bake::{BakeError, BakeJob, bake};
-pub use checkpoint::{CheckpointError, Leftover, leftover};
-pub use memory::available as available_memory;
+pub use bake::{
+    BakeJob, bake,
+    checkpoint::{Leftover, leftover},
+    memory::available as available_memory,
+    settings::{Preset, resolve, with_room},
+};
+pub use errors::{BakeError, CheckpointError, PointsError, SettingsError};
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
-pub use settings::{Preset, SettingsError, resolve, with_room};
-pub use sidedness::{Sidedness, classify};
+pub use sources::{
+    candidates::Candidates,
+    disk::{Darts, poisson_disk},
+    viewpoint::find_viewpoint,
+};
 pub use study::{Study, Variant};
-pub use surface_points::{Candidates, Darts, PointsError, find_viewpoint, poisson_disk};
 pub use threads::on_threads;
 pub use verify::{MeshlessVerification, Verification, verify};
-pub use vertex_sampler::VertexSampler;
+pub use vertices::{
+    sampler::VertexSampler,
+    sidedness::{Sidedness, classify},
+};

@@ -123,36 +123,9 @@ impl Surface for MeshSurface<'_> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use crate::sidedness::{
-        Sidedness, classify,
-        tests::{cuboid, floor, scene_of},
-    };
-    use lapidary_core::scene::Scene;
-
-    /// A scene with all that a [`MeshSurface`] borrows.
-    pub struct Prepared {
-        pub scene: Scene,
-        pub sides: Sidedness,
-        pub intersector: Intersector,
-    }
-
-    impl Prepared {
-        pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-            let scene = scene_of(triangles);
-            Self { sides: classify(&scene), intersector: Intersector::new(&scene.mesh), scene }
-        }
-
-        pub fn surface(&self) -> MeshSurface<'_> {
-            MeshSurface::new(&self.scene.mesh, &self.intersector, &self.sides.two_sided, &|_| Vec3::splat(0.5))
-        }
-    }
-
-    /// A closed box that faces inward.
-    pub fn room(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
-        cuboid(center, half).into_iter().map(|[a, b, c]| [a, c, b]).collect()
-    }
+    use crate::test_scenes::{Prepared, floor};
 
     #[test]
     fn backs_of_one_sided_surfaces_do_not_exist_and_those_of_two_sided_ones_do() {

@@ -7,11 +7,10 @@
 mod variants;
 
 use crate::{
-    bake::{BakeError, Geometry, cancelled},
-    bake_points::BakePoint,
+    bake::Geometry,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer, Phase},
-    pilot::pilot_of,
-    visibility::VisibilitySampler,
+    vertices::{pilot::pilot_of, points::BakePoint, visibility::VisibilitySampler},
 };
 use glam::Vec3;
 use lapidary_core::{

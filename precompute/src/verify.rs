@@ -6,8 +6,13 @@ mod meshless;
 pub use meshless::MeshlessVerification;
 
 use crate::{
-    MeshSurface, bake::point_of, bake_points::BakePoints, sources::SourceSampler, vertex_sampler::bake_points,
-    visibility::VisibilitySampler,
+    mesh_surface::MeshSurface,
+    sources::sampler::SourceSampler,
+    vertices::{
+        points::{BakePoint, BakePoints},
+        sampler::bake_points,
+        visibility::VisibilitySampler,
+    },
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -139,7 +144,11 @@ fn check_source_environments(
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
     let differs = |source: &&usize| {
         let mut visible = vec![0; dataset.tree.len()];
-        sampler.sample_singly(&dataset.tree, &point_of(&indirect.sources[**source], offset), &mut visible);
+        sampler.sample_singly(
+            &dataset.tree,
+            &BakePoint::of_surfel(indirect.sources[**source].surfel, offset),
+            &mut visible,
+        );
         let mut again = Vec::new();
         CutSelector::new(height, dataset.settings.criterion).select(&visible, &mut again);
         again != indirect.environment_cuts.cut(height, **source as u32)
@@ -182,8 +191,9 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
 mod tests {
     use super::*;
     use crate::{
-        BakeJob, Preset, Silent, bake,
-        sidedness::tests::{cuboid, floor, scene_of},
+        bake::{BakeJob, bake, settings::Preset},
+        observer::Silent,
+        test_scenes::{cuboid, floor, scene_of},
     };
     use lapidary_core::{
         cut::{SourceCriterion, packed::PackedCuts},

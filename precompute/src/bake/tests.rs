@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::{
-    CheckpointError, PointsError, Preset,
-    mesh_surface::tests::room,
+    bake::{checkpoint::Checkpoint, settings::Preset},
+    errors::{CheckpointError, PointsError},
     observer::Silent,
-    sidedness::tests::{cuboid, floor, scene_of},
+    test_scenes::{cuboid, floor, room, scene_of},
 };
 use glam::Vec3;
 use lapidary_core::{

@@ -2,9 +2,13 @@
 
 use super::*;
 use crate::{
-    Silent,
-    mesh_surface::tests::{Prepared, room},
-    sidedness::tests::cuboid,
+    errors::PointsError,
+    observer::Silent,
+    sources::{
+        candidates::Candidates,
+        disk::{Darts, poisson_disk},
+    },
+    test_scenes::{Prepared, cuboid, room},
 };
 use lapidary_core::{
     meshless::{SolveSettings, Solver, irradiance},

@@ -1,8 +1,8 @@
 use super::*;
 use crate::{
-    BakeJob, bake,
+    bake::{BakeJob, bake},
     observer::Silent,
-    sidedness::tests::{cuboid, floor, scene_of},
+    test_scenes::{cuboid, floor, scene_of},
 };
 use lapidary_core::dataset::Dataset;
 

@@ -2,12 +2,15 @@
 
 use super::{Study, Variant};
 use crate::{
-    bake::{BakeError, Packed, cancelled, concatenate, pack, report},
-    checkpoint::{Chunk, Series},
+    bake::{
+        Packed,
+        checkpoint::{Chunk, Series},
+        concatenate, pack, report,
+        settings::{Preset, resolve},
+    },
+    errors::{BakeError, SettingsError, cancelled},
     observer::{Event, Observer, Phase},
-    pilot::sample_pilot,
-    settings::{Preset, resolve},
-    visibility::VisibilitySampler,
+    vertices::{pilot::sample_pilot, visibility::VisibilitySampler},
 };
 use lapidary_core::{
     cut::CutSelector,
@@ -70,7 +73,7 @@ impl Study {
             cancelled(observer)?;
             let start = Instant::now();
             let features = Features::of_kind(s.tree, s.beta, &directions, &pilot);
-            let tree = LightTree::build(&features).map_err(crate::SettingsError::from)?;
+            let tree = LightTree::build(&features).map_err(SettingsError::from)?;
             let pilot_secs = if s.tree == TreeKind::Geometric { 0.0 } else { pilot_secs };
             known.push((s.tree, s.beta, TimedTree { tree, pilot_secs, tree_secs: start.elapsed().as_secs_f64() }));
         }

@@ -1,6 +1,6 @@
 //! The meshless operator: links of some functions made again, and the light that it carries against rays.
 
-use crate::{MeshSurface, transport::links_again};
+use crate::{mesh_surface::MeshSurface, meshless::transport::again::links_again};
 use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
@@ -108,10 +108,10 @@ fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: &(impl Fn(Vec3) -> f32 
 mod tests {
     use super::*;
     use crate::{
-        BakeJob, Preset, Silent, bake,
-        mesh_surface::tests::room,
-        sidedness::tests::{cuboid, scene_of},
-        verify,
+        bake::{BakeJob, bake, settings::Preset},
+        observer::Silent,
+        test_scenes::{cuboid, room, scene_of},
+        verify::verify,
     };
     use lapidary_core::{
         dataset::{BakeMode, BakeSettings, MeshlessSettings},

@@ -1,7 +1,7 @@
 //! Bakes that go on from a checkpoint.
 
 use super::*;
-use crate::transport::KeepsRows;
+use crate::meshless::transport::steps::KeepsRows;
 use lapidary_core::camera::Camera;
 
 #[test]
@@ -47,7 +47,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
 
     // Negative control: what was kept is used.
     interrupted();
-    let settings = crate::resolve(job.settings.clone()).unwrap();
+    let settings = crate::bake::settings::resolve(job.settings.clone()).unwrap();
     let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &settings).unwrap().unwrap();
     let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
     let mut rows = checkpoint.load_rows(0, coarsest).unwrap();

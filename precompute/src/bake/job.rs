@@ -1,0 +1,21 @@
+//! What to bake, and how to go about it.
+
+use lapidary_core::dataset::BakeSettings;
+use std::path::PathBuf;
+
+/// What to bake, and how to go about it.
+#[derive(Clone, Debug)]
+pub struct BakeJob {
+    /// What decides the result; see [`crate::resolve`].
+    pub settings: BakeSettings,
+    /// Where the dataset goes; checkpoints lie beside it.
+    pub output: PathBuf,
+    /// Number of chunks; `None` for a checkpoint every few seconds.
+    pub chunks: Option<usize>,
+    /// Go on from the checkpoint of an interrupted bake.
+    pub resume: bool,
+    /// Seconds that the import took, for the report.
+    pub import_secs: f64,
+    /// What the import remarked, for the report.
+    pub warnings: Vec<String>,
+}

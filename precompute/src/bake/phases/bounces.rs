@@ -1,0 +1,103 @@
+//! The parts of a bake that bounce light, from one viewpoint.
+
+use super::{geometry::Geometry, meshless::bake_meshless, sources::Stage};
+use crate::{
+    bake::{checkpoint::Checkpoint, clock::Clock},
+    errors::BakeError,
+    mesh_surface::MeshSurface,
+    observer::{Event, Observer},
+    sources::viewpoint::{Surroundings, find_viewpoint},
+};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    dataset::{BakeSettings, IndirectReport, MeshlessReport},
+    light_tree::LightTree,
+    meshless::MeshlessBake,
+    scene::Scene,
+    sources::IndirectBake,
+    surfel::Surfel,
+};
+
+/// Share of directions that may miss the scene around a viewpoint without a warning: a court without a roof has a third.
+const MOST_OPEN: f32 = 0.4;
+
+/// Mean reflectance of a closed space above which its bounces are remarked upon: of 0.95 the fourteenth holds half.
+const MOST_REFLECTANCE: f32 = 0.95;
+
+/// The parts that bounce light.
+#[derive(Default)]
+pub struct Bounces {
+    pub indirect: Option<IndirectBake>,
+    pub report: Option<IndirectReport>,
+    pub meshless: Option<MeshlessBake>,
+    pub meshless_report: Option<MeshlessReport>,
+}
+
+/// Bakes what the mode asks for beyond the environment.
+pub fn bake_bounces(
+    geometry: &Geometry,
+    tree: &LightTree,
+    settings: &BakeSettings,
+    checkpoint: &Checkpoint,
+    clock: &mut Clock,
+) -> Result<Bounces, BakeError> {
+    let mut bounces = Bounces::default();
+    if !(settings.mode.indirect() || settings.mode.meshless()) {
+        return Ok(bounces);
+    }
+    // Reflectance stays out of everything baked, so that materials remain free to change.
+    let black = |_: &_| Vec3::ZERO;
+    let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
+    let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
+    if settings.mode.indirect() {
+        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let (indirect, report) = stage.bake_indirect(clock)?;
+        (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
+    }
+    if settings.mode.meshless() {
+        let (meshless, report) = bake_meshless(&surface, viewpoint, &settings.meshless, checkpoint, clock)?;
+        (bounces.meshless, bounces.meshless_report) = (Some(meshless), Some(report));
+    }
+    Ok(bounces)
+}
+
+/// The viewpoint asked for or found, at a shot's camera before any other place, and a warning if light is lost around it.
+fn viewpoint(
+    surface: &MeshSurface,
+    scene: &Scene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+) -> Result<Vec3, BakeError> {
+    let shots = settings.shots.iter().map(|shot| &shot.camera);
+    let cameras: Vec<Camera> = shots.chain(&scene.cameras).cloned().collect();
+    let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &cameras, &scene.lights)?;
+    let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
+    if open > MOST_OPEN {
+        let Vec3 { x, y, z } = viewpoint;
+        let message = format!(
+            "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced light \
+             leaves the scene; if there is a closed space that should be lit, give a place in it with --viewpoint x,y,z",
+            100.0 * open
+        );
+        observer.event(Event::Warning { message });
+    }
+    if closed && mean_reflectance(scene, &seen) > MOST_REFLECTANCE {
+        let message =
+            "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not fade, and \
+                       solutions end after their last one; lower the base colors to 0.9 or less"
+                .into();
+        observer.event(Event::Warning { message });
+    }
+    Ok(viewpoint)
+}
+
+/// Largest channel of the mean diffuse reflectance of what is seen, textures left aside.
+fn mean_reflectance(scene: &Scene, seen: &[Surfel]) -> f32 {
+    let reflectance = |at: &Surfel| {
+        let material = scene.mesh.triangle_material[at.place.triangle as usize];
+        let parameters = &scene.materials[material as usize].parameters;
+        parameters.base_color * (1.0 - parameters.metalness)
+    };
+    seen.iter().map(reflectance).sum::<Vec3>().max_element() / seen.len().max(1) as f32
+}

@@ -1,0 +1,130 @@
+//! Cuts of many points, chunk by chunk with a checkpoint after each.
+
+use crate::{
+    bake::checkpoint::{Checkpoint, Chunk, Series},
+    errors::{BakeError, cancelled},
+    observer::{Event, Observer},
+    sources::sampler::{SourceSampler, SourceScratch},
+    vertices::{points::BakePoint, visibility::VisibilitySampler},
+};
+use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Points between two looks at the observer.
+const POINTS_PER_STEP: usize = 256;
+
+/// Makes the cut of a point.
+pub trait CutMaker: Sync {
+    /// Buffers kept from point to point.
+    type Scratch;
+
+    fn points(&self) -> &[BakePoint];
+
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Writes the cut of a point to `cut`, which is empty, and returns its squared error and the rays traced.
+    fn make(&self, point: &BakePoint, scratch: &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64);
+}
+
+/// Visibility of the environment's lights.
+pub struct EnvironmentCuts<'a> {
+    pub points: &'a [BakePoint],
+    pub sampler: VisibilitySampler<'a>,
+    pub height: u32,
+    pub criterion: CutCriterion,
+}
+
+impl CutMaker for EnvironmentCuts<'_> {
+    type Scratch = (CutSelector, Vec<u8>);
+
+    fn points(&self) -> &[BakePoint] {
+        self.points
+    }
+
+    fn scratch(&self) -> Self::Scratch {
+        (CutSelector::new(self.height, self.criterion), vec![0; 1 << self.height])
+    }
+
+    fn make(&self, point: &BakePoint, (selector, visible): &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64) {
+        let rays = self.sampler.sample(point, visible);
+        (selector.select(visible, cut), rays)
+    }
+}
+
+/// Solid angles of the surface sources. Squared errors are relative to the squared norm of what was traced.
+pub struct SourceCuts<'a> {
+    pub points: &'a [BakePoint],
+    pub sampler: SourceSampler<'a>,
+    pub criterion: SourceCriterion,
+}
+
+impl CutMaker for SourceCuts<'_> {
+    type Scratch = (SourceCutSelector, SourceScratch, Vec<f32>);
+
+    fn points(&self) -> &[BakePoint] {
+        self.points
+    }
+
+    fn scratch(&self) -> Self::Scratch {
+        let sources = self.sampler.len();
+        (SourceCutSelector::new(sources.ilog2(), self.criterion), SourceScratch::default(), vec![0.0; sources])
+    }
+
+    fn make(&self, point: &BakePoint, (selector, scratch, seen): &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64) {
+        let rays = self.sampler.sample(point, scratch, seen);
+        let squared_error = selector.select(seen, cut);
+        let squared_norm: f64 = seen.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+        (if squared_norm > 0.0 { squared_error / squared_norm } else { 0.0 }, rays)
+    }
+}
+
+/// The cuts of all points; chunks that the checkpoint holds are not made again.
+pub fn bake_chunks<M: CutMaker>(
+    maker: &M,
+    series: Series,
+    checkpoint: &Checkpoint,
+    observer: &dyn Observer,
+) -> Result<Vec<Chunk>, BakeError> {
+    let count = maker.points().len();
+    let mut chunks = Vec::with_capacity(checkpoint.chunks());
+    for index in 0..checkpoint.chunks() {
+        let range = checkpoint.range(count, index);
+        let chunk = match checkpoint.load(series, index, range.len()) {
+            Some(chunk) => chunk,
+            None => {
+                let chunk = bake_chunk(maker, range.clone(), observer)?;
+                checkpoint.store(series, index, &chunk)?;
+                chunk
+            }
+        };
+        observer.event(Event::Advanced { done: range.end as u64 });
+        chunks.push(chunk);
+    }
+    Ok(chunks)
+}
+
+fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {
+    let mut chunk = Chunk::default();
+    for start in range.clone().step_by(POINTS_PER_STEP) {
+        cancelled(observer)?;
+        let step = &maker.points()[start..range.end.min(start + POINTS_PER_STEP)];
+        let cuts = step.par_iter().map_init(
+            || maker.scratch(),
+            |scratch, point| {
+                let mut cut = Vec::new();
+                let (squared_error, rays) = maker.make(point, scratch, &mut cut);
+                (cut, squared_error, rays)
+            },
+        );
+        // Collected in order: sums do not depend on which thread was first.
+        for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
+            chunk.lengths.push(cut.len() as u32);
+            chunk.nodes.extend(cut);
+            chunk.squared_error += squared_error;
+            chunk.rays += rays;
+        }
+        observer.event(Event::Advanced { done: (start + step.len()) as u64 });
+    }
+    Ok(chunk)
+}

@@ -1,0 +1,41 @@
+//! The phase of distant light: what the bake points see of it, and their cuts.
+
+use super::{
+    chunks::{EnvironmentCuts, bake_chunks},
+    geometry::Geometry,
+    pack::unbaked,
+};
+use crate::{
+    bake::{
+        checkpoint::{Checkpoint, Chunk, Series},
+        clock::Clock,
+    },
+    errors::BakeError,
+    observer::Phase,
+    vertices::visibility::VisibilitySampler,
+};
+use lapidary_core::{dataset::BakeSettings, light_tree::LightTree};
+
+/// What the bake points see of distant light, or nothing if that is not asked for.
+pub fn bake_environment(
+    geometry: &Geometry,
+    tree: &LightTree,
+    settings: &BakeSettings,
+    checkpoint: &Checkpoint,
+    clock: &mut Clock,
+) -> Result<Vec<Chunk>, BakeError> {
+    let points = &geometry.points.points;
+    if !settings.mode.environment() {
+        return Ok(unbaked(points.len()));
+    }
+    let maker = EnvironmentCuts {
+        points,
+        sampler: VisibilitySampler::new(&geometry.intersector, tree),
+        height: tree.height(),
+        criterion: settings.criterion,
+    };
+    let observer = clock.observer;
+    clock.time(Phase::Visibility, points.len() as u64, "points", || {
+        bake_chunks(&maker, Series::Environment, checkpoint, observer)
+    })
+}

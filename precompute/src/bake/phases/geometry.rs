@@ -1,0 +1,62 @@
+//! The tessellated scene that a bake works on.
+
+use crate::{
+    bake::settings::with_room,
+    errors::BakeError,
+    observer::{Event, Observer},
+    vertices::{
+        points::BakePoints,
+        sidedness::{Sidedness, classify},
+        tessellate::{Stored, Wanted, tessellate},
+    },
+};
+use lapidary_core::{dataset::BakeMode, ray::Intersector, scene::Scene, shot::Shot};
+
+/// The tessellated scene with its bake points.
+pub struct Geometry {
+    pub scene: Scene,
+    pub source_vertices: usize,
+    pub sides: Sidedness,
+    pub intersector: Intersector,
+    pub points: BakePoints,
+    pub buried: Vec<bool>,
+}
+
+impl Geometry {
+    pub fn new(
+        mut scene: Scene,
+        mode: BakeMode,
+        budget: Option<usize>,
+        shots: &[Shot],
+        observer: &dyn Observer,
+    ) -> Result<Self, BakeError> {
+        let source_vertices = scene.mesh.positions.len();
+        let mut sides = classify(&scene);
+        let source = Intersector::new(&scene.mesh);
+        let intersector = match budget {
+            Some(budget) => {
+                remark_on_budget(source_vertices, budget, observer);
+                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
+                let wanted = Wanted { stored, budget, shots };
+                tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
+                Intersector::new(&scene.mesh)
+            }
+            None => source,
+        };
+        let points = BakePoints::new(&scene.mesh, &sides);
+        let buried = points.buried(&intersector, &sides, observer)?;
+        Ok(Self { scene, source_vertices, sides, intersector, points, buried })
+    }
+}
+
+/// Tells of a mesh that has as many vertices already as it may get.
+fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
+    if budget <= vertices {
+        let message = format!(
+            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
+             --max-vertices {} or more",
+            with_room(0, vertices)
+        );
+        observer.event(Event::Warning { message });
+    }
+}

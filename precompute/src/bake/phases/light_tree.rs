@@ -1,0 +1,68 @@
+//! The phases of the light tree: pilot visibility and clustering, unless an interrupted bake has left its tree.
+
+use super::geometry::Geometry;
+use crate::{
+    bake::{checkpoint::Checkpoint, clock::Clock, job::BakeJob},
+    errors::{BakeError, SettingsError},
+    observer::{Event, Phase},
+    vertices::pilot::sample_pilot,
+};
+use lapidary_core::{
+    dataset::BakeSettings,
+    light_tree::{Features, LightTree, PilotVisibility, TreeKind},
+    sphere::fibonacci_directions,
+};
+
+/// Bake points of one chunk unless asked for otherwise: a second or two of work to lose.
+const POINTS_PER_CHUNK: usize = 4096;
+
+/// The light tree and the checkpoint: those of an interrupted bake, or new ones.
+pub fn checkpoint_and_tree(
+    geometry: &Geometry,
+    job: &BakeJob,
+    settings: &BakeSettings,
+    hash: &str,
+    clock: &mut Clock,
+) -> Result<(Checkpoint, LightTree), BakeError> {
+    let points = geometry.points.points.len();
+    if job.resume
+        && let Some(checkpoint) = Checkpoint::open(&job.output, hash, settings)?
+    {
+        if checkpoint.points() == points
+            && let Ok(tree) = LightTree::from_order(checkpoint.tree_order().to_vec())
+        {
+            return Ok((checkpoint, tree));
+        }
+        let message = "the checkpoint has other bake points or another light tree than this bake and is discarded: all is \
+                       baked again";
+        clock.observer.event(Event::Warning { message: message.into() });
+    }
+    if !job.resume && Checkpoint::folder_of(&job.output).exists() {
+        let message = "an unfinished bake of this output is discarded; pass --resume to go on with it instead".into();
+        clock.observer.event(Event::Warning { message });
+    }
+    let tree = build_tree(geometry, settings, clock)?;
+    let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
+    let checkpoint = Checkpoint::create(&job.output, hash, settings, points, chunks, tree.order())?;
+    Ok((checkpoint, tree))
+}
+
+fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -> Result<LightTree, BakeError> {
+    let observer = clock.observer;
+    // A tree that nothing is baked over needs no pilot.
+    let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
+    let pilot = if kind == TreeKind::Geometric {
+        PilotVisibility { lights: settings.lights, fractions: Vec::new() }
+    } else {
+        let diagonal = geometry.scene.mesh.bounds().diagonal();
+        let (lights, clusters) = (settings.lights, settings.pilot_clusters);
+        clock.time(Phase::Pilot, clusters as u64, "clusters", || {
+            sample_pilot(&geometry.points, &geometry.intersector, diagonal, lights, clusters, observer)
+        })?
+    };
+    clock.time(Phase::Tree, settings.lights as u64, "lights", || {
+        let directions = fibonacci_directions(settings.lights);
+        let features = Features::of_kind(kind, settings.beta, &directions, &pilot);
+        Ok(LightTree::build(&features).map_err(SettingsError::from)?)
+    })
+}

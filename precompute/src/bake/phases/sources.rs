@@ -1,0 +1,136 @@
+//! The phases of the surface sources: points, their tree, what the bake points see of them, what they see of the environment.
+//!
+//! Sources and tree are made again when a bake is resumed; if they are others than before, their chunks are discarded.
+
+use super::{
+    chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
+    fit::{TEXTURE_BYTES, fit_sources},
+    geometry::Geometry,
+    pack::{Packed, concatenate, pack, unbaked},
+};
+use crate::{
+    bake::{
+        checkpoint::{Checkpoint, Part, Series},
+        clock::Clock,
+    },
+    errors::BakeError,
+    mesh_surface::MeshSurface,
+    observer::{Event, Phase},
+    sources::{order::order_sources, placement::place_sources, sampler::SourceSampler},
+    vertices::{points::BakePoint, visibility::VisibilitySampler},
+};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeSettings, IndirectReport},
+    light_tree::LightTree,
+    sources::{IndirectBake, Source},
+    surfel::{Surface, Surfel},
+};
+
+/// What the phases work on.
+pub struct Stage<'a> {
+    pub geometry: &'a Geometry,
+    pub surface: &'a MeshSurface<'a>,
+    pub viewpoint: Vec3,
+    pub tree: &'a LightTree,
+    pub settings: &'a BakeSettings,
+    pub checkpoint: &'a Checkpoint,
+}
+
+impl Stage<'_> {
+    /// All phases of the sources.
+    pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
+        let sources = self.sources(clock)?;
+        self.bind(&sources, clock)?;
+        let (seen, coarsened) = self.source_cuts(&sources, clock)?;
+        let environment = self.environment_cuts(&sources, clock)?;
+        let spacings = || sources.iter().map(|source| source.spacing);
+        let report = IndirectReport {
+            viewpoint: self.viewpoint.into(),
+            sources: sources.len(),
+            radius: spacings().fold(f32::INFINITY, f32::min),
+            widest_spacing: spacings().fold(0.0, f32::max),
+            area: sources.iter().map(|s| f64::from(s.area)).sum(),
+            without_area: sources.iter().filter(|s| s.area == 0.0).count(),
+            mean_cut: seen.mean_cut(),
+            max_cut: seen.max_cut,
+            coarsened,
+            relative_error: (seen.squared_error / seen.points.max(1) as f64).sqrt(),
+            mean_environment_cut: environment.mean_cut(),
+            bytes_cuts: seen.bytes() + environment.bytes(),
+            rays_traced: seen.rays,
+        };
+        Ok((IndirectBake { sources, cuts: seen.cuts, environment_cuts: environment.cuts }, report))
+    }
+
+    /// Sources in the order of their tree.
+    fn sources(&self, clock: &mut Clock) -> Result<Vec<Source>, BakeError> {
+        let count = self.settings.indirect.sources;
+        let observer = clock.observer;
+        let sources = clock.time(Phase::Points, 0, "points", || {
+            place_sources(self.surface, self.viewpoint, count, &self.settings.shots, observer)
+        })?;
+        let clusters = self.settings.pilot_clusters as u64;
+        clock.time(Phase::SourceTree, clusters, "clusters", || {
+            order_sources(
+                sources,
+                &self.geometry.points,
+                &self.geometry.intersector,
+                self.surface,
+                self.settings,
+                observer,
+            )
+        })
+    }
+
+    /// Chunks about other sources do not count.
+    fn bind(&self, sources: &[Source], clock: &Clock) -> Result<(), BakeError> {
+        let places: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
+        let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
+        if self.checkpoint.bind(Part::Sources, &places, &sizes)? {
+            let message = "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or objects have \
+                           changed: what was finished of their cuts is baked again";
+            clock.observer.event(Event::Warning { message: message.into() });
+        }
+        Ok(())
+    }
+
+    /// What the bake points see of the sources, and by what factor that was coarsened, see [`IndirectReport::coarsened`].
+    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<(Packed, Option<f32>), BakeError> {
+        let Geometry { points, scene, intersector, .. } = self.geometry;
+        let places = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
+        let maker = SourceCuts {
+            points: &places,
+            sampler: SourceSampler::new(intersector, sources, self.surface.offset()),
+            criterion: self.settings.indirect.criterion,
+        };
+        let observer = clock.observer;
+        let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
+            bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
+        })?;
+        let criterion = self.settings.indirect.criterion;
+        let (cuts, coarsened) =
+            fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
+        Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), Series::Sources)?, coarsened))
+    }
+
+    fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+        let chunks = if self.settings.mode.environment() {
+            let points: Vec<BakePoint> =
+                sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
+            let maker = EnvironmentCuts {
+                points: &points,
+                sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree),
+                height: self.tree.height(),
+                criterion: self.settings.criterion,
+            };
+            let observer = clock.observer;
+            clock.time(Phase::SourceEnvironment, sources.len() as u64, "sources", || {
+                bake_chunks(&maker, Series::SourceEnvironment, self.checkpoint, observer)
+            })?
+        } else {
+            unbaked(sources.len())
+        };
+        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, Series::SourceEnvironment)
+    }
+}

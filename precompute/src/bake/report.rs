@@ -1,0 +1,50 @@
+//! What a bake did.
+
+use super::{
+    clock::Clock,
+    memory,
+    phases::{geometry::Geometry, pack::Packed},
+};
+use crate::observer::Phase;
+use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset};
+
+/// What a bake did, but for what only its phases know. `import_warnings` are the remarks of the import.
+pub fn report(
+    geometry: &Geometry,
+    settings: &BakeSettings,
+    packed: &Packed,
+    import_warnings: Vec<String>,
+) -> BakeReport {
+    let points = geometry.points.points.len();
+    let pairs = if settings.mode.environment() { points as u64 * settings.lights as u64 } else { 0 };
+    let buried_points = geometry.buried.iter().filter(|&&b| b).count();
+    BakeReport {
+        vertices: geometry.scene.mesh.positions.len(),
+        triangles: geometry.scene.mesh.triangles.len(),
+        lights: settings.lights,
+        tree: settings.tree,
+        beta: settings.beta,
+        mean_cut: packed.mean_cut(),
+        max_cut: packed.max_cut,
+        rms_visibility: (packed.squared_error / pairs.max(1) as f64).sqrt(),
+        bytes_cuts: packed.bytes(),
+        samples_resolved: pairs,
+        rays_traced: packed.rays,
+        bake_points: points,
+        buried_points,
+        source_vertices: geometry.source_vertices,
+        cut_size_histogram: packed.histogram.clone(),
+        mode: settings.mode,
+        warnings: import_warnings,
+        ..Default::default()
+    }
+}
+
+/// Adds what is known at the end: bytes, times, memory.
+pub fn finish_report(dataset: &mut Dataset, clock: Clock) {
+    dataset.report.bytes_total = dataset.tensor_bytes();
+    dataset.report.seconds = clock.finish();
+    let secs = dataset.report.seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
+    dataset.report.samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
+    dataset.report.peak_memory_bytes = memory::peak();
+}

@@ -1,0 +1,11 @@
+//! Why a bake, or a part of it, did not finish. All that bakes knows these; these know of nothing that bakes.
+
+mod bake;
+mod checkpoint;
+mod points;
+mod settings;
+
+pub use bake::{BakeError, cancelled};
+pub use checkpoint::CheckpointError;
+pub use points::{LEAST_COARSE_RADIUS, PointsError};
+pub use settings::SettingsError;

@@ -1,0 +1,34 @@
+//! Where surface sources lie (paper, 4.1, with the points of the meshless basis paper in place of a repulsion of random ones).
+
+use super::{areas::sample_areas, candidates::Candidates, disk::poisson_count, spacing::Spacing};
+use crate::{errors::PointsError, mesh_surface::MeshSurface, observer::Observer};
+use glam::Vec3;
+use lapidary_core::{shot::Shot, sources::Source};
+
+/// Seed of the particles, so that the same scene gets the same sources.
+const POINTS_SEED: u64 = 0x736f_7572_6365_7301;
+/// Seed of the particles that tell how close together sources are to be.
+const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
+/// Seed of the points that areas are estimated by.
+const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
+
+/// `count` sources on the surfaces that light reaches from the viewpoint, closer together where they light what is near by, above
+/// all what the shots see.
+///
+/// # Errors
+/// See [`poisson_count`].
+pub fn place_sources(
+    surface: &MeshSurface,
+    viewpoint: Vec3,
+    count: usize,
+    shots: &[Shot],
+    observer: &dyn Observer,
+) -> Result<Vec<Source>, PointsError> {
+    let mut candidates = Candidates::new(surface, viewpoint, SPACING_SEED, observer)?.for_shots(shots);
+    let spacing = Spacing::new(&mut candidates, count)?;
+    let mut candidates = Candidates::new(surface, viewpoint, POINTS_SEED, observer)?.for_shots(shots);
+    let samples = poisson_count(&mut candidates, count, |place, factor| spacing.at(place, factor))?;
+    let areas = sample_areas(surface, &samples, AREAS_SEED, observer)?;
+    let source = |((surfel, spacing), area)| Source { surfel, area, spacing };
+    Ok(samples.into_iter().zip(areas).map(source).collect())
+}

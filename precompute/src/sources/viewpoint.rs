@@ -1,0 +1,226 @@
+//! The one valid viewpoint that tells reachable surfaces from enclosed ones.
+//!
+//! A viewpoint should lie in the largest space that is closed or nearly so: there light stays, and nothing outside matters
+//! much to it. Places are judged by how many directions meet a surface, by how much surface particles from there reach and
+//! of how many parts of the scene, and by the size of the space around. Judged by directions alone the hollow of a column,
+//! or a gap between two leaves, beats any room. Spaces between walls and under roofs may be large and closed as well, but
+//! show the backs of what they lie behind, or few things: what is meant to be seen is furnished.
+
+use super::candidates::{check_viewpoint, landings};
+use crate::{errors::PointsError, mesh_surface::MeshSurface};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    lights::{Emission, Light},
+    sphere::{cosine_direction, fibonacci_directions, frame_around},
+    surfel::{Surface, Surfel},
+};
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// Rays that judge a viewpoint.
+const RAYS: usize = 256;
+/// Of so many rays one goes on as a particle, and lands so often at most.
+const RAYS_PER_PARTICLE: usize = 4;
+const LANDINGS: usize = 12;
+/// Cells along the diagonal of the scene; the surface in one of them counts once for each of six directions that it faces.
+const CELLS: f32 = 24.0;
+/// Places of a grid along each axis of the search.
+const PLACES: usize = 8;
+/// The grid goes this far beyond the bounds, as a share of their extent: over a model on a plane, all within is too close.
+const BEYOND: f32 = 0.25;
+/// Places halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is detail.
+const CHORDS: usize = 512;
+/// A camera or light serves if it is at least so good as the best place, as a share: it need not lie in the middle. Backs
+/// around a camera are what is meant to be seen, and do not count against it.
+const GOOD_HINT: f32 = 0.3;
+/// Power of the share of landings that are on fronts: a few leaves and curtains are seen from behind in any room, but of
+/// what lies around a space between walls a quarter or more.
+const FRONTS_POWER: i32 = 6;
+/// What a place is worth that sees backs of two-sided surfaces alone, as a share: the sides of a mesh may be wrong.
+const BACKS_ONLY: f32 = 0.01;
+const SEED: u64 = 0x7669_6577_706f_696e;
+
+/// What lies around a place.
+pub struct Surroundings {
+    /// Share of all directions that meet no surface, not even the back of one: 0 in a closed space, about a half over a
+    /// plane.
+    pub open: f32,
+    /// Whether in all directions a side is seen that light bounces off.
+    pub closed: bool,
+    /// What is seen, by directions spread evenly.
+    pub seen: Vec<Surfel>,
+}
+
+impl Surroundings {
+    /// Of a place.
+    pub fn of(surface: &MeshSurface, place: Vec3) -> Self {
+        let View { hits, seen } = View::from(surface, place);
+        let open = 1.0 - hits as f32 / RAYS as f32;
+        Self { open, closed: seen.len() == RAYS, seen: seen.into_iter().map(|s| s.1).collect() }
+    }
+}
+
+/// The viewpoint asked for, or that of the first camera or local light that is at least 0.3 times as good as the best place
+/// found, or that place.
+///
+/// # Errors
+/// A viewpoint asked for that lies inside a solid or sees nothing; a scene without any valid one.
+pub fn find_viewpoint(
+    surface: &MeshSurface,
+    asked: Option<Vec3>,
+    cameras: &[Camera],
+    lights: &[Light],
+) -> Result<Vec3, PointsError> {
+    if let Some(viewpoint) = asked {
+        if viewpoint.is_finite() && View::from(surface, viewpoint).inside_solid() {
+            return Err(PointsError::InsideSolid(viewpoint));
+        }
+        return check_viewpoint(surface, viewpoint).map(|()| viewpoint);
+    }
+    let mut places: Vec<Vec3> = cameras.iter().map(|c| c.eye).collect();
+    places.extend(lights.iter().filter_map(|light| place_of(light, surface.offset())));
+    let hints = places.len();
+    places.extend(grid(surface));
+    places.extend(middles_of_chords(surface));
+    let scores: Vec<Score> = places.par_iter().map(|&place| Score::of(surface, place)).collect();
+    let total = |place: usize| scores[place].total();
+    let best = (0..scores.len()).max_by(|&a, &b| total(a).total_cmp(&total(b)).then(b.cmp(&a)));
+    let best = best.filter(|&best| total(best) > 0.0).ok_or(PointsError::NoViewpoint)?;
+    let is_good = |&hint: &usize| match hint < cameras.len() {
+        true => scores[hint].space >= GOOD_HINT * scores[best].space,
+        false => total(hint) >= GOOD_HINT * total(best),
+    };
+    Ok(places[(0..hints).find(is_good).unwrap_or(best)])
+}
+
+/// Where a light shines from, off the surface that it may lie on.
+fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
+    match light.emission {
+        Emission::Directional => None,
+        Emission::Point => Some(light.position),
+        Emission::Spot { .. } | Emission::Rectangle { .. } => {
+            Some(light.position + light.forward().unwrap_or(Vec3::ZERO) * (4.0 * offset))
+        }
+    }
+}
+
+/// A grid over the bounds and somewhat beyond.
+fn grid(surface: &MeshSurface) -> impl Iterator<Item = Vec3> {
+    let bounds = surface.bounds();
+    let extent = (bounds.max - bounds.min).max(Vec3::splat(0.02 * bounds.diagonal()));
+    let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * BEYOND) - BEYOND;
+    (0..PLACES.pow(3)).map(move |i| {
+        let at = Vec3::new(share(i % PLACES), share(i / PLACES % PLACES), share(i / (PLACES * PLACES)));
+        // Off the planes of symmetry, where edges and corners tend to lie.
+        bounds.min + extent * (at + Vec3::new(0.011, 0.013, 0.017))
+    })
+}
+
+/// The middles between random points of surfaces and what lies before them, however small the rooms of a scene are.
+fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
+    let mut rng = fastrand::Rng::with_seed(SEED);
+    let mut points = surface.uniform_points(CHORDS / 2, SEED).0;
+    points.extend(surface.points_of_random_triangles(CHORDS / 2, SEED));
+    let middle = |p: Surfel| {
+        let origin = p.position + p.normal * surface.offset();
+        let hit = surface.first_hit(origin, frame_around(p.normal) * cosine_direction(rng.f32(), rng.f32()))?;
+        Some(0.5 * (origin + hit.position))
+    };
+    points.into_iter().filter_map(middle).collect()
+}
+
+/// How good a viewpoint is. Nothing inside solids and where nothing is seen.
+#[derive(Clone, Copy, Default)]
+struct Score {
+    /// The surface that particles reach, times the root of the number of its parts, the share of directions that see
+    /// surfaces and the size of the space around.
+    space: f32,
+    /// Share of landings on fronts.
+    fronts: f32,
+}
+
+impl Score {
+    fn of(surface: &MeshSurface, place: Vec3) -> Self {
+        if !place.is_finite() {
+            return Self::default();
+        }
+        let view = View::from(surface, place);
+        if view.inside_solid() {
+            return Self::default();
+        }
+        let enclosure = view.seen.len() as f32 / RAYS as f32;
+        let reached = view.reached(surface, place);
+        let size = view.size(place) / surface.bounds().diagonal();
+        let space = reached.cells as f32 * (reached.parts as f32).sqrt() * enclosure * size;
+        Self { space, fronts: reached.fronts }
+    }
+
+    /// Less if much of what is reached are backs.
+    fn total(self) -> f32 {
+        self.space * self.fronts.powi(FRONTS_POWER).max(BACKS_ONLY)
+    }
+}
+
+/// What is seen around a place.
+struct View {
+    /// Rays that meet something, from either side.
+    hits: usize,
+    /// Directions that meet a side that exists, and where.
+    seen: Vec<(Vec3, Surfel)>,
+}
+
+impl View {
+    fn from(surface: &MeshSurface, place: Vec3) -> Self {
+        let directions = fibonacci_directions(RAYS);
+        let hits = directions.iter().filter(|&&d| surface.meets_anything(place, d)).count();
+        let seen = directions.iter().filter_map(|&d| Some((d, surface.first_hit(place, d)?))).collect();
+        Self { hits, seen }
+    }
+
+    fn inside_solid(&self) -> bool {
+        self.hits > 0 && 2 * self.seen.len() < self.hits
+    }
+
+    /// Radius in metres of a ball of the volume that is seen. Attics are low.
+    fn size(&self, place: Vec3) -> f32 {
+        let cubes: f32 = self.seen.iter().map(|s| s.1.position.distance(place).powi(3)).sum();
+        (cubes / RAYS as f32).cbrt()
+    }
+
+    /// Where particles from the place land.
+    fn reached(&self, surface: &MeshSurface, place: Vec3) -> Reached {
+        let inverse_cell = CELLS / surface.bounds().diagonal();
+        let mut rng = fastrand::Rng::with_seed(SEED);
+        let mut landed: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
+        for (direction, _) in self.seen.iter().step_by(RAYS_PER_PARTICLE) {
+            landed.extend(landings(surface, place, *direction, LANDINGS, &mut rng).skip(1));
+        }
+        let fronts = landed.iter().filter(|at| surface.is_front(at)).count();
+        Reached {
+            cells: landed.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
+            parts: landed.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
+            fronts: fronts as f32 / landed.len().max(1) as f32,
+        }
+    }
+}
+
+/// What particles from a place reach.
+struct Reached {
+    /// Cells that they land in: the area.
+    cells: usize,
+    /// Parts of the scene.
+    parts: usize,
+    /// Share of landings on fronts.
+    fronts: f32,
+}
+
+/// The cell of a point, and which of six directions it faces most.
+fn cell(point: &Surfel, inverse_cell: f32) -> ([i32; 3], usize) {
+    let axis = point.normal.abs().max_position();
+    let faces = 2 * axis + usize::from(point.normal[axis] < 0.0);
+    ((point.position * inverse_cell).floor().to_array().map(|x| x as i32), faces)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,308 @@
+//! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
+
+mod creases;
+mod sight;
+
+use crate::{
+    errors::{BakeError, cancelled},
+    observer::Observer,
+    vertices::sidedness::{Sidedness, exact_key},
+};
+use glam::Vec3;
+use lapidary_core::{
+    ray::Intersector,
+    scene::Mesh,
+    shot::Shot,
+    sources::Origin,
+    sphere::{fibonacci_directions, frame_around},
+    surfel::Surfel,
+};
+use rayon::prelude::*;
+use sight::Sight;
+use std::collections::HashMap;
+
+/// Rays that decide whether a point lies inside other geometry.
+const BURIAL_RAYS: usize = 48;
+
+/// Rays start no further off a surface than this share of the least height of its triangles: from a strip of a moulding, long
+/// and a millimetre high, they would start within the next.
+const OFFSET_OF_HEIGHT: f32 = 0.05;
+
+/// A place where visibility is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakePoint {
+    /// Position of the vertex in metres.
+    pub position: Vec3,
+    /// Unit normal, repaired to lie on the side of its triangles.
+    pub normal: Vec3,
+    /// Distance in metres by which rays start off the surface.
+    pub offset: f32,
+    /// Height above the tangent plane (as a cosine, at most 0) below which every direction is below the planes of all
+    /// the triangles around: a closed surface blocks it, and no ray is needed.
+    pub horizon: f32,
+    /// Sampled over the whole sphere, the lower half from the other side.
+    pub two_sided: bool,
+    /// Place in metres that the upper and that the lower side sample at: the position, but in a crease.
+    pub places: [Vec3; 2],
+}
+
+/// The bake points of a mesh.
+#[derive(Clone, Debug, Default)]
+pub struct BakePoints {
+    /// Distinct points: vertices that agree in position, normal and sides share one.
+    pub points: Vec<BakePoint>,
+    /// The point of each vertex.
+    pub of_vertex: Vec<u32>,
+}
+
+impl BakePoint {
+    /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset` metres off.
+    pub fn of_surfel(surfel: Surfel, offset: f32) -> Self {
+        let Surfel { position, normal, .. } = surfel;
+        Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
+    }
+
+    /// Where rays of the upper (true) or lower side start.
+    pub fn origin(&self, upper: bool) -> Vec3 {
+        self.place(upper) + self.normal * if upper { self.offset } else { -self.offset }
+    }
+
+    /// The place on the surface that the upper (true) or lower side samples at.
+    pub fn place(&self, upper: bool) -> Vec3 {
+        self.places[usize::from(!upper)]
+    }
+
+    /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::own_cosine`].
+    pub fn own_cosine(&self) -> f32 {
+        // The most that a face around it is tilted; rounding must not part that face from its point.
+        let tilted = (1.0 - self.horizon * self.horizon).max(0.0).sqrt();
+        Origin::OWN_COSINE.min(0.99 * tilted)
+    }
+
+    /// Whether a direction is sampled from the upper side.
+    pub fn is_upper(&self, direction: Vec3) -> bool {
+        let height = direction.dot(self.normal);
+        if self.two_sided { height >= 0.0 } else { height > self.horizon }
+    }
+}
+
+impl BakePoints {
+    /// One point for each distinct (position, normal, sides) of the mesh's vertices.
+    pub fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
+        let around = Surroundings::new(mesh, sides);
+        let smallest = 4e-6 * mesh.bounds().diagonal();
+        let largest = 2e-4 * mesh.bounds().diagonal();
+        let mut result = Self::default();
+        let mut known = HashMap::new();
+        for (v, &position) in mesh.positions.iter().enumerate() {
+            let normal = around.repaired_normal(v, mesh.normals[v]);
+            let point = BakePoint {
+                position,
+                normal,
+                offset: (0.02 * around.edge_length[v])
+                    .min(OFFSET_OF_HEIGHT * around.height[v])
+                    .clamp(smallest, largest),
+                horizon: 0.0,
+                two_sided: around.two_sided[v],
+                places: [position; 2],
+            };
+            let key = (exact_key(position), exact_key(normal), point.two_sided);
+            let id = *known.entry(key).or_insert_with(|| {
+                result.points.push(point);
+                result.points.len() as u32 - 1
+            });
+            let shared = &mut result.points[id as usize];
+            shared.offset = shared.offset.min(point.offset);
+            result.of_vertex.push(id);
+        }
+        result.lower_horizons(mesh);
+        result
+    }
+
+    /// The horizon of a point is below every plane of the triangles at its vertices.
+    fn lower_horizons(&mut self, mesh: &Mesh) {
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let face = mesh.area_vector(t).normalize_or_zero();
+            for &v in corners {
+                let point = &mut self.points[self.of_vertex[v as usize] as usize];
+                // A direction at angle θ above the tangent plane may rise over a face tilted by δ if θ > -δ.
+                let sin_tilt = point.normal.cross(face).length().min(1.0);
+                let lowest = if point.normal.dot(face) > 0.0 { -sin_tilt } else { -1.0 };
+                point.horizon = point.horizon.min(lowest);
+            }
+        }
+    }
+
+    /// The points with the places where they sample light from surfaces near by, which vary within their triangles: not in
+    /// concave edges, nor where something hides them from the shots.
+    pub fn for_sources(&self, mesh: &Mesh, scene: &Intersector, shots: &[Shot]) -> Vec<BakePoint> {
+        let mut points = self.off_creases(mesh, scene);
+        let sight = Sight::new(mesh, scene, shots, points.len(), &self.of_vertex);
+        points.par_iter_mut().enumerate().for_each(|(i, point)| {
+            for (side, normal) in
+                [point.normal, -point.normal].into_iter().enumerate().take(1 + usize::from(point.two_sided))
+            {
+                if let Some(place) = sight.better_place(i, point.position, normal, point.offset) {
+                    point.places[side] = place;
+                }
+            }
+        });
+        points
+    }
+
+    /// For each point: whether it lies inside a closed piece, since most of what it sees are back faces of such.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn buried(
+        &self,
+        scene: &Intersector,
+        sides: &Sidedness,
+        observer: &dyn Observer,
+    ) -> Result<Vec<bool>, BakeError> {
+        let sphere = fibonacci_directions(2 * BURIAL_RAYS);
+        let sees_insides = |point: &BakePoint, upper: bool| {
+            let frame = frame_around(point.normal * if upper { 1.0 } else { -1.0 });
+            let (mut back, mut rays) = (0, 0);
+            for d in sphere.iter().filter(|d| d.z > 0.05) {
+                let hit = scene.closest_hit(point.origin(upper), frame * *d);
+                rays += 1;
+                back += usize::from(hit.is_some_and(|h| h.back_face && sides.closed[h.triangle as usize]));
+            }
+            2 * back > rays
+        };
+        let buried = |p: &BakePoint| {
+            cancelled(observer)?;
+            Ok(sees_insides(p, true) && (!p.two_sided || sees_insides(p, false)))
+        };
+        self.points.par_iter().map(buried).collect()
+    }
+}
+
+/// What the triangles around each vertex say.
+struct Surroundings {
+    area: Vec<Vec3>,
+    edge_length: Vec<f32>,
+    /// Least height of the triangles, but of those without area.
+    height: Vec<f32>,
+    two_sided: Vec<bool>,
+}
+
+impl Surroundings {
+    fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
+        let n = mesh.positions.len();
+        let (mut area, mut length, mut uses) = (vec![Vec3::ZERO; n], vec![0.0_f32; n], vec![0.0_f32; n]);
+        let (mut two_sided, mut height) = (vec![false; n], vec![f32::INFINITY; n]);
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.corners(t);
+            let edges = [a.distance(b), b.distance(c), c.distance(a)];
+            let mean_edge = edges.iter().sum::<f32>() / 3.0;
+            let height_of_triangle = mesh.area_vector(t).length() / edges.into_iter().fold(0.0, f32::max);
+            for &v in corners {
+                let v = v as usize;
+                area[v] += mesh.area_vector(t);
+                length[v] += mean_edge;
+                uses[v] += 1.0;
+                if height_of_triangle > 0.0 {
+                    height[v] = height[v].min(height_of_triangle);
+                }
+                two_sided[v] |= sides.two_sided[t];
+            }
+        }
+        let edge_length = length.iter().zip(&uses).map(|(l, u)| l / u.max(1.0)).collect();
+        Self { area, edge_length, height, two_sided }
+    }
+
+    /// The vertex normal, or that of its faces where it is unusable or points away from them.
+    fn repaired_normal(&self, vertex: usize, normal: Vec3) -> Vec3 {
+        let face = self.area[vertex].normalize_or_zero();
+        let normal = normal.normalize_or_zero();
+        if normal == Vec3::ZERO || normal.dot(face) < 0.0 { face.try_normalize().unwrap_or(Vec3::Y) } else { normal }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        observer::Silent,
+        test_scenes::{cuboid, floor, scene_of},
+        vertices::sidedness::classify,
+    };
+    use lapidary_core::{camera::Camera, scene::Scene};
+
+    #[test]
+    fn for_sources_points_that_a_shot_does_not_see_sample_where_it_sees_their_triangles() {
+        // A box stands on a floor of two triangles; a corner of the floor is behind it.
+        let mut triangles = floor(2.0, 0.0).to_vec();
+        triangles.extend(cuboid(Vec3::new(-1.5, 0.5, -1.5), Vec3::splat(0.4)));
+        let scene = scene_of(&triangles);
+        let (points, intersector) = (points(&scene).0, Intersector::new(&scene.mesh));
+        let camera = Camera::look_at(Vec3::new(2.0, 1.0, 2.0), Vec3::ZERO, 90.0);
+        let shots = [Shot { camera, aspect: 1.0 }];
+        let places = |shots: &[Shot]| points.for_sources(&scene.mesh, &intersector, shots);
+        let corner = points.points.iter().position(|p| p.position == Vec3::new(-2.0, 0.0, -2.0)).unwrap();
+        let [moved, still] = [places(&shots), places(&[])].map(|points| points[corner]);
+        assert!(moved.place(true).distance(Vec3::new(-2.0, 0.0, -2.0)) > 0.5, "{moved:?}");
+        assert_eq!(still.place(true), still.position, "negative control: no shot");
+        let seen = points.points.iter().position(|p| p.position == Vec3::new(2.0, 0.0, -2.0)).unwrap();
+        assert_eq!(places(&shots)[seen], places(&[])[seen]);
+    }
+
+    fn points(scene: &Scene) -> (BakePoints, Vec<bool>) {
+        let sides = classify(scene);
+        let points = BakePoints::new(&scene.mesh, &sides);
+        let buried = points.buried(&Intersector::new(&scene.mesh), &sides, &Silent).unwrap();
+        (points, buried)
+    }
+
+    #[test]
+    fn a_corner_of_a_cube_is_one_point_a_face() {
+        let (points, buried) = points(&scene_of(&cuboid(Vec3::ZERO, Vec3::ONE)));
+        assert_eq!(points.of_vertex.len(), 36);
+        assert_eq!(points.points.len(), 24);
+        assert!(buried.iter().all(|b| !b));
+        assert!(points.points.iter().all(|p| !p.two_sided && p.horizon > -1e-3));
+    }
+
+    #[test]
+    fn floor_vertices_inside_a_box_are_buried_and_those_beside_it_are_not() {
+        let mut triangles = floor(0.2, 0.0).to_vec();
+        triangles.extend(floor(4.0, 0.0));
+        triangles.extend(cuboid(Vec3::ZERO, Vec3::splat(0.5)));
+        let (points, buried) = points(&scene_of(&triangles));
+        for (point, buried) in points.points.iter().zip(buried) {
+            let inside = point.position.abs().max_element() < 0.4;
+            assert_eq!(buried, inside, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn rays_from_a_thin_strip_start_within_it() {
+        // A ledge 1 mm deep and 1 m long.
+        let quad = |y: [f32; 2], z: [f32; 2]| {
+            let at = |x: f32, i: usize| Vec3::new(x, y[i], z[i]);
+            [[at(0.0, 0), at(1.0, 0), at(1.0, 1)], [at(0.0, 0), at(1.0, 1), at(0.0, 1)]]
+        };
+        let ledge = quad([0.0, 0.0], [0.001, 0.0]);
+        let (points, _) = points(&scene_of(&ledge));
+        assert!(points.points.iter().all(|p| p.offset < 1e-4), "{:?}", points.points);
+        for order in [[0.001, 1.0], [1.0, 0.001]] {
+            // Strips of both depths meet in an edge, whose vertices share their points.
+            let strips = order.map(|depth| quad([0.0, 0.0], if depth < 0.5 { [depth, 0.0] } else { [0.0, -depth] }));
+            let (points, _) = self::points(&scene_of(&strips.concat()));
+            assert!(points.points.iter().filter(|p| p.position.z == 0.0).all(|p| p.offset < 1e-4));
+        }
+        let (wide, _) = self::points(&scene_of(&quad([0.0, 0.0], [1.0, 0.0])));
+        assert!(wide.points.iter().all(|p| p.offset > 2e-4), "negative control: {:?}", wide.points);
+    }
+
+    #[test]
+    fn a_normal_that_points_inward_is_replaced() {
+        let mut scene = scene_of(&floor(1.0, 0.0));
+        scene.mesh.normals[0] = Vec3::NEG_Y;
+        scene.mesh.normals[1] = Vec3::ZERO;
+        let (points, _) = points(&scene);
+        assert!(points.points.iter().all(|p| p.normal.dot(Vec3::Y) > 0.999));
+    }
+}

@@ -1,0 +1,30 @@
+//! What vertices of a dataset see, traced again as its bake did.
+
+use crate::vertices::{points::BakePoints, sidedness::Sidedness, visibility::VisibilitySampler};
+use lapidary_core::{dataset::Dataset, ray::Intersector};
+
+/// Traces vertices of a dataset.
+pub struct VertexSampler<'a> {
+    points: BakePoints,
+    lights: VisibilitySampler<'a>,
+}
+
+/// The places where a dataset's vertices were sampled.
+pub fn bake_points(dataset: &Dataset) -> BakePoints {
+    let mesh = &dataset.scene.mesh;
+    let closed = vec![true; mesh.triangles.len()]; // only burial needs it, and that is stored
+    BakePoints::new(mesh, &Sidedness { two_sided: dataset.two_sided.clone(), closed })
+}
+
+impl<'a> VertexSampler<'a> {
+    /// For a dataset and the rays of its mesh.
+    pub fn new(dataset: &Dataset, intersector: &'a Intersector) -> Self {
+        Self { points: bake_points(dataset), lights: VisibilitySampler::new(intersector, &dataset.tree) }
+    }
+
+    /// Sets `visible[leaf]` to 1 for every light that a vertex sees and to 0 for all others, before they become a cut.
+    pub fn sample(&self, vertex: u32, visible: &mut [u8]) {
+        let point = self.points.of_vertex[vertex as usize];
+        self.lights.sample(&self.points.points[point as usize], visible);
+    }
+}

@@ -1,0 +1,155 @@
+//! Which triangles are lit and seen from both sides.
+//!
+//! A material may say so. Beyond that, a connected piece with an open boundary (a cloth, a leaf) can be seen from behind,
+//! so it is sampled from both sides, unless the whole scene lies in front of it: a floor's underside faces nothing.
+//! Closed pieces are lit from outside only; sampling inside them would cost rays and tell nothing.
+
+use glam::Vec3;
+use lapidary_core::scene::{Mesh, Scene};
+use std::collections::HashMap;
+
+/// Index of the first vertex at the same position, for every vertex.
+pub fn weld_positions(mesh: &Mesh) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(mesh.positions.len());
+    mesh.positions.iter().enumerate().map(|(i, &p)| *first.entry(exact_key(p)).or_insert(i as u32)).collect()
+}
+
+/// The bits of a vector, for telling equal ones; adding 0.0 makes -0.0 the same as 0.0.
+pub fn exact_key(v: Vec3) -> [u32; 3] {
+    (v + 0.0).to_array().map(f32::to_bits)
+}
+
+/// What is known of a triangle's sides.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sidedness {
+    /// Lit and seen from both sides.
+    pub two_sided: Vec<bool>,
+    /// Part of a piece without boundary: its back is inside something.
+    pub closed: Vec<bool>,
+}
+
+/// Classifies every triangle.
+pub fn classify(scene: &Scene) -> Sidedness {
+    let mesh = &scene.mesh;
+    let pieces = Pieces::new(mesh);
+    let ground: Vec<bool> = pieces.ground(mesh);
+    let material_says = |t: usize| scene.materials[mesh.triangle_material[t] as usize].double_sided;
+    let piece = |t: usize| pieces.of_triangle[t] as usize;
+    let count = mesh.triangles.len();
+    Sidedness {
+        two_sided: (0..count).map(|t| material_says(t) || (pieces.open[piece(t)] && !ground[piece(t)])).collect(),
+        closed: (0..count).map(|t| !pieces.open[piece(t)]).collect(),
+    }
+}
+
+/// Connected pieces of a mesh, by welded positions.
+struct Pieces {
+    of_triangle: Vec<u32>,
+    open: Vec<bool>,
+}
+
+impl Pieces {
+    fn new(mesh: &Mesh) -> Self {
+        let weld = weld_positions(mesh);
+        let welded = |t: usize| mesh.triangles[t].map(|v| weld[v as usize]);
+        let mut union = Union::new(mesh.positions.len());
+        for t in 0..mesh.triangles.len() {
+            let [a, b, c] = welded(t);
+            union.join(a, b);
+            union.join(b, c);
+        }
+        let mut ids = HashMap::new();
+        let of_triangle: Vec<u32> = (0..mesh.triangles.len())
+            .map(|t| {
+                let next = ids.len() as u32;
+                *ids.entry(union.find(welded(t)[0])).or_insert(next)
+            })
+            .collect();
+        let mut open = vec![false; ids.len()];
+        for t in boundary_triangles(mesh, welded) {
+            open[of_triangle[t] as usize] = true;
+        }
+        Self { of_triangle, open }
+    }
+
+    /// Flat pieces with nothing of the scene behind them.
+    fn ground(&self, mesh: &Mesh) -> Vec<bool> {
+        let slack = 1e-3 * mesh.bounds().diagonal();
+        let mut normal = vec![Vec3::ZERO; self.open.len()];
+        let mut anchor = vec![Vec3::ZERO; self.open.len()];
+        for (t, &piece) in self.of_triangle.iter().enumerate() {
+            normal[piece as usize] += mesh.area_vector(t);
+            anchor[piece as usize] = mesh.corners(t)[0];
+        }
+        let mut flat = self.open.clone();
+        for (t, &piece) in self.of_triangle.iter().enumerate() {
+            let (area, mean) = (mesh.area_vector(t), normal[piece as usize].normalize_or_zero());
+            flat[piece as usize] &= area.dot(mean) > 0.99 * area.length();
+        }
+        let all_in_front = |piece: usize| {
+            let n = normal[piece].normalize_or_zero();
+            mesh.positions.iter().all(|p| (*p - anchor[piece]).dot(n) > -slack)
+        };
+        (0..self.open.len()).map(|piece| flat[piece] && all_in_front(piece)).collect()
+    }
+}
+
+/// Triangles with an edge that no other triangle shares.
+fn boundary_triangles(mesh: &Mesh, welded: impl Fn(usize) -> [u32; 3]) -> Vec<usize> {
+    let mut edges: HashMap<(u32, u32), (usize, u32)> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
+    for t in 0..mesh.triangles.len() {
+        let [a, b, c] = welded(t);
+        for (u, v) in [(a, b), (b, c), (c, a)] {
+            edges.entry((u.min(v), u.max(v))).or_insert((t, 0)).1 += 1;
+        }
+    }
+    edges.into_values().filter(|&(_, uses)| uses == 1).map(|(t, _)| t).collect()
+}
+
+/// Union-find with path halving.
+struct Union(Vec<u32>);
+
+impl Union {
+    fn new(n: usize) -> Self {
+        Self((0..n as u32).collect())
+    }
+
+    fn find(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::{cuboid, floor, quad, scene_of};
+
+    #[test]
+    fn boxes_are_closed_floors_are_ground_and_banners_two_sided() {
+        let mut triangles = cuboid(Vec3::new(0.0, 1.0, 0.0), Vec3::splat(0.5));
+        assert!(triangles.iter().all(|t| (t[1] - t[0]).cross(t[2] - t[0]).dot(t[0] - Vec3::Y) > 0.0), "outward");
+        triangles.extend(floor(3.0, 0.0));
+        let p = |x: f32, y: f32| Vec3::new(x, y, 1.0);
+        triangles.extend(quad(p(-1.0, 0.5), p(1.0, 0.5), p(1.0, 2.0), p(-1.0, 2.0)));
+        let sides = classify(&scene_of(&triangles));
+        assert_eq!(sides.closed, [vec![true; 12], vec![false; 4]].concat());
+        assert_eq!(sides.two_sided, [vec![false; 14], vec![true; 2]].concat());
+    }
+
+    #[test]
+    fn a_material_can_make_a_floor_two_sided() {
+        let mut scene = scene_of(&floor(1.0, 0.0));
+        assert_eq!(classify(&scene).two_sided, vec![false; 2]);
+        scene.materials[0].double_sided = true;
+        assert_eq!(classify(&scene).two_sided, vec![true; 2]);
+    }
+}

@@ -1,0 +1,121 @@
+//! Tessellation where visibility varies, by conforming longest-edge bisection (Rivara 1984).
+//!
+//! Cuts are interpolated linearly inside triangles, so vertices are needed where visibility changes: without them a
+//! floor of two triangles has no shadow. An edge is split if it is long for the vertex budget, or if at its midpoint the pilot
+//! visibility, or for bounced light the nearness of other surfaces, differs from the mean of its ends; a triangle with an edge
+//! to split also splits its longest edge, which keeps angles bounded. Edges are told apart by position, so that seams of
+//! normals and texture coordinates do not crack.
+
+mod edges;
+mod pilot;
+mod scale;
+mod split;
+
+use crate::{
+    errors::{BakeError, cancelled},
+    observer::{Event, Observer},
+    vertices::sidedness::Sidedness,
+};
+use edges::Edges;
+use lapidary_core::{ray::Intersector, scene::Mesh, shot::Shot};
+use pilot::Pilot;
+pub use pilot::Stored;
+use scale::Scale;
+use split::split_edges;
+
+/// Part of the sphere that must be wrong at an edge's midpoint for the edge to be split, or how wrong nearness must be.
+const TOLERANCE: f32 = 0.01;
+/// Longest edge that is never left whole, and shortest that is never split, in units of the edge length at which equal
+/// triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
+const LONGEST: f32 = 6.0;
+const SHORTEST: f32 = 0.25;
+/// Rounds of splitting; each at most halves all edges.
+const ROUNDS: usize = 16;
+/// Part of the vertices that are left that a round makes, but for the last: halves of urgent edges may be more urgent than
+/// all that is left of others. With all of them in the first round a picture on the living room's wall stayed black.
+const PART_A_ROUND: f32 = 0.3;
+
+/// What vertices are for.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// What they store.
+    pub stored: Stored,
+    /// Most of them.
+    pub budget: usize,
+    /// Pictures that most of them are meant for, if any.
+    pub shots: &'a [Shot],
+}
+
+/// Splits edges of `mesh` until it has as many vertices as its budget allows, or what they are to store is linear enough.
+/// `sides` keeps one entry a triangle.
+///
+/// # Errors
+/// [`BakeError::Cancelled`], within the tracing of a point after the observer asked for it.
+pub fn tessellate(
+    mesh: &mut Mesh,
+    sides: &mut Sidedness,
+    scene: &Intersector,
+    Wanted { stored, budget, shots }: Wanted,
+    observer: &dyn Observer,
+) -> Result<(), BakeError> {
+    if mesh.positions.len() >= budget {
+        return Ok(());
+    }
+    let scale = Scale::new(mesh, scene, shots, budget, observer);
+    let mut pilot = Pilot::new(scene, stored, scale.unit, observer);
+    for round in 1..=ROUNDS {
+        cancelled(observer)?;
+        let left = budget.saturating_sub(mesh.positions.len());
+        if left == 0 {
+            break;
+        }
+        let edges = Edges::new(mesh);
+        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, &scale)?;
+        let part = if round < ROUNDS { (PART_A_ROUND * left as f32) as usize } else { left };
+        let mut chosen = edges.within_budget(&wanted, part);
+        if chosen.is_empty() {
+            chosen = edges.within_budget(&wanted, left);
+        }
+        cancelled(observer)?;
+        if chosen.is_empty() {
+            break;
+        }
+        split_edges(mesh, sides, &edges, &chosen);
+        observer.event(Event::Advanced { done: mesh.positions.len() as u64 });
+    }
+    Ok(())
+}
+
+/// Edges to split, the most urgent first.
+fn wanted_edges(
+    mesh: &Mesh,
+    sides: &Sidedness,
+    edges: &Edges,
+    pilot: &mut Pilot,
+    scale: &Scale,
+) -> Result<Vec<u32>, BakeError> {
+    let of_triangles = scale.of_triangles(mesh)?;
+    let lengths: Vec<f32> = edges
+        .triangles
+        .iter()
+        .zip(&edges.length_sq)
+        .map(|(around, sq)| sq.sqrt() * around.iter().map(|&t| of_triangles[t as usize]).fold(0.0, f32::max))
+        .collect();
+    let length = |e: u32| lengths[e as usize];
+    let (long, candidates): (Vec<u32>, Vec<u32>) =
+        (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
+    pilot.learn_errors(mesh, sides, edges, &candidates)?;
+    // Long edges come first, by length; then what is visibly wrong, by how much surface it is wrong on.
+    let urgency = |e: u32| {
+        let error = pilot.errors[&edges.key(mesh, e)];
+        if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }
+    };
+    let long = long.into_iter().map(|e| (1e3 + length(e), e));
+    let mut ranked: Vec<(f32, u32)> =
+        long.chain(candidates.iter().map(|&e| (urgency(e), e))).filter(|r| r.0 > 0.0).collect();
+    ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    Ok(ranked.into_iter().map(|r| r.1).collect())
+}
+
+#[cfg(test)]
+mod tests;

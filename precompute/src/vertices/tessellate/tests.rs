@@ -1,0 +1,192 @@
+//! Whole tessellations of a box over a floor.
+
+use super::{edges::end_vertices, split::midpoint_vertex, *};
+use crate::{
+    observer::Silent,
+    test_scenes::{cuboid, floor, room, scene_of},
+    vertices::sidedness::classify,
+};
+use glam::Vec3;
+use lapidary_core::{camera::Camera, scene::Scene};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
+
+const DISTANT: Stored = Stored { environment: true, bounces: false };
+
+fn box_over_floor() -> Scene {
+    let mut triangles = floor(2.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+    scene_of(&triangles)
+}
+
+fn tessellated(budget: usize) -> Scene {
+    tessellated_for(DISTANT, &[], box_over_floor(), budget)
+}
+
+fn tessellated_for(stored: Stored, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    let wanted = Wanted { stored, budget, shots };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &Silent).unwrap();
+    assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
+    scene
+}
+
+fn area(mesh: &Mesh) -> f32 {
+    (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum()
+}
+
+/// No vertex lies inside an edge of a triangle that does not have it as a corner.
+fn is_conforming(mesh: &Mesh) -> bool {
+    let edges = Edges::new(mesh);
+    let positions: HashSet<[u32; 3]> = mesh.positions.iter().map(|p| p.to_array().map(f32::to_bits)).collect();
+    edges.ends.iter().all(|&(a, b)| {
+        let middle = 0.5 * (mesh.positions[a as usize] + mesh.positions[b as usize]);
+        !positions.contains(&middle.to_array().map(f32::to_bits))
+    })
+}
+
+#[test]
+fn the_result_is_valid_conforming_and_has_the_same_surface() {
+    let (before, after) = (box_over_floor(), tessellated(3000));
+    assert_eq!(after.mesh.validate(1, 1), Ok(()));
+    assert!(after.mesh.positions.len() > 1000 && after.mesh.positions.len() <= 3000);
+    for budget in [50, 100, 200, 400, 800] {
+        let vertices = tessellated(budget).mesh.positions.len();
+        assert!(vertices <= budget && 10 * vertices > 9 * budget, "{vertices} of {budget}");
+    }
+    assert!((area(&after.mesh) / area(&before.mesh) - 1.0).abs() < 1e-4);
+    assert!(is_conforming(&after.mesh));
+    let mut cracked = after.mesh.clone();
+    let edges = Edges::new(&cracked);
+    let [a, b] = end_vertices(&cracked, &edges, 0);
+    midpoint_vertex(&mut cracked, &mut HashMap::new(), a, b);
+    assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
+}
+
+/// Vertices a square metre of the plane y = `height` between two distances from (0.3, 0.2).
+fn density(mesh: &Mesh, height: f32, near: f32, far: f32) -> f32 {
+    let in_ring = |p: &&Vec3| {
+        let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();
+        p.y == height && r >= near && r < far
+    };
+    let area = std::f32::consts::PI * (far * far - near * near);
+    mesh.positions.iter().filter(in_ring).count() as f32 / area
+}
+
+#[test]
+fn vertices_gather_where_the_shadow_changes() {
+    let mesh = tessellated(3000).mesh;
+    let (under, beside) = (density(&mesh, 0.0, 0.0, 0.8), density(&mesh, 0.0, 1.2, 1.7));
+    assert!(under > 3.0 * beside, "{under} and {beside}");
+}
+
+#[test]
+fn in_a_closed_room_vertices_gather_where_bounced_light_changes() {
+    let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0));
+    triangles.extend(cuboid(Vec3::new(0.3, -1.7, 0.2), Vec3::splat(0.25)));
+    let ratio = |stored| {
+        let mesh = tessellated_for(stored, &[], scene_of(&triangles), 6000).mesh;
+        density(&mesh, -2.0, 0.0, 0.6) / density(&mesh, -2.0, 0.9, 1.4)
+    };
+    let (bounced, distant) = (ratio(Stored { environment: false, bounces: true }), ratio(DISTANT));
+    assert!(bounced > 3.0, "{bounced}");
+    assert!(distant < 1.5, "negative control: the sky is hidden everywhere, {distant}");
+}
+
+/// A room with a pillar between its halves, and a camera in one of them.
+fn halved_room() -> (Scene, Shot) {
+    let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0));
+    triangles.extend(cuboid(Vec3::new(0.01, 0.02, 0.53), Vec3::new(0.2, 1.9, 1.4)));
+    let camera = Camera::look_at(Vec3::new(-1.5, 1.0, 1.5), Vec3::new(-1.0, -2.0, 0.0), 50.0);
+    (scene_of(&triangles), Shot { camera, aspect: 16.0 / 9.0 })
+}
+
+#[test]
+fn vertices_gather_where_a_shot_looks() {
+    let (scene, shot) = halved_room();
+    let eye = shot.camera.eye;
+    let room = Intersector::new(&scene.mesh);
+    let seen =
+        |p: &Vec3| shot.frame().magnification(*p, Vec3::Y) > 0.0 && !room.occluded_between(eye, *p + (eye - *p) * 1e-3);
+    let bounced = Stored { environment: false, bounces: true };
+    let count = |shots: &[Shot]| {
+        let scene = tessellated_for(bounced, shots, scene.clone(), 6000);
+        assert!(is_conforming(&scene.mesh));
+        let inside = scene.mesh.positions.iter().filter(|p| seen(p)).count();
+        (inside, scene.mesh.positions.len() - inside)
+    };
+    let (in_shot, elsewhere) = count(std::slice::from_ref(&shot));
+    let (before, rest) = count(&[]);
+    assert!(in_shot > 3 * before, "{in_shot} vertices in the shot, {before} without it");
+    assert!(8 * elsewhere > rest, "the rest keeps some: {elsewhere} of {rest}");
+}
+
+#[test]
+fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
+    let (mut scene, shot) = halved_room();
+    let away = Shot { camera: Camera { eye: Vec3::splat(9.0), target: Vec3::splat(10.0), ..shot.camera }, ..shot };
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    let without = tessellated_for(DISTANT, &[], scene.clone(), 3000).mesh;
+    let remarks = Remarks(Mutex::default());
+    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[away] };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &remarks).unwrap();
+    assert_eq!(scene.mesh, without);
+    let remarks = remarks.0.into_inner().unwrap();
+    assert!(remarks.len() == 1 && remarks[0].contains("shot 1 sees no surface"), "{remarks:?}");
+}
+
+/// Keeps what is remarked.
+struct Remarks(Mutex<Vec<String>>);
+
+impl Observer for Remarks {
+    fn event(&self, event: Event) {
+        if let Event::Warning { message } = event {
+            self.0.lock().unwrap().push(message);
+        }
+    }
+}
+
+#[test]
+fn no_budget_leaves_the_mesh_alone() {
+    assert_eq!(tessellated(3).mesh, box_over_floor().mesh);
+}
+/// Asks to stop when it has been asked `limit` times.
+struct Impatient {
+    asked: AtomicUsize,
+    limit: usize,
+}
+
+impl Observer for Impatient {
+    fn event(&self, _event: Event) {}
+
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.limit
+    }
+}
+
+/// Whether tessellation was cancelled, how often it asked, and the vertices that there were then.
+fn asked_until(limit: usize) -> (bool, usize, usize) {
+    let mut scene = box_over_floor();
+    let mut sides = classify(&scene);
+    let intersector = Intersector::new(&scene.mesh);
+    let observer = Impatient { asked: AtomicUsize::new(0), limit };
+    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[] };
+    let result = tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &observer);
+    (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
+}
+
+#[test]
+fn cancelling_stops_within_a_round() {
+    let (cancelled, all, vertices) = asked_until(usize::MAX);
+    assert!(!cancelled && all > 10 * ROUNDS, "points are asked about, not rounds: {all}");
+    let (cancelled, asked, fewer) = asked_until(all / 2);
+    assert!(cancelled && fewer < vertices, "{fewer} of {vertices} vertices");
+    assert!(asked < all * 3 / 4, "asked {asked} times, half of all is {}", all / 2);
+}
