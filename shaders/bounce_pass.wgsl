@@ -1,5 +1,5 @@
 // Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts and added to what the
-// samples and passes before have added up to. Twin of `Painter::interpolated` in render/src/painter.rs.
+// samples and passes before have added up to. Twin of `Painter::interpolated` in render/src/shade/painter.rs.
 
 struct VertexIrradiance {
     // Vector irradiance in W/m2, a column a colour channel.

@@ -1,4 +1,4 @@
-// The post pass: the mean of all samples as a display shows it. Twin of render/src/display.rs.
+// The post pass: the mean of all samples as a display shows it. Twin of render/src/cpu/display.rs.
 
 struct Display {
     // Radiance is scaled by this.

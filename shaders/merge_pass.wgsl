@@ -1,5 +1,5 @@
 // The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
-// the BRDF evaluated on each node. Twin of render/src/shade.rs. A picture takes one pass for each tree of lights, the
+// the BRDF evaluated on each node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
 // environment's and that of the sources on surfaces; each adds to what those before it have given.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their

@@ -1,4 +1,4 @@
-// BRDF refinement: which nodes of the merged cut are too wide for the BRDF. Twin of render/src/refine.rs.
+// BRDF refinement: which nodes of the merged cut are too wide for the BRDF. Twin of render/src/shade/refine.rs.
 
 // Off: the BRDF is sampled once a node, as in the paper (4.2).
 override REFINE: bool = true;

@@ -5,7 +5,7 @@
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
 @group(3) @binding(3) var others: texture_2d<f32>;
 
-// Twin of SurfacePoint in render/src/surface.rs.
+// Twin of SurfacePoint in render/src/shade/surface.rs.
 struct SurfacePoint {
     vertices: vec3<u32>,
     weights: vec3<f32>,

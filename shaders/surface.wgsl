@@ -1,5 +1,5 @@
 // What a camera ray meets: barycentric weights, the frame before bump and normal map, texture coordinates.
-// Twin of render/src/surface.rs.
+// Twin of render/src/shade/surface.rs.
 
 // Where a ray meets the plane of a triangle.
 struct Hit {

@@ -1,4 +1,4 @@
-// Deferred pass 2: barycentric weights, and the frame after bump and normal map. Twin of render/src/surface.rs.
+// Deferred pass 2: barycentric weights, and the frame after bump and normal map. Twin of render/src/shade/surface.rs.
 
 @group(3) @binding(0) var triangle_ids: texture_2d<u32>;
 

@@ -1,5 +1,5 @@
 // Edges of triangles drawn over the picture, by the distance in pixels from the sample to the nearest edge.
-// Twin of render/src/wireframe.rs.
+// Twin of render/src/shade/wireframe.rs.
 
 const LINE_WIDTH: f32 = 1.0;
 const LINE_FADE: f32 = 1.0;

@@ -4,7 +4,17 @@
 //! rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as wanted. Scene, appearance and
 //! light stay until they are replaced, so that an edit redoes only what it changed.
 
-use crate::{Appearance, Baked, BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View};
+use crate::{
+    appearance::Appearance,
+    baked::Baked,
+    light::{
+        environment::{Illumination, SceneLighting},
+        local::LocalLighting,
+    },
+    post::Post,
+    shade::merge::BrdfSampling,
+    view::View,
+};
 use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc};
 use thiserror::Error;

@@ -4,66 +4,67 @@
 //! [`Renderer::path_reference`] trace rays instead, to see what the cuts lose and what the light samples lose.
 //! All three sample the pixel and look up the surface by the same code, so that edges and textures do not count as
 //! error. [`compare`] measures pictures.
+//!
+//! | folder | what is in it |
+//! |---|---|
+//! | `shade/` | from a sample of a pixel to what its surface reflects: camera ray, surface point, merge of the cuts (4.2) |
+//! | `light/` | what lights a picture: environment, local lights, bounced light (4.1) |
+//! | `reference/` | pictures by rays instead of cuts: all light samples, light paths |
+//! | `measure/` | metrics, and a picture's error explained, split into causes, predicted |
+//! | `cpu/` | pictures on the cores of this machine |
+//! | [`gpu`] | the same on a graphics adapter |
 
 mod appearance;
 mod backend;
-mod background;
 mod baked;
-mod buried;
-pub mod compare;
-mod components;
 mod cpu;
-mod cut_light;
-mod direct;
-mod display;
-mod error_split;
-mod explain;
-mod frame;
 pub mod gpu;
-mod indirect;
-mod lighting;
-mod local_rig;
+mod light;
 mod look;
-mod node_field;
-mod painter;
-mod path;
-mod picture;
+mod measure;
 mod post;
-mod predicted;
-mod refine;
-mod region;
+mod reference;
 mod renderer;
-mod samples;
 mod shade;
-mod surface;
-mod surface_layers;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_scenes;
 mod view;
 mod view_mode;
-mod wireframe;
 
 pub use appearance::Appearance;
 pub use backend::{Backend, BackendError, PictureStats};
 pub use baked::Baked;
-pub use buried::is_buried;
-pub use components::{Bounces, Components, Solution};
-pub use cpu::{CPU, CpuBackend};
-pub use cut_light::{CutLight, GatheredLight, NoCuts, TreeOf};
-pub use display::display_pixel;
-pub use error_split::{ErrorSplit, SplitError, SplitJob, SplitPicture, SplitStep, TraceVertex};
-pub use explain::{CutMap, ExplainError, ExplainedNode, ExplainedVertex, PixelExplanation};
-pub use indirect::{SourceLighting, SourceRig};
+pub use cpu::{
+    backend::{CPU, CpuBackend},
+    display::display_pixel,
+    render::RenderStats,
+    surface_layers::{NO_SURFACE, SurfaceLayers},
+};
 pub use lapidary_core::image::{Region, RegionError};
-pub use lighting::{LightRig, LocalLighting, SceneLighting};
-pub use local_rig::LocalRig;
+pub use light::{
+    bounce::{SourceLighting, SourceRig},
+    buried::is_buried,
+    components::{Bounces, Components, Solution},
+    environment::{Illumination, LightRig, SceneLighting},
+    local::{LocalLighting, LocalRig},
+};
 pub use look::{Look, same_light};
-pub use path::{PathPicture, PathSettings, Places};
+pub use measure::{
+    compare,
+    cut_light::{CutLight, GatheredLight, NoCuts, TreeOf},
+    explain::{ExplainError, ExplainedNode, ExplainedVertex, PixelExplanation, cut_map::CutMap},
+    predict::{Bin, Calibration, CalibrationError, PredictedError, calibrate, predicted_error},
+    split::{ErrorSplit, SplitError, SplitJob, SplitPicture, SplitStep, vertices::TraceVertex},
+};
 pub use post::{Post, ToneMap};
-pub use predicted::{Bin, Calibration, CalibrationError, PredictedError, calibrate, predicted_error};
-pub use refine::Refinement;
-pub use renderer::{BrdfSampling, Illumination, RenderStats, Renderer};
-pub use samples::SampledLight;
-pub use surface_layers::{NO_SURFACE, SurfaceLayers};
+pub use reference::{
+    path::{
+        PathPicture,
+        settings::{PathSettings, Places},
+    },
+    samples::SampledLight,
+};
+pub use renderer::Renderer;
+pub use shade::{merge::BrdfSampling, refine::Refinement};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

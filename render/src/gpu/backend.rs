@@ -21,11 +21,17 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    BrdfSampling, Illumination, LocalLighting, Post, SceneLighting, View,
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
-    compare::map::magma_stops,
+    light::{
+        environment::{Illumination, SceneLighting},
+        local::LocalLighting,
+    },
+    measure::compare::map::magma_stops,
+    post::Post,
+    shade::merge::BrdfSampling,
+    view::View,
 };
 use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
 use picture::Picture;

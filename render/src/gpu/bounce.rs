@@ -10,7 +10,7 @@ use super::{
     shaders::{BOUNCE, ShaderSource},
     targets::format,
 };
-use crate::{backend::BackendError, indirect::VertexIrradiance};
+use crate::{backend::BackendError, light::bounce::VertexIrradiance};
 use glam::Mat3A;
 use std::sync::Arc;
 

@@ -5,7 +5,10 @@ use super::{
     layout::Node,
     scene::{cut_texture, extent, storage, write_rows},
 };
-use crate::{indirect::SourceLighting, lighting::SceneLighting, renderer::Illumination};
+use crate::light::{
+    bounce::SourceLighting,
+    environment::{Illumination, SceneLighting},
+};
 use glam::Vec3;
 use lapidary_core::{cut::packed::pack_node, environment::Environment, image::Image};
 use std::{borrow::Cow, sync::Arc};

@@ -1,7 +1,7 @@
 //! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
 
 use super::*;
-use crate::{Background, PathSettings, Quiet, compare::compare};
+use crate::{Background, BrdfSampling, PathSettings, Quiet, View, measure::compare::compare};
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     camera::Camera,
@@ -10,6 +10,8 @@ use lapidary_core::{
         packed::{PackedCuts, pack_node},
     },
     dataset::{BakeReport, BakeSettings},
+    environment::Environment,
+    image::Image,
     light_tree::{LightTree, TreeKind},
     material::{BrdfModel, BrdfParameters, Material},
     ray::DirectionSet,

@@ -2,7 +2,6 @@
 
 use super::GpuBackend;
 use crate::{
-    BrdfSampling, Post,
     gpu::{
         frame::frame,
         layout::{
@@ -12,6 +11,8 @@ use crate::{
         passes::MergeVariant,
         targets::{Sums, Target},
     },
+    post::Post,
+    shade::merge::BrdfSampling,
     view::Background,
 };
 use std::ops::Range;

@@ -2,14 +2,15 @@
 
 use super::{GpuBackend, Loaded, groups::Groups};
 use crate::{
-    BrdfSampling, View, ViewMode,
     backend::BackendError,
     gpu::{
         addition::{Addition, PictureInputs},
         light::{GpuLight, GpuMap, GpuSources},
         targets::Targets,
     },
-    view::Background,
+    shade::merge::BrdfSampling,
+    view::{Background, View},
+    view_mode::ViewMode,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{environment::Environment, image::Image};

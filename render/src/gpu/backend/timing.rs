@@ -1,7 +1,7 @@
 //! How long the passes of a sample take.
 
 use super::GpuBackend;
-use crate::{Post, backend::BackendError};
+use crate::{backend::BackendError, post::Post};
 use std::time::{Duration, Instant};
 
 /// Wall-clock time of each pass of one sample.

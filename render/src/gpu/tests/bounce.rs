@@ -6,9 +6,9 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, Renderer, SceneLighting,
     SourceLighting, SourceRig, View, ViewMode,
     gpu::GpuBackend,
-    indirect::tests::{floor_and_wall, point_light},
-    painter::PictureLight,
+    light::bounce::tests::{floor_and_wall, point_light},
     renderer::tests::illumination,
+    shade::painter::PictureLight,
 };
 use glam::Vec3;
 use lapidary_core::{

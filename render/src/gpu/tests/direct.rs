@@ -9,7 +9,7 @@ use crate::{
     Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
     renderer::tests::{dataset, mesh, white},
-    surface::SurfacePoint,
+    shade::surface::SurfacePoint,
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{

@@ -206,7 +206,7 @@ fn constant(modules: &[(&str, Module)], name: &str) -> Vec<f64> {
 fn shared_constants_have_the_same_values() {
     let modules = modules();
     let mut expected: Vec<(String, f64)> =
-        crate::refine::CONSTANTS.iter().map(|&(n, x)| (n.into(), x.into())).collect();
+        crate::shade::refine::CONSTANTS.iter().map(|&(n, x)| (n.into(), x.into())).collect();
     for (name, value) in [
         ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
         ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),
@@ -235,10 +235,10 @@ fn shared_constants_have_the_same_values() {
         ("LOBE_LOSS_4", LOBE_LOSS[2]),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
         ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
-        ("LEAST_DISTANCE", crate::node_field::LEAST_DISTANCE),
-        ("LINE_WIDTH", crate::wireframe::LINE_WIDTH),
-        ("LINE_FADE", crate::wireframe::LINE_FADE),
-        ("LINE_OPACITY", crate::wireframe::LINE_OPACITY),
+        ("LEAST_DISTANCE", crate::shade::node_field::LEAST_DISTANCE),
+        ("LINE_WIDTH", crate::shade::wireframe::LINE_WIDTH),
+        ("LINE_FADE", crate::shade::wireframe::LINE_FADE),
+        ("LINE_OPACITY", crate::shade::wireframe::LINE_OPACITY),
     ] {
         expected.push((name.into(), value.into()));
     }

@@ -5,8 +5,8 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
-    painter::{Painter, PictureLight},
     renderer::tests::{dataset, mesh},
+    shade::painter::{Painter, PictureLight},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{

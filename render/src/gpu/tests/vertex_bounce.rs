@@ -9,11 +9,11 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post, Renderer,
     SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
-    indirect::{
+    light::bounce::{
         VertexIrradiance, meshless_tests,
         tests::{floor_and_wall, point_light},
     },
-    painter::PictureLight,
+    shade::painter::PictureLight,
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{

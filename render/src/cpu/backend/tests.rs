@@ -1,0 +1,253 @@
+//! The backend gives what the renderer gives, in any number of bands, and its other modes show known values.
+
+use super::*;
+use crate::{
+    Background, ViewMode,
+    measure::compare::map::magma,
+    renderer::tests::{dataset, from_above, from_the_side, glossy, illumination, mesh, white},
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    camera::Camera,
+    dataset::Dataset,
+    material::{BrdfParameters, Material},
+    texture::{Texels, Texture, TextureSlot},
+};
+
+const ILLUM_CUT: u32 = 64;
+
+/// A backend that has everything it needs for pictures of a dataset.
+fn lit(dataset: &Arc<Dataset>, light: &Illumination) -> CpuBackend {
+    let mut backend = CpuBackend::new();
+    backend.set_scene(&dataset.clone().into()).unwrap();
+    let lighting = Renderer::new(dataset.clone()).lighting(light, ILLUM_CUT);
+    backend.set_light(light, &lighting.into()).unwrap();
+    backend
+}
+
+fn scene() -> (Arc<Dataset>, Illumination) {
+    let dataset = dataset(mesh(8, true), white());
+    let light = illumination([64, 32], |x, y| Vec3::new(0.1 * x as f32, 1.0, 0.2 * y as f32));
+    (dataset.into(), light)
+}
+
+/// Renders all samples in bands of some rows.
+fn picture(backend: &mut CpuBackend, view: &View, rows: u32) -> Image {
+    backend.begin(view, BrdfSampling::Refine).unwrap();
+    for sample in 0..view.aa {
+        for first in (0..view.size[1]).step_by(rows as usize) {
+            backend.render_rows(sample, first..first + rows).unwrap();
+        }
+    }
+    backend.read(view.aa).unwrap().0
+}
+
+#[test]
+fn one_band_and_many_give_what_the_renderer_gives() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    for aa in [1, 4] {
+        for background in [Background::Environment, Background::Blurred(0.2), Background::Flat(Vec3::X)] {
+            let view = View { aa, background, ..from_the_side(24) };
+            let (expected, stats) =
+                Renderer::new(dataset.clone()).render(&view, &light, ILLUM_CUT, BrdfSampling::Refine);
+            assert!(picture(&mut backend, &view, 24) == expected, "one band, {aa} samples, {background:?}");
+            assert!(picture(&mut backend, &view, 5) == expected, "five bands, {aa} samples, {background:?}");
+            assert_eq!(backend.stats().unwrap().pixels_shaded, stats.pixels_shaded);
+            assert_eq!(backend.stats().unwrap().mean_merged_nodes, stats.mean_merged_nodes);
+            assert_eq!(backend.stats().unwrap().mean_brdf_evaluations, stats.mean_brdf_evaluations);
+            let mut turned = light.clone();
+            turned.rotation = 0.5;
+            let other = Renderer::new(dataset.clone()).render(&view, &turned, ILLUM_CUT, BrdfSampling::Refine).0;
+            assert!(other != expected, "negative control");
+        }
+    }
+}
+
+#[test]
+fn a_picture_is_right_between_two_bands() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    let view = View { aa: 2, ..from_above(16) };
+    picture(&mut backend, &View { aa: 1, ..view.clone() }, 16);
+    let first = backend.display(&Post::default(), 1).unwrap();
+    backend.begin(&view, BrdfSampling::Refine).unwrap();
+    backend.render_rows(0, 0..16).unwrap();
+    backend.render_rows(1, 0..8).unwrap();
+    let between = backend.display(&Post::default(), 1).unwrap();
+    assert_eq!(between[8 * 16..], first[8 * 16..]);
+    let near = |a: &[u8; 4], b: &[u8; 4]| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) < 100);
+    assert!(between.iter().zip(&first).all(|(a, b)| near(a, b)), "no row is twice as bright");
+}
+
+#[test]
+fn modes_show_known_values() {
+    let parameters = BrdfParameters { base_color: Vec3::new(0.5, 0.25, 0.1), roughness: 0.3, ..Default::default() };
+    let dataset: Arc<Dataset> = dataset(mesh(1, false), parameters).into();
+    let light = illumination([64, 32], |x, _| Vec3::splat(x as f32));
+    let mut backend = lit(&dataset, &light);
+    let mut mean = |mode| {
+        let image = picture(&mut backend, &View { mode, ..from_above(8) }, 8);
+        image.pixels.iter().sum::<Vec3>() / image.pixels.len() as f32
+    };
+    assert!((mean(ViewMode::Normals) - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-5);
+    assert!((mean(ViewMode::Albedo) - parameters.base_color).length() < 1e-5);
+    assert!((mean(ViewMode::Roughness) - 0.3).length() < 1e-5);
+    // Nothing but the horizon divides the sky of a bare floor, and all of its vertices see the same.
+    let cut = dataset.cuts.cut(dataset.tree.height(), 0).len() as f32;
+    assert!((mean(ViewMode::VisibilityCut).x / cut - 1.0).abs() < 1e-4);
+    let (merged, evaluations) = (mean(ViewMode::MergedCut).x, mean(ViewMode::BrdfEvaluations).x);
+    let stats = backend.stats().unwrap();
+    assert!((f64::from(merged) - stats.mean_merged_nodes).abs() < 1e-2 * stats.mean_merged_nodes);
+    assert!((f64::from(evaluations) - stats.mean_brdf_evaluations).abs() < 1e-2 * stats.mean_brdf_evaluations);
+    assert!(merged >= cut && merged < cut + ILLUM_CUT as f32 && merged != evaluations);
+}
+
+#[test]
+fn counts_are_shown_in_false_colours_up_to_the_top_of_the_legend() {
+    let dataset: Arc<Dataset> = dataset(mesh(1, false), white()).into();
+    let light = illumination([8, 4], |_, _| Vec3::ONE);
+    let mut backend = lit(&dataset, &light);
+    let view = View { mode: ViewMode::VisibilityCut, ..from_above(4) };
+    picture(&mut backend, &view, 4);
+    let cut = dataset.cuts.cut(dataset.tree.height(), 0).len() as f32;
+    let expected = magma(cut / ViewMode::VisibilityCut.count_top(ILLUM_CUT)) * 255.0;
+    let exposed = Post { exposure: 3.0, ..Post::default() };
+    let shown = backend.display(&exposed, 1).unwrap()[5];
+    for (shown, expected) in shown.iter().zip(expected.to_array()) {
+        assert!((f32::from(*shown) - expected).abs() <= 0.6, "{shown} {expected}");
+    }
+}
+
+#[test]
+fn a_transparent_background_has_no_coverage_and_edges_keep_their_colour() {
+    let (dataset, _) = scene();
+    let light = illumination([8, 4], |_, _| Vec3::splat(0.5));
+    let mut backend = lit(&dataset, &light);
+    // The floor's far edge and sky above it.
+    let camera = Camera::look_at(Vec3::new(0.0, 0.6, 3.0), Vec3::new(0.0, 0.6, 0.0), 60.0);
+    let view = View { aa: 16, background: Background::Transparent, ..View::new(camera, [24, 24]) };
+    picture(&mut backend, &view, 24);
+    let coverage = backend.read(16).unwrap().1;
+    let shown = backend.display(&Post::default(), 16).unwrap();
+    assert_eq!((coverage[0], shown[0]), (0.0, [0; 4]));
+    assert_eq!((coverage[20 * 24 + 12], shown[20 * 24 + 12][3]), (1.0, 255));
+    let edge = (0..24 * 24).find(|&i| coverage[i] > 0.2 && coverage[i] < 0.8).expect("an edge runs through a pixel");
+    assert_eq!(shown[edge][3], (255.0 * coverage[edge] + 0.5) as u8);
+    picture(&mut backend, &View { background: Background::Flat(Vec3::ZERO), ..view }, 24);
+    let over_black = backend.display(&Post::default(), 16).unwrap();
+    assert!(over_black[edge][0] < shown[edge][0], "negative control: over black the edge is darker");
+    assert_eq!(over_black[0], [0, 0, 0, 255]);
+}
+
+#[test]
+fn wires_run_along_edges_and_change_neither_values_nor_the_rest() {
+    let (dataset, light) = (Arc::new(dataset(mesh(2, false), white())), illumination([8, 4], |_, _| Vec3::splat(0.5)));
+    let mut backend = lit(&dataset, &light);
+    let plain = from_above(64);
+    let expected = picture(&mut backend, &plain, 64);
+    let without = backend.display(&Post::default(), 1).unwrap();
+    let wired = View { wireframe: true, ..plain };
+    assert!(picture(&mut backend, &wired, 64) == expected);
+    let with = backend.display(&Post::default(), 1).unwrap();
+    // From above the edges of the four squares cross in the middle; halfway to the border there is none of them.
+    let at = |x: usize, y: usize| (without[y * 64 + x], with[y * 64 + x]);
+    assert_ne!(at(32, 10).0, at(32, 10).1);
+    assert_ne!(at(10, 32).0, at(10, 32).1);
+    assert_eq!(at(44, 12).0, at(44, 12).1);
+    let changed = with.iter().zip(&without).filter(|(a, b)| a != b).count();
+    assert!((64..64 * 64 / 4).contains(&changed), "{changed}");
+}
+
+#[test]
+fn without_a_light_pictures_are_black_but_for_what_needs_none() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    backend.set_scene(&dataset.into()).unwrap();
+    let black = picture(&mut backend, &from_the_side(8), 8);
+    assert!(black.pixels.iter().all(|p| *p == Vec3::ZERO));
+    let albedo = picture(&mut backend, &View { mode: ViewMode::Albedo, ..from_above(8) }, 8);
+    assert!(albedo.pixels.iter().all(|p| *p == Vec3::ONE));
+}
+
+#[test]
+fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    let view = from_the_side(24);
+    let half = Texture { name: "half".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
+    let half = Arc::new(half);
+    let parameters = |anisotropy, ior| BrdfParameters { anisotropy, ior, ..glossy(0.5) };
+    let mut shown = |parameters, [anisotropy, ior]: [bool; 2]| {
+        let mut material = Material { parameters, ..Default::default() };
+        material.maps.anisotropy = anisotropy.then(TextureSlot::default);
+        material.maps.ior = ior.then(TextureSlot::default);
+        let appearance = Appearance { materials: vec![material], textures: vec![half.clone()] };
+        assert!(backend.set_appearance(&appearance).unwrap().is_empty());
+        picture(&mut backend, &view, 24)
+    };
+    let plain = shown(parameters(-0.75, 2.0), [false, false]);
+    for (maps, made) in [
+        ([true, false], parameters(-0.375, 2.0)),
+        ([false, true], parameters(-0.75, 1.5)),
+        ([true, true], parameters(-0.375, 1.5)),
+    ] {
+        let mapped = shown(parameters(-0.75, 2.0), maps);
+        assert!(mapped == shown(made, [false, false]), "{maps:?}");
+        assert!(mapped != plain, "negative control: {maps:?}");
+    }
+}
+
+#[test]
+fn appearances_that_do_not_fit_are_made_to() {
+    let (dataset, light) = scene();
+    let mut backend = lit(&dataset, &light);
+    let view = from_above(8);
+    let white_floor = picture(&mut backend, &view, 8);
+    assert_eq!(backend.set_appearance(&Appearance::default()).unwrap().len(), 1);
+    assert!(picture(&mut backend, &view, 8) == white_floor);
+    let mut odd = Material { parameters: glossy(0.5), ..Default::default() };
+    odd.maps.base_color = Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() });
+    let remarks = backend.set_appearance(&Appearance { materials: vec![odd], textures: Vec::new() }).unwrap();
+    assert!(remarks.len() == 1 && remarks[0].contains("without maps"), "{remarks:?}");
+    assert!(picture(&mut backend, &view, 8) != white_floor);
+    let fitting = Appearance::of(&dataset.scene);
+    assert!(backend.set_appearance(&fitting).unwrap().is_empty());
+    assert!(picture(&mut backend, &view, 8) == white_floor);
+}
+
+#[test]
+fn thousands_of_lights_are_shown_and_their_cost_is_said_once() {
+    let (dataset, _) = scene();
+    let mut backend = CpuBackend::new();
+    let baked = dataset.into();
+    backend.set_scene(&baked).unwrap();
+    let lamp = |i: usize| {
+        let turn = i as f32 * 2.4;
+        let position = Vec3::new(turn.sin(), 0.5 + 1e-3 * i as f32, turn.cos());
+        crate::light::direct::tests::light(lapidary_core::lights::Emission::Point, position, Vec3::ZERO, 0.01)
+    };
+    let lights: Vec<Light> = (0..2000).map(lamp).collect();
+    let mut show = |lights: &[Light]| {
+        let local = LocalLighting { lights: lights.into(), ..Default::default() };
+        let remarks = backend.set_local_lighting(&local).unwrap();
+        (picture(&mut backend, &from_the_side(16), 16), remarks)
+    };
+    let (all, remarks) = show(&lights);
+    assert!(remarks.len() == 1 && remarks[0].contains("2000 local lights"), "{remarks:?}");
+    assert!(all.pixels.iter().all(|p| p.is_finite()));
+    let mut sum = Image::filled(all.size, Vec3::ZERO);
+    for part in lights.chunks(250) {
+        let (image, remarks) = show(part);
+        assert!(remarks.is_empty(), "250 are not too many");
+        sum.add(&image);
+    }
+    let close = |a: &Image| {
+        a.pixels.iter().zip(&all.pixels).all(|(a, b)| (a - b).abs().max_element() <= 3e-4 * b.max_element())
+    };
+    assert!(close(&sum) && !close(&show(&lights[..1900]).0), "parts add up, and fewer do not");
+    assert!(show(&lights).1.len() == 1 && show(&lights).1.is_empty(), "said once");
+    backend.set_scene(&baked).unwrap();
+    let local = LocalLighting { lights: lights.into(), ..Default::default() };
+    assert_eq!(backend.set_local_lighting(&local).unwrap().len(), 1, "and of another scene");
+}

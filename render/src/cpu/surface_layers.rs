@@ -1,0 +1,182 @@
+//! What surfaces are, without any light: pictures for compositing, all from one set of camera rays.
+
+use crate::{
+    renderer::Renderer,
+    shade::{
+        background::Backdrop,
+        frame::{Frame, Sight},
+        surface::Seen,
+    },
+    view::View,
+};
+use glam::Vec3;
+use lapidary_core::image::Image;
+use rayon::prelude::*;
+
+/// Distance in metres where there is no surface: far beyond any scene, and not infinite, which filters could not bear.
+pub const NO_SURFACE: f32 = 1e10;
+
+/// Pictures of what surfaces are. `normal`, `albedo` and `roughness` are means over the samples of a pixel, zero where a sample
+/// meets no surface or the back of a one-sided one, as premultiplied colours are; `depth` and `position` are those of the
+/// nearest sample, since a mean would lie in the air.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceLayers {
+    /// Shading normal in world space after bump and normal map, -1 to 1.
+    pub normal: Image,
+    /// Base colour after its texture.
+    pub albedo: Image,
+    /// Perceptual roughness after its texture, one value a pixel.
+    pub roughness: Vec<f32>,
+    /// Place in the world in metres; zero where there is no surface.
+    pub position: Image,
+    /// Distance along the optical axis in metres, one value a pixel; [`NO_SURFACE`] where there is none.
+    pub depth: Vec<f32>,
+    /// Share of the samples that meet a surface, back or front, one value a pixel.
+    pub coverage: Vec<f32>,
+}
+
+/// Sums over the samples of one pixel.
+#[derive(Clone, Copy)]
+struct Pixel {
+    normal: Vec3,
+    albedo: Vec3,
+    roughness: f32,
+    position: Vec3,
+    depth: f32,
+    covered: f32,
+}
+
+impl Renderer {
+    /// What the surfaces of a view are, as the scene looks now.
+    pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
+        let backdrop = Backdrop::black();
+        let frame = Frame::new(self, view, &backdrop);
+        let [width, height] = view.size;
+        let row = |y: u32| (0..width).map(|x| Pixel::of(&frame, x, y)).collect::<Vec<_>>();
+        let pixels: Vec<Pixel> = (0..height).into_par_iter().flat_map_iter(row).collect();
+        let image = |value: fn(&Pixel) -> Vec3| Image { size: view.size, pixels: pixels.iter().map(value).collect() };
+        let plane = |value: fn(&Pixel) -> f32| pixels.iter().map(value).collect();
+        SurfaceLayers {
+            normal: image(|p| p.normal),
+            albedo: image(|p| p.albedo),
+            roughness: plane(|p| p.roughness),
+            position: image(|p| p.position),
+            depth: plane(|p| p.depth),
+            coverage: plane(|p| p.covered),
+        }
+    }
+}
+
+impl Pixel {
+    const NOTHING: Self = Self {
+        normal: Vec3::ZERO,
+        albedo: Vec3::ZERO,
+        roughness: 0.0,
+        position: Vec3::ZERO,
+        depth: NO_SURFACE,
+        covered: 0.0,
+    };
+
+    fn of(frame: &Frame, x: u32, y: u32) -> Self {
+        let samples = frame.view.aa.max(1);
+        let mut pixel = Self::NOTHING;
+        (0..samples).for_each(|sample| pixel.add(frame, &frame.sight(x, y, sample as usize)));
+        let share = 1.0 / samples as f32;
+        Self {
+            normal: pixel.normal * share,
+            albedo: pixel.albedo * share,
+            roughness: pixel.roughness * share,
+            covered: pixel.covered * share,
+            ..pixel
+        }
+    }
+
+    fn add(&mut self, frame: &Frame, sight: &Sight) {
+        match &sight.seen {
+            Seen::Background => {}
+            Seen::Back => self.covered += 1.0,
+            Seen::Surface(point) => {
+                self.covered += 1.0;
+                self.normal += point.world_from_local.z_axis;
+                self.albedo += point.parameters.base_color;
+                self.roughness += point.parameters.roughness;
+                let camera = &frame.view.camera;
+                let depth = (point.position - camera.eye).dot(-camera.world_from_view().z_axis);
+                if depth < self.depth {
+                    (self.depth, self.position) = (depth, point.position);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Backend, Baked, CpuBackend, ViewMode, renderer::tests};
+    use glam::Vec2;
+    use lapidary_core::{camera::Camera, dataset::Dataset, material::BrdfParameters};
+
+    const SIZE: [u32; 2] = [16, 12];
+
+    /// From above, with the edges of the floor in sight.
+    fn view(aa: u32) -> View {
+        View { aa, ..View::new(Camera::look_at(Vec3::new(1.0, 3.0, 5.0), Vec3::ZERO, 60.0), SIZE) }
+    }
+
+    fn dataset() -> Dataset {
+        tests::dataset(tests::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
+    }
+
+    /// What the CPU renderer shows of a mode.
+    fn shown(baked: &Baked, view: &View, mode: ViewMode) -> (Image, Vec<f32>) {
+        let mut backend = CpuBackend::new();
+        backend.set_scene(baked).unwrap();
+        backend.begin(&View { mode, ..view.clone() }, Default::default()).unwrap();
+        (0..view.aa).for_each(|sample| backend.render_rows(sample, 0..view.size[1]).unwrap());
+        backend.read(view.aa).unwrap()
+    }
+
+    #[test]
+    fn surfaces_are_those_of_the_view_modes() {
+        let baked = Baked::from(dataset());
+        for aa in [1, 4] {
+            let view = view(aa);
+            let layers = Renderer::new(baked.clone()).surface_layers(&view);
+            let (albedo, coverage) = shown(&baked, &view, ViewMode::Albedo);
+            let close = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).all(|(a, b)| (*a - *b).length() < 1e-5);
+            assert!(close(&layers.albedo.pixels, &albedo.pixels));
+            assert_eq!(layers.coverage, coverage);
+            let (normals, _) = shown(&baked, &view, ViewMode::Normals);
+            let decoded = normals.pixels.iter().zip(&coverage).map(|(n, a)| 2.0 * *n - *a).collect::<Vec<_>>();
+            assert!(close(&layers.normal.pixels, &decoded));
+            assert!(!close(&layers.normal.pixels, &normals.pixels), "negative control");
+            let (roughness, _) = shown(&baked, &view, ViewMode::Roughness);
+            assert!(layers.roughness.iter().zip(&roughness.pixels).all(|(a, b)| (a - b.x).abs() < 1e-6));
+            assert!(coverage.contains(&0.0) && coverage.contains(&1.0), "the view has an edge");
+        }
+    }
+
+    #[test]
+    fn depth_is_along_the_axis_and_of_the_nearest_sample() {
+        let view = view(1);
+        let layers = Renderer::new(dataset()).surface_layers(&view);
+        let camera = &view.camera;
+        let mut seen = 0;
+        for (i, (&depth, &position)) in layers.depth.iter().zip(&layers.position.pixels).enumerate() {
+            if layers.coverage[i] == 0.0 {
+                assert_eq!((depth, position), (NO_SURFACE, Vec3::ZERO));
+                continue;
+            }
+            let pixel = Vec2::new((i % 16) as f32, (i / 16) as f32) + 0.5;
+            let through = camera.direction_through(pixel, view.size);
+            assert!((position - camera.eye).normalize().dot(through) > 0.999_99);
+            let axis = (camera.target - camera.eye).normalize();
+            assert!((depth - (position - camera.eye).dot(axis)).abs() < 1e-4);
+            seen += 1;
+        }
+        assert!(seen > 10);
+        let finer = Renderer::new(dataset()).surface_layers(&self::view(9));
+        assert!(finer.depth.iter().zip(&finer.coverage).all(|(d, c)| (*d == NO_SURFACE) == (*c == 0.0)));
+    }
+}

@@ -1,0 +1,130 @@
+//! Bounced light from surface sources (paper, 4.1): local lights and environment on the sources, their radiosity under
+//! the current materials, means up their tree and the illumination cut. The merge then gathers it at every pixel.
+//!
+//! All steps are kept apart, so that a moved light casts rays for that light only and an edited material none.
+
+mod irradiance;
+mod light_groups;
+mod lit_points;
+mod meshless;
+mod source_parts;
+mod vertices;
+
+use crate::{appearance::Appearance, baked::Baked, light::environment::SceneLighting};
+use glam::Vec3;
+use irradiance::environment_irradiance;
+use lapidary_core::{
+    cut::illumination::{IlluminationCriterion, intensity_cut},
+    dataset::Dataset,
+    lights::Light,
+    sources::{SourceRadiance, SourceTree},
+    surfel::OFFSET,
+};
+use lit_points::LitPoints;
+use source_parts::{PARTS, means, source_parts};
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
+
+pub use meshless::MeshlessRig;
+pub use vertices::VertexIrradiance;
+
+/// Samples of an area light along each of its sides, at each of a source's parts.
+const AREA_SAMPLES: u32 = 2;
+
+/// A source tree under one illumination.
+#[derive(Clone, Debug)]
+pub struct SourceLighting {
+    /// Where the sources are.
+    pub tree: Arc<SourceTree>,
+    /// Radiance, centres and spreads by heap index.
+    pub nodes: SourceRadiance,
+    /// Packed illumination cut.
+    pub cut: Vec<u16>,
+    /// Most nodes that the illumination cut was allowed.
+    pub max_nodes: u32,
+}
+
+impl SourceLighting {
+    /// Means up the tree of `leaf_radiance` (one a source) and an illumination cut of at most `illum_cut` nodes.
+    pub fn new(tree: Arc<SourceTree>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+        let nodes = SourceRadiance::new(&tree, leaf_radiance);
+        let criterion = IlluminationCriterion::with_budget(illum_cut);
+        let cut = intensity_cut(&nodes.power, &nodes.power_sq, criterion);
+        Self { tree, nodes, cut, max_nodes: illum_cut }
+    }
+}
+
+/// Lights the sources of a dataset again and again: what an edit does not change is kept.
+pub struct SourceRig {
+    dataset: Arc<Dataset>,
+    tree: Arc<SourceTree>,
+    /// Points of the sources' surfaces, [`PARTS`] each.
+    lit: LitPoints,
+    further: Option<Vec<Vec3>>,
+}
+
+impl SourceRig {
+    /// For a dataset that looks as it was baked, in the dark; `None` if it has no sources.
+    pub fn new(baked: &Baked) -> Option<Self> {
+        let dataset = baked.dataset.clone();
+        let sources = &dataset.indirect.as_ref()?.sources;
+        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let lit = LitPoints::new(baked, source_parts(sources, &baked.intersector(), offset), AREA_SAMPLES);
+        Some(Self { tree: SourceTree::new(sources).into(), lit, further: None, dataset })
+    }
+
+    /// The sources.
+    pub fn tree(&self) -> &Arc<SourceTree> {
+        &self.tree
+    }
+
+    /// Gives the sources the reflectance of other materials; what does not fit looks as in the dataset.
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.lit.set_appearance(appearance);
+    }
+
+    /// Shines local lights on the sources, by rays; only for those that are not as before.
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        self.lit.set_lights(lights);
+    }
+
+    /// Shines the environment on the sources, or none.
+    pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
+        let irradiance = lighting.and_then(|lighting| environment_irradiance(&self.dataset, lighting));
+        self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
+    }
+
+    /// Adds irradiance of further bounces, one value a source, or none.
+    ///
+    /// # Panics
+    /// If there is not one value a source.
+    pub fn set_further(&mut self, irradiance: Option<Vec<Vec3>>) {
+        assert!(irradiance.as_ref().is_none_or(|i| i.len() == self.tree.len()), "one irradiance a source");
+        self.further = irradiance;
+    }
+
+    /// Irradiance of the sources in W/m².
+    pub fn irradiance(&self) -> Vec<Vec3> {
+        means(self.irradiance_of_parts().into_iter())
+    }
+
+    fn irradiance_of_parts(&self) -> Vec<Vec3> {
+        let mut sum = self.lit.irradiance();
+        for (parts, further) in sum.chunks_mut(PARTS).zip(self.further.iter().flatten()) {
+            parts.iter_mut().for_each(|sum| *sum += further);
+        }
+        sum
+    }
+
+    /// What the sources send under the lights and materials that were set, with an illumination cut of at most
+    /// `illum_cut` nodes.
+    pub fn lighting(&self, illum_cut: u32) -> SourceLighting {
+        let irradiance = self.irradiance_of_parts();
+        let sent = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
+        SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
+    }
+}
+
+#[cfg(test)]
+pub(crate) use meshless::tests as meshless_tests;
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,109 @@
+//! Irradiance of points of surfaces: by local lights through shadow rays, by the environment through cuts.
+
+use crate::light::environment::SceneLighting;
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    cut::{merge::merge, packed::PackedCursor},
+    dataset::Dataset,
+    lights::Light,
+    ray::Intersector,
+    sources::Source,
+    surfel::Surfel,
+};
+use rayon::prelude::*;
+
+/// Fraction of the distance to a light where nothing hides it any more.
+const NEAR_THE_LIGHT: f32 = 1e-3;
+
+/// How shadow rays are cast.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRays {
+    /// Samples along each side of an area light; neighbouring points average what they miss.
+    pub area_samples: u32,
+    /// Distance in metres that they start off a surface.
+    pub offset: f32,
+}
+
+/// What `lights` give each point, received by a normal each.
+pub fn light_irradiance(
+    points: &[Surfel],
+    normals: &[Vec3],
+    lights: &[Light],
+    intersector: &Intersector,
+    rays: ShadowRays,
+) -> Vec<Vec3> {
+    let patterns: Vec<(&Light, Vec<Vec2>)> =
+        lights.iter().map(|light| (light, pattern(light, rays.area_samples))).collect();
+    let of_point = |(point, &normal): (&Surfel, &Vec3)| {
+        let received = |(light, pattern): &(&Light, Vec<Vec2>)| {
+            let samples = pattern.iter().map(|&u| light_sample(point, normal, light, u, intersector, rays.offset));
+            samples.sum::<Vec3>() / pattern.len() as f32
+        };
+        patterns.iter().map(received).sum()
+    };
+    points.par_iter().zip(normals).with_min_len(64).map(of_point).collect()
+}
+
+fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
+    let side = if light.is_delta() { 1 } else { area_samples };
+    // The middles of equal parts, drawn apart so that they spread as the whole side does.
+    let apart = 1.0 / (1.0 - 1.0 / (side * side).max(2) as f32).sqrt();
+    let middle = |i: u32| 0.5 + ((i as f32 + 0.5) / side as f32 - 0.5) * apart;
+    (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
+}
+
+fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
+    let position = point.position;
+    let Some(sample) = light.sample(position, u) else { return Vec3::ZERO };
+    let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
+    if !(received.max_element() > 0.0) {
+        return Vec3::ZERO;
+    }
+    let origin = position + point.normal * offset;
+    // A light may lie on a surface, which does not hide it.
+    let blocked = intersector.occluded_before(origin, sample.direction, (1.0 - NEAR_THE_LIGHT) * sample.distance);
+    if blocked { Vec3::ZERO } else { received }
+}
+
+/// What the environment gives each source: its cut merged with the illumination cut, times the cosine. `None` if sources
+/// have no cuts of it.
+pub fn environment_irradiance(dataset: &Dataset, lighting: &SceneLighting) -> Option<Vec<Vec3>> {
+    let (bake, mesh) = (dataset.indirect.as_ref()?, &dataset.scene.mesh);
+    if bake.environment_cuts.len() != bake.sources.len() {
+        return None;
+    }
+    let of_source = |(i, source): (usize, &Source)| {
+        let visible = [(1.0, bake.environment_cuts.nodes_from(i as u32))];
+        received(&visible, mesh.shading_normal(&source.surfel), lighting)
+    };
+    Some(bake.sources.par_iter().enumerate().with_min_len(64).map(of_source).collect())
+}
+
+/// What the environment gives points of a dataset's mesh: the cuts of their vertices, interpolated.
+pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting: &SceneLighting) -> Vec<Vec3> {
+    let of_point = |point: &Surfel| {
+        let mesh = &dataset.scene.mesh;
+        let vertices = mesh.triangles[point.place.triangle as usize];
+        let weights = dataset.interpolation_weights(vertices, point.place.barycentric);
+        let visible: [_; 3] = std::array::from_fn(|i| (weights[i], dataset.cuts.nodes_from(vertices[i])));
+        received(&visible, mesh.shading_normal(point), lighting)
+    };
+    points.par_iter().with_min_len(64).map(of_point).collect()
+}
+
+/// Irradiance under a weighted sum of visibility cuts.
+fn received<const N: usize>(visible: &[(f32, &[u16]); N], normal: Vec3, lighting: &SceneLighting) -> Vec3 {
+    let height = (lighting.nodes.radiance.len() / 2).ilog2();
+    let mut cursors: Vec<_> = visible.iter().map(|(_, nodes)| PackedCursor::new(height, nodes)).collect();
+    cursors.push(PackedCursor::new(height, &lighting.cut));
+    let mut sum = Vec3::ZERO;
+    merge(1 << height, &mut cursors, |interval, cursors| {
+        let visibility: f32 = visible.iter().zip(cursors).map(|((weight, _), cursor)| weight * cursor.value()).sum();
+        if visibility > 0.0 {
+            let node = interval.heap_index(1 << height) as usize;
+            let cos = lighting.nodes.direction[node].dot(normal).max(0.0);
+            sum += lighting.nodes.radiance[node] * (cos * visibility * interval.size() as f32);
+        }
+    });
+    sum * lighting.leaf_solid_angle
+}

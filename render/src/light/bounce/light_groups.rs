@@ -1,0 +1,193 @@
+//! Lights in groups whose irradiance on some points is known, so that an edit casts rays for what has changed: for all
+//! that shared a group with it at first, then for the edited lights alone, which have groups of their own.
+
+use glam::Vec3;
+use lapidary_core::lights::{Emission, Light};
+use std::collections::{HashMap, HashSet};
+
+/// Most groups that are kept apart; each takes 12 bytes a point.
+pub(super) const LIGHT_GROUPS: usize = 64;
+
+/// Groups that edited lights may take up.
+const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
+
+/// Bits of all that the irradiance of a light depends on.
+type LightKey = [u32; 12];
+
+/// Some lights and what they give each point together, visibility included.
+pub(super) struct LightGroup {
+    lights: Vec<LightKey>,
+    pub(super) irradiance: Vec<Vec3>,
+}
+
+/// All lights that are switched on.
+#[derive(Default)]
+pub(super) struct LightGroups {
+    pub(super) groups: Vec<LightGroup>,
+}
+
+impl LightGroups {
+    /// Replaces the lights; `cast` finds the irradiance of some of them. Returns whether any light is not as before.
+    pub fn update(&mut self, lights: &[Light], cast: impl Fn(&[Light]) -> Vec<Vec3>) -> bool {
+        let on: Vec<&Light> = lights.iter().filter(|light| light.enabled).collect();
+        let mut wanted = Wanted::new(&on);
+        let (kept, broken): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.groups).into_iter().partition(|group| wanted.take(&group.lights));
+        let lost = !broken.is_empty();
+        let known: HashSet<LightKey> = broken.into_iter().flat_map(|group| group.lights).collect();
+        let left = on.into_iter().filter(|light| wanted.take(&[key(light)])).cloned();
+        let (unchanged, edited): (Vec<Light>, Vec<Light>) = left.partition(|light| known.contains(&key(light)));
+        let has_changed = lost || !unchanged.is_empty() || !edited.is_empty();
+        let grouped = |lights: &[Light], count: usize| -> Vec<LightGroup> {
+            let chunks = lights.chunks(lights.len().div_ceil(count).max(1));
+            chunks.map(|l| LightGroup { lights: l.iter().map(key).collect(), irradiance: cast(l) }).collect()
+        };
+        self.groups = kept;
+        self.groups.extend(grouped(&unchanged, EDITED_GROUPS));
+        let room = LIGHT_GROUPS - self.groups.len().min(EDITED_GROUPS);
+        let edited = grouped(&edited, room);
+        self.merge_down_to(LIGHT_GROUPS - edited.len());
+        self.groups.extend(edited);
+        has_changed
+    }
+
+    /// Adds up the irradiance of the smallest groups until there are no more than `most`.
+    fn merge_down_to(&mut self, most: usize) {
+        let most = most.max(1);
+        if self.groups.len() <= most {
+            return;
+        }
+        self.groups.sort_by_key(|group| std::cmp::Reverse(group.lights.len()));
+        for small in self.groups.split_off(most) {
+            let into = &mut self.groups[most - 1];
+            into.lights.extend(small.lights);
+            into.irradiance.iter_mut().zip(small.irradiance).for_each(|(sum, part)| *sum += part);
+        }
+    }
+}
+
+/// How many of each light are still to be found.
+struct Wanted(HashMap<LightKey, usize>);
+
+impl Wanted {
+    fn new(lights: &[&Light]) -> Self {
+        let mut counts = HashMap::new();
+        lights.iter().for_each(|light| *counts.entry(key(light)).or_default() += 1);
+        Self(counts)
+    }
+
+    /// Takes all of these or, if one is not wanted, none.
+    fn take(&mut self, lights: &[LightKey]) -> bool {
+        for (i, light) in lights.iter().enumerate() {
+            let Some(count) = self.0.get_mut(light).filter(|count| **count > 0) else {
+                lights[..i].iter().for_each(|taken| *self.0.entry(*taken).or_default() += 1);
+                return false;
+            };
+            *count -= 1;
+        }
+        true
+    }
+}
+
+fn key(light: &Light) -> LightKey {
+    let [kind, a, b] = match light.emission {
+        Emission::Point => [0.0; 3],
+        Emission::Spot { cone_degrees, penumbra_degrees } => [1.0, cone_degrees, penumbra_degrees],
+        Emission::Directional => [2.0, 0.0, 0.0],
+        Emission::Rectangle { width, height } => [3.0, width, height],
+    };
+    let ([px, py, pz], [tx, ty, tz], [r, g, blue]) =
+        (light.position.to_array(), light.target.to_array(), light.intensity.to_array());
+    [kind, a, b, px, py, pz, tx, ty, tz, r, g, blue].map(f32::to_bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::bounce::tests::point_light;
+    use std::cell::Cell;
+
+    /// Irradiance of a point that every light gives its x and a count of one.
+    fn irradiance(lights: &[Light]) -> Vec<Vec3> {
+        vec![lights.iter().map(|l| Vec3::new(l.position.x, 1.0, 0.0)).sum()]
+    }
+
+    fn lamps(count: usize) -> Vec<Light> {
+        (0..count).map(|i| point_light(Vec3::new(i as f32, 0.0, 0.0), 1.0)).collect()
+    }
+
+    /// Groups that tell how many lights cast rays at each update.
+    #[derive(Default)]
+    struct Counted {
+        groups: LightGroups,
+        last: Cell<usize>,
+        told: bool,
+    }
+
+    impl Counted {
+        fn update(&mut self, lights: &[Light]) -> usize {
+            let Self { groups, last, .. } = self;
+            last.set(0);
+            let sum = |groups: &LightGroups| groups.groups.iter().map(|g| g.irradiance[0]).sum::<Vec3>();
+            let before = sum(groups);
+            let has_changed = groups.update(lights, |part| {
+                last.set(last.get() + part.len());
+                irradiance(part)
+            });
+            let sum = sum(groups);
+            assert!(has_changed || (sum == before && last.get() == 0), "what has changed is told");
+            self.told = has_changed;
+            let on: Vec<Light> = lights.iter().filter(|l| l.enabled).cloned().collect();
+            assert_eq!(sum, irradiance(&on).first().copied().unwrap_or_default(), "whatever was cast again");
+            assert!(groups.groups.len() <= LIGHT_GROUPS);
+            last.get()
+        }
+    }
+
+    #[test]
+    fn of_thousands_a_moved_light_casts_rays_with_its_group_once_and_then_alone() {
+        let mut lights = lamps(2000);
+        let mut counted = Counted::default();
+        assert_eq!(counted.update(&lights), 2000);
+        assert!(counted.told);
+        assert_eq!(counted.update(&lights), 0, "nothing has changed");
+        assert!(!counted.told);
+        for (step, most) in [(0, 2000_usize.div_ceil(LIGHT_GROUPS)), (1, 1), (2, 1)] {
+            lights[700].position.y = 1.0 + step as f32;
+            let cast = counted.update(&lights);
+            assert!(cast > 0 && cast <= most, "step {step}: {cast}");
+        }
+        lights[700].enabled = false;
+        assert_eq!(counted.update(&lights), 0, "it has a group of its own");
+        assert!(counted.told, "its light is missing");
+        lights.remove(3);
+        assert!(counted.update(&lights) <= 64, "those behind a removed light are the same");
+        lights.insert(0, point_light(Vec3::splat(0.5), 1.0));
+        assert_eq!(counted.update(&lights), 1);
+        lights[5].name = "renamed".into();
+        assert_eq!(counted.update(&lights), 0);
+        assert!(!counted.told);
+    }
+
+    #[test]
+    fn many_edits_in_any_order_keep_the_sum_and_the_number_of_groups() {
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut lights = lamps(300);
+        let (mut counted, mut cast) = (Counted::default(), 0);
+        counted.update(&lights);
+        for _ in 0..200 {
+            let i = random.usize(..lights.len());
+            match random.u32(..4) {
+                0 => lights[i].enabled = !lights[i].enabled,
+                1 => lights.push(lights[i].clone()),
+                2 => drop(lights.swap_remove(i)),
+                _ => lights[i].position.x = random.u32(..1000) as f32,
+            }
+            cast += counted.update(&lights);
+        }
+        assert!(cast < 200 * 60, "{cast}, where all lights each time are 60,000");
+        lights.iter_mut().for_each(|light| light.intensity *= 2.0);
+        assert!(counted.update(&lights) > 100, "negative control: all have changed");
+        assert_eq!((counted.update(&[]), counted.groups.groups.len()), (0, 0));
+    }
+}

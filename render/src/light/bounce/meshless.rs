@@ -1,0 +1,329 @@
+//! Bounced light through the meshless basis: direct light on the senders, by samples under them, some bounces through the operator,
+//! and what arrives at the vertices, for display, or at the surface sources, for the bounce that cuts gather.
+
+use super::{
+    irradiance::environment_irradiance_of,
+    lit_points::LitPoints,
+    vertices::{VertexFlattening, VertexIrradiance},
+};
+use crate::{appearance::Appearance, baked::Baked, light::environment::SceneLighting};
+use glam::{Mat3A, Vec3};
+use lapidary_core::{
+    dataset::Dataset,
+    lights::Light,
+    meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
+    surfel::{OFFSET, Surfel},
+};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Samples of an area light along each of its sides; senders have several points.
+const AREA_SAMPLES: u32 = 2;
+
+/// Solves for the bounces of a dataset again and again: what an edit does not change is kept.
+pub struct MeshlessRig {
+    dataset: Arc<Dataset>,
+    solver: Solver,
+    samples: SenderSamples,
+    /// Their points under local lights.
+    lit: LitPoints,
+    /// What the environment gives the senders.
+    environment: Option<Vec<Vec3>>,
+    /// Weights of the vertices, and of the sources if there are any; found at the first use.
+    at_vertices: Option<VertexFlattening>,
+    at_sources: Option<Flattening>,
+    solved: Option<Solution>,
+}
+
+impl MeshlessRig {
+    /// For a dataset that looks as it was baked, in the dark; `None` if it has no meshless basis.
+    pub fn new(baked: &Baked) -> Option<Self> {
+        let dataset = baked.dataset.clone();
+        let bake = dataset.meshless.as_ref()?;
+        let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
+        let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
+        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let is_free = |point: &Surfel, direction: Vec3, within: f32| {
+            !baked.intersector().occluded_before(point.position + point.normal * offset, direction, within)
+        };
+        let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
+        let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);
+        let (at_vertices, at_sources, solved, environment) = (None, None, None, None);
+        Some(Self { dataset, solver, samples, lit, environment, at_vertices, at_sources, solved })
+    }
+
+    /// Gives the senders the reflectance of other materials.
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.lit.set_appearance(appearance);
+        self.solved = None;
+    }
+
+    /// Shines local lights on the senders, by rays; only for those that are not as before.
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        if self.lit.set_lights(lights) {
+            self.solved = None;
+        }
+    }
+
+    /// Shines the environment on the senders, or none.
+    pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
+        let Some(bake) = &self.dataset.meshless else { return };
+        let shine = |lighting| environment_irradiance_of(bake.basis.sender_points(), &self.dataset, lighting);
+        self.environment = lighting.map(shine);
+        self.solved = None;
+    }
+
+    /// What arrives at the vertices after all bounces.
+    pub fn at_vertices(&mut self) -> Option<VertexIrradiance> {
+        let dataset = self.solve()?;
+        let solved = self.solved.as_ref()?;
+        if self.at_vertices.is_none() {
+            self.at_vertices = Some(VertexFlattening::new(&dataset, dataset.meshless.as_ref()?));
+        }
+        Some(self.at_vertices.as_ref()?.apply(&solved.coefficients))
+    }
+
+    /// Irradiance of all bounces at the surface sources.
+    pub fn at_sources(&mut self, sources: &[Surfel]) -> Option<Vec<Vec3>> {
+        let dataset = self.solve()?;
+        let solved = self.solved.as_ref()?;
+        if self.at_sources.is_none() {
+            let MeshlessBake { basis, transport } = dataset.meshless.as_ref()?;
+            let points: Vec<_> = sources.iter().map(|s| (s.position, s.normal)).collect();
+            self.at_sources = Some(Flattening::new(basis, transport, &points));
+        }
+        let vectors = self.at_sources.as_ref()?.apply(&solved.coefficients);
+        let mesh = &dataset.scene.mesh;
+        let received =
+            |(vector, source): (&Mat3A, &Surfel)| irradiance(vector, mesh.shading_normal(source)).max(Vec3::ZERO);
+        Some(vectors.par_iter().zip(sources).map(received).collect())
+    }
+
+    /// How the light of the last solution fades; `None` after a change that was not solved for.
+    pub fn energy(&self) -> Option<BounceEnergy> {
+        self.solved.as_ref().map(Solution::energy)
+    }
+
+    fn solve(&mut self) -> Option<Arc<Dataset>> {
+        let dataset = self.dataset.clone();
+        if self.solved.is_none() {
+            let bake = dataset.meshless.as_ref()?;
+            let (mut direct, albedo) = self.samples.fit(&self.solver, &self.lit.irradiance(), self.lit.albedo());
+            let environment = self.environment.iter().flatten();
+            direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
+            self.solved = Some(self.solver.solve(bake, &direct, &albedo, SolveSettings::default()));
+        }
+        Some(dataset)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::{
+        Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer, View,
+        light::bounce::tests::floor_and_wall,
+        renderer::tests::{from_above, illumination},
+    };
+    use glam::Vec2;
+    use lapidary_core::{
+        camera::Camera,
+        lights::Emission,
+        meshless::{Basis, Transport},
+        sphere::{cosine_direction, frame_around},
+        surfel::MeshPlace,
+    };
+    use std::f32::consts::FRAC_1_PI;
+
+    /// Vector irradiance of the floor from a wall that sends a radiance of one.
+    const LINK: Vec3 = Vec3::new(-0.3, 0.2, 0.05);
+
+    /// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
+    pub(crate) fn dataset() -> Dataset {
+        linked(Vec3::Y, LINK)
+    }
+
+    /// The same with the floor's function on the side of `normal`.
+    fn linked(normal: Vec3, link: Vec3) -> Dataset {
+        let mut dataset = floor_and_wall(4);
+        let sources = &dataset.indirect.as_ref().unwrap().sources;
+        let on_wall = sources[sources.len() / 2].surfel;
+        let place = MeshPlace { triangle: 0, barycentric: Vec2::splat(0.3) };
+        let on_floor = Surfel { position: Vec3::ZERO, normal, place };
+        let basis = Basis::new(&[vec![on_wall, on_floor]], 20.0, 1).unwrap();
+        let transport = Transport::from_rows(&[Vec::new(), vec![(0, link)]], 2);
+        dataset.meshless = Some(MeshlessBake { basis, transport });
+        dataset
+    }
+
+    fn lamp(intensity: f32) -> Arc<[Light]> {
+        let (position, target) = (Vec3::new(-1.0, 1.2, 0.1), Vec3::ZERO);
+        let intensity = Vec3::splat(intensity);
+        [Light { name: String::new(), enabled: true, emission: Emission::Point, position, target, intensity }].into()
+    }
+
+    #[test]
+    fn a_linked_wall_gives_the_floor_s_vertices_its_radiosity() {
+        let baked = Baked::from(dataset());
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        rig.set_lights(&lamp(3.0));
+        let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
+        let to_light = lamp(3.0)[0].position - wall;
+        let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
+        let albedo = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
+        let sent = albedo * irradiance * FRAC_1_PI;
+        let found = rig.at_vertices().unwrap();
+        for (vector, normal) in
+            found.front.iter().zip(&baked.dataset.scene.mesh.normals).filter(|(_, n)| **n == Vec3::Y)
+        {
+            let expected = LINK.dot(*normal) * sent;
+            let received = super::irradiance(vector, *normal);
+            assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
+        }
+        rig.set_lights(&lamp(3.0));
+        assert!(rig.energy().is_some(), "the same light needs no other solution");
+        rig.set_lights(&[]);
+        assert!(rig.energy().is_none());
+        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+    }
+
+    #[test]
+    fn senders_have_the_light_of_the_finer_points_under_them() {
+        let mut dataset = dataset();
+        let meshless = dataset.meshless.as_mut().unwrap();
+        let [wall, floor] = [0, 1].map(|i| meshless.basis.points()[i]);
+        let aside = |z: f32| Surfel { position: wall.position + Vec3::Z * z, ..wall };
+        let finer = [-0.5, 0.5].map(aside);
+        meshless.basis = Basis::new(&[vec![wall, floor], finer.to_vec()], 20.0, 1).unwrap();
+        meshless.transport = Transport::from_rows(&[Vec::new(), vec![(0, LINK)], Vec::new(), Vec::new()], 2);
+        let baked = Baked::from(dataset);
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        rig.set_lights(&lamp(3.0));
+        let irradiance = |point: &Surfel| {
+            let to_light = lamp(3.0)[0].position - point.position;
+            3.0 * to_light.x / to_light.length().powi(3)
+        };
+        let mesh = &baked.dataset.scene.mesh;
+        let reflected = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place) * FRAC_1_PI * LINK.dot(Vec3::Y);
+        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        let found = super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y).x;
+        // They count by what they see beyond a quarter of the functions' radius.
+        let reach = 0.25 * baked.dataset.meshless.as_ref().unwrap().basis.radii()[0];
+        let open = finer.map(|p| {
+            let free = |i: &u32| {
+                let direction = cosine_direction((*i as f32 + 0.5) / 32.0, (*i as f32 * 0.618_034).fract());
+                let direction = frame_around(p.normal) * direction;
+                !baked.intersector().occluded_before(p.position + 1e-4 * p.normal, direction, reach)
+            };
+            (0..32).filter(free).count() as f32
+        });
+        let mean = (open[0] * irradiance(&finer[0]) + open[1] * irradiance(&finer[1])) / (open[0] + open[1]);
+        let expected = mean * reflected.x;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
+        assert!((irradiance(&wall) * reflected.x / expected - 1.0).abs() > 0.02, "negative control: its own point");
+    }
+
+    #[test]
+    fn the_environment_lights_the_senders() {
+        let baked = Baked::from(dataset());
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let radiance = Vec3::new(1.0, 2.0, 0.5);
+        let mesh = &baked.dataset.scene.mesh;
+        let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0];
+        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        let mut on_floor = |light: &Illumination| {
+            rig.set_environment(Some(&Renderer::new(baked.clone()).lighting(light, 256)));
+            super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y)
+        };
+        // What the floor does not hide of it from the vertices around, by cosine.
+        let free = |vertex: u32, i: u32| {
+            let direction = cosine_direction((i as f32 + 0.5) / 1024.0, (i as f32 * 0.618_034).fract());
+            let origin = mesh.positions[vertex as usize] + 1e-4 * (wall.normal + Vec3::Y);
+            u8::from(!baked.intersector().occluded(origin, frame_around(wall.normal) * direction))
+        };
+        let share = |vertex: u32| (0..1024).map(|i| f32::from(free(vertex, i))).sum::<f32>() / 1024.0;
+        let open = mesh.triangles[wall.place.triangle as usize].map(share).iter().sum::<f32>() / 3.0;
+        let albedo = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place);
+        let expected = open * albedo * radiance * LINK.dot(Vec3::Y);
+        let found = on_floor(&illumination([64, 32], |_, _| radiance));
+        assert!((found / expected - 1.0).abs().max_element() < 0.05, "{found} for {expected}, {open}");
+        // The wall faces +X, whose directions are on the left of the map.
+        let behind = on_floor(&illumination([64, 32], |x, _| radiance * f32::from(u8::from(x >= 32))));
+        assert!(behind.max_element() < 0.02 * expected.max_element(), "negative control, from behind: {behind}");
+        rig.set_environment(None);
+        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: none");
+    }
+
+    #[test]
+    fn further_bounces_arrive_by_smooth_normals() {
+        const BACK: Vec3 = Vec3::new(0.3, -0.2, 0.1);
+        // Both send. The light stands behind the wall and shines over it on the floor, so that the wall has what the floor sends alone.
+        let over_the_wall = Light { position: Vec3::new(-3.0, 5.0, 0.0), ..lamp(3.0)[0].clone() };
+        let means = |wall_normal: Vec3| {
+            let mut dataset = linked(Vec3::Y, LINK);
+            let meshless = dataset.meshless.as_mut().unwrap();
+            meshless.transport = Transport::from_rows(&[vec![(1, BACK)], vec![(0, LINK)]], 2);
+            dataset.scene.mesh.normals.iter_mut().filter(|n| **n == Vec3::X).for_each(|n| *n = wall_normal);
+            let mut rig = MeshlessRig::new(&Baked::from(dataset)).unwrap();
+            rig.set_lights(std::slice::from_ref(&over_the_wall));
+            rig.solve();
+            rig.solved.unwrap().mean_irradiance
+        };
+        let smooth = Vec3::new(0.8, -0.6, 0.0);
+        let (by_face, by_smooth) = (means(Vec3::X), means(smooth));
+        assert!(by_face[0] == by_smooth[0] && by_face[0].x > 0.0, "direct light on the floor alone");
+        let (found, expected) = (by_smooth[1].x / by_face[1].x, BACK.dot(smooth) / BACK.dot(Vec3::X));
+        assert!((found - expected).abs() < 1e-3 && expected > 1.1, "{found} for {expected}");
+    }
+
+    fn bounce_at_center(baked: &Baked, lighting: &LocalLighting, view: &View) -> Vec3 {
+        let mut backend = CpuBackend::new();
+        backend.set_scene(baked).unwrap();
+        backend.set_local_lighting(lighting).unwrap();
+        backend.begin(view, BrdfSampling::Refine).unwrap();
+        backend.render_rows(0, 0..8).unwrap();
+        backend.read(1).unwrap().0.pixels[27]
+    }
+
+    #[test]
+    fn a_floor_whose_normals_point_away_is_lit_on_the_side_that_light_reaches() {
+        let from_below =
+            View { camera: Camera::look_at(Vec3::new(0.0, -6.0, 0.01), Vec3::ZERO, 30.0), ..from_above(8) };
+        let shown = |normal: Vec3, view: &View| {
+            let mut dataset = linked(normal, LINK * Vec3::new(1.0, normal.y, 1.0));
+            dataset.two_sided.fill(true);
+            let baked = Baked::from(dataset);
+            let mut rig = LocalRig::new(&baked);
+            rig.set_lights(&lamp(3.0));
+            let indirect = Components { indirect: true, ..Components::NONE };
+            let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
+            bounce_at_center(&baked, &lighting, view)
+        };
+        let above = shown(Vec3::Y, &from_above(8));
+        let below = shown(Vec3::NEG_Y, &from_below);
+        assert!(above.x > 0.0 && (below - above).length() < 1e-5 * above.length(), "{below} for {above}");
+        assert_eq!(shown(Vec3::Y, &from_below), Vec3::ZERO, "negative control: no light below");
+        assert_eq!(shown(Vec3::NEG_Y, &from_above(8)), Vec3::ZERO, "negative control: no light above");
+    }
+
+    #[test]
+    fn pictures_show_it_times_the_albedo_and_only_changes_solve_again() {
+        let baked = Baked::from(dataset());
+        let mut rig = LocalRig::new(&baked);
+        let picture = |rig: &mut LocalRig| {
+            let indirect = Components { indirect: true, ..Components::NONE };
+            let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
+            (bounce_at_center(&baked, &lighting, &from_above(8)), lighting.vertex_irradiance.unwrap())
+        };
+        rig.set_lights(&lamp(3.0));
+        let (once, vertices) = picture(&mut rig);
+        let (again, same) = picture(&mut rig);
+        assert!(Arc::ptr_eq(&vertices, &same) && once == again);
+        let floor = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, MeshPlace::default());
+        let expected = floor * super::irradiance(&vertices.front[0], Vec3::Y) * FRAC_1_PI;
+        assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");
+        rig.set_lights(&lamp(6.0));
+        let (twice, other) = picture(&mut rig);
+        assert!(!Arc::ptr_eq(&vertices, &other) && (twice - 2.0 * once).length() < 1e-4 * once.length());
+    }
+}

@@ -1,0 +1,400 @@
+//! Known answers of a bounce: a wall of known radiosity lights a floor as Lambert's formula for polygons says, and the
+//! sources on it receive what lights and environment give by hand. Each with a negative control.
+
+use super::*;
+use crate::{
+    Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
+    light::direct::tests::light,
+    renderer::tests::{LIGHTS, dataset, from_above, from_the_side, illumination, mesh, white},
+};
+use glam::{Vec2, Vec3, Vec4};
+use lapidary_core::{
+    cut::{
+        CutCriterion, CutSelector,
+        packed::{PackedCuts, pack_node},
+        solid_angle, solid_angle_code,
+    },
+    dataset::BakeMode,
+    image::Image,
+    lights::Emission,
+    material::{BrdfModel, BrdfParameters, Material},
+    scene::Mesh,
+    sources::{IndirectBake, Source},
+    surfel::{MeshPlace, Surfel},
+};
+use std::f32::consts::PI;
+
+/// Sources along each side of the wall, as a power of two.
+const SIDE_LOG2: u32 = 5;
+const SOURCES: usize = 1 << (2 * SIDE_LOG2);
+/// The wall beside the floor, counter-clockwise seen from it.
+const WALL: [Vec3; 4] =
+    [Vec3::new(-2.2, 0.2, 1.0), Vec3::new(-2.2, 0.2, -1.0), Vec3::new(-2.2, 2.2, -1.0), Vec3::new(-2.2, 2.2, 1.0)];
+
+/// Which nodes the cuts of the floor's vertices have: all at one depth below the root.
+pub(crate) fn floor_and_wall(depth: u32) -> Dataset {
+    let mut mesh = mesh(32, false);
+    add_wall(&mut mesh);
+    let wall = (mesh.triangles.len() - 2) as u32;
+    let mut dataset = dataset(mesh, white());
+    let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..Default::default() };
+    dataset.scene.materials.push(Material { model: BrdfModel::Lambert, parameters, ..Default::default() });
+    let sources = wall_sources(wall);
+    let environment_cuts = environment_cuts(&dataset, &sources);
+    let cuts = source_cuts(&dataset, &sources, depth);
+    dataset.indirect = Some(IndirectBake { sources, cuts, environment_cuts });
+    dataset
+}
+
+fn add_wall(mesh: &mut Mesh) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(WALL);
+    mesh.normals.extend([Vec3::X; 4]);
+    mesh.tangents.extend([Vec4::new(0.0, 0.0, -1.0, 1.0); 4]);
+    mesh.uvs.extend([Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
+    mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    mesh.triangle_material.extend([1, 1]);
+    mesh.triangle_object.extend([0, 0]);
+}
+
+/// A grid over the wall in Morton order, so that nodes are squares and oblongs.
+fn wall_sources(triangle: u32) -> Vec<Source> {
+    let coordinate = |code: u32| (0..SIDE_LOG2).fold(0, |c, bit| c | (code >> (2 * bit) & 1) << bit);
+    let cell = 2.0 / (1 << SIDE_LOG2) as f32;
+    let source = |i: u32| {
+        let at = |code: u32| cell * (coordinate(code) as f32 + 0.5);
+        let position = WALL[0] + Vec3::new(0.0, at(i), -at(i >> 1));
+        let place = MeshPlace { triangle, barycentric: Vec2::splat(1.0 / 3.0) };
+        Source { surfel: Surfel { position, normal: Vec3::X, place }, area: cell * cell, spacing: cell }
+    };
+    (0..SOURCES as u32).map(source).collect()
+}
+
+fn environment_cuts(dataset: &Dataset, sources: &[Source]) -> PackedCuts {
+    let criterion = CutCriterion { sigma: 0.0, ..Default::default() };
+    let mut selector = CutSelector::new(dataset.tree.height(), criterion);
+    let mut cuts = PackedCuts::default();
+    for source in sources {
+        let above = |d: &Vec3| u8::from(d.dot(source.surfel.normal) > 0.0);
+        let visible: Vec<u8> = dataset.tree.leaf_directions().iter().map(above).collect();
+        let mut cut = Vec::new();
+        selector.select(&visible, &mut cut);
+        let offset = cuts.push_cut(&cut);
+        cuts.push_vertex(offset);
+    }
+    cuts
+}
+
+/// Solid angle of a source; nothing is hidden.
+fn seen(source: &Source, from: Vec3) -> f32 {
+    let away = from - source.surfel.position;
+    source.area * away.dot(source.surfel.normal).max(0.0) / away.length().powi(3)
+}
+
+fn source_cuts(dataset: &Dataset, sources: &[Source], depth: u32) -> PackedCuts {
+    let mut cuts = PackedCuts::default();
+    let mesh = &dataset.scene.mesh;
+    for (&p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        let value = |part: &[Source]| part.iter().map(|s| seen(s, p)).sum::<f32>() / part.len() as f32;
+        let node = |part: &[Source]| pack_node(depth, 0.0) | solid_angle_code(value(part));
+        let floor = *n == Vec3::Y;
+        let cut: Vec<u16> = match floor {
+            true => sources.chunks(SOURCES >> depth).map(node).collect(),
+            false => vec![pack_node(0, 0.0)],
+        };
+        let offset = cuts.push_cut(&cut);
+        cuts.push_vertex(offset);
+    }
+    cuts
+}
+
+/// Irradiance at a point of the floor under the wall at radiance 1 (Lambert's formula).
+fn form_factor(p: Vec3) -> f32 {
+    let corners = WALL.map(|w| (w - p).normalize());
+    let edge = |i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        a.dot(b).acos() * a.cross(b).normalize().y
+    };
+    0.5 * (0..4).map(edge).sum::<f32>().abs()
+}
+
+const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
+
+fn picture(dataset: &Arc<Dataset>, lighting: &SourceLighting, view: &View, sampling: BrdfSampling) -> Image {
+    let mut backend = CpuBackend::new();
+    backend.set_scene(&dataset.clone().into()).unwrap();
+    let indirect = Some(Arc::new(lighting.clone()));
+    let local = LocalLighting { indirect, components: INDIRECT, ..Default::default() };
+    backend.set_local_lighting(&local).unwrap();
+    backend.begin(view, sampling).unwrap();
+    backend.render_rows(0, 0..view.size[1]).unwrap();
+    backend.read(1).unwrap().0
+}
+
+fn rel_rmse(a: &Image, b: &Image) -> f32 {
+    let error: f32 = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).length_squared()).sum();
+    (error / b.pixels.iter().map(|b| b.length_squared()).sum::<f32>()).sqrt()
+}
+
+/// The floor's points that a picture shows.
+fn floor_image(view: &View, f: impl Fn(Vec3) -> Vec3) -> Image {
+    Image::from_fn(view.size, |x, y| {
+        let direction = view.camera.direction_through(Vec2::new(x as f32, y as f32) + 0.5, view.size);
+        f(view.camera.eye - direction * (view.camera.eye.y / direction.y))
+    })
+}
+
+fn uniform(rig: &mut SourceRig, irradiance: f32) -> SourceLighting {
+    rig.set_further(Some(vec![Vec3::splat(irradiance); SOURCES]));
+    rig.lighting(SOURCES as u32)
+}
+
+pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
+    Light {
+        name: String::new(),
+        enabled: true,
+        emission: Emission::Point,
+        position,
+        target: Vec3::ZERO,
+        intensity: Vec3::splat(intensity),
+    }
+}
+
+#[test]
+fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
+    let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let view = from_above(24);
+    let albedo = Vec3::new(0.6, 0.3, 0.1);
+    let expected = floor_image(&view, |p| albedo * (5.0 / PI) * (form_factor(p) / PI));
+    for depth in [2 * SIDE_LOG2, 6, 4] {
+        let dataset = Arc::new(floor_and_wall(depth));
+        let shown = picture(&dataset, &uniform(&mut rig, 5.0), &view, BrdfSampling::Refine);
+        assert!(rel_rmse(&shown, &expected) < 0.02, "depth {depth}: {}", rel_rmse(&shown, &expected));
+    }
+    let brighter = picture(&dataset, &uniform(&mut rig, 5.5), &view, BrdfSampling::Refine);
+    assert!(rel_rmse(&brighter, &expected) > 0.08, "negative control");
+}
+
+#[test]
+fn full_cuts_are_the_sum_over_all_sources() {
+    let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    rig.set_lights(&[point_light(Vec3::new(-1.5, 1.0, 0.3), 2.0)]);
+    let sources = &dataset.indirect.as_ref().unwrap().sources;
+    let lighting = rig.lighting(SOURCES as u32);
+    let sent = &lighting.nodes.radiance[SOURCES..];
+    // Solid angles are interpolated between vertices, which is exact at them.
+    let renderer = Renderer::new(dataset.clone());
+    let field = crate::shade::node_field::SourceField::new(&lighting);
+    let mut shader =
+        crate::shade::merge::Shader::new(field, &dataset.indirect.as_ref().unwrap().cuts, BrdfSampling::Once);
+    for vertex in [40_u32, 300, 700] {
+        let at = dataset.scene.mesh.positions[vertex as usize];
+        let hit = renderer.intersector().closest_hit(at + Vec3::new(1e-3, 1.0, 1e-3), Vec3::NEG_Y).unwrap();
+        let mut point = renderer.surfaces().point(&hit, Vec3::Y);
+        (point.vertices, point.weights, point.position) = ([vertex; 3], [1.0, 0.0, 0.0], at);
+        let term = |(s, l): (&Source, &Vec3)| {
+            let cos = (s.surfel.position - at).normalize().y;
+            *l * (solid_angle(solid_angle_code(seen(s, at))) * cos / PI)
+        };
+        let sum: Vec3 = sources.iter().zip(sent).map(term).sum();
+        let shaded = shader.shade(&point);
+        assert!((shaded - sum).length() < 1e-4 * sum.length(), "{shaded} for {sum}");
+        assert!((shaded - 1.01 * sum).length() > 1e-3 * sum.length(), "negative control");
+    }
+    assert_eq!(shader.work.merged_nodes, 3 * SOURCES as u64);
+}
+
+#[test]
+fn refinement_of_few_nodes_is_close_to_all_of_them_for_a_glossy_floor() {
+    let glossy = |depth| {
+        let mut dataset = floor_and_wall(depth);
+        let parameters = BrdfParameters { base_color: Vec3::ZERO, roughness: 0.35, ..Default::default() };
+        dataset.scene.materials[0] = Material { model: BrdfModel::Ggx, parameters, ..Default::default() };
+        Arc::new(dataset)
+    };
+    let full = glossy(2 * SIDE_LOG2);
+    let mut rig = SourceRig::new(&full.clone().into()).unwrap();
+    rig.set_lights(&[point_light(Vec3::new(-1.9, 1.5, 0.5), 2.0)]);
+    let mut view = from_the_side(32);
+    view.camera = lapidary_core::camera::Camera::look_at(Vec3::new(1.8, 1.0, 0.3), Vec3::new(-1.0, 0.0, 0.0), 40.0);
+    let expected = picture(&full, &rig.lighting(SOURCES as u32), &view, BrdfSampling::Once);
+    let coarse = glossy(4);
+    let refined = rel_rmse(&picture(&coarse, &rig.lighting(16), &view, BrdfSampling::Refine), &expected);
+    let once = rel_rmse(&picture(&coarse, &rig.lighting(16), &view, BrdfSampling::Once), &expected);
+    assert!(refined < 0.06 && refined < 0.5 * once, "{once} to {refined}");
+}
+
+#[test]
+fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again() {
+    let dataset = Arc::new(floor_and_wall(4));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    assert!(rig.irradiance().iter().all(|&e| e == Vec3::ZERO), "no light, no irradiance");
+    let light = point_light(Vec3::new(-1.0, 1.0, 0.0), 3.0);
+    rig.set_lights(std::slice::from_ref(&light));
+    let at = |position: Vec3| {
+        let to_light = light.position - position;
+        3.0 * to_light.x / to_light.length().powi(3)
+    };
+    let parts = rig.lit.points.chunks(source_parts::PARTS);
+    for ((source, parts), e) in rig.tree().sources().iter().zip(parts).zip(rig.irradiance()) {
+        let expected = parts.iter().map(|part| at(part.position)).sum::<f32>() / parts.len() as f32;
+        assert!((e.x / expected - 1.0).abs() < 1e-4, "{e} for {expected}");
+        assert!((expected / at(source.surfel.position) - 1.0).abs() < 2e-3, "the mean around the source");
+    }
+    let behind = point_light(Vec3::new(-3.0, 1.0, 0.0), 3.0);
+    let below = point_light(Vec3::new(-1.0, -1.0, 0.0), 3.0);
+    let off = Light { enabled: false, ..light.clone() };
+    let before = rig.irradiance();
+    let first = rig.lit.lights.groups[0].irradiance.as_ptr();
+    rig.set_lights(&[light, behind, below, off]);
+    assert_eq!(rig.lit.lights.groups[0].irradiance.as_ptr(), first, "what has not changed is kept");
+    assert_eq!(rig.irradiance(), before, "neither from behind, nor through the floor, nor while switched off");
+    rig.set_lights(&[]);
+    assert!(rig.irradiance().iter().all(|&e| e == Vec3::ZERO));
+    let thousands: Vec<Light> = (0..1000).map(|i| point_light(Vec3::new(-1.0, 1.0, 1e-3 * i as f32), 1.0)).collect();
+    rig.set_lights(&thousands);
+    assert!(rig.lit.lights.groups.len() <= light_groups::LIGHT_GROUPS && rig.irradiance()[0].x > 100.0);
+}
+
+/// The wall's vertices lean by 60 degrees, so that it looks as if it did; what it sends is what is seen of it.
+#[test]
+fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
+    let sun = |toward: Vec3| light(Emission::Directional, -3.0 * toward, Vec3::ZERO, 2.0);
+    let mean = |leaning: bool, side: f32, toward: Vec3| {
+        let mut dataset = floor_and_wall(4);
+        let lean = Vec3::new(0.5, 0.75_f32.sqrt(), 0.0);
+        let normals = dataset.scene.mesh.normals.iter_mut().filter(|n| leaning && **n == Vec3::X);
+        normals.for_each(|n| *n = lean);
+        let sources = &mut dataset.indirect.as_mut().unwrap().sources;
+        sources.iter_mut().for_each(|source| source.surfel.normal *= side);
+        let mut rig = SourceRig::new(&Arc::new(dataset).into()).unwrap();
+        rig.set_lights(&[sun(toward)]);
+        rig.irradiance().iter().map(|e| e.x).sum::<f32>() / SOURCES as f32
+    };
+    for side in [1.0, -1.0] {
+        let toward = Vec3::NEG_X * side;
+        assert!((mean(true, side, toward) - 1.0).abs() < 1e-4, "{}", mean(true, side, toward));
+        assert!((mean(false, side, toward) - 2.0).abs() < 1e-4, "negative control: it does not lean");
+        assert_eq!(mean(true, side, -toward), 0.0, "from behind");
+    }
+}
+
+#[test]
+fn a_rectangle_in_front_of_the_wall_gives_lambert_s_irradiance() {
+    let dataset = Arc::new(floor_and_wall(4));
+    let mut rig = SourceRig::new(&dataset.into()).unwrap();
+    let emission = Emission::Rectangle { width: 0.8, height: 0.6 };
+    let position = Vec3::new(-0.7, 1.2, 0.0);
+    let light = Light { emission, target: Vec3::new(-2.2, 1.2, 0.0), ..point_light(position, 2.0) };
+    rig.set_lights(&[light]);
+    let corner = |y: f32, z: f32| position + Vec3::new(0.0, 0.3 * y, 0.4 * z);
+    let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    for (source, e) in rig.tree().sources().iter().zip(rig.irradiance()) {
+        let toward = corners.map(|c| (c - source.surfel.position).normalize());
+        let edge = |i: usize| {
+            let (a, b) = (toward[i], toward[(i + 1) % 4]);
+            a.dot(b).acos() * a.cross(b).normalize().x
+        };
+        let expected = (0..4).map(edge).sum::<f32>().abs();
+        assert!((e.x / expected - 1.0).abs() < 0.01, "{e} for {expected}");
+    }
+}
+
+#[test]
+fn a_constant_environment_gives_a_free_source_pi() {
+    let dataset = Arc::new(floor_and_wall(4));
+    let renderer = Renderer::new(dataset.clone());
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut shine = |light: &Illumination| {
+        rig.set_environment(Some(&renderer.lighting(light, 256)));
+        rig.irradiance()
+    };
+    let full = shine(&illumination([64, 32], |_, _| Vec3::new(1.0, 2.0, 0.5)));
+    assert!(full.iter().all(|e| (*e / PI - Vec3::new(1.0, 2.0, 0.5)).abs().max_element() < 0.02), "{}", full[0]);
+    // The wall faces +X, whose directions are on the left of the map.
+    let half = shine(&illumination([64, 32], |x, _| Vec3::splat(f32::from(u8::from(x >= 32)))));
+    assert!(half.iter().all(|e| e.x < 0.02 * PI), "{}", half[0]);
+    rig.set_environment(None);
+    assert!(rig.irradiance().iter().all(|&e| e == Vec3::ZERO));
+    assert_eq!(dataset.tree.len(), LIGHTS);
+}
+
+#[test]
+fn an_edited_material_scales_the_bounce_and_casts_no_rays() {
+    let dataset = Arc::new(floor_and_wall(6));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    rig.set_lights(&[point_light(Vec3::new(-1.0, 1.0, 0.0), 3.0)]);
+    let view = from_above(12);
+    let show = |rig: &SourceRig| picture(&dataset, &rig.lighting(64), &view, BrdfSampling::Refine);
+    let before = show(&rig);
+    let mut appearance = Appearance::of(&dataset.scene);
+    appearance.materials[1].parameters.base_color = Vec3::new(0.3, 0.6, 0.1);
+    rig.set_appearance(&appearance);
+    let after = show(&rig);
+    let scaled =
+        Image { size: before.size, pixels: before.pixels.iter().map(|p| *p * Vec3::new(0.5, 2.0, 1.0)).collect() };
+    assert!(rel_rmse(&after, &scaled) < 0.01, "{}", rel_rmse(&after, &scaled));
+    assert!(rel_rmse(&after, &before) > 0.3, "negative control");
+}
+
+#[test]
+fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
+    let dataset = Arc::new(floor_and_wall(6));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let light = illumination([64, 32], |x, _| Vec3::splat(0.1 * x as f32));
+    let lighting = Arc::new(Renderer::new(dataset.clone()).lighting(&light, 64));
+    rig.set_environment(Some(&lighting));
+    let indirect = Some(Arc::new(rig.lighting(64)));
+    let mut backend = CpuBackend::new();
+    let lamps: Arc<[Light]> = [point_light(Vec3::new(0.5, 1.5, 0.0), 3.0)].into();
+    let mut bare = (*dataset).clone();
+    bare.indirect = None;
+    assert!(SourceRig::new(&bare.clone().into()).is_none());
+    let mut show = |dataset: &Arc<Dataset>, components, mode| {
+        backend.set_scene(&dataset.clone().into()).unwrap();
+        backend.set_light(&light, &lighting).unwrap();
+        let local =
+            LocalLighting { lights: lamps.clone(), indirect: indirect.clone(), components, ..Default::default() };
+        backend.set_local_lighting(&local).unwrap();
+        let view = View { mode, ..from_above(12) };
+        backend.begin(&view, BrdfSampling::Refine).unwrap();
+        backend.render_rows(0, 0..12).unwrap();
+        backend.read(1).unwrap().0
+    };
+    let environment = Components { environment: true, ..Components::NONE };
+    let unlit = Components { direct: false, ..Components::ALL };
+    let [all, sky, bounce] = [unlit, environment, INDIRECT].map(|c| show(&dataset, c, ViewMode::Shaded));
+    let sum = |a: &Image, b: &Image| Image {
+        size: a.size,
+        pixels: a.pixels.iter().zip(&b.pixels).map(|(a, b)| *a + *b).collect(),
+    };
+    assert!(rel_rmse(&sum(&sky, &bounce), &all) < 1e-6);
+    assert!(rel_rmse(&sky, &all) > 1e-3 && rel_rmse(&bounce, &all) > 0.1, "negative control");
+    let direct = show(&dataset, Components { direct: true, ..Components::NONE }, ViewMode::Shaded);
+    let lamp = Renderer::new(dataset.clone()).direct_light(&from_above(12), &lamps);
+    assert!(rel_rmse(&direct, &lamp) < 1e-6 && lamp.pixels[70].x > 0.0);
+    let none = show(&dataset, Components::NONE, ViewMode::Shaded);
+    assert!(none.pixels.iter().all(|&p| p == Vec3::ZERO));
+    assert!(rel_rmse(&show(&bare.into(), unlit, ViewMode::Shaded), &sky) < 1e-6);
+    let mut nodes = |c| show(&dataset, c, ViewMode::MergedCut).pixels[70].x;
+    assert_eq!(nodes(Components::ALL), nodes(environment) + nodes(INDIRECT));
+}
+
+#[test]
+fn the_view_of_visibility_cuts_shows_those_over_sources_where_the_environment_was_not_baked() {
+    let depth = 4;
+    let mut dataset = floor_and_wall(depth);
+    for (mode, is_over_sources) in [(BakeMode::Indirect, true), (BakeMode::All, false)] {
+        dataset.settings.mode = mode;
+        let mut backend = CpuBackend::new();
+        backend.set_scene(&dataset.clone().into()).unwrap();
+        let view = View { mode: ViewMode::VisibilityCut, ..from_above(8) };
+        backend.begin(&view, BrdfSampling::Refine).unwrap();
+        backend.render_rows(0, 0..8).unwrap();
+        // Every vertex of the floor has a cut of all nodes of one depth.
+        let nodes = backend.read(1).unwrap().0.pixels[27].x;
+        assert_eq!((nodes - (1 << depth) as f32).abs() < 1e-3, is_over_sources, "{mode:?}: {nodes}");
+    }
+}

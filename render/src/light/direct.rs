@@ -1,0 +1,125 @@
+//! Direct light of local lights at a pixel, by shadow rays and without random numbers.
+//!
+//! One ray to a light without extent is exact; those that are too faint to show cast none ([`brightest`]). A
+//! rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel to pixel by interleaved gradient noise
+//! (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower than a cell, more points of it
+//! are reflected behind the one ray; the lobe is filtered by the solid angle that a point stands for, as on nodes of
+//! a cut, so that highlights of rectangles are free of spots.
+
+mod brightest;
+
+use crate::shade::surface::SurfacePoint;
+use brightest::delta_light;
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    lights::{Light, LightSample},
+    ray::Intersector,
+    simd::Vec3x8,
+    sphere::SPHERE,
+};
+use wide::f32x8;
+
+/// Steps of the R2 sequence (Roberts 2018): 1/p and 1/p² for the plastic number p.
+const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
+
+/// Cells along each edge of a rectangle.
+const CELLS: u32 = 4;
+
+/// Most points along each edge of a cell.
+const FINEST: f32 = 8.0;
+
+/// Share of the way to a light that a shadow ray goes: lights often lie in the surface of their lamp.
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
+
+/// Where in the unit square the samples of a pixel begin.
+pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
+    let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
+    let (x, y) = (x as f32, y as f32);
+    // Far apart, the two numbers are independent of each other.
+    let start = Vec2::new(noise(x, y), noise(y + 37.0, x + 91.0));
+    (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
+}
+
+/// Whether nothing is between a point and a light at `distance` metres.
+pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> bool {
+    !intersector.occluded_before(point.ray_origin, direction, SHADOW_REACH * distance)
+}
+
+/// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
+pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
+    let mut arriving = Arriving::at(point);
+    let received =
+        |s: &LightSample| point.receives(s.direction) && arrives(intersector, point, s.direction, s.distance);
+    for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
+        for cell in 0..CELLS * CELLS {
+            let corner = Vec2::new((cell % CELLS) as f32, (cell / CELLS) as f32);
+            let shift = (shift + STEP * cell as f32).fract();
+            let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32).filter(received);
+            ray.iter().for_each(|ray| arriving.add_cell(light, corner, shift, ray));
+        }
+    }
+    let delta = lights.iter().filter(|light| light.is_delta());
+    arriving.reflected()
+        + delta_light(point, delta, |direction, distance| arrives(intersector, point, direction, distance))
+}
+
+/// Light from up to eight directions that waits to be reflected.
+struct Arriving<'a> {
+    point: &'a SurfacePoint,
+    wi: [Vec3; 8],
+    irradiance: [Vec3; 8],
+    inv_kappa: [f32; 8],
+    count: usize,
+    sum: Vec3,
+}
+
+impl<'a> Arriving<'a> {
+    fn at(point: &'a SurfacePoint) -> Self {
+        Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
+    }
+
+    /// Adds a cell of a rectangle, seen along `ray`, at as many points as the lobe needs.
+    fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
+        // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
+        let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
+        let lobe = self.point.brdf.as_brdf().lobe().map_or(f32::INFINITY, |lobe| 4.0 * lobe.narrow());
+        let edge = (cell_edge / lobe).ceil().clamp(1.0, FINEST) as u32;
+        let all = CELLS * edge;
+        for i in 0..edge * edge {
+            let u = corner + (Vec2::new((i % edge) as f32, (i / edge) as f32) + shift) / edge as f32;
+            let sample = light.sample(self.point.ray_origin, u / CELLS as f32);
+            let received = sample.filter(|s| self.point.receives(s.direction));
+            received.iter().for_each(|sample| self.add(sample, all * all));
+        }
+    }
+
+    /// Adds one of a light's samples.
+    fn add(&mut self, sample: &LightSample, samples: u32) {
+        let i = self.count;
+        self.wi[i] = self.point.world_from_local.transpose() * sample.direction;
+        self.irradiance[i] = sample.irradiance / samples as f32;
+        // A cap of solid angle w has a mean resultant of 1 - w / 4π, and 1 / kappa tends to what is missing to one.
+        self.inv_kappa[i] = 1.0 / (SPHERE * sample.pdf * samples as f32);
+        self.count += 1;
+        if self.count == 8 {
+            self.reflect();
+        }
+    }
+
+    fn reflect(&mut self) {
+        let (wi, inv_kappa) = (Vec3x8::from_array(self.wi), f32x8::new(self.inv_kappa));
+        let brdf_cos = self.point.brdf.as_brdf().brdf_cos_x8(wi, self.point.wo, inv_kappa);
+        self.sum += brdf_cos.scale(Vec3x8::from_array(self.irradiance)).reduce_add();
+        (self.irradiance, self.count) = ([Vec3::ZERO; 8], 0);
+    }
+
+    fn reflected(mut self) -> Vec3 {
+        if self.count > 0 {
+            self.reflect();
+        }
+        self.sum
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

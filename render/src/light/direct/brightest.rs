@@ -1,0 +1,146 @@
+//! Lights without extent, from the brightest at a point to the faintest: where those that are left could not change what
+//! has arrived, even if nothing hid them, they cast no rays.
+
+use crate::shade::surface::SurfacePoint;
+use glam::Vec3;
+use lapidary_core::{
+    lights::{Light, LightSample},
+    simd::Vec3x8,
+};
+use wide::f32x8;
+
+/// Most that is left out, as a share of what arrives from lights without extent, in each channel.
+pub(crate) const NEGLIGIBLE: f32 = 1e-4;
+
+/// A light as a point would reflect it toward the eye if nothing were between.
+struct Unshadowed {
+    radiance: Vec3,
+    direction: Vec3,
+    distance: f32,
+    /// Radiance of it and of all that are fainter.
+    with_fainter: Vec3,
+}
+
+/// Radiance that a point reflects of `lights` within [`NEGLIGIBLE`]; `arrives` tells by direction and distance whether
+/// nothing is between.
+pub(super) fn delta_light<'a>(
+    point: &SurfacePoint,
+    lights: impl Iterator<Item = &'a Light>,
+    mut arrives: impl FnMut(Vec3, f32) -> bool,
+) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for light in from_brightest(unshadowed(point, lights)).iter() {
+        if light.with_fainter.cmple(NEGLIGIBLE * sum).all() {
+            break;
+        }
+        if arrives(light.direction, light.distance) {
+            sum += light.radiance;
+        }
+    }
+    sum
+}
+
+fn unshadowed<'a>(point: &SurfacePoint, lights: impl Iterator<Item = &'a Light>) -> Vec<Unshadowed> {
+    let samples = lights.filter_map(|light| light.sample(point.ray_origin, Default::default()));
+    let samples: Vec<LightSample> = samples.filter(|s| point.receives(s.direction)).collect();
+    let local_from_world = point.world_from_local.transpose();
+    let mut out = Vec::with_capacity(samples.len());
+    for eight in samples.chunks(8) {
+        let wi = |i: usize| eight.get(i).map_or(Vec3::Z, |s| local_from_world * s.direction);
+        let wi = Vec3x8::from_array(std::array::from_fn(wi));
+        let reflected = point.brdf.as_brdf().brdf_cos_x8(wi, point.wo, f32x8::ZERO);
+        out.extend(eight.iter().enumerate().map(|(i, s)| Unshadowed {
+            radiance: reflected.lane(i) * s.irradiance,
+            direction: s.direction,
+            distance: s.distance,
+            with_fainter: Vec3::ZERO,
+        }));
+    }
+    out
+}
+
+/// Sorted, the dark ones left out; sums go from the faintest up, so that none of them is lost to rounding.
+fn from_brightest(mut lights: Vec<Unshadowed>) -> Vec<Unshadowed> {
+    lights.retain(|light| light.radiance.max_element() > 0.0);
+    lights.sort_unstable_by(|a, b| b.radiance.element_sum().total_cmp(&a.radiance.element_sum()));
+    let mut sum = Vec3::ZERO;
+    for light in lights.iter_mut().rev() {
+        sum += light.radiance;
+        light.with_fainter = sum;
+    }
+    lights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Renderer,
+        light::direct::{
+            arrives,
+            tests::{light, plates, surface_at},
+        },
+        renderer::tests::{dataset, from_above, white},
+    };
+    use lapidary_core::{camera::Camera, lights::Emission};
+
+    /// Lamps above the plates and below them, of which some are far brighter than others.
+    fn lamps(count: usize, spread: i32) -> Vec<Light> {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut lamp = || {
+            let position = Vec3::new(2.0 * random.f32(), 3.0 * random.f32() - 0.5, 2.0 * random.f32() - 1.0);
+            let mut lamp = light(Emission::Point, position, Vec3::ZERO, 2.0_f32.powi(-random.i32(0..=spread)));
+            lamp.intensity *= Vec3::new(1.0, random.f32(), random.f32());
+            lamp
+        };
+        (0..count).map(|_| lamp()).collect()
+    }
+
+    /// Radiance, and how many rays it took.
+    fn counted(renderer: &Renderer, point: &SurfacePoint, lights: &[Light]) -> (Vec3, usize) {
+        let mut rays = 0;
+        let sum = delta_light(point, lights.iter(), |direction, distance| {
+            rays += 1;
+            arrives(&renderer.intersector, point, direction, distance)
+        });
+        (sum, rays)
+    }
+
+    #[test]
+    fn what_is_left_out_is_below_the_bound_and_saves_rays() {
+        let renderer = Renderer::new(dataset(plates(), white()));
+        let mut view = from_above(8);
+        view.camera = Camera::look_at(Vec3::new(1.8, 1.5, 0.9), Vec3::new(0.5, 0.1, 0.0), 40.0);
+        let point = surface_at(&renderer, &view);
+        for (count, spread) in [(1, 0), (3, 2), (40, 30), (2000, 40)] {
+            let lamps = lamps(count, spread);
+            let (sum, rays) = counted(&renderer, &point, &lamps);
+            let all: Vec3 = lamps.chunks(1).map(|lamp| counted(&renderer, &point, lamp).0).sum();
+            let lost = all - sum;
+            // Sums of thousands in another order differ by rounding.
+            assert!(lost.cmple(1.05 * NEGLIGIBLE * all + 1e-9).all(), "{count}: {lost} of {all}");
+            assert!(all.x > 0.0 && (count < 40 || rays < count / 2), "{count}: {rays} rays");
+        }
+    }
+
+    #[test]
+    fn equal_lights_all_cast_rays_and_hidden_ones_do_not_end_the_search() {
+        let renderer = Renderer::new(dataset(plates(), white()));
+        let mut view = from_above(8);
+        view.camera = Camera::look_at(Vec3::new(1.0, 6.0, 0.01), Vec3::X, 30.0);
+        let point = surface_at(&renderer, &view);
+        let equal: Vec<Light> = (0..500)
+            .map(|i| {
+                light(Emission::Point, point.position + Vec3::new(1e-3 * (i % 7) as f32, 1.0, 0.0), Vec3::ZERO, 1.0)
+            })
+            .collect();
+        assert_eq!(counted(&renderer, &point, &equal).1, 500, "none of them is negligible");
+        // The brightest stands behind the wall over the edge of the floor, the faint one is seen.
+        let behind = light(Emission::Point, Vec3::new(-0.5, 0.3, 0.0), Vec3::ZERO, 1e6);
+        let faint = light(Emission::Point, point.position + Vec3::Y, Vec3::ZERO, 1e-3);
+        let both = [behind, faint.clone()];
+        let (sum, rays) = counted(&renderer, &point, &both);
+        let alone = counted(&renderer, &point, &[faint]).0;
+        assert!(rays == 2 && sum == alone && alone.x > 0.0, "{rays} rays, {sum} for {alone}");
+    }
+}

@@ -1,0 +1,99 @@
+//! The light of a picture: radiance of the tree's nodes and the illumination cut. What an environment edit redoes.
+
+use glam::Vec3;
+use lapidary_core::{
+    cut::illumination::{IlluminationCriterion, illumination_cut},
+    environment::Environment,
+    light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
+};
+use std::sync::Arc;
+
+/// A distant light.
+#[derive(Clone, Debug)]
+pub struct Illumination {
+    /// The map.
+    pub environment: Arc<Environment>,
+    /// Turn of the map in radians, counter-clockwise seen from +Y.
+    pub rotation: f32,
+    /// Scales radiance.
+    pub intensity: f32,
+}
+
+/// How wide the nodes of a tree are, by heap index: for the refinement criterion.
+#[derive(Debug)]
+pub struct NodeCones {
+    /// Half-angle in radians of the cone of a node's directions.
+    pub radius: Vec<f32>,
+    /// Tangent of half of it.
+    pub tan_half_radius: Vec<f32>,
+}
+
+impl NodeCones {
+    /// Of all nodes.
+    pub fn new(tree: &LightTree) -> Self {
+        // A node wider than a hemisphere is split whatever the lobe; its tangent only has to be large.
+        let tan_half = |r: &f32| (0.5 * r.min(2.8)).tan();
+        Self { radius: tree.radii().to_vec(), tan_half_radius: tree.radii().iter().map(tan_half).collect() }
+    }
+}
+
+/// A light tree under one illumination.
+#[derive(Clone, Debug)]
+pub struct SceneLighting {
+    /// Radiance, directions and spreads by heap index.
+    pub nodes: Lighting,
+    /// What of the tree does not depend on the light.
+    pub cones: Arc<NodeCones>,
+    /// Packed illumination cut.
+    pub cut: Vec<u16>,
+    /// Most nodes that the illumination cut was allowed.
+    pub max_nodes: u32,
+    /// Solid angle of one leaf in steradians.
+    pub leaf_solid_angle: f32,
+}
+
+impl SceneLighting {
+    /// Means up the tree of `leaf_radiance` (one a leaf in tree order) and an illumination cut of at most `illum_cut` nodes.
+    pub fn new(tree: &LightTree, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+        Self::with_cones(tree, NodeCones::new(tree).into(), leaf_radiance, illum_cut)
+    }
+
+    fn with_cones(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+        let nodes = Lighting::new(tree, leaf_radiance);
+        let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
+        Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
+    }
+}
+
+/// Lights a tree again and again: what does not depend on rotation and intensity is kept.
+pub struct LightRig {
+    tree: LightTree,
+    cones: Arc<NodeCones>,
+    sampler: EnvironmentSampler,
+    resampled: Option<(Arc<Environment>, GridEnergy)>,
+}
+
+impl LightRig {
+    /// For a tree; some tenths of a second for 32,768 samples.
+    pub fn new(tree: &LightTree) -> Self {
+        let sampler = EnvironmentSampler::new(tree.len());
+        Self { tree: tree.clone(), cones: NodeCones::new(tree).into(), sampler, resampled: None }
+    }
+
+    /// Lights the tree by `light`, with an illumination cut of at most `illum_cut` nodes.
+    pub fn lighting(&mut self, light: &Illumination, illum_cut: u32) -> SceneLighting {
+        let known = self.resampled.take().filter(|(e, _)| Arc::ptr_eq(e, &light.environment));
+        let resample = || (light.environment.clone(), self.sampler.grid_energy(&light.environment));
+        let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
+        let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
+        SceneLighting::with_cones(&self.tree, self.cones.clone(), &leaves, illum_cut)
+    }
+}
+
+/// Whether both are one thing, or nothing.
+pub(crate) fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}

@@ -1,0 +1,209 @@
+//! Local lights and bounced light of a dataset, prepared again and again: what an edit does not change is kept.
+
+use crate::{
+    appearance::Appearance,
+    baked::Baked,
+    light::{
+        bounce::{MeshlessRig, SourceLighting, SourceRig, VertexIrradiance},
+        components::{Components, Solution},
+        environment::{SceneLighting, is_same},
+    },
+};
+use glam::Vec3;
+use lapidary_core::{lights::Light, meshless::BounceEnergy, surfel::Surfel};
+use std::sync::Arc;
+
+/// What lights a picture beside the environment, and which parts of its light are shown.
+#[derive(Clone, Debug, Default)]
+pub struct LocalLighting {
+    /// Lights whose direct light is shown.
+    pub lights: Arc<[Light]>,
+    /// Bounced light, of these lights and of the environment.
+    pub indirect: Option<Arc<SourceLighting>>,
+    /// Bounced light of the meshless basis, in place of [`Self::indirect`].
+    pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
+    /// The parts that are shown.
+    pub components: Components,
+    /// How the bounces of the meshless basis fade, if they are in the picture.
+    pub energy: Option<BounceEnergy>,
+}
+
+impl LocalLighting {
+    /// Whether both are the same light, not only equal.
+    pub fn is_same(&self, other: &Self) -> bool {
+        is_same(self.indirect.as_ref(), other.indirect.as_ref())
+            && is_same(self.vertex_irradiance.as_ref(), other.vertex_irradiance.as_ref())
+            && Arc::ptr_eq(&self.lights, &other.lights)
+            && self.components == other.components
+    }
+
+    /// Local lights if their direct light is shown.
+    pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
+        Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
+    }
+
+    /// Bounced light at the vertices if it is shown.
+    pub(crate) fn shown_vertex_irradiance(&self) -> Option<&Arc<VertexIrradiance>> {
+        self.vertex_irradiance.as_ref().filter(|_| self.components.indirect)
+    }
+
+    /// Bounced light if it is shown.
+    pub(crate) fn shown_indirect(&self) -> Option<&Arc<SourceLighting>> {
+        self.indirect.as_ref().filter(|_| self.components.indirect)
+    }
+}
+
+/// Makes the [`LocalLighting`] of a picture.
+pub struct LocalRig {
+    lights: Arc<[Light]>,
+    environment: Option<Arc<SceneLighting>>,
+    /// `None` for a dataset without sources.
+    sources: Option<SourceRig>,
+    /// `None` for a dataset without a meshless basis.
+    meshless: Option<MeshlessRig>,
+    /// Of the sources.
+    surfels: Vec<Surfel>,
+    /// The environment that shines on the sources, and on the senders of the basis.
+    on_sources: Option<Arc<SceneLighting>>,
+    on_senders: Option<Arc<SceneLighting>>,
+    /// What was gathered last, for which solution and size of the illumination cut; `None` after anything has changed.
+    gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
+    /// What arrived at the vertices last; `None` after anything has changed.
+    interpolated: Option<Arc<VertexIrradiance>>,
+    /// Bounces on the sources beyond the direct light, as they were last; `None` after anything has changed.
+    further: Option<Vec<Vec3>>,
+}
+
+impl LocalRig {
+    /// For a dataset that looks as it was baked, in the dark.
+    pub fn new(baked: &Baked) -> Self {
+        let sources = SourceRig::new(baked);
+        let surfels = sources.iter().flat_map(|rig| rig.tree().sources()).map(|source| source.surfel).collect();
+        let (lights, meshless) = (Arc::default(), MeshlessRig::new(baked));
+        Self {
+            lights,
+            environment: None,
+            sources,
+            meshless,
+            surfels,
+            on_sources: None,
+            on_senders: None,
+            gathered: None,
+            interpolated: None,
+            further: None,
+        }
+    }
+
+    /// Gives the scene other materials.
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.sources.iter_mut().for_each(|rig| rig.set_appearance(appearance));
+        self.meshless.iter_mut().for_each(|rig| rig.set_appearance(appearance));
+        self.forget();
+    }
+
+    /// Shines local lights; those that are not as before cast rays when bounced light is wanted.
+    pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
+        if !Arc::ptr_eq(&self.lights, lights) {
+            self.lights = lights.clone();
+            self.forget();
+        }
+    }
+
+    /// Shines the environment, or none.
+    pub fn set_environment(&mut self, lighting: Option<&Arc<SceneLighting>>) {
+        if !is_same(self.environment.as_ref(), lighting) {
+            self.environment = lighting.cloned();
+            self.forget();
+        }
+    }
+
+    fn forget(&mut self) {
+        (self.gathered, self.interpolated, self.further) = (None, None, None);
+    }
+
+    /// What lights a picture that shows `components`, its bounced light by `solution` as far as the dataset has it. The
+    /// illumination cut of the sources has at most `illum_cut` nodes.
+    pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
+        let lights = self.lights.clone();
+        let (indirect, vertex_irradiance) = match solution {
+            _ if !components.indirect => (None, None),
+            Solution::Meshless => (None, self.interpolate()),
+            Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
+        };
+        let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
+        let energy = solved.and_then(MeshlessRig::energy);
+        LocalLighting { lights, indirect, vertex_irradiance, components, energy }
+    }
+
+    fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {
+        let known = self.gathered.as_ref().filter(|(s, cut, _)| (*s, *cut) == (solution, illum_cut));
+        if let Some((.., lighting)) = known {
+            return Some(lighting.clone());
+        }
+        let further = if solution == Solution::CutsMeshless { self.further() } else { None };
+        let sources = self.sources.as_mut()?;
+        sources.set_lights(&self.lights);
+        if !is_same(self.on_sources.as_ref(), self.environment.as_ref()) {
+            sources.set_environment(self.environment.as_deref());
+            self.on_sources = self.environment.clone();
+        }
+        sources.set_further(further);
+        let lighting = Arc::new(sources.lighting(illum_cut));
+        self.gathered = Some((solution, illum_cut, lighting.clone()));
+        Some(lighting)
+    }
+
+    fn interpolate(&mut self) -> Option<Arc<VertexIrradiance>> {
+        if self.interpolated.is_none() {
+            self.interpolated = self.lit_meshless()?.at_vertices().map(Arc::new);
+        }
+        self.interpolated.clone()
+    }
+
+    /// Bounces on the sources beyond the direct light.
+    fn further(&mut self) -> Option<Vec<Vec3>> {
+        if self.further.is_none() {
+            let surfels = std::mem::take(&mut self.surfels);
+            self.further = self.lit_meshless().and_then(|rig| rig.at_sources(&surfels));
+            self.surfels = surfels;
+        }
+        self.further.clone()
+    }
+
+    fn lit_meshless(&mut self) -> Option<&mut MeshlessRig> {
+        let rig = self.meshless.as_mut()?;
+        rig.set_lights(&self.lights);
+        if !is_same(self.on_senders.as_ref(), self.environment.as_ref()) {
+            rig.set_environment(self.environment.as_deref());
+            self.on_senders = self.environment.clone();
+        }
+        Some(rig)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::bounce::{meshless_tests::dataset, tests::point_light};
+
+    #[test]
+    fn another_cut_or_solution_takes_no_other_bounces_and_another_light_does() {
+        let mut rig = LocalRig::new(&Baked::from(dataset()));
+        rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into());
+        let place = |rig: &mut LocalRig, solution, illum_cut| {
+            let lighting = rig.lighting(Components::ALL, solution, illum_cut);
+            let place = rig.further.as_ref().map(|further| further.as_ptr());
+            (place, lighting.indirect, lighting.energy)
+        };
+        let (further, first, _) = place(&mut rig, Solution::CutsMeshless, 64);
+        let (kept, coarser, energy) = place(&mut rig, Solution::CutsMeshless, 16);
+        assert!(further.is_some() && further == kept && energy.is_some());
+        assert_eq!((first.unwrap().max_nodes, coarser.unwrap().max_nodes), (64, 16));
+        let (kept, _, energy) = place(&mut rig, Solution::Meshless, 16);
+        assert!(kept == further && energy.is_some());
+        place(&mut rig, Solution::Cuts, 16);
+        assert!(place(&mut rig, Solution::CutsMeshless, 16).0 == further, "and back");
+        rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 6.0)].into());
+        assert!(rig.further.is_none(), "negative control");
+    }
+}

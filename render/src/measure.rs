@@ -1,0 +1,8 @@
+//! How far a picture is from another, and where the difference comes from.
+
+pub mod compare;
+pub(crate) mod cut_light;
+pub(crate) mod explain;
+pub(crate) mod predict;
+mod region;
+pub(crate) mod split;

@@ -1,0 +1,97 @@
+//! The two kinds of light that are gathered by cuts, for what is asked of either.
+
+use crate::{
+    light::{bounce::SourceLighting, environment::SceneLighting},
+    shade::node_field::{NodeField, SourceField},
+};
+use lapidary_core::{cut::packed::PackedCuts, dataset::Dataset};
+use serde::Serialize;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Light on a tree, with its illumination cut.
+#[derive(Clone, Copy, Debug)]
+pub enum CutLight<'a> {
+    /// The environment: leaves are directions.
+    Environment(&'a SceneLighting),
+    /// Bounced light: leaves are sources on surfaces.
+    Sources(&'a SourceLighting),
+}
+
+/// A [`CutLight`] that owns its light.
+#[derive(Clone)]
+pub enum GatheredLight {
+    /// Of the environment.
+    Environment(Arc<SceneLighting>),
+    /// Bounced by surface sources.
+    Sources(Arc<SourceLighting>),
+}
+
+impl GatheredLight {
+    /// The light.
+    pub fn light(&self) -> CutLight<'_> {
+        match self {
+            Self::Environment(lighting) => CutLight::Environment(lighting),
+            Self::Sources(lighting) => CutLight::Sources(lighting),
+        }
+    }
+}
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TreeOf {
+    /// Leaves are directions.
+    Environment,
+    /// Leaves are sources on surfaces.
+    Sources,
+}
+
+/// Why nothing can be said about the cuts over a tree.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum NoCuts {
+    /// Visibility of the environment was not baked.
+    #[error("the dataset has no visibility of the environment; bake it with --mode environment, cuts or all")]
+    Environment,
+    /// Surface sources were not baked.
+    #[error("the dataset has no surface sources; bake it with --mode indirect, cuts or all")]
+    Sources,
+}
+
+impl<'a> CutLight<'a> {
+    /// Which light it is.
+    pub fn tree(&self) -> TreeOf {
+        match self {
+            Self::Environment(_) => TreeOf::Environment,
+            Self::Sources(_) => TreeOf::Sources,
+        }
+    }
+
+    /// The vertices' cuts over its tree.
+    ///
+    /// # Errors
+    /// They were not baked.
+    pub fn cuts_of(&self, dataset: &'a Dataset) -> Result<&'a PackedCuts, NoCuts> {
+        match self {
+            Self::Environment(_) if dataset.settings.mode.environment() => Ok(&dataset.cuts),
+            Self::Environment(_) => Err(NoCuts::Environment),
+            Self::Sources(_) => dataset.indirect.as_ref().map(|bake| &bake.cuts).ok_or(NoCuts::Sources),
+        }
+    }
+
+    /// Hands the tree to something that works for both.
+    pub(crate) fn with_field<T>(self, job: impl FieldJob<Output = T>) -> T {
+        match self {
+            Self::Environment(lighting) => job.run(lighting),
+            Self::Sources(lighting) => job.run(SourceField::new(lighting)),
+        }
+    }
+}
+
+/// Work on a tree of either kind.
+pub(crate) trait FieldJob {
+    /// What it makes.
+    type Output;
+    /// Does it.
+    fn run<F: NodeField + Sync>(self, field: F) -> Self::Output;
+}

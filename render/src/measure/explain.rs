@@ -1,0 +1,261 @@
+//! Why a pixel has the radiance that it has: its surface point, the cuts of the three vertices, and every node of the merged
+//! cut with its radiance, visibility and BRDF (paper, 4.2).
+//!
+//! The nodes are those of [`crate::shade::merge`], in the same traversal: their contributions sum to the rendered radiance.
+
+pub(crate) mod cut_map;
+
+use crate::{
+    measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
+    renderer::Renderer,
+    shade::{
+        background::Backdrop,
+        frame::Frame,
+        merge::{BrdfSampling, EightTerms, Shader},
+        node_field::NodeField,
+        surface::{Seen, SurfacePoint},
+    },
+    view::View,
+};
+use glam::Vec3;
+use lapidary_core::{color::luminance, cut::packed::PackedCuts};
+use serde::Serialize;
+use std::ops::Range;
+use thiserror::Error;
+
+/// Why a pixel cannot be explained.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum ExplainError {
+    /// There is no such pixel.
+    #[error(
+        "pixel {},{} lies outside the picture of {} x {} pixels; columns and rows count from 0 at the top left",
+        pixel[0], pixel[1], size[0], size[1]
+    )]
+    Outside {
+        /// Column and row.
+        pixel: [u32; 2],
+        /// Width and height of the picture.
+        size: [u32; 2],
+    },
+    /// Nothing is there.
+    #[error("pixel {},{} shows the background, which no cut is merged for; choose a pixel on a surface", pixel[0], pixel[1])]
+    Background {
+        /// Column and row.
+        pixel: [u32; 2],
+    },
+    /// A one-sided surface from behind is there.
+    #[error(
+        "pixel {},{} shows the back of a one-sided surface, which is black; choose another, or make its material double-sided and bake again",
+        pixel[0], pixel[1]
+    )]
+    Back {
+        /// Column and row.
+        pixel: [u32; 2],
+    },
+    /// The dataset lacks the cuts.
+    #[error(transparent)]
+    NoCuts(#[from] NoCuts),
+}
+
+/// One of the three vertices whose cuts are interpolated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ExplainedVertex {
+    /// Its index in the mesh.
+    pub index: u32,
+    /// Where it is, in metres.
+    pub position: Vec3,
+    /// Its share in the interpolation; zero if it is buried.
+    pub weight: f32,
+    /// Nodes of its cut.
+    pub cut_nodes: usize,
+}
+
+/// One term of the sum.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ExplainedNode {
+    /// Heap index in the tree: the root is 1, the children of `i` are `2i` and `2i + 1`.
+    pub heap_index: u32,
+    /// 0 for the root.
+    pub depth: u32,
+    /// Leaves below it.
+    pub leaves: u32,
+    /// Steradians: of the environment those of the node, hidden or not; of surface sources what the vertices see of them,
+    /// interpolated, since that is what their cuts hold.
+    pub solid_angle: f32,
+    /// Unit direction in world space in which its light is taken to lie.
+    pub direction: Vec3,
+    /// Middle of its light in metres; `None` if that is infinitely far.
+    pub center: Option<Vec3>,
+    /// Mean radiance.
+    pub radiance: Vec3,
+    /// Interpolated visibility, 0 to 1; 1 of surface sources, whose solid angles hold it.
+    pub visibility: f32,
+    /// BRDF times cosine; nil below the smooth normal's horizon.
+    pub brdf_cos: Vec3,
+    /// What is reflected to the eye: radiance times BRDF and cosine times visibility times solid angle.
+    pub contribution: Vec3,
+}
+
+/// Everything that decides the radiance at the centre of a pixel.
+#[derive(Clone, Debug, Serialize)]
+pub struct PixelExplanation {
+    /// Column and row.
+    pub pixel: [u32; 2],
+    /// Which light this is about.
+    pub tree: TreeOf,
+    /// Where the surface is, in metres.
+    pub position: Vec3,
+    /// Its unit normal, after bump and normal map.
+    pub normal: Vec3,
+    /// Corners of its triangle.
+    pub vertices: [ExplainedVertex; 3],
+    /// Nodes of the illumination cut.
+    pub illumination_nodes: usize,
+    /// Nodes of the merged cut before BRDF refinement, with those that see no light.
+    pub merged_nodes: u64,
+    /// The terms, left to right in the tree: nodes of the merged cut that see light, after BRDF refinement.
+    pub nodes: Vec<ExplainedNode>,
+    /// Heap indices of the nodes of the merged cut that see no light, left to right.
+    pub dark_nodes: Vec<u32>,
+    /// The sum of the contributions.
+    pub radiance: Vec3,
+    /// What was shaded.
+    #[serde(skip)]
+    point: Box<SurfacePoint>,
+}
+
+impl PixelExplanation {
+    /// What was shaded.
+    #[cfg(test)]
+    pub(crate) fn surface_point(&self) -> &SurfacePoint {
+        &self.point
+    }
+
+    /// Positions in [`Self::nodes`], the greatest contribution first.
+    pub fn by_contribution(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.nodes.len()).collect();
+        let share = |i: usize| luminance(self.nodes[i].contribution);
+        order.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
+        order
+    }
+
+    /// For each of `leaves` leaves the position of its node in [`Self::nodes`]; `None` where no light is seen.
+    pub fn node_of_leaf(&self, leaves: usize) -> Vec<Option<u32>> {
+        let mut nodes = vec![None; leaves];
+        for (i, node) in self.nodes.iter().enumerate() {
+            nodes[leaves_below(node.heap_index, leaves)].fill(Some(i as u32));
+        }
+        nodes
+    }
+}
+
+/// The leaves below a node in a tree of `leaves`, counted from 0.
+pub(crate) fn leaves_below(heap_index: u32, leaves: usize) -> Range<usize> {
+    let size = leaves >> heap_index.ilog2();
+    let first = heap_index as usize * size - leaves;
+    first..first + size
+}
+
+impl Renderer {
+    /// Explains the centre of a pixel: what [`Renderer::render_lit`] gives there of `light`, with one sample a pixel.
+    ///
+    /// # Errors
+    /// A pixel outside of the picture or on no surface, and a dataset without cuts for this light.
+    pub fn explain(
+        &self,
+        view: &View,
+        pixel: [u32; 2],
+        light: CutLight,
+        sampling: BrdfSampling,
+    ) -> Result<PixelExplanation, ExplainError> {
+        let cuts = light.cuts_of(&self.dataset)?;
+        let point = self.point_at(view, pixel)?;
+        Ok(light.with_field(Explain { pixel, tree: light.tree(), point, cuts, sampling }))
+    }
+
+    /// The surface at the centre of a pixel.
+    fn point_at(&self, view: &View, pixel: [u32; 2]) -> Result<Box<SurfacePoint>, ExplainError> {
+        let size = view.size;
+        if pixel[0] >= size[0] || pixel[1] >= size[1] {
+            return Err(ExplainError::Outside { pixel, size });
+        }
+        match Frame::new(self, view, &Backdrop::black()).sight(pixel[0], pixel[1], 0).seen {
+            Seen::Surface(point) => Ok(point),
+            Seen::Background => Err(ExplainError::Background { pixel }),
+            Seen::Back => Err(ExplainError::Back { pixel }),
+        }
+    }
+}
+
+struct Explain<'a> {
+    pixel: [u32; 2],
+    tree: TreeOf,
+    point: Box<SurfacePoint>,
+    cuts: &'a PackedCuts,
+    sampling: BrdfSampling,
+}
+
+impl FieldJob for Explain<'_> {
+    type Output = PixelExplanation;
+
+    fn run<F: NodeField + Sync>(self, field: F) -> PixelExplanation {
+        let mut shader = Shader::new(field, self.cuts, self.sampling);
+        let (mut nodes, mut dark_nodes) = (Vec::new(), Vec::new());
+        let explained = |eight: &EightTerms, lane: usize| explained_node(&field, self.tree, eight, lane);
+        shader.traverse(
+            &self.point,
+            |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
+            |eight| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
+        );
+        let vertex = |i: usize| ExplainedVertex {
+            index: self.point.vertices[i],
+            position: self.point.corners[i],
+            weight: self.point.weights[i],
+            cut_nodes: self.cuts.cut(field.height(), self.point.vertices[i]).len(),
+        };
+        PixelExplanation {
+            pixel: self.pixel,
+            tree: self.tree,
+            position: self.point.position,
+            normal: self.point.world_from_local.z_axis,
+            vertices: [0, 1, 2].map(vertex),
+            illumination_nodes: field.illumination_cut().len(),
+            merged_nodes: shader.work.merged_nodes,
+            radiance: nodes.iter().map(|node: &ExplainedNode| node.contribution).sum(),
+            nodes,
+            dark_nodes,
+            point: self.point,
+        }
+    }
+}
+
+/// One of eight terms; `None` for padding.
+fn explained_node(field: &impl NodeField, tree: TreeOf, eight: &EightTerms, lane: usize) -> Option<ExplainedNode> {
+    let term = eight.terms[lane];
+    if !(term.visibility > 0.0) {
+        return None;
+    }
+    let depth = term.node.ilog2();
+    let leaves = 1 << (field.height() - depth);
+    let of_leaf = field.solid_angle();
+    let (solid_angle, visibility) = match tree {
+        TreeOf::Environment => (of_leaf * leaves as f32, term.visibility),
+        TreeOf::Sources => (of_leaf * leaves as f32 * term.visibility, 1.0),
+    };
+    let is_received = eight.weight.to_array()[lane] > 0.0;
+    Some(ExplainedNode {
+        heap_index: term.node,
+        depth,
+        leaves,
+        solid_angle,
+        direction: eight.direction.lane(lane),
+        center: field.center(term.node as usize),
+        radiance: eight.radiance.lane(lane),
+        visibility,
+        brdf_cos: if is_received { eight.brdf_cos.lane(lane) } else { Vec3::ZERO },
+        contribution: eight.reflected().lane(lane) * of_leaf,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,368 @@
+//! The error of a picture, split into its causes by exchanging one factor at a time for the truth.
+//!
+//! A chain of pictures leads from the rendered one to light paths. All are computed, none is estimated, at the same samples of the
+//! same pixels and on black, so that an environment behind the scene is no part of any norm. Two neighbours differ in one
+//! factor only, and their difference is the error of that factor:
+//!
+//! | picture | sum over | radiance | visibility | BRDF | what the step to the next one shows |
+//! |---|---|---|---|---|---|
+//! | [`Rendered`](SplitPicture::Rendered) | nodes of the merged cut, refined or not | node mean | interpolated cuts | one sample a node | BRDF sampling |
+//! | [`MeanBrdf`](SplitPicture::MeanBrdf) | the same nodes | node mean | interpolated cuts | mean over the node's leaves | the light's clusters |
+//! | [`AllLeaves`](SplitPicture::AllLeaves) | all leaves | leaf | interpolated cuts | leaf | the clusters of the visibility cuts |
+//! | [`TracedVertices`](SplitPicture::TracedVertices) | all leaves | leaf | rays from the three vertices, interpolated | leaf | interpolation |
+//! | [`Samples`](SplitPicture::Samples) | all leaves | leaf | rays from the pixel | leaf | light samples |
+//! | [`Paths`](SplitPicture::Paths) | light paths | continuous | rays | continuous | |
+//!
+//! `MeanBrdf` is Eq. 4 of the paper, where the renderer's Eq. 6 samples. Without a way to trace vertices as the bake did, and of
+//! surface sources, `TracedVertices` is left out and one step shows both errors of visibility. Of surface sources the paths have
+//! one bounce, and the last step also shows what the discs of the sources lose. Errors of steps are those of vectors: they may
+//! cancel, and do not sum to the whole.
+
+mod leaf_sum;
+pub(crate) mod vertices;
+
+use crate::{
+    light::{
+        bounce::SourceLighting,
+        components::Components,
+        environment::{Illumination, SceneLighting},
+    },
+    measure::{
+        compare::{CompareError, compare},
+        cut_light::{CutLight, FieldJob, NoCuts},
+        region::picture_of,
+    },
+    reference::{
+        path::settings::PathSettings,
+        samples::{distant::LightSamples, sources::SourceSamples},
+    },
+    renderer::Renderer,
+    shade::{
+        background::Backdrop,
+        frame::Frame,
+        merge::{BrdfSampling, Shader},
+        node_field::NodeField,
+        point_shader::PointShader,
+        surface::{Seen, SurfacePoint},
+    },
+    view::{Background, Preview, Progress, View},
+    view_mode::ViewMode,
+};
+use glam::Vec3;
+use lapidary_core::{
+    cut::packed::PackedCuts,
+    image::{Image, Region, RegionError},
+    lights::Light,
+};
+use leaf_sum::NodesByLeaves;
+use serde::Serialize;
+use thiserror::Error;
+use vertices::{TraceVertex, TracedVertices};
+
+/// What is split.
+#[derive(Clone, Copy)]
+pub struct SplitJob<'a> {
+    /// Camera, size and samples of the picture.
+    pub view: &'a View,
+    /// Which of its pixels.
+    pub region: Region,
+    /// The light that is gathered by cuts, with its illumination cut.
+    pub light: CutLight<'a>,
+    /// How the BRDF is sampled on nodes.
+    pub sampling: BrdfSampling,
+    /// The continuous environment: the truth of the environment's tree, and of what its light bounces.
+    pub illumination: &'a Illumination,
+    /// Local lights, whose bounce the sources hold.
+    pub lights: &'a [Light],
+    /// Paths a pixel; rounded up to whole sets of the pixel's samples for each of two halves.
+    pub spp: u32,
+    /// Traces a vertex of the environment's cuts as the bake did.
+    pub trace_vertex: Option<TraceVertex<'a>>,
+}
+
+/// One of the pictures between the rendered one and the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SplitPicture {
+    /// As rendered.
+    Rendered,
+    /// The same nodes, each with the mean of the BRDF over its leaves.
+    MeanBrdf,
+    /// All leaves, with the interpolated visibility of the stored cuts.
+    AllLeaves,
+    /// All leaves, with the interpolated visibility of rays from the vertices.
+    TracedVertices,
+    /// All leaves, with rays from the pixel: the samples reference.
+    Samples,
+    /// Light paths.
+    Paths,
+}
+
+impl SplitPicture {
+    /// Name of files and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rendered => "rendered",
+            Self::MeanBrdf => "mean-brdf",
+            Self::AllLeaves => "all-leaves",
+            Self::TracedVertices => "traced-vertices",
+            Self::Samples => "samples",
+            Self::Paths => "paths",
+        }
+    }
+}
+
+/// The difference of two pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SplitStep {
+    /// What the two differ in.
+    pub factor: &'static str,
+    /// The one that is farther from the truth.
+    pub from: SplitPicture,
+    /// The one that it is compared with.
+    pub to: SplitPicture,
+    /// Root mean square of the difference.
+    pub rmse: f64,
+    /// The same over the root mean square of `to`.
+    pub rel_rmse: f64,
+    /// Mean FLIP.
+    pub flip: f64,
+    /// How much of `rel_rmse` is noise of light paths, by their halves: squares of error and noise add.
+    pub noise: f64,
+}
+
+/// A picture's error by causes.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorSplit {
+    /// Which pixels.
+    pub region: Region,
+    /// Paths a pixel.
+    pub spp: u32,
+    /// Neighbours of the chain, from the rendered picture to the truth.
+    pub steps: Vec<SplitStep>,
+    /// The rendered picture against the truth.
+    pub total: SplitStep,
+    /// All pictures in order.
+    #[serde(skip)]
+    pub pictures: Vec<(SplitPicture, Image)>,
+}
+
+/// Why there is nothing to split.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum SplitError {
+    /// Not a region of the picture.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// The background alone.
+    #[error("no pixel of the region shows a surface; choose a region that does")]
+    NoSurface,
+    /// The dataset lacks the cuts.
+    #[error(transparent)]
+    NoCuts(#[from] NoCuts),
+    /// Pictures without finite pixels.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+}
+
+impl Renderer {
+    /// Splits the error of a picture or a part of it; `None` if cancelled. `progress` is shown every picture of the chain as soon
+    /// as it is complete.
+    ///
+    /// # Errors
+    /// A region without pixels or surfaces, a dataset without cuts for this light.
+    pub fn split_error(&self, job: &SplitJob, progress: &dyn Progress) -> Result<Option<ErrorSplit>, SplitError> {
+        job.region.check(job.view.size)?;
+        let cuts = job.light.cuts_of(&self.dataset)?;
+        let black = Background::Flat(Vec3::ZERO);
+        let view = View { background: black, mode: ViewMode::Shaded, wireframe: false, ..job.view.clone() };
+        let backdrop = Backdrop::black();
+        let chain = Chain { renderer: self, frame: Frame::new(self, &view, &backdrop), cuts, job, progress };
+        if !chain.shows_surface() {
+            return Err(SplitError::NoSurface);
+        }
+        let Some((pictures, noise)) = chain.pictures() else { return Ok(None) };
+        Ok(Some(split_of(job, pictures, noise)?))
+    }
+}
+
+/// The errors between pictures that were made, of which the last has `noise`.
+fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) -> Result<ErrorSplit, CompareError> {
+    let step = |factor, (from, a): &(SplitPicture, Image), (to, b): &(SplitPicture, Image)| {
+        let metrics = compare(a, b)?;
+        let noise = if *to == SplitPicture::Paths { noise } else { 0.0 };
+        let (rmse, rel_rmse, flip) = (metrics.rmse, metrics.rel_rmse, metrics.flip);
+        Ok(SplitStep { factor, from: *from, to: *to, rmse, rel_rmse, flip, noise })
+    };
+    let neighbours = pictures.windows(2).map(|pair| step(factor(pair[0].0, pair[1].0), &pair[0], &pair[1]));
+    let steps = neighbours.collect::<Result<_, CompareError>>()?;
+    let total = step("all", &pictures[0], &pictures[pictures.len() - 1])?;
+    Ok(ErrorSplit { region: job.region, spp: 2 * half_of(job), steps, total, pictures })
+}
+
+/// What two neighbours of the chain differ in.
+fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
+    match (from, to) {
+        (SplitPicture::Rendered, _) => "BRDF sampling",
+        (SplitPicture::MeanBrdf, _) => "light clusters",
+        (SplitPicture::AllLeaves, SplitPicture::Samples) => "visibility",
+        (SplitPicture::AllLeaves, _) => "visibility clusters",
+        (SplitPicture::TracedVertices, _) => "interpolation",
+        (SplitPicture::Samples | SplitPicture::Paths, _) => "light samples",
+    }
+}
+
+/// Paths a pixel in each half: whole sets of the pixel's samples.
+fn half_of(job: &SplitJob) -> u32 {
+    job.spp.div_ceil(2).max(1).next_multiple_of(job.view.aa.max(1))
+}
+
+/// The pictures in the making.
+struct Chain<'a> {
+    renderer: &'a Renderer,
+    frame: Frame<'a>,
+    cuts: &'a PackedCuts,
+    job: &'a SplitJob<'a>,
+    progress: &'a dyn Progress,
+}
+
+/// Units of progress a pixel for a picture of all leaves, where a path is one.
+const LEAVES_UNITS: u64 = 16;
+
+impl Chain<'_> {
+    fn shows_surface(&self) -> bool {
+        let samples = self.job.view.aa.max(1) as usize;
+        let is_surface = |x, y| (0..samples).any(|i| matches!(self.frame.sight(x, y, i).seen, Seen::Surface(_)));
+        self.job.region.rows().any(|y| self.job.region.columns().any(|x| is_surface(x, y)))
+    }
+
+    /// All pictures and the noise of the last; `None` if cancelled.
+    fn pictures(&self) -> Option<(Vec<(SplitPicture, Image)>, f64)> {
+        let mut pictures = Vec::new();
+        let mut push = |kind, image: Image| {
+            self.progress.preview(&Preview { image: &image, step: 1, noise: None });
+            pictures.push((kind, image));
+        };
+        push(SplitPicture::Rendered, self.job.light.with_field(Rendered(self))?);
+        push(SplitPicture::MeanBrdf, self.job.light.with_field(MeanBrdf { chain: self, number: 1 })?);
+        push(SplitPicture::AllLeaves, self.all_leaves()?);
+        if let (CutLight::Environment(lighting), Some(trace)) = (self.job.light, self.job.trace_vertex) {
+            let traced = TracedVertices::new(lighting, trace);
+            push(SplitPicture::TracedVertices, self.picture(3, || traced.shader(lighting))?);
+        }
+        push(SplitPicture::Samples, self.samples()?);
+        let (paths, noise) = self.paths()?;
+        push(SplitPicture::Paths, paths);
+        Some((pictures, noise))
+    }
+
+    /// Every leaf by itself: the nodes of an illumination cut of all leaves.
+    fn all_leaves(&self) -> Option<Image> {
+        match self.job.light {
+            CutLight::Environment(lighting) => {
+                let tree = &self.renderer.dataset.tree;
+                let leaves = SceneLighting::new(tree, &lighting.nodes.radiance[tree.len()..], tree.len() as u32);
+                CutLight::Environment(&leaves).with_field(MeanBrdf { chain: self, number: 2 })
+            }
+            CutLight::Sources(lighting) => {
+                let count = lighting.tree.len();
+                let radiance = &lighting.nodes.radiance[count..];
+                let leaves = SourceLighting::new(lighting.tree.clone(), radiance, count as u32);
+                CutLight::Sources(&leaves).with_field(MeanBrdf { chain: self, number: 2 })
+            }
+        }
+    }
+
+    fn samples(&self) -> Option<Image> {
+        match self.job.light {
+            CutLight::Environment(lighting) => {
+                let samples = LightSamples::of(&self.renderer.dataset.tree, lighting);
+                self.picture(4, || samples.shader(self.renderer))
+            }
+            CutLight::Sources(lighting) => {
+                let samples = SourceSamples::new(self.renderer, lighting);
+                self.picture(4, || samples.shader(self.renderer))
+            }
+        }
+    }
+
+    /// Light paths, and their noise as a relative RMSE by the difference of two halves.
+    fn paths(&self) -> Option<(Image, f64)> {
+        let half = half_of(self.job);
+        let components = match self.job.light {
+            CutLight::Environment(_) => Components { environment: true, ..Components::NONE },
+            CutLight::Sources(_) => Components { indirect: true, ..Components::NONE },
+        };
+        let bounces = u32::from(components.indirect);
+        let job = self.job;
+        let settings = PathSettings { bounces, components, ..PathSettings::direct(2 * half) };
+        let view = View { region: Some(job.region), ..self.frame.view.clone() };
+        let part = self.part(5, 0, 2 * u64::from(half));
+        let picture = self.renderer.path_picture(&view, job.illumination, job.lights, settings, &part);
+        (!self.progress.cancelled()).then(|| (picture.image.crop(job.region), picture.noise.unwrap_or(0.0)))
+    }
+
+    fn picture<S: PointShader>(&self, number: u64, shader: impl Fn() -> S + Sync) -> Option<Image> {
+        picture_of(&self.frame, self.job.region, shader, &self.part(number, 0, LEAVES_UNITS))
+    }
+
+    /// Progress of the picture of that `number`, of which `before` units are done and the next are `units` a pixel.
+    fn part(&self, number: u64, before: u64, units: u64) -> Part<'_> {
+        let total = 5 * LEAVES_UNITS + 2 * u64::from(half_of(self.job));
+        Part { whole: self.progress, before: number * LEAVES_UNITS + before, units, total }
+    }
+}
+
+/// The picture of all nodes of the merged cut with their mean BRDF.
+struct MeanBrdf<'a> {
+    chain: &'a Chain<'a>,
+    /// Its place in the chain.
+    number: u64,
+}
+
+impl FieldJob for MeanBrdf<'_> {
+    type Output = Option<Image>;
+
+    fn run<F: NodeField + Sync>(self, field: F) -> Option<Image> {
+        let Self { chain, number } = self;
+        chain.picture(number, || NodesByLeaves::new(Shader::new(field, chain.cuts, chain.job.sampling), field))
+    }
+}
+
+/// The picture as it is rendered.
+struct Rendered<'a>(&'a Chain<'a>);
+
+impl FieldJob for Rendered<'_> {
+    type Output = Option<Image>;
+
+    fn run<F: NodeField + Sync>(self, field: F) -> Option<Image> {
+        let chain = self.0;
+        chain.picture(0, || Shader::new(field, chain.cuts, chain.job.sampling))
+    }
+}
+
+impl<F: NodeField> PointShader for Shader<'_, F> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        Shader::shade(self, point)
+    }
+}
+
+/// Progress of a part of the work.
+struct Part<'a> {
+    whole: &'a dyn Progress,
+    before: u64,
+    units: u64,
+    total: u64,
+}
+
+impl Progress for Part<'_> {
+    fn advanced(&self, done: u64, total: u64) {
+        self.whole.advanced(self.before * total + self.units * done, self.total * total);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests;

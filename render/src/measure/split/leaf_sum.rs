@@ -1,0 +1,81 @@
+//! Sums over all leaves, each with a BRDF of its own.
+
+use crate::{
+    measure::explain::leaves_below,
+    shade::{
+        merge::Shader,
+        node_field::NodeField,
+        point_shader::PointShader,
+        surface::{ReceiverX8, SurfacePoint},
+    },
+};
+use glam::Vec3;
+use lapidary_core::simd::Vec3x8;
+use std::array::from_fn;
+
+/// Light that arrives from every leaf, as radiance times visibility; leaves of a solid angle of one.
+pub struct LeafSum<F> {
+    field: F,
+    /// One a leaf in tree order.
+    pub lit: Vec<Vec3>,
+}
+
+impl<F: NodeField> LeafSum<F> {
+    /// In the dark.
+    pub fn new(field: F) -> Self {
+        Self { lit: vec![Vec3::ZERO; 1 << field.height()], field }
+    }
+
+    /// Reflected radiance toward the eye.
+    pub fn reflected(&self, point: &SurfacePoint) -> Vec3 {
+        let receiver = ReceiverX8::new(point);
+        let brdf = point.brdf.as_brdf();
+        let leaves = self.lit.len();
+        let mut sum = Vec3x8::splat(Vec3::ZERO);
+        for (first, lit) in (0..).step_by(8).zip(self.lit.chunks(8)) {
+            if lit.iter().all(|&l| l == Vec3::ZERO) {
+                continue;
+            }
+            // What the last group lacks repeats its last leaf in the dark.
+            let index = from_fn(|i| leaves + first + i.min(lit.len() - 1));
+            let arriving = Vec3x8::from_array(from_fn(|i| lit.get(i).copied().unwrap_or(Vec3::ZERO)));
+            let direction = self.field.directions(index, point.position);
+            let spread = self.field.leaf_inv_kappas(index, point.position);
+            let reflected = brdf.brdf_cos_x8(receiver.local(direction), point.wo, spread).scale(arriving);
+            let mask = receiver.receives(direction);
+            sum = sum + Vec3x8 { x: reflected.x & mask, y: reflected.y & mask, z: reflected.z & mask };
+        }
+        sum.reduce_add() * self.field.solid_angle()
+    }
+}
+
+/// The nodes that a shader visits, with the mean of the BRDF over their leaves.
+pub struct NodesByLeaves<'a, F> {
+    shader: Shader<'a, F>,
+    sum: LeafSum<F>,
+}
+
+impl<'a, F: NodeField> NodesByLeaves<'a, F> {
+    /// For the nodes of `shader` over the tree of `field`.
+    pub fn new(shader: Shader<'a, F>, field: F) -> Self {
+        Self { shader, sum: LeafSum::new(field) }
+    }
+}
+
+impl<F: NodeField> PointShader for NodesByLeaves<'_, F> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        let lit = &mut self.sum.lit;
+        let leaves = lit.len();
+        lit.fill(Vec3::ZERO);
+        self.shader.traverse(
+            point,
+            |_| (),
+            |eight| {
+                for (lane, term) in eight.terms.iter().enumerate().filter(|(_, term)| term.visibility > 0.0) {
+                    lit[leaves_below(term.node, leaves)].fill(eight.radiance.lane(lane) * term.visibility);
+                }
+            },
+        );
+        self.sum.reflected(point)
+    }
+}

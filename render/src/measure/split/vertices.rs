@@ -1,0 +1,71 @@
+//! Visibility by rays from the vertices, interpolated: what exact cuts would give.
+
+use super::leaf_sum::LeafSum;
+use crate::{
+    light::environment::SceneLighting,
+    shade::{point_shader::PointShader, surface::SurfacePoint},
+};
+use glam::Vec3;
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+/// Sets the visibility of all leaves of the environment's tree (0 or 1) as a vertex sees them.
+pub type TraceVertex<'a> = &'a (dyn Fn(u32, &mut [u8]) + Sync);
+
+/// Vertices that are kept, at a byte a leaf: half a gigabyte of 32,768. Neighbouring pixels ask for the same ones.
+const KEPT: usize = 16_384;
+
+/// Visibility of vertices, traced when it is first asked for.
+pub struct TracedVertices<'a> {
+    trace: TraceVertex<'a>,
+    leaves: usize,
+    known: Mutex<HashMap<u32, Arc<[u8]>>>,
+}
+
+impl<'a> TracedVertices<'a> {
+    /// Of all leaves of the tree of `lighting`.
+    pub fn new(lighting: &SceneLighting, trace: TraceVertex<'a>) -> Self {
+        Self { trace, leaves: lighting.nodes.radiance.len() / 2, known: Mutex::default() }
+    }
+
+    /// Shades points by them.
+    pub fn shader<'b>(&'b self, lighting: &'b SceneLighting) -> impl PointShader {
+        VertexShader { vertices: self, lighting, sum: LeafSum::new(lighting) }
+    }
+
+    fn of(&self, vertex: u32) -> Arc<[u8]> {
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(visible) = known().get(&vertex) {
+            return visible.clone();
+        }
+        let mut visible = vec![0; self.leaves];
+        (self.trace)(vertex, &mut visible);
+        let visible: Arc<[u8]> = visible.into();
+        let mut known = known();
+        if known.len() >= KEPT {
+            known.clear();
+        }
+        known.insert(vertex, visible.clone());
+        visible
+    }
+}
+
+struct VertexShader<'a, 'b> {
+    vertices: &'a TracedVertices<'b>,
+    lighting: &'a SceneLighting,
+    sum: LeafSum<&'a SceneLighting>,
+}
+
+impl PointShader for VertexShader<'_, '_> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        let visible = point.vertices.map(|vertex| self.vertices.of(vertex));
+        let leaves = self.sum.lit.len();
+        for (leaf, lit) in self.sum.lit.iter_mut().enumerate() {
+            let share: f32 = visible.iter().zip(point.weights).map(|(v, weight)| weight * f32::from(v[leaf])).sum();
+            *lit = self.lighting.nodes.radiance[leaves + leaf] * share;
+        }
+        self.sum.reflected(point)
+    }
+}

@@ -1,0 +1,5 @@
+//! Pictures that trace rays where the renderer uses cuts.
+
+mod direct;
+pub(crate) mod path;
+pub(crate) mod samples;

@@ -1,0 +1,30 @@
+//! Direct light of local lights by shadow rays at every pixel, without cuts.
+
+use crate::{
+    light::direct::{direct_light, pixel_shift},
+    renderer::Renderer,
+    shade::{background::Backdrop, frame::Frame, surface::SurfacePoint},
+    view::View,
+};
+use glam::Vec3;
+use lapidary_core::{image::Image, lights::Light};
+use rayon::prelude::*;
+
+impl Renderer {
+    /// The direct light of local lights alone, over black.
+    pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
+        let backdrop = Backdrop::black();
+        let frame = Frame::new(self, view, &backdrop);
+        let samples = view.aa.max(1);
+        let pixel = |x: u32, y: u32| {
+            let one = |i: u32| {
+                let shade = |p: &SurfacePoint| direct_light(p, lights, &self.intersector, pixel_shift(x, y, i));
+                frame.sample(x, y, i as usize, shade)
+            };
+            (0..samples).map(one).sum::<Vec3>() / samples as f32
+        };
+        let [width, height] = view.size;
+        let rows = (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (x, y)));
+        Image { size: view.size, pixels: rows.map(|(x, y)| pixel(x, y)).collect() }
+    }
+}

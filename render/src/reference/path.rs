@@ -1,0 +1,126 @@
+//! Reference (b): light paths of any number of bounces, from the continuous environment and from local lights.
+//!
+//! Every vertex of a path gathers direct light by multiple importance sampling (Veach 1997): of the environment by its
+//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF. Unlike all else here it
+//! knows neither light samples nor cuts: it shows the whole error. Seeded by pixel and pass.
+
+mod environment_sampling;
+mod halves;
+mod light_choice;
+pub(crate) mod settings;
+mod tracer;
+
+use crate::{
+    light::environment::Illumination,
+    renderer::Renderer,
+    shade::{
+        background::{Backdrop, BlurCache},
+        frame::Frame,
+        surface::SurfacePoint,
+    },
+    view::{Preview, Progress, View, place_in_pixel},
+};
+use glam::{DVec2, Vec3};
+use halves::Halves;
+pub use halves::PathPicture;
+use lapidary_core::{image::Image, lights::Light};
+use rayon::prelude::*;
+use settings::{PathSettings, Places};
+use tracer::Tracer;
+
+impl Renderer {
+    /// The scene under the continuous environment and local lights, in passes of one path a pixel. If cancelled, the
+    /// picture of the passes that are complete.
+    pub fn path_reference(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lights: &[Light],
+        settings: PathSettings,
+        progress: &dyn Progress,
+    ) -> Image {
+        self.path_picture(view, light, lights, settings, progress).image
+    }
+
+    /// [`Self::path_reference`], and its noise.
+    pub fn path_picture(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lights: &[Light],
+        settings: PathSettings,
+        progress: &dyn Progress,
+    ) -> PathPicture {
+        let backdrop = if settings.components.environment {
+            Backdrop::new(view, light, &mut BlurCache::default())
+        } else {
+            Backdrop::black()
+        };
+        let frame = Frame::new(self, view, &backdrop);
+        let tracer = Tracer::new(self, light, lights, settings);
+        let mut halves = Halves::new(view.size, view.aa);
+        // At least one sample for each position of the pixel pattern.
+        let wanted = settings.spp.max(view.aa).max(1);
+        for pass in 0..wanted {
+            if progress.abandoned() || (progress.cancelled() && pass > 0) {
+                break;
+            }
+            let image = trace_pass(&frame, &tracer, pass, settings, progress);
+            if progress.abandoned() {
+                break;
+            }
+            halves.add(&image);
+            let done = halves.passes();
+            progress.advanced(done.into(), wanted.into());
+            if progress.wants_preview(done) {
+                let PathPicture { image, noise, .. } = halves.picture();
+                progress.preview(&Preview { image: &image, step: 1, noise });
+            }
+        }
+        halves.picture()
+    }
+}
+
+/// One path for every pixel. What is abandoned stays black.
+fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, settings: PathSettings, progress: &dyn Progress) -> Image {
+    let size = frame.view.size;
+    let mut image = Image::filled(size, Vec3::ZERO);
+    let width = size[0] as usize;
+    image.pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+        if progress.abandoned() {
+            return;
+        }
+        for x in frame.columns(y as u32) {
+            let pixel = y * width + x as usize;
+            let mut rng = fastrand::Rng::with_seed(seed(pixel, settings.first_pass + pass));
+            let radiance = |point: &SurfacePoint| tracer.radiance(point, &mut rng);
+            row[x as usize] = match settings.places {
+                Places::Shared => frame.sample(x, y as u32, pass as usize, radiance),
+                Places::Shifted => {
+                    let place = place_in_pixel(pass, shift(pixel, settings.first_pass));
+                    frame.sample_at(x, y as u32, place, radiance)
+                }
+            };
+        }
+    });
+    image
+}
+
+/// Where a pixel's pattern begins.
+fn shift(pixel: usize, first_pass: u32) -> DVec2 {
+    // Other numbers than those of the pass's path.
+    let mut rng = fastrand::Rng::with_seed(!seed(pixel, first_pass));
+    DVec2::new(rng.f64(), rng.f64())
+}
+
+/// A seed for a pixel and pass, with all bits mixed (SplitMix64).
+fn seed(pixel: usize, pass: u32) -> u64 {
+    let mut z = (pixel as u64) << 32 | u64::from(pass);
+    z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests;

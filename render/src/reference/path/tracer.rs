@@ -1,0 +1,196 @@
+//! One light path from the eye: direct light at each vertex, then a reflection by the BRDF.
+
+use super::{environment_sampling::EnvironmentDistribution, light_choice::LightChoice, settings::PathSettings};
+use crate::{
+    light::{direct::arrives, environment::Illumination},
+    renderer::Renderer,
+    shade::{
+        background::Sky,
+        surface::{Seen, SurfacePoint, Surfaces},
+    },
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::lights::Light;
+
+/// From here on paths that carry little are ended at random and the others weigh more (Arvo and Kirk 1990).
+const SAFE_BOUNCES: u32 = 3;
+
+/// Highest chance to go on, so that a path between white walls ends.
+const MOST_LIKELY: f32 = 0.95;
+
+/// Estimates of reflected radiance.
+pub struct Tracer<'a> {
+    renderer: &'a Renderer,
+    surfaces: Surfaces<'a>,
+    sky: Sky<'a>,
+    environment: EnvironmentDistribution,
+    lights: LightChoice<'a>,
+    settings: PathSettings,
+}
+
+/// Which direct light a vertex gathers.
+#[derive(Clone, Copy)]
+struct Gathered {
+    environment: bool,
+    lights: bool,
+}
+
+/// A reflection that the BRDF chose.
+struct Scattered {
+    world: Vec3,
+    /// Density of the direction per solid angle.
+    pdf: f32,
+    /// BRDF times cosine over the density.
+    weight: Vec3,
+}
+
+impl<'a> Tracer<'a> {
+    pub fn new(renderer: &'a Renderer, light: &'a Illumination, lights: &'a [Light], settings: PathSettings) -> Self {
+        let radius = 0.5 * renderer.dataset().scene.mesh.bounds().diagonal();
+        Self {
+            renderer,
+            surfaces: renderer.surfaces(),
+            sky: Sky::new(light),
+            environment: EnvironmentDistribution::new(&light.environment.map),
+            lights: LightChoice::new(lights, radius),
+            settings,
+        }
+    }
+
+    /// One estimate of the radiance that a point sends to the eye.
+    pub fn radiance(&self, seen: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+        let wanted = self.settings.components;
+        let bounces = if wanted.indirect { self.settings.bounces } else { 0 };
+        let mut gathered = Gathered { environment: wanted.environment, lights: wanted.direct };
+        let (mut sum, mut throughput) = (Vec3::ZERO, Vec3::ONE);
+        let mut reflected: Box<SurfacePoint>;
+        let mut point = seen;
+        for bounce in 0..=bounces {
+            sum += throughput * self.by_light(point, gathered, rng);
+            let Some(scattered) = self.scatter(point, rng) else { break };
+            throughput *= scattered.weight;
+            if gathered.lights {
+                sum += throughput * self.rectangles(point, &scattered);
+            }
+            if bounce == bounces {
+                if gathered.environment {
+                    sum += throughput * self.environment_behind(point, &scattered);
+                }
+                break;
+            }
+            match self.surfaces.seen_along(point.ray_origin, scattered.world) {
+                Seen::Surface(next) if leaves_face(point, scattered.world) => reflected = next,
+                Seen::Background => {
+                    if gathered.environment {
+                        sum += throughput * self.environment_along(&scattered);
+                    }
+                    break;
+                }
+                _ => break,
+            }
+            if bounce >= SAFE_BOUNCES {
+                let chance = throughput.max_element().min(MOST_LIKELY);
+                if !(rng.f32() < chance) {
+                    break;
+                }
+                throughput /= chance;
+            }
+            gathered = Gathered { environment: true, lights: true };
+            point = &reflected;
+        }
+        sum
+    }
+
+    /// Direct light by samples of the environment and of lights.
+    fn by_light(&self, point: &SurfacePoint, gathered: Gathered, rng: &mut fastrand::Rng) -> Vec3 {
+        let environment = if gathered.environment { self.by_environment(point, rng) } else { Vec3::ZERO };
+        let lights = if gathered.lights { self.by_local_lights(point, rng) } else { Vec3::ZERO };
+        environment + lights
+    }
+
+    fn by_environment(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+        let Some((direction, pdf)) = self.environment.sample(rng.f32(), rng.f32()) else { return Vec3::ZERO };
+        let world = self.sky.to_world(direction);
+        let (reflected, other) = reflection(point, world);
+        let value = reflected * self.sky.radiance(world);
+        if value == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, world) {
+            return Vec3::ZERO;
+        }
+        value * (power_heuristic(pdf, other) / pdf)
+    }
+
+    fn by_local_lights(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for (light, probability) in self.lights.asked(rng.f32()) {
+            let u = Vec2::new(rng.f32(), rng.f32());
+            let Some(sample) = light.sample(point.ray_origin, u) else { continue };
+            let (reflected, other) = reflection(point, sample.direction);
+            let value = reflected * sample.irradiance;
+            if value != Vec3::ZERO && arrives(&self.renderer.intersector, point, sample.direction, sample.distance) {
+                sum += value * (power_heuristic(probability * sample.pdf, other) / probability);
+            }
+        }
+        sum
+    }
+
+    /// A reflection by importance; `None` if it leads nowhere.
+    fn scatter(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Option<Scattered> {
+        let brdf = point.brdf.as_brdf();
+        let wi = brdf.sample(point.wo, Vec3::new(rng.f32(), rng.f32(), rng.f32()));
+        let pdf = brdf.pdf(wi, point.wo);
+        let world = point.world_from_local * wi;
+        if !(wi.z > 0.0 && pdf > 0.0 && point.receives(world)) {
+            return None;
+        }
+        let weight = brdf.brdf_cos(wi, point.wo) / pdf;
+        (weight.is_finite() && weight != Vec3::ZERO).then_some(Scattered { world, pdf, weight })
+    }
+
+    /// Radiance of the rectangular lights along a reflection, weighed against their samples.
+    fn rectangles(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for (light, probability) in self.lights.all() {
+            let Some(hit) = light.intersect(point.ray_origin, scattered.world) else { continue };
+            if arrives(&self.renderer.intersector, point, scattered.world, hit.distance) {
+                sum += hit.radiance * power_heuristic(scattered.pdf, probability * hit.pdf);
+            }
+        }
+        sum
+    }
+
+    /// Radiance of the environment along a reflection, weighed against its samples, unless something is before it.
+    fn environment_behind(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
+        let radiance = self.environment_along(scattered);
+        if radiance == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, scattered.world) {
+            return Vec3::ZERO;
+        }
+        radiance
+    }
+
+    fn environment_along(&self, scattered: &Scattered) -> Vec3 {
+        let other = self.environment.pdf(self.sky.to_environment(scattered.world));
+        self.sky.radiance(scattered.world) * power_heuristic(scattered.pdf, other)
+    }
+}
+
+/// BRDF times cosine for light from a world direction, and the density at which the BRDF would choose it.
+fn reflection(point: &SurfacePoint, world: Vec3) -> (Vec3, f32) {
+    let wi = point.world_from_local.transpose() * world;
+    if !(wi.z > 0.0 && point.receives(world)) {
+        return (Vec3::ZERO, 0.0);
+    }
+    let brdf = point.brdf.as_brdf();
+    (brdf.brdf_cos(wi, point.wo), brdf.pdf(wi, point.wo))
+}
+
+/// Whether a direction leaves the side of the triangle that is seen; below it a ray would meet the triangle itself.
+fn leaves_face(point: &SurfacePoint, world: Vec3) -> bool {
+    let [a, b, c] = point.corners;
+    let normal = (b - a).cross(c - a);
+    normal.dot(world) * normal.dot(point.ray_origin - a) > 0.0
+}
+
+fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    let (a, b) = (pdf * pdf, other * other);
+    if a.is_infinite() { 1.0 } else { a / (a + b) }
+}

@@ -1,0 +1,187 @@
+//! Reference (a): all light samples, with visibility traced at the pixel. It isolates what the cuts lose: of the
+//! environment, whose samples are directions, and of bounced light, whose samples are surface sources.
+//!
+//! Progressive in space: 16 passes over interleaved pixels, each pass exact where it has been.
+
+pub(crate) mod distant;
+pub(crate) mod sources;
+
+use crate::{
+    light::{bounce::SourceLighting, environment::Illumination},
+    renderer::Renderer,
+    shade::{
+        background::{Backdrop, BlurCache},
+        frame::Frame,
+        point_shader::PointShader,
+        surface::SurfacePoint,
+    },
+    view::{Preview, Progress, View},
+};
+use distant::LightSamples;
+use glam::Vec3;
+use lapidary_core::{image::Image, lights::Light};
+use rayon::prelude::*;
+use sources::SourceSamples;
+
+/// Pixels of a 4 x 4 block in the order of the passes: each pass halves the distance to the nearest one done.
+const PASSES: [(u32, u32); 16] = [
+    (0, 0),
+    (2, 2),
+    (2, 0),
+    (0, 2),
+    (1, 1),
+    (3, 3),
+    (3, 1),
+    (1, 3),
+    (1, 0),
+    (3, 2),
+    (3, 0),
+    (1, 2),
+    (0, 1),
+    (2, 3),
+    (2, 1),
+    (0, 3),
+];
+
+/// Sums two kinds of samples, of which each may be left out.
+struct Sum<A, B>(Option<A>, Option<B>);
+
+impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        let first = self.0.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point));
+        first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
+    }
+}
+
+/// The light of a picture without cuts.
+#[derive(Clone, Copy, Default)]
+pub struct SampledLight<'a> {
+    /// All light samples of it, and itself as the background.
+    pub environment: Option<&'a Illumination>,
+    /// Their direct light.
+    pub lights: &'a [Light],
+    /// All of them.
+    pub sources: Option<&'a SourceLighting>,
+    /// A picture of other light, which is added.
+    pub base: Option<&'a Image>,
+}
+
+impl Renderer {
+    /// All light samples of the environment without cuts. If cancelled, pixels not reached repeat one in their block.
+    pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
+        self.sampled(view, SampledLight { environment: Some(light), ..Default::default() }, progress)
+    }
+
+    /// The light of all surface sources without cuts, on black; cancelled as [`Self::samples_reference`].
+    pub fn sources_reference(&self, view: &View, lighting: &SourceLighting, progress: &dyn Progress) -> Image {
+        self.sampled(view, SampledLight { sources: Some(lighting), ..Default::default() }, progress)
+    }
+
+    /// Light of all kinds without cuts; cancelled as [`Self::samples_reference`].
+    pub fn sampled(&self, view: &View, light: SampledLight, progress: &dyn Progress) -> Image {
+        let distant =
+            light.environment.map(|environment| LightSamples::of(&self.dataset.tree, &self.lighting(environment, 1)));
+        let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));
+        let backdrop = light.environment.map(|environment| Backdrop::new(view, environment, &mut BlurCache::default()));
+        let backdrop = backdrop.unwrap_or_else(Backdrop::black);
+        let shader = || {
+            let distant = distant.as_ref().map(|samples| samples.shader(self));
+            Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
+        };
+        let direct = (!light.lights.is_empty()).then(|| self.direct_light(view, light.lights));
+        let bases = [light.base, direct.as_ref()];
+        let progress = OverBases { bases, inner: progress };
+        let mut image = self.in_passes(&Frame::new(self, view, &backdrop), shader, &progress);
+        bases.into_iter().flatten().for_each(|base| image.add(base));
+        image
+    }
+
+    fn in_passes<S: PointShader>(
+        &self,
+        frame: &Frame,
+        shader: impl Fn() -> S + Sync,
+        progress: &dyn Progress,
+    ) -> Image {
+        let size = frame.view.size;
+        let mut image = Image::filled(size, Vec3::ZERO);
+        let total = (0..size[1]).map(|y| frame.columns(y).len() as u64).sum();
+        let mut done = 0;
+        for (pass, &(dx, dy)) in PASSES.iter().enumerate() {
+            let rows: Vec<u32> = (dy..size[1]).step_by(4).collect();
+            // Some rows at a time, so that a large picture can be cancelled between them.
+            for rows in rows.chunks(16) {
+                if progress.cancelled() || progress.abandoned() {
+                    fill_blocks(&mut image, pass);
+                    return image;
+                }
+                let shade = |y: &u32| -> Vec<(u32, Vec3)> {
+                    let mut shader = shader();
+                    let columns = frame.columns(*y).filter(|x| x % 4 == dx && !progress.abandoned());
+                    columns.map(|x| (x, frame.pixel(x, *y, |point| shader.shade(point)))).collect()
+                };
+                let shaded: Vec<Vec<(u32, Vec3)>> = rows.par_iter().map(shade).collect();
+                for (&y, row) in rows.iter().zip(shaded) {
+                    done += row.len() as u64;
+                    row.into_iter().for_each(|(x, value)| image.pixels[(y * size[0] + x) as usize] = value);
+                }
+                progress.advanced(done, total);
+            }
+            if let Some(step) = step_after(pass + 1) {
+                let mut coarse = image.clone();
+                fill_blocks(&mut coarse, pass + 1);
+                progress.preview(&Preview { image: &coarse, step, noise: None });
+            }
+        }
+        image
+    }
+}
+
+/// Adds to the previews what the passes know nothing of.
+struct OverBases<'a> {
+    bases: [Option<&'a Image>; 2],
+    inner: &'a dyn Progress,
+}
+
+impl Progress for OverBases<'_> {
+    fn advanced(&self, done: u64, total: u64) {
+        self.inner.advanced(done, total);
+    }
+
+    fn preview(&self, preview: &Preview) {
+        let mut image = preview.image.clone();
+        self.bases.iter().flatten().for_each(|base| image.add(base));
+        self.inner.preview(&Preview { image: &image, ..*preview });
+    }
+
+    fn cancelled(&self) -> bool {
+        self.inner.cancelled()
+    }
+
+    fn abandoned(&self) -> bool {
+        self.inner.abandoned()
+    }
+}
+
+/// The grid of pixels that are complete after a number of passes, where there is a new one.
+fn step_after(passes: usize) -> Option<u32> {
+    [(1, 4), (4, 2), (16, 1)].into_iter().find(|&(p, _)| p == passes).map(|(_, step)| step)
+}
+
+/// Gives pixels that no finished pass has reached the value of the nearest one to the upper left in their block that one has.
+fn fill_blocks(image: &mut Image, finished: usize) {
+    let [width, height] = image.size;
+    let step = match finished {
+        0 => return,
+        1..4 => 4,
+        4..16 => 2,
+        _ => 1,
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let reached = PASSES[..finished].contains(&(x % 4, y % 4));
+            if !reached {
+                image.pixels[(y * width + x) as usize] = image.at((x - x % step) as usize, (y - y % step) as usize);
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions to near ones.
+
+use crate::{
+    light::bounce::SourceLighting,
+    renderer::Renderer,
+    shade::{
+        node_field::{NodeField, SourceField},
+        point_shader::PointShader,
+        surface::{ReceiverX8, SurfacePoint},
+    },
+};
+use glam::Vec3;
+use lapidary_core::{
+    ray::SegmentBatch,
+    simd::Vec3x8,
+    sources::{NearField, Origin},
+    surfel::OFFSET,
+};
+use std::array::from_fn;
+use wide::f32x8;
+
+/// Sources in tree order, and where segments to them end.
+pub(crate) struct SourceSamples<'a> {
+    lighting: &'a SourceLighting,
+    ends: Vec<Vec3>,
+    near: NearField,
+}
+
+impl<'a> SourceSamples<'a> {
+    pub fn new(renderer: &Renderer, lighting: &'a SourceLighting) -> Self {
+        let off_surface = OFFSET * renderer.dataset.scene.mesh.bounds().diagonal();
+        let sources = lighting.tree.sources();
+        let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
+        let near = NearField::new(sources);
+        Self { lighting, ends, near }
+    }
+
+    pub fn shader(&'a self, renderer: &'a Renderer) -> impl PointShader {
+        SourceShader {
+            samples: self,
+            field: SourceField::new(self.lighting),
+            renderer,
+            batch: SegmentBatch::default(),
+            solid_angles: vec![0.0; self.ends.len()],
+            wanted: Vec::new(),
+        }
+    }
+}
+
+/// Traces and sums; keeps its buffers between points.
+struct SourceShader<'a> {
+    samples: &'a SourceSamples<'a>,
+    field: SourceField<'a>,
+    renderer: &'a Renderer,
+    batch: SegmentBatch,
+    solid_angles: Vec<f32>,
+    wanted: Vec<u32>,
+}
+
+impl SourceShader<'_> {
+    /// Sets the solid angles of the sources that are seen, and lists those and others.
+    fn trace(&mut self, point: &SurfacePoint) {
+        let receives = |direction: Vec3| point.receives(direction);
+        let has_near = self.trace_far(point, receives);
+        if has_near {
+            self.gather_near(point, receives);
+        }
+    }
+
+    /// Far sources, one segment each. Returns whether near sources face the point.
+    fn trace_far(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) -> bool {
+        let Self { samples, solid_angles, wanted, .. } = self;
+        let lighting = samples.lighting;
+        let leaves = lighting.tree.len();
+        let mut has_near = false;
+        wanted.clear();
+        solid_angles.fill(0.0);
+        for (i, source) in lighting.tree.sources().iter().enumerate() {
+            let sends = lighting.nodes.radiance[leaves + i] != Vec3::ZERO;
+            let solid_angle = source.solid_angle_from(point.position);
+            if solid_angle == 0.0 || !sends || !receives(source.surfel.position - point.position) {
+                continue;
+            }
+            if samples.near.holds(source, point.ray_origin) {
+                has_near |= samples.near.is_over(source, point.position);
+            } else {
+                solid_angles[i] = solid_angle;
+                wanted.push(i as u32);
+            }
+        }
+        let hidden = |i: u32| solid_angles[i as usize] = 0.0;
+        self.batch.trace(&self.renderer.intersector, point.ray_origin, &samples.ends, wanted, hidden);
+        has_near
+    }
+
+    /// Near sources, by rays in all directions.
+    fn gather_near(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) {
+        let Self { samples, solid_angles, wanted, renderer, .. } = self;
+        let sources = samples.lighting.tree.sources();
+        let lifted = point.ray_origin - point.position;
+        let origin = Origin {
+            position: point.ray_origin,
+            anchor: point.ray_origin,
+            normal: point.world_from_local.z_axis,
+            face: lifted.normalize_or(point.smooth_normal),
+            lift: lifted.length(),
+            own_cosine: Origin::OWN_COSINE,
+        };
+        samples.near.gather(sources, &renderer.intersector, origin, receives, |i, solid_angle| {
+            if solid_angles[i] == 0.0 {
+                wanted.push(i as u32);
+            }
+            solid_angles[i] += solid_angle;
+        });
+    }
+}
+
+impl PointShader for SourceShader<'_> {
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        self.trace(point);
+        let receiver = ReceiverX8::new(point);
+        let brdf = point.brdf.as_brdf();
+        let leaves = self.samples.lighting.tree.len();
+        let mut sum = Vec3x8::splat(Vec3::ZERO);
+        for group in self.wanted.chunks(8) {
+            // Padding repeats the first source without a solid angle.
+            let member = |k: usize| group.get(k).map_or(group[0], |&i| i) as usize;
+            let nodes = from_fn(|k| leaves + member(k));
+            let direction = self.field.directions(nodes, point.position);
+            let wi = receiver.local(direction);
+            let weight = from_fn(|k| if k < group.len() { self.solid_angles[member(k)] } else { 0.0 });
+            let radiance = Vec3x8::from_array(nodes.map(|n| self.field.radiance(n)));
+            let inv_kappa = self.field.leaf_inv_kappas(nodes, point.position);
+            sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * f32x8::new(weight);
+        }
+        sum.reduce_add()
+    }
+}

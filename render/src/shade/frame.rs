@@ -1,0 +1,96 @@
+//! Pixel sampling that all CPU renderers share: from a sample of a pixel to what is seen there.
+
+use crate::{
+    renderer::Renderer,
+    shade::{
+        background::Backdrop,
+        surface::{Seen, SurfacePoint, Surfaces},
+        wireframe::{self, Screen},
+    },
+    view::View,
+};
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// A view of a renderer's scene.
+pub(crate) struct Frame<'a> {
+    pub view: &'a View,
+    screen: Screen,
+    backdrop: &'a Backdrop,
+    surfaces: Surfaces<'a>,
+    offsets: Vec<Vec2>,
+}
+
+/// What one sample of a pixel sees.
+pub(crate) struct Sight {
+    /// Where the sample lies in the picture, in pixels from the top left corner.
+    pub position: Vec2,
+    /// Unit direction from the eye.
+    pub direction: Vec3,
+    /// What is met first.
+    pub seen: Seen,
+}
+
+impl<'a> Frame<'a> {
+    pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
+        let screen = Screen::new(&view.camera, view.size);
+        Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+    }
+
+    /// The pixels of a row that are wanted.
+    pub fn columns(&self, y: u32) -> Range<u32> {
+        match self.view.region {
+            None => 0..self.view.size[0],
+            Some(region) if region.rows().contains(&y) => region.columns(),
+            Some(_) => 0..0,
+        }
+    }
+
+    /// What one of a pixel's samples sees.
+    pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
+        self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
+    }
+
+    /// What is seen at a place of the pixel's unit square.
+    fn sight_at(&self, x: u32, y: u32, place: Vec2) -> Sight {
+        let camera = &self.view.camera;
+        let position = Vec2::new(x as f32, y as f32) + place;
+        let direction = camera.direction_through(position, self.view.size);
+        Sight { position, direction, seen: self.surfaces.seen_along(camera.eye, direction) }
+    }
+
+    /// Coverage of a sample on `point` by the lines of a wireframe.
+    pub fn wire(&self, position: Vec2, point: &SurfacePoint) -> f32 {
+        let corners = point.corners.map(|corner| self.screen.project(corner));
+        wireframe::line_coverage(wireframe::edge_distance(position, corners))
+    }
+
+    /// What is seen along a direction that meets no surface.
+    pub fn behind(&self, direction: Vec3) -> Vec3 {
+        self.backdrop.radiance(direction)
+    }
+
+    /// One of the pixel's samples: `shade`, or what is seen where there is no surface.
+    pub fn sample(&self, x: u32, y: u32, sample: usize, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        self.radiance(self.sight(x, y, sample), shade)
+    }
+
+    /// [`Self::sample`] at any place of the pixel's unit square.
+    pub fn sample_at(&self, x: u32, y: u32, place: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        self.radiance(self.sight_at(x, y, place), shade)
+    }
+
+    fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        match sight.seen {
+            Seen::Surface(point) => shade(&point),
+            Seen::Back => Vec3::ZERO,
+            Seen::Background => self.behind(sight.direction),
+        }
+    }
+
+    /// The mean over the pixel's samples.
+    pub fn pixel(&self, x: u32, y: u32, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        let sum: Vec3 = (0..self.offsets.len()).map(|i| self.sample(x, y, i, &mut shade)).sum();
+        sum / self.offsets.len() as f32
+    }
+}

@@ -1,0 +1,236 @@
+//! The merge at one pixel (paper, 4.2): three visibility cuts interpolated and multiplied with light and BRDF.
+//!
+//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes with no visibility are dropped before the
+//! BRDF is evaluated; the rest is evaluated eight at a time. One traversal serves the environment and the sources on
+//! surfaces, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
+
+use crate::shade::{
+    node_field::NodeField,
+    refine::Refinement,
+    surface::{ReceiverX8, SurfacePoint},
+};
+use glam::Vec3;
+use lapidary_core::{
+    cut::{
+        merge::{Interval, merge},
+        packed::{PackedCursor, PackedCuts},
+    },
+    simd::Vec3x8,
+};
+use serde::{Deserialize, Serialize};
+use std::ops::{Add, AddAssign};
+use wide::f32x8;
+
+/// How the BRDF is sampled on the nodes of the merged cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BrdfSampling {
+    /// Once a node at its direction, as in the paper (Eq. 6).
+    Once,
+    /// Nodes too wide for the lobe are halved, and the lobe is filtered by what width remains.
+    #[default]
+    Refine,
+}
+
+/// Work done for one pixel or many.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Work {
+    /// Nodes of merged cuts.
+    pub merged_nodes: u64,
+    /// BRDF evaluations.
+    pub brdf_evaluations: u64,
+    /// Points seen.
+    pub points: u64,
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            merged_nodes: self.merged_nodes + other.merged_nodes,
+            brdf_evaluations: self.brdf_evaluations + other.brdf_evaluations,
+            points: self.points + other.points,
+        }
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+/// A node to evaluate.
+#[derive(Clone, Copy)]
+pub(crate) struct Term {
+    /// Heap index.
+    pub node: u32,
+    /// Interpolated value of the vertices' cuts; nil in padding alone.
+    pub visibility: f32,
+}
+
+/// Eight terms of the sum, evaluated.
+pub(crate) struct EightTerms<'t> {
+    pub terms: &'t [Term],
+    /// Unit directions to the nodes in world space.
+    pub direction: Vec3x8,
+    /// Mean radiance of the nodes.
+    pub radiance: Vec3x8,
+    /// BRDF times cosine at their directions.
+    pub brdf_cos: Vec3x8,
+    /// Visibility times number of leaves; nil where the direction is below the smooth normal.
+    pub weight: f32x8,
+}
+
+impl EightTerms<'_> {
+    /// What is reflected of the nodes, but for the solid angle of a leaf.
+    #[inline(always)]
+    pub fn reflected(&self) -> Vec3x8 {
+        self.brdf_cos.scale(self.radiance) * self.weight
+    }
+}
+
+/// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
+fn next_node(node: u32, root: u32) -> u32 {
+    let left = node >> node.trailing_ones();
+    if left <= root { 0 } else { left + 1 }
+}
+
+/// Merges and evaluates; keeps its buffers between pixels.
+pub struct Shader<'a, F> {
+    field: F,
+    cuts: &'a PackedCuts,
+    height: u32,
+    sampling: BrdfSampling,
+    merged: Vec<Term>,
+    terms: Vec<Term>,
+    /// Work done so far.
+    pub work: Work,
+}
+
+impl<'a, F: NodeField> Shader<'a, F> {
+    /// For visibility `cuts` over the tree of `field`.
+    pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
+        let (height, work) = (field.height(), Work::default());
+        Self { field, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), work }
+    }
+
+    /// Reflected radiance toward the eye.
+    pub fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
+        let mut sum = Vec3x8::splat(Vec3::ZERO);
+        self.traverse(point, |_| (), |eight| sum = sum + eight.reflected());
+        sum.reduce_add() * self.field.solid_angle()
+    }
+
+    /// The terms whose sum [`Self::shade`] is, left to right, and before them the nodes of the merged cut that see no light.
+    #[inline(always)]
+    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(Interval), visit: impl FnMut(&EightTerms)) {
+        self.merge_cuts(point, dark);
+        match self.sampling {
+            BrdfSampling::Once => std::mem::swap(&mut self.merged, &mut self.terms),
+            BrdfSampling::Refine => self.refine(point),
+        }
+        self.work.brdf_evaluations += self.terms.len() as u64;
+        self.evaluate(point, visit);
+    }
+
+    /// Fills `merged` with the nodes of the merged cut that see any light; the others are `dark`.
+    #[inline(always)]
+    fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(Interval)) {
+        let height = self.height;
+        let leaves = 1_u32 << height;
+        let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
+        let [a, b, c] = point.vertices;
+        let mut cursors =
+            [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, self.field.illumination_cut())];
+        let weights = point.weights;
+        let (merged, mut count) = (&mut self.merged, 0);
+        merged.clear();
+        merge(leaves, &mut cursors, |interval, cursors| {
+            count += 1;
+            let value = |i: usize| weights[i] * self.field.cut_value(cursors[i].stored_value());
+            let visibility = value(0) + value(1) + value(2);
+            if visibility > 0.0 {
+                merged.push(Term { node: interval.heap_index(leaves), visibility });
+            } else {
+                dark(interval);
+            }
+        });
+        self.work.merged_nodes += count;
+    }
+
+    /// Fills `terms` with the nodes of `merged`, halved where the BRDF needs it.
+    fn refine(&mut self, point: &SurfacePoint) {
+        let leaves = 1_u32 << self.height;
+        let refinement = Refinement::new(point.brdf.as_brdf().lobe(), point.wo);
+        let local_from_world = point.world_from_local.transpose();
+        let wants_halves = |node: u32| {
+            let cone = self.field.cone(node as usize, point.position);
+            refinement.is_too_wide(local_from_world * cone.direction, cone.radius, || cone.tan_half_radius)
+        };
+        self.terms.clear();
+        for &root in &self.merged {
+            let mut node = root.node;
+            while node != 0 {
+                while node < leaves && wants_halves(node) {
+                    node *= 2;
+                }
+                self.terms.push(Term { node, ..root });
+                node = next_node(node, root.node);
+            }
+        }
+    }
+
+    /// Evaluates the terms, eight at a time.
+    #[inline(always)]
+    fn evaluate(&mut self, point: &SurfacePoint, mut visit: impl FnMut(&EightTerms)) {
+        // Padding repeats the root without visibility.
+        self.terms.resize(self.terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
+        let receiver = ReceiverX8::new(point);
+        let brdf = point.brdf.as_brdf();
+        for terms in self.terms.chunks_exact(8) {
+            let index: [usize; 8] = std::array::from_fn(|i| terms[i].node as usize);
+            let direction = self.field.directions(index, point.position);
+            let inv_kappa = match self.sampling {
+                BrdfSampling::Once => f32x8::ZERO,
+                BrdfSampling::Refine => self.field.inv_kappas(index, point.position),
+            };
+            let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
+            let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
+            let weight = receiver.receives(direction) & weight;
+            let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
+            let brdf_cos = brdf.brdf_cos_x8(receiver.local(direction), point.wo, inv_kappa);
+            visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {
+        let leaves = 16;
+        for root in [1, 2, 3, 5, 7, 11, 15, 16, 31] {
+            let first_leaf = |mut n: u32| {
+                while n < leaves {
+                    n *= 2;
+                }
+                n
+            };
+            let mut visited = Vec::new();
+            let mut node = root;
+            while node != 0 {
+                node = first_leaf(node);
+                visited.push(node);
+                node = next_node(node, root);
+            }
+            let below = |n: u32| (0..5).any(|k| n >> k == root);
+            assert_eq!(visited, (leaves..2 * leaves).filter(|&n| below(n)).collect::<Vec<_>>(), "{root}");
+        }
+        assert_eq!(next_node(4, 2), 5);
+        assert_eq!(next_node(9, 2), 5); // the right leaf of the left half: on to the right half
+    }
+}

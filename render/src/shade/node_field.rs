@@ -1,0 +1,189 @@
+//! What the merge asks of a tree of lights: distant ones, whose directions are the same everywhere, or sources on
+//! surfaces, whose directions depend on the point.
+
+use crate::light::{bounce::SourceLighting, environment::SceneLighting};
+use glam::Vec3;
+use lapidary_core::{
+    cut::{packed::VALUE_MAX, solid_angle},
+    simd::Vec3x8,
+};
+use std::sync::LazyLock;
+use wide::f32x8;
+
+/// A light tree under one illumination. Nodes are given by heap index.
+pub(crate) trait NodeField: Copy {
+    /// Height of the tree.
+    fn height(&self) -> u32;
+    /// Packed illumination cut.
+    fn illumination_cut(&self) -> &[u16];
+    /// What a vertex's cut says by a code of 12 bits.
+    fn cut_value(&self, code: u16) -> f32;
+    /// Solid angle of a leaf whose cut value is one, in steradians.
+    fn solid_angle(&self) -> f32;
+    /// The node as seen from a point, to decide on its refinement.
+    fn cone(&self, node: usize, from: Vec3) -> Cone;
+    /// Unit directions to eight nodes from a point.
+    fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
+    /// How far light from eight nodes spreads: inverse concentrations as von Mises-Fisher lobes.
+    fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
+    /// How far the references take light from eight leaves to spread.
+    fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
+    /// Mean radiance.
+    fn radiance(&self, node: usize) -> Vec3;
+    /// Where the middle of a node's light lies, if it is not infinitely far.
+    fn center(&self, node: usize) -> Option<Vec3>;
+}
+
+/// The directions in which a node lies.
+pub(crate) struct Cone {
+    /// Unit direction that stands for them.
+    pub direction: Vec3,
+    /// Half-angle in radians.
+    pub radius: f32,
+    /// Tangent of half of it.
+    pub tan_half_radius: f32,
+}
+
+impl NodeField for &SceneLighting {
+    #[inline(always)]
+    fn height(&self) -> u32 {
+        (self.nodes.radiance.len() / 2).ilog2()
+    }
+
+    #[inline(always)]
+    fn illumination_cut(&self) -> &[u16] {
+        &self.cut
+    }
+
+    #[inline(always)]
+    fn cut_value(&self, code: u16) -> f32 {
+        f32::from(code) * (1.0 / VALUE_MAX as f32)
+    }
+
+    #[inline(always)]
+    fn solid_angle(&self) -> f32 {
+        self.leaf_solid_angle
+    }
+
+    #[inline(always)]
+    fn cone(&self, node: usize, _from: Vec3) -> Cone {
+        let (radius, tan_half_radius) = (self.cones.radius[node], self.cones.tan_half_radius[node]);
+        Cone { direction: self.nodes.direction[node], radius, tan_half_radius }
+    }
+
+    #[inline(always)]
+    fn directions(&self, nodes: [usize; 8], _from: Vec3) -> Vec3x8 {
+        Vec3x8::from_array(nodes.map(|n| self.nodes.direction[n]))
+    }
+
+    #[inline(always)]
+    fn inv_kappas(&self, nodes: [usize; 8], _from: Vec3) -> f32x8 {
+        f32x8::new(nodes.map(|n| self.nodes.inv_kappa[n]))
+    }
+
+    /// Samples are single directions.
+    #[inline(always)]
+    fn leaf_inv_kappas(&self, _leaves: [usize; 8], _from: Vec3) -> f32x8 {
+        f32x8::ZERO
+    }
+
+    #[inline(always)]
+    fn radiance(&self, node: usize) -> Vec3 {
+        self.nodes.radiance[node]
+    }
+
+    fn center(&self, _node: usize) -> Option<Vec3> {
+        None
+    }
+}
+
+/// Surface sources that send light, see [`SourceLighting`].
+#[derive(Clone, Copy)]
+pub(crate) struct SourceField<'a> {
+    lighting: &'a SourceLighting,
+    /// Of every code: a table is faster than a power.
+    solid_angles: &'static [f32],
+}
+
+impl<'a> SourceField<'a> {
+    /// Of sources under one illumination.
+    pub fn new(lighting: &'a SourceLighting) -> Self {
+        static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
+        Self { lighting, solid_angles: &SOLID_ANGLES }
+    }
+}
+
+/// Distances below this many metres are taken for it: a point on a source sees it in some direction.
+pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
+
+impl NodeField for SourceField<'_> {
+    #[inline(always)]
+    fn height(&self) -> u32 {
+        self.lighting.tree.height()
+    }
+
+    #[inline(always)]
+    fn illumination_cut(&self) -> &[u16] {
+        &self.lighting.cut
+    }
+
+    #[inline(always)]
+    fn cut_value(&self, code: u16) -> f32 {
+        self.solid_angles[usize::from(code)]
+    }
+
+    #[inline(always)]
+    fn solid_angle(&self) -> f32 {
+        1.0
+    }
+
+    #[inline(always)]
+    fn cone(&self, node: usize, from: Vec3) -> Cone {
+        let to_center = self.lighting.nodes.center[node] - from;
+        let distance = to_center.length().max(LEAST_DISTANCE);
+        let tan = self.lighting.tree.radii()[node] / distance;
+        let tan_half_radius = tan / (1.0 + (1.0 + tan * tan).sqrt());
+        // Twice the tangent of a half is the angle itself up to the widest that is not split in any case.
+        Cone { direction: to_center / distance, radius: 2.0 * tan_half_radius, tan_half_radius }
+    }
+
+    #[inline(always)]
+    fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
+        let to_center = self.toward_centers(nodes, from);
+        to_center * (f32x8::ONE / to_center.dot(to_center).sqrt().max(f32x8::splat(LEAST_DISTANCE)))
+    }
+
+    #[inline(always)]
+    fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8 {
+        let to_center = self.toward_centers(nodes, from);
+        let distance_sq = to_center.dot(to_center).max(f32x8::splat(LEAST_DISTANCE * LEAST_DISTANCE));
+        let spread = f32x8::new(nodes.map(|n| self.lighting.nodes.spread[n]));
+        // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
+        let cos = f32x8::ONE / (f32x8::ONE + spread * spread / distance_sq).sqrt();
+        let resultant = f32x8::HALF * (f32x8::ONE + cos);
+        let resultant_sq = resultant * resultant;
+        (f32x8::ONE - resultant_sq) / (resultant * (f32x8::splat(3.0) - resultant_sq))
+    }
+
+    /// A source is a disc.
+    #[inline(always)]
+    fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8 {
+        self.inv_kappas(leaves, from)
+    }
+
+    #[inline(always)]
+    fn radiance(&self, node: usize) -> Vec3 {
+        self.lighting.nodes.radiance[node]
+    }
+
+    fn center(&self, node: usize) -> Option<Vec3> {
+        Some(self.lighting.nodes.center[node])
+    }
+}
+
+impl SourceField<'_> {
+    #[inline(always)]
+    fn toward_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
+        Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.center[n])) - Vec3x8::splat(from)
+    }
+}

@@ -1,0 +1,122 @@
+//! What a surface point gives a pixel in each view mode: radiance, or one of the quantities behind it.
+
+use crate::{
+    light::{
+        bounce::{SourceLighting, VertexIrradiance},
+        direct::direct_light,
+        environment::SceneLighting,
+    },
+    shade::{
+        merge::{BrdfSampling, Shader, Work},
+        node_field::SourceField,
+        surface::SurfacePoint,
+    },
+    view_mode::{ViewMode, visibility_cuts},
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
+use std::f32::consts::FRAC_1_PI;
+
+/// The light of a picture.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct PictureLight<'a> {
+    /// Direct light of the environment.
+    pub environment: Option<&'a SceneLighting>,
+    /// Bounced light, for a dataset that has sources.
+    pub sources: Option<&'a SourceLighting>,
+    /// Bounced light at the vertices, as vector irradiance.
+    pub vertex_irradiance: Option<&'a VertexIrradiance>,
+    /// Local lights whose direct light is shown, and what casts their shadow rays.
+    pub local: Option<(&'a [Light], &'a Intersector)>,
+}
+
+/// Values of surface points; keeps its buffers between them.
+pub(crate) struct Painter<'a> {
+    mode: ViewMode,
+    dataset: &'a Dataset,
+    /// `None` without a light: what depends on it is black.
+    environment: Option<Shader<'a, &'a SceneLighting>>,
+    sources: Option<Shader<'a, SourceField<'a>>>,
+    vertex_irradiance: Option<&'a VertexIrradiance>,
+    local: Option<(&'a [Light], &'a Intersector)>,
+    points: u64,
+    /// Work that was shown and has not been taken.
+    shown: Work,
+}
+
+impl<'a> Painter<'a> {
+    pub fn new(mode: ViewMode, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
+        let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
+        let sources = light.sources.zip(dataset.indirect.as_ref());
+        let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
+        Self {
+            mode,
+            dataset,
+            environment,
+            sources,
+            vertex_irradiance: light.vertex_irradiance,
+            local: light.local,
+            points: 0,
+            shown: Work::default(),
+        }
+    }
+
+    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights
+    /// with an extent, see [`crate::light::direct::pixel_shift`].
+    pub fn value(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        self.points += 1;
+        match self.mode {
+            ViewMode::Shaded => self.gathered(point) + self.interpolated(point) + self.direct(point, shift),
+            ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
+            ViewMode::Albedo => point.parameters.base_color,
+            ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
+            ViewMode::VisibilityCut => Vec3::splat(self.visibility_nodes(point)),
+            ViewMode::MergedCut => Vec3::splat(self.work_at(point).merged_nodes as f32),
+            ViewMode::BrdfEvaluations => Vec3::splat(self.work_at(point).brdf_evaluations as f32),
+        }
+    }
+
+    /// Work since the last call.
+    pub fn take_work(&mut self) -> Work {
+        Work { points: std::mem::take(&mut self.points), ..self.take_shading() + std::mem::take(&mut self.shown) }
+    }
+
+    fn take_shading(&mut self) -> Work {
+        let environment = self.environment.as_mut().map(|shader| std::mem::take(&mut shader.work));
+        let sources = self.sources.as_mut().map(|shader| std::mem::take(&mut shader.work));
+        environment.unwrap_or_default() + sources.unwrap_or_default()
+    }
+
+    fn direct(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
+    }
+
+    /// What a diffuse surface of the same albedo reflects of the vertices' irradiance.
+    fn interpolated(&self, point: &SurfacePoint) -> Vec3 {
+        let Some(vertices) = self.vertex_irradiance else { return Vec3::ZERO };
+        let at = |i: usize| vertices.at(point.vertices[i], point.from_behind) * point.weights[i];
+        let received = irradiance(&(at(0) + at(1) + at(2)), point.world_from_local.z_axis).max(Vec3::ZERO);
+        point.brdf.as_brdf().albedo() * received * FRAC_1_PI
+    }
+
+    /// What the merges give.
+    fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
+        let environment = self.environment.as_mut().map(|shader| shader.shade(point));
+        let sources = self.sources.as_mut().map(|shader| shader.shade(point));
+        environment.unwrap_or_default() + sources.unwrap_or_default()
+    }
+
+    fn work_at(&mut self, point: &SurfacePoint) -> Work {
+        self.gathered(point);
+        let work = self.take_shading();
+        self.shown += work;
+        work
+    }
+
+    /// Sizes of the vertices' cuts, interpolated as their visibility is.
+    fn visibility_nodes(&self, point: &SurfacePoint) -> f32 {
+        let (height, cuts) = visibility_cuts(self.dataset);
+        let nodes = |vertex: u32| cuts.cut(height, vertex).len() as f32;
+        point.vertices.iter().zip(point.weights).map(|(&vertex, weight)| weight * nodes(vertex)).sum()
+    }
+}

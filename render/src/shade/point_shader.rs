@@ -1,0 +1,10 @@
+//! Anything that gives the light of surface points.
+
+use crate::shade::surface::SurfacePoint;
+use glam::Vec3;
+
+/// Light of one surface point after another.
+pub(crate) trait PointShader {
+    /// Reflected radiance toward the eye.
+    fn shade(&mut self, point: &SurfacePoint) -> Vec3;
+}
