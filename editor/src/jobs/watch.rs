@@ -74,10 +74,10 @@ fn stamp(path: &Path) -> Stamp {
 
 /// What was seen of each file.
 #[derive(Default)]
-struct Looks(HashMap<PathBuf, Seen>);
+struct Looks(HashMap<PathBuf, FileVersions>);
 
 #[derive(Clone, Copy)]
-struct Seen {
+struct FileVersions {
     /// The version that the program has.
     known: Stamp,
     /// The version at the last look.
@@ -90,7 +90,7 @@ impl Looks {
         let seen = |path: &PathBuf| {
             let now = || {
                 let now = stamp(path);
-                Seen { known: now, last: now }
+                FileVersions { known: now, last: now }
             };
             (path.clone(), self.0.get(path).copied().unwrap_or_else(now))
         };
