@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    app::ladder::LadderWindow,
+    app::state::ladder::LadderWindow,
     document::Edit,
     jobs::measure::ShownMap,
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
