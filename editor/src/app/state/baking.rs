@@ -33,6 +33,7 @@ pub struct Looked {
     pub(in crate::app) written: SystemTime,
 }
 
+/// A bake at work.
 pub struct Run {
     pub(in crate::app) job: BakeRun,
     pub(in crate::app) mode: BakeMode,
@@ -44,8 +45,11 @@ pub struct Run {
     pub(in crate::app) draft_shown: bool,
 }
 
+/// How a bake ended that has no result.
 pub enum Ended {
+    /// It can be resumed.
     Cancelled,
+    /// Why.
     Failed(String),
 }
 

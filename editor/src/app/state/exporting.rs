@@ -13,6 +13,7 @@ pub struct Exporting {
     pub(in crate::app) dialog: Option<SequenceDialog>,
 }
 
+/// An export at work.
 pub struct Run {
     pub(in crate::app) job: ExportRun,
     /// When its pace began to be known, and how many pictures were there then.
