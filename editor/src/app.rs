@@ -11,6 +11,7 @@ mod explain;
 mod export;
 mod files;
 mod first_view;
+mod frame;
 mod keys;
 mod ladder;
 mod layout;

@@ -1,6 +1,7 @@
 //! Image sequences: turntables, and sweeps of any parameter. What the frames show is planned ([`plan()`]) before any is rendered
 //! ([`SequenceTask::run`]); the window and the command line do both alike.
 
+mod error;
 mod names;
 mod parameter;
 mod plan;

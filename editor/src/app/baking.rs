@@ -1,89 +1,35 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
-use super::{opening::draft_of, state::EditorState};
+use super::{
+    opening::draft_of,
+    state::{
+        EditorState,
+        baking::{Ended, Looked, Run},
+    },
+};
 use crate::{
     document::{Document, TextureEntry},
     jobs::{
         Imported,
-        bake::{BakeMessage, BakeProgress, BakeRun, BakeTask, draft_is_sooner},
+        bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
         spawn,
     },
-    panels::bake::{BakeStatus, Draft, line, stale_reasons},
+    panels::bake::{BakeStatus, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeMode, Dataset},
     texture::Texture,
 };
-use lapidary_precompute::{BakeJob, Leftover, Phase, Preset, leftover, resolve};
+use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_render::Baked;
 use std::{
-    path::{Path, PathBuf},
-    sync::{Arc, Mutex},
+    path::Path,
+    sync::Arc,
     time::{Instant, SystemTime},
 };
 
 /// Why a bake does not start while there is one.
 const UNDER_WAY: &str = "A bake is under way; cancel it first";
-
-/// The bake at work, or how the last one ended.
-#[derive(Default)]
-pub struct Baking {
-    run: Option<Run>,
-    ended: Option<Ended>,
-    /// Held by the bake at work, also by one that was left and has not noticed yet.
-    turn: Arc<Mutex<()>>,
-    /// What an interrupted bake has left, and when that was looked at.
-    leftover: Option<(Looked, Leftover)>,
-}
-
-/// Everything that decides what an interrupted bake has left, small enough to compare every frame.
-#[derive(PartialEq)]
-struct Looked {
-    output: PathBuf,
-    scene_hash: String,
-    settings: BakeSettings,
-    /// When the folder was last written to.
-    written: SystemTime,
-}
-
-struct Run {
-    job: BakeRun,
-    mode: BakeMode,
-    since: Instant,
-    phase: Option<Phase>,
-    phase_since: Instant,
-    cancelling: bool,
-    /// A draft of it is shown.
-    draft_shown: bool,
-}
-
-enum Ended {
-    Cancelled,
-    Failed(String),
-}
-
-impl Baking {
-    /// How far the bake at work is.
-    pub fn progress(&self) -> Option<BakeProgress> {
-        self.run.as_ref().map(|run| run.job.progress())
-    }
-
-    /// One line about the bake at work: what it does, how far that is, and what comes.
-    pub fn line(&self) -> Option<String> {
-        line(&running(self.run.as_ref()?))
-    }
-
-    /// A few words about it, to lie over the picture.
-    pub fn words(&self) -> Option<&'static str> {
-        let run = self.run.as_ref()?;
-        Some(if run.draft_shown { "Draft, baking in full" } else { "Baking" })
-    }
-
-    /// Stops what is at work, and forgets how the last one ended: another scene was opened.
-    pub fn clear(&mut self) {
-        *self = Self { turn: self.turn.clone(), ..Self::default() };
-    }
-}
 
 impl EditorState {
     /// Bakes with the document's settings; `progressive` bakes a draft to look at first.
@@ -254,7 +200,7 @@ impl EditorState {
     /// How things stand, for the bake panel.
     pub(super) fn bake_status(&mut self) -> BakeStatus {
         if let Some(run) = &self.baking.run {
-            return running(run);
+            return run.status();
         }
         let leftover = self.leftover();
         match (&self.baking.ended, &self.scene.baked) {
@@ -267,26 +213,6 @@ impl EditorState {
             (None, None) if leftover != Leftover::Nothing => BakeStatus::Cancelled { leftover },
             (None, None) => BakeStatus::None,
         }
-    }
-}
-
-fn running(run: &Run) -> BakeStatus {
-    let BakeProgress { draft, phase, unit, done, total } = run.job.progress();
-    let draft = match (draft, run.draft_shown) {
-        (true, _) => Draft::UnderWay,
-        (false, true) => Draft::Shown,
-        (false, false) => Draft::None,
-    };
-    BakeStatus::Running {
-        mode: run.mode,
-        draft,
-        phase: phase.unwrap_or(Phase::Import),
-        done,
-        total,
-        unit,
-        cancelling: run.cancelling,
-        elapsed_secs: run.since.elapsed().as_secs_f64(),
-        phase_elapsed_secs: run.phase_since.elapsed().as_secs_f64(),
     }
 }
 

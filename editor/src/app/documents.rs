@@ -2,10 +2,12 @@
 
 use super::{
     first_view::FirstView,
-    ladder::LadderWindow,
     opening::{Opened, Ready, Target},
-    prompts::{Prompt, Then},
-    state::{EditorState, OpenScene, Selection},
+    state::{
+        EditorState, OpenScene, Selection,
+        ladder::LadderWindow,
+        prompt::{Prompt, Then},
+    },
 };
 use crate::{
     actions::Action,

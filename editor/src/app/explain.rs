@@ -1,17 +1,16 @@
 //! Why is this pixel wrong? A click in the viewport explains it, in a window of its own.
 
-use super::state::EditorState;
+use super::state::{EditorState, explain::ExplainWindow};
 use crate::{
     jobs::{
-        explain::{ExplainJob, ExplainSubject, Explained},
-        render_thread::{Changes, RenderRequest, changes},
+        explain::{ExplainJob, ExplainSubject},
+        render_thread::{Changes, changes},
     },
-    panels::explain::{self, ExplainContext, ExplainPanel, ExplainRequest},
-    viewport::compare::NodeMark,
+    panels::explain::{self, ExplainContext, ExplainRequest},
 };
 use egui::{Context, ScrollArea, Window};
 use lapidary_core::image::Region;
-use lapidary_render::{ErrorSplit, GatheredLight, TreeOf};
+use lapidary_render::{GatheredLight, TreeOf};
 
 /// Size of the window in points at first.
 const SIZE: egui::Vec2 = egui::vec2(320.0, 640.0);
@@ -19,85 +18,6 @@ const SIZE: egui::Vec2 = egui::vec2(320.0, 640.0);
 const PLACE: egui::Vec2 = egui::vec2(-338.0, 66.0);
 /// Side in pixels of the square around the pixel whose error is split, where no region was drawn.
 const AROUND: u32 = 48;
-/// Nodes that are drawn over the picture: those with the largest contributions.
-const DRAWN: usize = 64;
-
-/// What is explained, and what is on its way.
-#[derive(Default)]
-pub struct ExplainWindow {
-    panel: ExplainPanel,
-    open: bool,
-    pixel: Option<[u32; 2]>,
-    /// The picture that it was chosen in.
-    subject: Option<ExplainSubject>,
-    /// What was asked for when it was.
-    picture: Option<RenderRequest>,
-    /// Which light, where there are both.
-    tree: Option<TreeOf>,
-    job: Option<ExplainJob<Explained>>,
-    splitting: Option<ExplainJob<Option<ErrorSplit>>>,
-    explained: Option<Explained>,
-    split: Option<ErrorSplit>,
-    message: Option<String>,
-}
-
-impl ExplainWindow {
-    /// The pixel that is explained, for a mark in the viewport.
-    pub fn pixel(&self) -> Option<[u32; 2]> {
-        self.pixel.filter(|_| self.open)
-    }
-
-    /// Where the light of the pixel comes from on surfaces.
-    pub fn marks(&self) -> Vec<NodeMark> {
-        let Some(Explained { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
-            return Vec::new();
-        };
-        let contribution = |i: usize| lapidary_core::color::luminance(explanation.nodes[i].contribution);
-        let order = explanation.by_contribution();
-        let largest = order.first().map_or(1.0, |&i| contribution(i)).max(f32::MIN_POSITIVE);
-        let hovered = self.panel.hovered_node();
-        let mark = |&i: &usize| {
-            let center = explanation.nodes[i].center?;
-            Some(NodeMark { center, share: contribution(i) / largest, hovered: hovered == Some(i) })
-        };
-        order.iter().take(DRAWN).filter_map(mark).collect()
-    }
-
-    /// Whether a pixel has been explained.
-    #[cfg(test)]
-    pub fn has_nodes(&self) -> bool {
-        self.explained.as_ref().is_some_and(|e| !e.explanation.nodes.is_empty())
-    }
-
-    /// How many causes the error was split into.
-    #[cfg(test)]
-    pub fn causes(&self) -> usize {
-        self.split.as_ref().map_or(0, |split| split.steps.len())
-    }
-
-    /// Why there is no explanation.
-    #[cfg(test)]
-    pub fn message(&self) -> Option<&str> {
-        self.message.as_deref()
-    }
-
-    fn take(&mut self) {
-        if let Some(answer) = self.job.as_ref().and_then(ExplainJob::answer) {
-            self.job = None;
-            match answer {
-                Ok(explained) => (self.explained, self.message) = (Some(explained), None),
-                Err(text) => (self.explained, self.message) = (None, Some(text)),
-            }
-        }
-        if let Some(answer) = self.splitting.as_ref().and_then(ExplainJob::answer) {
-            self.splitting = None;
-            match answer {
-                Ok(split) => self.split = split,
-                Err(text) => self.message = Some(text),
-            }
-        }
-    }
-}
 
 impl EditorState {
     /// Explains a pixel of the live picture.

@@ -1,8 +1,8 @@
 //! Exporting sequences and layered pictures: the dialog, the job, and what is said about it.
 
 use super::{
-    sequence_dialog::{SequenceAnswer, SequenceDialog, duration},
-    state::EditorState,
+    sequence_dialog::{SequenceAnswer, SequenceDialog},
+    state::{EditorState, exporting::Run},
 };
 use crate::{
     actions::Action,
@@ -21,47 +21,6 @@ use std::{
 const UNDER_WAY: &str = "An export is under way; cancel it first";
 /// Why there is nothing to export.
 const NOTHING: &str = "There is nothing to export; open and bake a scene first";
-
-/// The export at work, and the dialog that describes the next.
-#[derive(Default)]
-pub struct Exporting {
-    run: Option<Run>,
-    dialog: Option<SequenceDialog>,
-}
-
-struct Run {
-    job: ExportRun,
-    /// When its pace began to be known, and how many pictures were there then.
-    since: Option<(Instant, u64)>,
-    cancelling: bool,
-}
-
-impl Exporting {
-    /// Whether an export is at work.
-    pub fn is_running(&self) -> bool {
-        self.run.is_some()
-    }
-
-    /// One line about the export at work: how far it is, and how long it may take.
-    pub fn line(&self) -> Option<String> {
-        let run = self.run.as_ref()?;
-        let (done, total) = run.job.progress();
-        Some(match (run.cancelling, total) {
-            (true, _) => "Cancelling the export...".into(),
-            (false, 0 | 1) => "Exporting...".into(),
-            (false, total) => {
-                let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));
-                match run.since.filter(|&(_, there)| done > there) {
-                    Some((since, there)) => {
-                        let left = since.elapsed().as_secs_f64() / (done - there) as f64 * (total - done) as f64;
-                        format!("{frame}, about {} left", duration(left))
-                    }
-                    None => frame,
-                }
-            }
-        })
-    }
-}
 
 impl EditorState {
     /// The picture that is exported, and its scene; `None` while there is none.

@@ -1,56 +1,13 @@
 //! The ladder of cut sizes in the window: climbed when asked for, shown in a window of its own, one click to use a size.
 
-use super::state::EditorState;
+use super::state::{EditorState, ladder::LadderWindow};
 use crate::{
     actions::Action,
     document::{Edit, ViewSettings},
-    jobs::{
-        ladder::{LadderEvent, LadderJob},
-        measure::ShownPixels,
-    },
-    panels::ladder::{self, LadderResult, LadderTile, LadderTruth},
+    jobs::ladder::LadderJob,
+    panels::ladder::{self, LadderResult},
 };
-use egui::{ColorImage, Context, TextureHandle, TextureOptions, Window};
-
-/// The ladder, while its window is open.
-#[derive(Default)]
-pub struct LadderWindow {
-    job: Option<LadderJob>,
-    result: LadderResult,
-    open: bool,
-}
-
-impl LadderWindow {
-    /// Whether sizes are being tried.
-    pub fn is_climbing(&self) -> bool {
-        self.job.is_some()
-    }
-
-    fn take(&mut self, ctx: &Context, event: LadderEvent) {
-        match event {
-            LadderEvent::Picture { illum_cut, shown } => {
-                let texture = texture(ctx, &shown);
-                self.result.tiles.push(LadderTile { illum_cut, texture, figures: None });
-            }
-            LadderEvent::Truth { shown, seconds, what } => {
-                self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
-            }
-            LadderEvent::Step(figures) => {
-                let tile = self.result.tiles.iter_mut().find(|tile| tile.illum_cut == figures.illum_cut);
-                tile.into_iter().for_each(|tile| tile.figures = Some(figures));
-            }
-            LadderEvent::Ended(result) => {
-                self.job = None;
-                self.result.problem = result.err();
-            }
-        }
-    }
-}
-
-fn texture(ctx: &Context, shown: &ShownPixels) -> TextureHandle {
-    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
-    ctx.load_texture("ladder", image, TextureOptions::LINEAR)
-}
+use egui::{Context, Window};
 
 impl EditorState {
     /// Begins to climb for the picture that is shown.

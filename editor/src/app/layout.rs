@@ -2,11 +2,14 @@
 //! the bottom, and the picture in the room that is left.
 
 use super::{
-    environments::Environments,
     keys::{self, Command},
     menus, notice,
-    pictures::Pictures,
-    state::{EditorState, OpenScene},
+    state::{
+        EditorState, OpenScene,
+        environments::Environments,
+        interface::{Inspector, Side},
+        pictures::Pictures,
+    },
     status, theme, toolbar,
 };
 use crate::{
@@ -15,110 +18,20 @@ use crate::{
     jobs::render_thread::RenderedFrame,
     panels::{
         bake::{self, BakeContext, SceneStats},
-        comparison::{self, ComparisonPanel},
-        environment::{self, EnvironmentContext, EnvironmentPanel, LibraryEntry},
-        lights::{self, LightsContext, LightsPanel},
-        material::{self, MaterialContext, MaterialPanel},
-        scene::{self, SceneContext, ScenePanel},
+        comparison,
+        environment::{self, EnvironmentContext, LibraryEntry},
+        lights::{self, LightsContext},
+        material::{self, MaterialContext},
+        scene::{self, SceneContext},
         view::{self, ViewContext},
     },
-    viewport::{self, ViewportContext, ViewportResponse, ViewportState, compare::Compared},
+    viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
 };
-use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
 use lapidary_render::{Baked, Bounces, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
-
-/// What the inspector shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Inspector {
-    /// The selected material.
-    #[default]
-    Material,
-    /// The light from all around.
-    Environment,
-    /// Local lights, and which light is in the picture.
-    Lights,
-    /// How the picture is made and shown.
-    View,
-    /// Visibility.
-    Bake,
-}
-
-impl Inspector {
-    const ALL: [Self; 5] = [Self::Material, Self::Environment, Self::Lights, Self::View, Self::Bake];
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Material => "Material",
-            Self::Environment => "Environment",
-            Self::Lights => "Lights",
-            Self::View => "View",
-            Self::Bake => "Bake",
-        }
-    }
-}
-
-/// What the left side shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Side {
-    /// Objects, materials and cameras.
-    #[default]
-    Scene,
-    /// Environments to choose from.
-    Library,
-}
-
-/// What the interface remembers between frames.
-pub struct Interface {
-    /// What the inspector shows.
-    pub inspector: Inspector,
-    /// What the left side shows.
-    pub side: Side,
-    /// Only the picture is shown.
-    pub panels_hidden: bool,
-    /// The keyboard map is shown.
-    pub keys_open: bool,
-    /// Width and height of the viewport in pixels.
-    pub viewport_size: [u32; 2],
-    /// Where the viewport was in the last frame.
-    pub viewport_rect: Rect,
-    /// Frames in which a text from the clipboard is a camera.
-    pub pasting_camera: u8,
-    /// Widths of the left side and of the inspector, once they were shown.
-    pub panel_widths: Option<[f32; 2]>,
-    /// The panel of local lights.
-    pub lights: LightsPanel,
-    /// The panel of materials.
-    pub material: MaterialPanel,
-    /// The strip under the viewport.
-    pub comparison: ComparisonPanel,
-    viewport: ViewportState,
-    environment: EnvironmentPanel,
-    scene: ScenePanel,
-}
-
-impl Default for Interface {
-    fn default() -> Self {
-        Self {
-            inspector: Inspector::default(),
-            side: Side::default(),
-            panels_hidden: false,
-            keys_open: false,
-            viewport_size: [1, 1],
-            viewport_rect: Rect::NOTHING,
-            pasting_camera: 0,
-            panel_widths: None,
-            lights: LightsPanel::default(),
-            material: MaterialPanel::default(),
-            comparison: ComparisonPanel::default(),
-            viewport: ViewportState::default(),
-            environment: EnvironmentPanel::default(),
-            scene: ScenePanel::default(),
-        }
-    }
-}
 
 /// Where things came to lie in a frame.
 pub struct Laid {

@@ -1,6 +1,6 @@
 //! Local lights: what is done with them, as steps of undo.
 
-use super::{layout::Inspector, state::EditorState};
+use super::state::{EditorState, interface::Inspector};
 use crate::document::{
     Edit,
     lights::{LightKind, copied_name, new_light},

@@ -2,9 +2,7 @@
 
 use super::{
     keys::{self, Command},
-    layout::Inspector,
-    prompts::Prompt,
-    state::EditorState,
+    state::{EditorState, interface::Inspector, prompt::Prompt},
 };
 use crate::{
     actions::Action,

@@ -1,6 +1,6 @@
 //! What stands in the viewport while there is no picture, or nothing to be seen in it: what is going on, or what to do.
 
-use super::{layout::Inspector, state::EditorState};
+use super::state::{EditorState, interface::Inspector};
 use crate::{actions::Action, document::Unlit, panels::lights::add_menu};
 use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
 

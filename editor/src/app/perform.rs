@@ -1,6 +1,10 @@
 //! Actions, done: the one place where what the interface asks for meets the document, its history and the jobs.
 
-use super::{layout::Inspector, opening::Target, state::EditorState, theme};
+use super::{
+    opening::Target,
+    state::{EditorState, interface::Inspector},
+    theme,
+};
 use crate::{
     actions::Action,
     app::{dialogs::Purpose, keys::Command},

@@ -1,86 +1,21 @@
-//! What the render thread has made: the picture on the screen, what is known about it, and pictures for files.
+//! Takes what the render thread has made: the picture for the screen, and pictures for files.
 
-use super::state::EditorState;
+use super::state::{EditorState, pictures::Export};
 use crate::{
     document::BackgroundKind,
     jobs::{
         guarded,
-        render_thread::{LinearPicture, RenderEvent, RenderedFrame},
+        render_thread::{LinearPicture, RenderEvent},
         spawn,
     },
 };
 use anyhow::Result;
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use egui::Context;
 use lapidary_studies::sheet::DisplayPicture;
 use std::{
     path::{Path, PathBuf},
-    sync::{
-        Arc,
-        mpsc::{Receiver, Sender, channel},
-    },
+    sync::Arc,
 };
-
-/// A picture to write, once it is complete.
-struct Export {
-    /// What the render thread was asked for it by.
-    id: u64,
-    path: PathBuf,
-    /// Nothing lies behind the surfaces.
-    transparent: bool,
-}
-
-impl Export {
-    /// A png holds what the window shows; exr and hdr are scene-linear.
-    fn is_png(&self) -> bool {
-        self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    }
-}
-
-/// The file that a picture was written to, or why it was not.
-type Written = Result<PathBuf, String>;
-
-/// Pictures, on the screen and on their way to files.
-pub struct Pictures {
-    texture: Option<TextureHandle>,
-    /// The picture on the screen.
-    shown: Option<RenderedFrame>,
-    exports: Vec<Export>,
-    exports_asked: u64,
-    written: (Sender<Written>, Receiver<Written>),
-}
-
-impl Default for Pictures {
-    fn default() -> Self {
-        Self { texture: None, shown: None, exports: Vec::new(), exports_asked: 0, written: channel() }
-    }
-}
-
-impl Pictures {
-    /// The picture on the screen.
-    pub fn texture(&self) -> Option<&TextureHandle> {
-        self.texture.as_ref()
-    }
-
-    /// What is known about it.
-    pub fn shown(&self) -> Option<&RenderedFrame> {
-        self.shown.as_ref()
-    }
-
-    /// The scene was closed.
-    pub fn clear(&mut self) {
-        (self.texture, self.shown) = (None, None);
-    }
-
-    fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
-        let pixels: &[u8] = frame.pixels.as_flattened();
-        let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
-        match &mut self.texture {
-            Some(texture) => texture.set(image, TextureOptions::LINEAR),
-            None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
-        }
-        self.shown = Some(frame);
-    }
-}
 
 impl EditorState {
     pub(super) fn collect_pictures(&mut self, ctx: &Context) {

@@ -1,45 +1,15 @@
-//! Questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says.
+//! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says.
 
 use super::{
-    opening::{Ready, Target},
-    state::EditorState,
+    opening::Target,
+    state::{EditorState, prompt::Prompt},
 };
 use crate::{
     actions::Action,
     document::{autosave::Recovery, session::LoadedSession},
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
-use std::{path::PathBuf, time::SystemTime};
-
-/// A question.
-pub enum Prompt {
-    /// Changes would be lost.
-    Unsaved {
-        /// What was asked for.
-        then: Then,
-    },
-    /// Work of processes that ended too early was found.
-    Recover(Vec<Recovery>),
-    /// Files of a session are not there.
-    Missing {
-        /// The session.
-        loaded: Box<LoadedSession>,
-        /// Its file.
-        path: Option<PathBuf>,
-        /// The autosave it was read from, which nothing else keeps.
-        recovery: Option<Recovery>,
-    },
-    /// What this program is.
-    About,
-}
-
-/// What is done once the document may be left.
-pub enum Then {
-    /// The window closes.
-    Quit,
-    /// A document that was opened takes its place.
-    Show(Box<Ready>),
-}
+use std::time::SystemTime;
 
 /// What was answered.
 enum Answer {

@@ -2,67 +2,11 @@
 //! nothing is rendered, and nothing compared over there, while nothing changes.
 
 use super::state::EditorState;
-use crate::{
-    document::{Document, lights::shines},
-    jobs::render_thread::RenderRequest,
-    viewport::ViewportResponse,
-};
+use crate::{document::Document, jobs::render_thread::RenderRequest, viewport::ViewportResponse};
 use egui::Context;
-use lapidary_core::{environment::Environment, lights::Light, material::Material};
-use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
+use lapidary_core::environment::Environment;
+use lapidary_render::{Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
-
-/// What was asked for last.
-#[derive(Default)]
-pub struct Requests {
-    appearance: Appearance,
-    appearance_revision: u64,
-    lights: Arc<[Light]>,
-    sent: Option<RenderRequest>,
-    /// The next one is sent even if it is the same.
-    is_forgotten: bool,
-    /// Revision of the document when no button was held.
-    at_rest: u64,
-}
-
-impl Requests {
-    /// The document's appearance, which has another revision whenever a material or texture is another.
-    fn appearance_of(&mut self, document: &Document) -> &Appearance {
-        if self.appearance_revision == 0 || !same_appearance(&self.appearance, document) {
-            self.appearance = document.appearance();
-            self.appearance_revision += 1;
-        }
-        &self.appearance
-    }
-
-    /// The lights that shine, in one place in memory as long as they are the same.
-    fn lights_of(&mut self, document: &Document) -> Arc<[Light]> {
-        let shining = || document.lights.iter().filter(|light| shines(light));
-        if !shining().eq(self.lights.iter()) {
-            self.lights = shining().cloned().collect();
-        }
-        self.lights.clone()
-    }
-
-    /// What the render thread was asked for last.
-    pub fn last_sent(&self) -> Option<&RenderRequest> {
-        self.sent.as_ref()
-    }
-
-    /// Sends the next request even if it is that of before: the scene was replaced in place.
-    pub fn forget(&mut self) {
-        self.is_forgotten = true;
-    }
-}
-
-fn same_appearance(appearance: &Appearance, document: &Document) -> bool {
-    let same_texture = |(a, b): (&Arc<_>, &crate::document::TextureEntry)| Arc::ptr_eq(a, &b.texture);
-    let same_material = |(a, b): (&Material, &Material)| a == b;
-    appearance.textures.len() == document.textures.len()
-        && appearance.materials.len() == document.materials.len()
-        && appearance.textures.iter().zip(&document.textures).all(same_texture)
-        && appearance.materials.iter().zip(&document.materials).all(same_material)
-}
 
 impl EditorState {
     /// Asks for a picture of the document as it is now, in the size of the viewport.
@@ -145,23 +89,8 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::TextureEntry;
-    use lapidary_core::{
-        cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes, texture::Texture,
-    };
 
-    #[test]
-    fn lights_stay_where_they_are_until_what_shines_changes() {
-        let mut requests = Requests::default();
-        let off = Light { enabled: false, ..test_scenes::light() };
-        let mut document = Document { lights: vec![test_scenes::light(), off], ..Document::empty() };
-        let first = requests.lights_of(&document);
-        assert_eq!(*first, [test_scenes::light()]);
-        document.lights[1].intensity *= 2.0;
-        assert!(Arc::ptr_eq(&first, &requests.lights_of(&document)), "it is switched off");
-        document.lights[0].intensity *= 2.0;
-        assert!(!Arc::ptr_eq(&first, &requests.lights_of(&document)));
-    }
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes};
 
     #[test]
     fn light_that_was_not_baked_is_not_shown() {
@@ -177,26 +106,5 @@ mod tests {
         let shown = shown_components(&document, Some(&dataset.into()));
         assert_eq!(shown, Components { environment: false, ..Components::ALL }, "negative control: bounces were");
         assert_eq!(shown_components(&document, None), Components::ALL);
-    }
-
-    #[test]
-    fn the_appearance_has_another_number_only_when_it_is_another() {
-        let mut requests = Requests::default();
-        let mut document = Document { materials: vec![Material::default()], ..Document::empty() };
-        let mut revision_of = |document: &Document| {
-            requests.appearance_of(document);
-            requests.appearance_revision
-        };
-        let first = revision_of(&document);
-        document.view.post.exposure = 1.0;
-        assert_eq!(revision_of(&document), first);
-        document.materials[0].parameters.roughness = 0.1;
-        let second = revision_of(&document);
-        assert_ne!(second, first);
-        document.textures.push(TextureEntry { texture: Arc::new(Texture::missing("a")), file: None });
-        let third = revision_of(&document);
-        assert_ne!(third, second);
-        document.textures[0].texture = Arc::new(Texture::missing("a"));
-        assert_ne!(revision_of(&document), third);
     }
 }

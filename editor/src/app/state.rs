@@ -1,23 +1,24 @@
-//! All that the window knows, and what happens in a frame of it. It runs without a window too, as in tests.
+//! All that the window knows. What it does with that lies around this folder: each file there adds a part to
+//! [`EditorState`], and none of them is known here.
+
+pub mod baking;
+pub mod comparison;
+pub mod environments;
+pub mod explain;
+pub mod exporting;
+pub mod interface;
+pub mod ladder;
+pub mod pictures;
+pub mod prompt;
+pub mod requests;
 
 use super::{
-    baking::Baking,
-    comparison::Comparison,
     dialogs::FileDialogs,
-    environments::Environments,
-    explain::ExplainWindow,
-    export::Exporting,
     first_view::FirstView,
-    ladder::LadderWindow,
-    layout::{self, Interface},
     messages::Messages,
     opening::{Opening, Target},
-    pictures::Pictures,
-    prompts::{self, Prompt, Then},
-    requests::Requests,
 };
 use crate::{
-    actions::Action,
     document::{
         Document, History,
         autosave::{self, Autosave, Recovery},
@@ -35,18 +36,27 @@ use crate::{
     preferences::Preferences,
     viewport::pick,
 };
-use egui::{Event, Ui, ViewportCommand};
+use baking::Baking;
+use comparison::Comparison;
+use environments::Environments;
+use explain::ExplainWindow;
+use exporting::Exporting;
+use interface::Interface;
+use ladder::LadderWindow;
 use lapidary_core::{bounds::Bounds, scene::Mesh};
 use lapidary_render::Baked;
+use pictures::Pictures;
+use prompt::{Prompt, Then};
+use requests::Requests;
 use std::{
     collections::{HashMap, VecDeque},
     path::PathBuf,
     sync::Arc,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 /// Seconds between two autosaves.
-const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
+pub(super) const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
 
 /// What the window is made of.
 pub struct Setup {
@@ -125,7 +135,7 @@ pub struct ShownBounds {
 }
 
 impl ShownBounds {
-    fn update(&mut self, shown: Option<&Baked>, selected: Option<u32>) {
+    pub(super) fn update(&mut self, shown: Option<&Baked>, selected: Option<u32>) {
         let of = shown.map(|baked| (Arc::as_ptr(&baked.dataset) as usize, selected));
         if of != self.of {
             let mesh = shown.map(|baked| &baked.dataset.scene.mesh);
@@ -173,15 +183,15 @@ pub struct EditorState {
     pub(super) factory: Factory,
     pub(super) exporting: Exporting,
     pub(super) requests: Requests,
-    autosave: Autosave,
-    autosaved: u64,
+    pub(super) autosave: Autosave,
+    pub(super) autosaved: u64,
     /// The autosave that the document was recovered from, until it is written elsewhere.
     pub(super) recovered: Option<Recovery>,
     /// Nothing is left to ask: the window may close.
     pub(super) may_close: bool,
-    themed: Option<Preferences>,
+    pub(super) themed: Option<Preferences>,
     /// Size of the window in points, but not while it fills the screen.
-    window_size: Option<[f32; 2]>,
+    pub(super) window_size: Option<[f32; 2]>,
 }
 
 impl EditorState {
@@ -243,149 +253,5 @@ impl EditorState {
     /// Whether there are changes that are not saved.
     pub fn is_modified(&self) -> bool {
         self.history.is_modified()
-    }
-
-    /// One frame: what jobs have done, the interface, what it asked for, and what is to be rendered then.
-    pub fn frame(&mut self, ui: &mut Ui) {
-        let ctx = ui.ctx().clone();
-        if self.themed.as_ref() != Some(&self.preferences) {
-            super::theme::apply(&ctx, &self.preferences);
-            self.themed = Some(self.preferences.clone());
-        }
-        self.note_window_size(&ctx);
-        self.collect(&ctx);
-        self.bounds.update(self.scene.shown(), self.selection.object);
-        self.take_pasted_camera(&ctx);
-        let mut actions = Vec::new();
-        let laid = layout::show(ui, self, &mut actions);
-        self.take_drops(&ctx, &laid, &mut actions);
-        self.show_dialog(&ctx, &mut actions);
-        self.show_ladder(&ctx, &mut actions);
-        self.show_explanation(&ctx);
-        prompts::show(&ctx, self, &mut actions);
-        self.show_sequence_dialog(&ctx, &mut actions);
-        self.messages.show(&ctx, laid.status_height);
-        self.ask_before_closing(&ctx, &mut actions);
-        if !actions.is_empty() {
-            // What is on the screen is from before the actions.
-            ctx.request_repaint();
-        }
-        for action in actions {
-            self.perform(&ctx, action);
-        }
-        self.load_environment();
-        self.request_picture(&ctx, laid.viewport);
-        self.compare();
-        self.keep_safe(&ctx);
-    }
-
-    /// Remembers how large the window is, for the next start.
-    fn note_window_size(&mut self, ctx: &egui::Context) {
-        let scale = self.preferences.ui_scale;
-        self.window_size = ctx.input(|i| {
-            let window = i.viewport();
-            let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
-            // The interface's points are larger than the window's by its scale.
-            window.inner_rect.filter(|_| !fills).map(|rect| [rect.width() * scale, rect.height() * scale])
-        });
-    }
-
-    /// Shows the file dialog, if one is open. Cancelling where to save to cancels what was to follow.
-    fn show_dialog(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
-        let was_open = self.dialogs.is_open();
-        let chosen = self.dialogs.show(ctx);
-        if was_open && !self.dialogs.is_open() && chosen.is_empty() {
-            self.after_save = None;
-        }
-        if let Some((files, folder)) = self.dialogs.left() {
-            let mut preferences = self.preferences.clone();
-            preferences.folders.remember(files, &folder);
-            actions.push(Action::Preferences(preferences));
-        }
-        actions.extend(chosen);
-    }
-
-    /// The text that was asked of the clipboard arrives a frame later, or never if there is none.
-    fn take_pasted_camera(&mut self, ctx: &egui::Context) {
-        if self.interface.pasting_camera == 0 {
-            return;
-        }
-        self.interface.pasting_camera -= 1;
-        let pasted = ctx.input_mut(|i| {
-            let place = i.events.iter().position(|e| matches!(e, Event::Paste(_)))?;
-            Some(i.events.remove(place))
-        });
-        if let Some(Event::Paste(text)) = pasted {
-            self.interface.pasting_camera = 0;
-            self.paste_camera(&text);
-        }
-    }
-
-    /// Takes what jobs have made since the last frame.
-    fn collect(&mut self, ctx: &egui::Context) {
-        self.collect_opened();
-        self.collect_loaded();
-        self.collect_bake();
-        self.collect_pictures(ctx);
-        self.collect_comparison(ctx);
-        self.collect_export();
-        self.collect_changed_files();
-        self.environments.collect(ctx);
-    }
-
-    /// A window that is about to close asks about changes first.
-    fn ask_before_closing(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
-        if ctx.input(|i| i.viewport().close_requested()) && !self.may_close {
-            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-            actions.push(Action::Quit);
-        }
-    }
-
-    /// Writes the document aside when it is time, and comes back for it.
-    fn keep_safe(&mut self, ctx: &egui::Context) {
-        let session = self.scene.session.as_deref();
-        let tick = self.autosave.tick(Instant::now(), &self.document, &self.history, &self.scene.unknown, session);
-        match tick {
-            Ok(true) => {
-                self.autosaved = self.history.revision();
-                self.forget_recovered();
-            }
-            Ok(false) => {}
-            Err(error) => self.messages.error(format!("The autosave failed: {error}")),
-        }
-        if self.history.is_modified() && self.autosaved != self.history.revision() {
-            ctx.request_repaint_after(AUTOSAVE_INTERVAL);
-        }
-    }
-
-    /// Recovered work is written elsewhere by now.
-    pub(super) fn forget_recovered(&mut self) {
-        if let Some(recovered) = self.recovered.take()
-            && let Err(error) = recovered.discard()
-        {
-            self.messages.warning(format!("An autosave cannot be removed: {error}"));
-        }
-    }
-
-    /// Begins with another document.
-    pub(super) fn forget_autosave(&mut self) {
-        if let Err(error) = self.autosave.finish() {
-            self.messages.warning(error.to_string());
-        }
-        self.autosaved = 0;
-    }
-
-    /// The window closes with nothing left to lose.
-    pub fn finish(&mut self) {
-        self.forget_autosave();
-        if let Some([side, inspector]) = self.interface.panel_widths {
-            (self.preferences.side_width, self.preferences.inspector_width) = (side, inspector);
-        }
-        if let Some(size) = self.window_size {
-            self.preferences.window_size = size;
-        }
-        if let Err(error) = self.preferences.save(&self.folders.config) {
-            eprintln!("warning: {error:#}");
-        }
     }
 }

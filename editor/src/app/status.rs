@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
     let remark = || state.messages.last_remark().map(str::to_owned);
-    let held = || state.ladder.is_climbing().then(|| "The full picture waits until the cut sizes are tried".to_owned());
+    let held = || state.ladder.is_climbing().then(|| "The full picture waits for the trial of cut sizes".to_owned());
     let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
     let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
@@ -50,13 +50,13 @@ fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
     }
     let Some(shown) = shown else { return };
     let stats = &shown.stats;
-    figure(ui, format!("{:>4.0} BRDFs", stats.mean_brdf_evaluations), "BRDF evaluations a pixel");
-    figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut a pixel");
-    figure(ui, time_text(shown.millis), "Time that the picture took");
+    figure(ui, format!("{:>4.0} BRDFs", stats.mean_brdf_evaluations), "BRDF evaluations per pixel");
+    figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut per pixel");
+    figure(ui, time_text(shown.millis), "Render time of the picture");
     let size = format!("{} x {}", shown.size[0], shown.size[1]);
     let reduced = if shown.full_size { "" } else { " (preview)" };
     let samples = format!("{:>3}/{}", shown.samples, shown.of_samples);
-    figure(ui, format!("{size}{reduced}  {samples}"), "Size of the picture in pixels, and its samples a pixel");
+    figure(ui, format!("{size}{reduced}  {samples}"), "Picture size in pixels, and samples per pixel");
     figure(ui, shown.backend.clone(), "What renders");
 }
 

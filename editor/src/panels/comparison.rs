@@ -176,7 +176,7 @@ impl ComparisonPanel {
 
     /// What the picture is, in a few words.
     pub fn picture_label(&self, illum_cut: u32) -> String {
-        format!("A: cuts, {illum_cut} nodes of light")
+        format!("A: illumination cut of {illum_cut} nodes")
     }
 
     /// What the reference is, in a few words; its noise is that of what is measured.

@@ -74,11 +74,11 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
         if complete {
             ui.label(RichText::new(verdict).strong());
         } else {
-            ui.label(format!("By what is traced so far: {verdict}"));
+            ui.label(format!("So far: {verdict}"));
         }
         let [width, height] = result.tiles.first().map_or([0; 2], |tile| tile.texture.size());
         ui.weak(format!(
-            "Times are of {width} x {height} pixels with one sample each, the size that a reference is soon traced in."
+            "Times are for {width} x {height} pixels with one sample each, a size whose reference is traced quickly."
         ));
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -114,11 +114,10 @@ fn verdict(figures: &[StepFigures]) -> Option<String> {
     let percent = |f: &StepFigures| format!("{:.1} % (FLIP {:.3})", 100.0 * f.metrics.rel_rmse, f.metrics.flip);
     let time = |f: &StepFigures| time_text(f.seconds);
     Some(if enough.illum_cut == last.illum_cut {
-        format!("Every size still helps: {} nodes leave {} in {}.", last.illum_cut, percent(last), time(last))
+        format!("Every size lowers the error: {} nodes leave {} in {}.", last.illum_cut, percent(last), time(last))
     } else {
         format!(
-            "{} enough: {} of error in {}, where {} nodes leave {} in {}. More nodes of light do not help further: \
-             Why? tells what would.",
+            "{} enough: {} of error in {}, where {} nodes leave {} in {}. A larger illumination cut does not help further: Why? tells what would.",
             if enough.illum_cut == 1 { "1 node is".into() } else { format!("{} nodes are", enough.illum_cut) },
             percent(enough),
             time(enough),
@@ -149,7 +148,10 @@ fn show_tile(ui: &mut Ui, of: &LadderTile, current: bool, actions: &mut Vec<Acti
             ui.label(RichText::new(nodes).strong());
             let label = if current { "In use" } else { "Use" };
             let button = ui.add_enabled(!current, Button::new(label).small());
-            if button.on_hover_text(format!("Use {} nodes of light in the viewport", of.illum_cut)).clicked() {
+            if button
+                .on_hover_text(format!("Use an illumination cut of {} nodes in the viewport", of.illum_cut))
+                .clicked()
+            {
                 actions.push(Action::UseIllumCut(of.illum_cut));
             }
         });
@@ -188,10 +190,10 @@ fn curves(ui: &mut Ui, figures: &[StepFigures]) {
     ui.horizontal(|ui| {
         let by_size = points(figures, |f| f64::from(f.illum_cut).log10());
         let sizes = Horizontal { value: |v| 10_f64.powf(v), marks: |at, largest| marks(at.iter().copied(), largest) };
-        curve(ui, width, "Error, % by nodes of light", by_size, sizes);
+        curve(ui, width, "Error in % by nodes of the illumination cut", by_size, sizes);
         let by_time = points(figures, |f| 1e3 * f.seconds);
         let times = Horizontal { value: |v| v, marks: |_, largest| round_marks(largest) };
-        curve(ui, width, "Error, % by milliseconds of the picture", by_time, times);
+        curve(ui, width, "Error in % by render time in milliseconds", by_time, times);
     });
 }
 
@@ -278,7 +280,10 @@ mod tests {
         seen[0].metrics.flip = 0.02;
         assert!(verdict(&seen).unwrap().starts_with("64 nodes are enough"), "what is seen counts, too");
         let text = verdict(&figures(&[0.3, 0.2, 0.1])).unwrap();
-        assert!(text.starts_with("Every size still helps: 128 nodes leave 10.0 % (FLIP 0.010) in 300 ms"), "{text}");
+        assert!(
+            text.starts_with("Every size lowers the error: 128 nodes leave 10.0 % (FLIP 0.010) in 300 ms"),
+            "{text}"
+        );
         assert_eq!(verdict(&[]), None);
     }
 

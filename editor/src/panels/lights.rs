@@ -8,7 +8,7 @@ mod properties;
 mod tests;
 
 pub use components::environment_hint;
-pub use list::add_menu;
+pub use list::{add_menu, display_color};
 
 use super::widgets::section;
 use crate::{actions::Action, document::Document};
@@ -26,7 +26,7 @@ pub struct LightsContext<'a> {
     pub bounces: Option<Bounces>,
     /// What that bake is of.
     pub baked: Option<BakeMode>,
-    /// How the bounces in the picture fade, if that is known.
+    /// How much light the bounces in the picture carry, if that is known.
     pub energy: Option<BounceEnergy>,
     /// What lights may be buried in.
     pub scene: Option<&'a Baked>,

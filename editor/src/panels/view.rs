@@ -94,10 +94,10 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     illumination_cut(ui, view, actions);
     let samplings = [
         (BrdfSampling::Refine, "Refined", "Nodes too wide for the highlight are halved: sharp reflections."),
-        (BrdfSampling::Once, "Once", "Once a node, as in the paper: faster, highlights may break up."),
+        (BrdfSampling::Once, "Once", "Once per node, as in the paper: faster, but highlights may break up."),
     ];
     edit_row(actions, "BRDF sampling", view, Edit::View, |v| {
-        choice_row(ui, "BRDF", "How the BRDF is sampled on merged nodes.", &mut v.sampling, &samplings)
+        choice_row(ui, "BRDF", "How the BRDF is sampled at the nodes of the merged cut.", &mut v.sampling, &samplings)
     });
     let samples = Decades::count("Samples", "Jittered frames that are averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
     edit_row(actions, "Samples", view, Edit::View, |v| decades_row(ui, &samples, &mut v.aa));
@@ -123,7 +123,7 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
 }
 
 fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
-    let help = "Most nodes that the light is resolved to, 1 to 32,768: more is sharper shadows and slower.";
+    let help = "Most nodes of the illumination cut, 1 to 32,768. More give sharper shadows, and are slower.";
     let cut = Decades::count("Light cut", help, 1.0..=32_768.0, 256.0);
     edit_row(actions, "Light cut", view, Edit::View, |v| decades_row(ui, &cut, &mut v.illum_cut));
     edit_row(actions, "Light cut", view, Edit::View, |v| {

@@ -9,8 +9,6 @@ mod projection;
 #[cfg(test)]
 mod tests;
 
-pub use icons::display_color;
-
 use super::{ViewportContext, pick};
 use crate::{actions::Action, document::Edit};
 use egui::{Align2, Color32, CursorIcon, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui, vec2};

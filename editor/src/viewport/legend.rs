@@ -37,13 +37,13 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
             words(
                 painter,
                 rect,
-                &["Bounce light: one color a cluster", &format!("{points} points in {clusters} clusters")],
+                &["Bounce light: one color per cluster", &format!("{points} points in {clusters} clusters")],
             );
         }
         (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
         (mode, _) => {
             let gathered = Gathered::of(mode, context);
-            bar(painter, rect, &Scale::of(mode, view.illum_cut, gathered));
+            bar(painter, rect, &ColorScale::of(mode, view.illum_cut, gathered));
         }
     }
 }
@@ -54,7 +54,7 @@ pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
         ErrorMap::Signed => |place| color(ErrorMap::Signed.color(ErrorMap::Signed.error_at(place))),
         _ => |place| color(magma(place)),
     };
-    bar(painter, rect, &Scale { title: field.title.into(), color, ticks: field.ticks(4) });
+    bar(painter, rect, &ColorScale { title: field.title.into(), color, ticks: field.ticks(4) });
 }
 
 /// What counts are of.
@@ -84,20 +84,20 @@ impl Gathered {
             (true, true) => ", environment and bounce light",
             (true, false) => ", environment",
             (false, true) => ", bounce light",
-            (false, false) => ": nothing is gathered by cuts",
+            (false, false) => ": no light is gathered by cuts",
         }
     }
 }
 
 /// What a colour bar says.
-struct Scale {
+struct ColorScale {
     title: String,
     color: fn(f32) -> Color32,
     /// From the left end to the right, evenly spaced.
     ticks: Vec<String>,
 }
 
-impl Scale {
+impl ColorScale {
     fn of(mode: ViewMode, illum_cut: u32, gathered: Gathered) -> Self {
         let fractions = || ["0", "0.25", "0.5", "0.75", "1"].map(String::from).into();
         let (color, ticks): (fn(f32) -> Color32, _) = match mode {
@@ -126,7 +126,7 @@ fn color(display: Vec3) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-fn bar(painter: &Painter, rect: Rect, scale: &Scale) {
+fn bar(painter: &Painter, rect: Rect, scale: &ColorScale) {
     let area = panel(painter, rect, BAR + vec2(2.0 * PADDING, 2.0 * LINE + 4.0));
     let top_left = pos2(area.center().x - 0.5 * BAR.x, area.top());
     text(painter, top_left, Align2::LEFT_TOP, &scale.title);
@@ -229,18 +229,18 @@ mod tests {
 
     #[test]
     fn counts_say_what_they_are_of_and_other_views_do_not() {
-        let title = |mode, baked| Scale::of(mode, 256, Gathered::baked(baked)).title;
+        let title = |mode, baked| ColorScale::of(mode, 256, Gathered::baked(baked)).title;
         let of_cuts = |baked| title(ViewMode::VisibilityCut, baked);
         assert_eq!(of_cuts(BakeMode::Environment), "Visibility cut size, environment");
         assert_eq!(of_cuts(BakeMode::Indirect), "Visibility cut size, bounce light");
         assert_eq!(of_cuts(BakeMode::All), of_cuts(BakeMode::Environment));
-        assert_eq!(of_cuts(BakeMode::Meshless), "Visibility cut size: nothing is gathered by cuts");
+        assert_eq!(of_cuts(BakeMode::Meshless), "Visibility cut size: no light is gathered by cuts");
         assert_eq!(title(ViewMode::Roughness, BakeMode::Indirect), "Roughness");
     }
 
     #[test]
     fn counts_run_from_nothing_to_the_top_in_quarters() {
-        let ticks = |mode: ViewMode, illum_cut| Scale::of(mode, illum_cut, ENVIRONMENT).ticks;
+        let ticks = |mode: ViewMode, illum_cut| ColorScale::of(mode, illum_cut, ENVIRONMENT).ticks;
         assert_eq!(ticks(ViewMode::VisibilityCut, 4096), ["0", "128", "256", "384", "512+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 250), ["0", "250", "500", "750", "1000+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 1)[4], "512+", "no finer than the least range");
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn ramps_have_the_colours_of_the_picture() {
-        let at = |mode, x| (Scale::of(mode, 256, ENVIRONMENT).color)(x);
+        let at = |mode, x| (ColorScale::of(mode, 256, ENVIRONMENT).color)(x);
         assert_eq!(at(ViewMode::Roughness, 0.5), Color32::from_gray(128));
         assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base colour is encoded");
         assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));

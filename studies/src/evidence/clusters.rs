@@ -5,7 +5,7 @@ use super::{
     cases::{Bakes, Case, TREES},
     notebook::Notebook,
 };
-use crate::report::{figure, text::escaped};
+use crate::report::figure;
 use anyhow::Result;
 use glam::{Mat2, Vec2, Vec3};
 use lapidary_core::{
@@ -13,6 +13,7 @@ use lapidary_core::{
     light_tree::{LightTree, TreeKind},
     sphere::{fibonacci_directions, frame_around},
 };
+use maud::{Markup, html};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -43,25 +44,11 @@ struct Clusters {
 pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &mut Notebook) -> Result<()> {
     let nearest = nearest_samples(measurement.scale.lights);
     let mut all = Vec::new();
-    let mut html = format!(
-        "<p>Samples of the environment of the scene “{}”, coloured by the node of depth {DEPTH} that they lie in: the upper \
-         hemisphere seen from above, and the lower one from below, both with equal areas. Samples that no vertex sees are \
-         clustered at random by visibility alone.</p><div class=\"grid three\">",
-        escaped(&case.name)
-    );
     for ((tree, beta), dataset) in TREES.into_iter().zip(&bakes.datasets) {
         let depth = DEPTH.min(dataset.tree.height());
         let png = format!("fig5-{}.png", label(tree).replace(' ', "-"));
         picture(&nearest, &dataset.tree, depth).write(&measurement.out.join(&png))?;
         let shape = Shape::of(&dataset.tree, depth);
-        let caption = format!(
-            "<b>{}, beta {beta}</b>mean radius {:.1}°, median length to width {:.2}<br>mean visibility cut {:.0} nodes",
-            label(tree),
-            shape.mean_radius_degrees,
-            shape.median_elongation,
-            dataset.report.mean_cut
-        );
-        html += &figure("", &png, [2 * DISC, DISC], label(tree), &caption);
         all.push(Clusters {
             metric: tree,
             beta,
@@ -73,7 +60,31 @@ pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &
             png,
         });
     }
-    notebook.record("fig5_clusters", "Fig. 5: clusters of the light tree", &(html + "</div>"), &all)
+    notebook.record("fig5_clusters", "Fig. 5: clusters of the light tree", markup(&case.name, &all), &all)
+}
+
+fn markup(scene: &str, all: &[Clusters]) -> Markup {
+    html! {
+        p {
+            "Samples of the environment of the scene “" (scene) "”, coloured by the node of depth " (DEPTH) " that they lie in: \
+             the upper hemisphere seen from above, and the lower one from below, both with equal areas. Samples that no vertex \
+             sees are clustered at random by visibility alone."
+        }
+        div.grid.three {
+            @for clusters in all {
+                (figure("", &clusters.png, [2 * DISC, DISC], label(clusters.metric), caption(clusters)))
+            }
+        }
+    }
+}
+
+fn caption(clusters: &Clusters) -> Markup {
+    html! {
+        b { (label(clusters.metric)) ", beta " (clusters.beta) }
+        "mean radius " (format!("{:.1}", clusters.mean_radius_degrees)) "°, median length to width "
+        (format!("{:.2}", clusters.median_elongation)) br;
+        "mean visibility cut " (format!("{:.0}", clusters.mean_visibility_cut)) " nodes"
+    }
 }
 
 /// A metric in words.

@@ -4,11 +4,12 @@ use super::{Measurement, cases::Case, notebook::Notebook};
 use crate::{
     args::BackendOption,
     ladder::{self, Found, Settings, Subject, Summary, Truth},
-    report::text::{escaped, seconds},
+    report::text::seconds,
     terminal::Interrupted,
 };
 use anyhow::Result;
 use lapidary_render::Post;
+use maud::{Markup, html};
 use serde::Serialize;
 
 /// Where the light of a picture comes from; as in the paper's table.
@@ -76,12 +77,7 @@ pub fn record(measurement: &Measurement, cases: &[Case], notebook: &mut Notebook
         .iter()
         .map(|l| Entry { scene: &l.scene, light: l.light, sheet: entry(l) + ".png", summary: &l.summary })
         .collect();
-    let intro = "<p>The illumination cut is the budget of a picture. Errors are against the same lights without cuts, ray traced \
-                 at every pixel, on surfaces alone. The paper finds artefacts at 1 and 32 nodes, and 256 in many cases \
-                 sufficient; here a node’s light is read where visibility and BRDF have split it, so that short cuts lose \
-                 less.</p>";
-    let html = ladders.iter().map(html).collect::<String>();
-    notebook.record("fig7_ladder", "Fig. 7: size of the illumination cut", &(intro.to_owned() + &html), &entries)?;
+    notebook.record("fig7_ladder", "Fig. 7: size of the illumination cut", markup(&ladders), &entries)?;
     Ok(ladders)
 }
 
@@ -108,14 +104,19 @@ fn climb(measurement: &Measurement, case: &Case, light: Light, subject: &Subject
     Ok(SceneLadder { scene: case.name.clone(), light, summary, truth: ladder.truth })
 }
 
-fn html(ladder: &SceneLadder) -> String {
-    let reference = &ladder.summary.reference;
-    format!(
-        "<h3>{}</h3><p>Reference: {}; {}.</p>{}{}",
-        escaped(&stem(&ladder.scene, ladder.light)),
-        escaped(&reference.what),
-        seconds(reference.seconds),
-        ladder::pictures(&ladder.summary),
-        ladder::charts(&ladder.summary)
-    )
+fn markup(ladders: &[SceneLadder]) -> Markup {
+    html! {
+        p {
+            "The illumination cut is the budget of a picture. Errors are against the same lights without cuts, ray traced at \
+             every pixel, on surfaces alone. The paper finds artefacts at 1 and 32 nodes, and 256 in many cases sufficient; \
+             here a node’s light is read where visibility and BRDF have split it, so that short cuts lose less."
+        }
+        @for ladder in ladders {
+            @let reference = &ladder.summary.reference;
+            h3 { (stem(&ladder.scene, ladder.light)) }
+            p { "Reference: " (reference.what) "; " (seconds(reference.seconds)) "." }
+            (ladder::pictures(&ladder.summary))
+            (ladder::charts(&ladder.summary))
+        }
+    }
 }

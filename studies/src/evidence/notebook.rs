@@ -7,6 +7,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use lapidary_core::atomic::write_atomically;
+use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::{path::Path, time::Instant};
@@ -57,7 +58,7 @@ pub struct Notebook<'a> {
     start: Instant,
     complete: bool,
     figures: Map<String, Value>,
-    sections: Vec<String>,
+    sections: Vec<Markup>,
 }
 
 impl<'a> Notebook<'a> {
@@ -72,13 +73,13 @@ impl<'a> Notebook<'a> {
         Ok(notebook)
     }
 
-    /// Adds a figure: its name in the file of figures, its heading and HTML on the page, and its numbers.
+    /// Adds a figure: its name in the file of figures, its heading and markup on the page, and its numbers.
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn record(&mut self, key: &str, heading: &str, html: &str, numbers: &impl Serialize) -> Result<()> {
+    pub fn record(&mut self, key: &str, heading: &str, body: Markup, numbers: &impl Serialize) -> Result<()> {
         self.figures.insert(key.into(), serde_json::to_value(numbers)?);
-        self.sections.push(section(heading, html));
+        self.sections.push(section(heading, body));
         self.write()
     }
 
@@ -109,11 +110,18 @@ impl<'a> Notebook<'a> {
     }
 
     fn page(&self, line: &str) -> String {
-        let intro = "<div><h1>What the cuts cost, and what they save</h1><p>The figures of Cheslack-Postava, Wang, Akerlund and \
-                     Pellacini, <em>Fast, Realistic Lighting and Material Design using Nonlinear Cut Approximation</em> \
-                     (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to. All \
-                     numbers are in <a href=\"evidence.json\">evidence.json</a>.</p></div>";
-        let sections: Vec<String> = std::iter::once(intro.to_owned()).chain(self.sections.iter().cloned()).collect();
+        let intro = html! {
+            div {
+                h1 { "What the cuts cost, and what they save" }
+                p {
+                    "The figures of Cheslack-Postava, Wang, Akerlund and Pellacini, "
+                    em { "Fast, Realistic Lighting and Material Design using Nonlinear Cut Approximation" }
+                    " (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to. All \
+                     numbers are in " a href="evidence.json" { "evidence.json" } "."
+                }
+            }
+        };
+        let sections: Vec<Markup> = std::iter::once(intro).chain(self.sections.iter().cloned()).collect();
         report::page("evidence", line, &sections)
     }
 }
@@ -129,7 +137,7 @@ mod tests {
         let read =
             || -> Value { serde_json::from_slice(&std::fs::read(folder.path().join(FIGURES)).unwrap()).unwrap() };
         assert_eq!(read()["figures"], serde_json::json!({}));
-        notebook.record("one", "One", "<p>first</p>", &[1, 2]).unwrap();
+        notebook.record("one", "One", html! { p { "first" } }, &[1, 2]).unwrap();
         assert_eq!((&read()["figures"]["one"][1], &read()["complete"]), (&2.into(), &false.into()));
         let page = || std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
         assert!(page().contains("first") && page().contains("not complete"));

@@ -13,7 +13,7 @@ use crate::{
     report::{
         chart::{self, Chart, Line},
         table,
-        text::{escaped, short},
+        text::short,
     },
     terminal::Interrupted,
 };
@@ -23,6 +23,7 @@ use lapidary_core::{
 };
 use lapidary_precompute::{Study, Variant};
 use lapidary_render::{PathSettings, Quiet, View};
+use maud::{Markup, html};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -68,12 +69,12 @@ pub fn record(
     for (key, heading, text, sweep) in
         [("error_by_beta", "Error against beta", BETA, beta), ("error_by_sigma", "Error against sigma", SIGMA, sigma)]
     {
-        notebook.record(key, heading, &sweep.html(text), &sweep)?;
+        notebook.record(key, heading, sweep.markup(text), &sweep)?;
     }
     let lights = sweeper.lights(bakes)?;
-    notebook.record("error_by_lights", "Error against the number of lights", &lights.html(LIGHTS), &lights)?;
+    notebook.record("error_by_lights", "Error against the number of lights", lights.markup(LIGHTS), &lights)?;
     let vertices = sweeper.vertices()?;
-    notebook.record("error_by_vertices", "Error against tessellation", &vertices.html(VERTICES), &vertices)
+    notebook.record("error_by_vertices", "Error against tessellation", vertices.markup(VERTICES), &vertices)
 }
 
 const BETA: &str = "Weight of the geometric metric; 0 clusters by visibility alone.";
@@ -229,7 +230,7 @@ impl Point {
 }
 
 impl Sweep {
-    fn html(&self, text: &str) -> String {
+    fn markup(&self, text: &str) -> Markup {
         let line = |name: &str, y: fn(&Point) -> f64| Line {
             name: name.into(),
             points: self.points.iter().map(|p| (p.value, y(p))).collect(),
@@ -244,19 +245,14 @@ impl Sweep {
         };
         let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
         let head = [self.swept, "Rel. RMSE", "RMS of visibility", "Mean cut", "Vertices"];
-        let noise = if self.reference_noise > 0.0 {
-            format!(" Noise of the reference: {}.", short(self.reference_noise))
-        } else {
-            String::new()
-        };
-        format!(
-            "<p>{text} Scene “{}”; reference: {}.{noise} Mean cut and visibility are of the points that the picture shows.</p>\
-             <div class=\"grid two\">{}{}</div>",
-            escaped(&self.scene),
-            escaped(&self.reference),
-            chart.svg(),
-            table(&head, &rows)
-        )
+        html! {
+            p {
+                (text) " Scene “" (self.scene) "”; reference: " (self.reference) "."
+                @if self.reference_noise > 0.0 { " Noise of the reference: " (short(self.reference_noise)) "." }
+                " Mean cut and visibility are of the points that the picture shows."
+            }
+            div.grid.two { (chart.svg()) (table(&head, &rows)) }
+        }
     }
 }
 

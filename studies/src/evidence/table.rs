@@ -16,6 +16,7 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::dataset::Dataset;
+use maud::{Markup, html};
 use serde::Serialize;
 
 /// Sizes of the illumination cut whose frames are timed, as the paper's.
@@ -112,7 +113,7 @@ pub fn record(
             rows.push(Row::new(case, light, subject.dataset(), frames, ladder));
         }
     }
-    notebook.record("fig10_table", "Fig. 10: the table", &html(&rows, measurement.scale.frame), &rows)
+    notebook.record("fig10_table", "Fig. 10: the table", markup(&rows, measurement.scale.frame), &rows)
 }
 
 impl Frame {
@@ -226,20 +227,24 @@ const PAPER_HEAD: [&str; 12] = [
     "FPS at 128 / 256 / 512",
 ];
 
-fn html(rows: &[Row], [width, height]: [u32; 2]) -> String {
+fn markup(rows: &[Row], [width, height]: [u32; 2]) -> Markup {
     let ours: Vec<Vec<String>> = rows.iter().map(Row::cells).collect();
     let theirs: Vec<Vec<String>> = PAPER.iter().map(|row| row.map(String::from).into()).collect();
-    format!(
-        "<p>Precomputation of both trees shares one tessellation and one tracing, whose time stands in both columns. RMS is of \
-         stored against traced visibility; of bounces relative to the solid angles that are seen. Gain is what the mixed tree \
-         saves of the bytes of cuts. Frames are medians at {width} x {height} on the CPU, from the light to the last pixel. \
-         Brute force is the reference of Fig. 7: every light with a ray at every pixel of the same picture.</p>{}\
-         <h3>As printed in the paper, for its own scenes and machine (640 x 480 on a GeForce 8800 GTX)</h3>\
-         <div class=\"quoted\">{}</div><p>Cheslack-Postava et al. 2008, Fig. 10. Other scenes, 48 bits a node where this \
-         program has 16: to be compared in kind, not digit by digit.</p>",
-        table(&HEAD, &ours),
-        table(&PAPER_HEAD, &theirs)
-    )
+    html! {
+        p {
+            "Precomputation of both trees shares one tessellation and one tracing, whose time stands in both columns. RMS is of \
+             stored against traced visibility; of bounces relative to the solid angles that are seen. Gain is what the mixed \
+             tree saves of the bytes of cuts. Frames are medians at " (width) " x " (height) " on the CPU, from the light to the \
+             last pixel. Brute force is the reference of Fig. 7: every light with a ray at every pixel of the same picture."
+        }
+        (table(&HEAD, &ours))
+        h3 { "As printed in the paper, for its own scenes and machine (640 x 480 on a GeForce 8800 GTX)" }
+        div.quoted { (table(&PAPER_HEAD, &theirs)) }
+        p {
+            "Cheslack-Postava et al. 2008, Fig. 10. Other scenes, 48 bits a node where this program has 16: to be compared in \
+             kind, not digit by digit."
+        }
+    }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::{
 use crate::report::{
     chart::{Chart, Line, Scale},
     table,
-    text::{escaped, short},
+    text::short,
 };
 use anyhow::Result;
 use glam::Vec3;
@@ -24,6 +24,7 @@ use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
 };
+use maud::{Markup, html};
 use serde::Serialize;
 
 /// Clusters of pilot visibility: a quarter of a bake's, for a cube map has three times its directions.
@@ -90,7 +91,7 @@ pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &
     };
     let curves = TREES.into_iter().enumerate().map(curve).collect();
     let comparison = Comparison { scene: case.name.clone(), cube_side: side, points: some.len(), curves };
-    notebook.record("fig6a_wavelets", "Fig. 6a: wavelets against cuts", &html(&comparison), &comparison)
+    notebook.record("fig6a_wavelets", "Fig. 6a: wavelets against cuts", markup(&comparison), &comparison)
 }
 
 /// Texels of each face in the order of its tree's leaves.
@@ -147,7 +148,7 @@ impl Matched {
     }
 }
 
-fn html(comparison: &Comparison) -> String {
+fn markup(comparison: &Comparison) -> Markup {
     let Comparison { scene, cube_side, points, curves } = comparison;
     let line = |name: String, curve: &Curve, terms: fn(&Matched) -> f64| Line {
         name,
@@ -174,15 +175,17 @@ fn html(comparison: &Comparison) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = mixed.map(|curve| curve.points.iter().map(row).collect()).unwrap_or_default();
-    format!(
-        "<p>Visibility of a 6 x {cube_side} x {cube_side} cube map from {points} points of “{}”. Wavelets are the largest Haar \
-         coefficients; a cut here is one of six trees, one a face. Each point’s wavelets have the total squared error of its \
-         cut. The paper reports 10 to 15 % more terms for cuts. The table is for mixed trees.</p>\
-         <div class=\"grid two\">{}{}</div>",
-        escaped(scene),
-        chart.svg(),
-        table(&["Sigma", "RMS", "Nodes of cuts", "Wavelets", "Cuts need"], &rows),
-    )
+    html! {
+        p {
+            "Visibility of a 6 x " (cube_side) " x " (cube_side) " cube map from " (points) " points of “" (scene) "”. Wavelets \
+             are the largest Haar coefficients; a cut here is one of six trees, one a face. Each point’s wavelets have the total \
+             squared error of its cut. The paper reports 10 to 15 % more terms for cuts. The table is for mixed trees."
+        }
+        div.grid.two {
+            (chart.svg())
+            (table(&["Sigma", "RMS", "Nodes of cuts", "Wavelets", "Cuts need"], &rows))
+        }
+    }
 }
 
 #[cfg(test)]

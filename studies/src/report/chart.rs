@@ -1,7 +1,7 @@
 //! Charts as inline SVG.
 
-use super::text::{escaped, grouped, short};
-use std::fmt::Write;
+use super::text::{grouped, short};
+use maud::{Markup, html};
 
 /// A named line.
 #[derive(Clone, Debug)]
@@ -15,9 +15,9 @@ pub struct Line {
 /// How numbers are spread over an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly, from nil.
+    /// Evenly, from zero.
     Linear,
-    /// By their ratios; values of nil and below stand at the low end.
+    /// By their ratios; values of zero and below stand at the low end.
     Log,
 }
 
@@ -49,41 +49,56 @@ const TICK_ROOM: f64 = 40.0;
 
 impl Chart<'_> {
     /// The chart as an `svg` element.
-    pub fn svg(&self) -> String {
+    pub fn svg(&self) -> Markup {
         let points = || self.lines.iter().flat_map(|line| &line.points);
         let x = Axis::new(self.x, points().map(|p| p.0), [LEFT, WIDTH - RIGHT]);
         let y = Axis::new(self.y, points().map(|p| p.1), [HEIGHT - BOTTOM, TOP]);
-        let title = escaped(self.title);
-        let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{title}">"#);
-        svg += &format!(r#"<text class="title" x="0" y="14">{title}</text>"#);
-        svg += &rules(&y);
-        svg += &self.x_ticks(&x);
-        let middle = 0.5 * (LEFT + WIDTH - RIGHT);
-        let label = escaped(self.x_label);
-        svg += &format!(r#"<text x="{middle}" y="{HEIGHT}" text-anchor="middle" dy="-4">{label}</text>"#);
-        for (i, line) in self.lines.iter().enumerate() {
-            svg += &line.draw(i, &x, &y);
-        }
-        svg + &labels(self.lines, &y) + "</svg>"
+        let axes_and_lines = html! {
+            (rules(&y))
+            (self.x_ticks(&x))
+            text x=(0.5 * (LEFT + WIDTH - RIGHT)) y=(HEIGHT) text-anchor="middle" dy="-4" { (self.x_label) }
+            @for (i, line) in self.lines.iter().enumerate() { (line.draw(i, &x, &y)) }
+            (labels(self.lines, &y))
+        };
+        svg(self.title, self.title, axes_and_lines)
     }
 
-    fn x_ticks(&self, x: &Axis) -> String {
+    fn x_ticks(&self, x: &Axis) -> Markup {
         let own: Vec<f64> = self.lines.first().map(|l| l.points.iter().map(|p| p.0).collect()).unwrap_or_default();
         // Measured times and errors are no numbers to read off an axis.
         let round = |v: &f64| short(*v).parse() == Ok(*v);
         let at = if own.len() <= MOST_POINT_TICKS && own.iter().all(round) { own } else { x.ticks() };
         let mut right = f64::NEG_INFINITY;
-        let mut svg = String::new();
-        for value in at {
-            let place = x.place(value);
-            if place - right >= TICK_ROOM {
-                let y = HEIGHT - BOTTOM + 20.0;
-                let _ = write!(svg, r#"<text x="{place:.1}" y="{y}" text-anchor="middle">{}</text>"#, short(value));
+        let far_enough = |&(_, place): &(f64, f64)| {
+            let fits = place - right >= TICK_ROOM;
+            if fits {
                 right = place;
             }
-        }
-        svg
+            fits
+        };
+        let ticks: Vec<(f64, f64)> = at.into_iter().map(|v| (v, x.place(v))).filter(far_enough).collect();
+        html! { @for (value, place) in ticks { (centered(place, HEIGHT - BOTTOM + 20.0, &short(value))) } }
     }
+}
+
+/// An `svg` element of a chart's size under a title; `label` is read aloud in its place.
+fn svg(label: &str, title: &str, body: Markup) -> Markup {
+    html! {
+        svg viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(label) {
+            text.title x="0" y="14" { (title) }
+            (body)
+        }
+    }
+}
+
+/// Text around a place.
+fn centered(x: f64, y: f64, text: &str) -> Markup {
+    html! { text x=(tenths(x)) y=(tenths(y)) text-anchor="middle" { (text) } }
+}
+
+/// A coordinate to a tenth of a unit.
+fn tenths(coordinate: f64) -> String {
+    format!("{coordinate:.1}")
 }
 
 /// Numbers to places.
@@ -134,36 +149,33 @@ impl Axis {
     }
 }
 
-fn rules(y: &Axis) -> String {
-    let rule = |value: f64| {
-        let (place, right) = (y.place(value), WIDTH - RIGHT);
-        let (x, base) = (LEFT - 8.0, place + 4.0);
-        format!(
-            r#"<line class="rule" x1="{LEFT}" x2="{right}" y1="{place:.1}" y2="{place:.1}"/><text x="{x}" y="{base:.1}" text-anchor="end">{}</text>"#,
-            short(value)
-        )
-    };
-    y.ticks().into_iter().map(rule).collect()
+fn rules(y: &Axis) -> Markup {
+    html! {
+        @for value in y.ticks() {
+            @let place = y.place(value);
+            line.rule x1=(LEFT) x2=(WIDTH - RIGHT) y1=(tenths(place)) y2=(tenths(place)) {}
+            text x=(LEFT - 8.0) y=(tenths(place + 4.0)) text-anchor="end" { (short(value)) }
+        }
+    }
 }
 
 impl Line {
-    fn draw(&self, index: usize, x: &Axis, y: &Axis) -> String {
+    fn draw(&self, index: usize, x: &Axis, y: &Axis) -> Markup {
         let places: Vec<(f64, f64)> = self.points.iter().map(|p| (x.place(p.0), y.place(p.1))).collect();
         let path: Vec<String> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let mut svg = format!(r#"<polyline class="s{index}" points="{}"/>"#, path.join(" "));
-        for ((x, y), point) in places.iter().zip(&self.points) {
-            let (name, [px, py]) = (escaped(&self.name), [point.0, point.1].map(short));
-            let _ = write!(
-                svg,
-                r#"<circle class="s{index}" cx="{x:.1}" cy="{y:.1}" r="3.5"><title>{name}: {py} at {px}</title></circle>"#
-            );
+        html! {
+            polyline class={ "s" (index) } points=(path.join(" ")) {}
+            @for ((x, y), point) in places.iter().zip(&self.points) {
+                circle class={ "s" (index) } cx=(tenths(*x)) cy=(tenths(*y)) r="3.5" {
+                    title { (self.name) ": " (short(point.1)) " at " (short(point.0)) }
+                }
+            }
         }
-        svg
     }
 }
 
 /// The lines' names at their ends, moved apart where they would overlap.
-fn labels(lines: &[Line], y: &Axis) -> String {
+fn labels(lines: &[Line], y: &Axis) -> Markup {
     const LINE: f64 = 15.0;
     let end = |(i, line): (usize, &Line)| line.points.last().map(|p| (y.place(p.1), i));
     let mut ends: Vec<(f64, usize)> = lines.iter().enumerate().filter_map(end).collect();
@@ -172,12 +184,11 @@ fn labels(lines: &[Line], y: &Axis) -> String {
         ends[i].0 = ends[i].0.max(ends[i - 1].0 + LINE);
     }
     let overflow = ends.last().map_or(0.0, |e| (e.0 - (HEIGHT - BOTTOM)).max(0.0));
-    let x = WIDTH - RIGHT + 10.0;
-    let label = |&(place, i): &(f64, usize)| {
-        let name = escaped(&lines[i].name);
-        format!(r#"<text class="l{i}" x="{x}" y="{:.1}">{name}</text>"#, place - overflow + 4.0)
-    };
-    ends.iter().map(label).collect()
+    html! {
+        @for &(place, i) in &ends {
+            text class={ "l" (i) } x=(WIDTH - RIGHT + 10.0) y=(tenths(place - overflow + 4.0)) { (lines[i].name) }
+        }
+    }
 }
 
 /// A round distance of ticks that gives three to six of them.
@@ -187,27 +198,22 @@ pub fn tick_step(largest: f64) -> f64 {
 }
 
 /// Counts of cuts with `2^i` to `2^(i+1) - 1` nodes.
-pub fn histogram(counts: &[u64]) -> String {
+pub fn histogram(counts: &[u64]) -> Markup {
     let used = counts.iter().rposition(|&c| c > 0).map_or(0, |last| last + 1);
     let largest = counts.iter().max().copied().unwrap_or(0).max(1) as f64;
     let (base, room) = (HEIGHT - BOTTOM, HEIGHT - TOP - BOTTOM - 10.0);
     let width = (WIDTH - 10.0) / used.max(1) as f64;
-    let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Histogram of cut sizes">"#);
-    svg += r#"<text class="title" x="0" y="14">Cuts by their number of nodes</text>"#;
-    for (i, &count) in counts[..used].iter().enumerate() {
-        let (x, height) = (i as f64 * width, room * count as f64 / largest);
-        let middle = x + 0.5 * width - 3.0;
-        svg += &format!(
-            r#"<rect class="bar" x="{x:.1}" y="{:.1}" width="{:.1}" height="{height:.1}"/>"#,
-            base - height,
-            width - 6.0
-        );
-        let label =
-            |y: f64, text: &str| format!(r#"<text x="{middle:.1}" y="{y:.1}" text-anchor="middle">{text}</text>"#);
-        svg += &label(base - height - 6.0, &grouped(count));
-        svg += &label(base + 18.0, &size_range(i));
-    }
-    svg + &format!(r#"<line class="rule" x1="0" x2="{WIDTH}" y1="{base}" y2="{base}"/></svg>"#)
+    let bars = html! {
+        @for (i, &count) in counts[..used].iter().enumerate() {
+            @let (x, height) = (i as f64 * width, room * count as f64 / largest);
+            @let middle = x + 0.5 * width - 3.0;
+            rect.bar x=(tenths(x)) y=(tenths(base - height)) width=(tenths(width - 6.0)) height=(tenths(height)) {}
+            (centered(middle, base - height - 6.0, &grouped(count)))
+            (centered(middle, base + 18.0, &size_range(i)))
+        }
+        line.rule x1="0" x2=(WIDTH) y1=(base) y2=(base) {}
+    };
+    svg("Histogram of cut sizes", "Cuts by their number of nodes", bars)
 }
 
 fn size_range(exponent: usize) -> String {
@@ -223,7 +229,7 @@ mod tests {
 
     fn chart(points: &[(f64, f64)], scale: Scale) -> String {
         let lines = [Line { name: "a & b".into(), points: points.to_vec() }];
-        Chart { title: "t", x_label: "nodes", x: Scale::Log, y: scale, lines: &lines }.svg()
+        Chart { title: "t", x_label: "nodes", x: Scale::Log, y: scale, lines: &lines }.svg().into_string()
     }
 
     #[test]
@@ -249,7 +255,7 @@ mod tests {
 
     #[test]
     fn charts_survive_nothing_to_show() {
-        assert!(histogram(&[0, 0]).ends_with("</svg>"));
+        assert!(histogram(&[0, 0]).into_string().ends_with("</svg>"));
         for scale in [Scale::Linear, Scale::Log] {
             for points in [&[][..], &[(32.0, 0.0), (64.0, 0.0)], &[(1.0, f64::INFINITY)], &[(1.0, 0.5)]] {
                 let svg = chart(points, scale);

@@ -1,10 +1,5 @@
 //! Numbers and words for the page.
 
-/// Text with the characters escaped that mean something in HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 /// A whole number in groups of three digits.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
@@ -43,6 +38,5 @@ mod tests {
         assert_eq!([7, 1234, 1_234_567].map(grouped), ["7", "1\u{202f}234", "1\u{202f}234\u{202f}567"]);
         assert_eq!([0.254, 6.31, 113.7].map(seconds), ["0.25 s", "6.3 s", "114 s"]);
         assert_eq!([0.0, 0.05, 0.1234, 1.0, 512.0, 32_768.0].map(short), ["0", "0.05", "0.123", "1", "512", "32768"]);
-        assert_eq!(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
     }
 }

@@ -1,6 +1,6 @@
 //! What sweeps can change, by name.
 
-use super::{Value, sweep::SweepError};
+use super::{Value, error::SweepError};
 use glam::Vec3;
 use lapidary_core::{
     lights::Light,

@@ -1,6 +1,6 @@
 //! What each frame of a sequence shows, decided before any is rendered.
 
-use super::{Sweep, Turn, Value, sweep::SweepError};
+use super::{Sweep, Turn, Value, error::SweepError};
 use lapidary_core::lights::LightProblem;
 use lapidary_render::Look;
 use thiserror::Error;

@@ -1,74 +1,14 @@
 //! Sweeps: a parameter that goes from one value to another over the frames.
 
-use super::parameter::{Domain, Parameter};
+use super::{
+    error::SweepError,
+    parameter::{Domain, Parameter},
+};
 use crate::args::values;
 use glam::Vec3;
 use lapidary_render::Look;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
-use thiserror::Error;
-
-/// Why a sweep is none.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SweepError {
-    /// Not of the form that is needed.
-    #[error("\"{0}\" is no sweep; write NAME=FROM..TO or NAME=log:FROM..TO, as in roughness=0.05..0.8")]
-    Form(String),
-    /// A parameter that does not exist.
-    #[error("there is no parameter \"{name}\" to sweep; there are {known}")]
-    Unknown {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        known: String,
-    },
-    /// An end that is no value.
-    #[error("\"{text}\" is no value of {parameter}: {reason}")]
-    Value {
-        /// Which parameter.
-        parameter: &'static str,
-        /// What was given.
-        text: String,
-        /// What is wrong.
-        reason: String,
-    },
-    /// Logarithms of what has none.
-    #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give others")]
-    Logarithm(&'static str),
-    /// `@NAME` where there are no names.
-    #[error("{0} belongs to the whole picture; leave out the name after @")]
-    NoName(&'static str),
-    /// No material of that name.
-    #[error("the scene has no material \"{wanted}\"; it has {names}")]
-    NoMaterial {
-        /// What was asked for.
-        wanted: String,
-        /// What there is.
-        names: String,
-    },
-    /// No material has the map.
-    #[error("no material that is swept has a {map} map; load one first")]
-    NoMap {
-        /// Which map.
-        map: &'static str,
-    },
-    /// No light, or none of that name.
-    #[error("there is no local light \"{wanted}\" to sweep; there are {names}")]
-    NoLight {
-        /// What was asked for.
-        wanted: String,
-        /// What there is.
-        names: String,
-    },
-    /// Several lights where one is moved.
-    #[error("{parameter} moves one light; name it after @, as in {parameter}@NAME=...: there are {names}")]
-    WhichLight {
-        /// Which parameter.
-        parameter: &'static str,
-        /// What there is.
-        names: String,
-    },
-}
 
 /// A value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

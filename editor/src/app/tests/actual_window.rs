@@ -1,8 +1,7 @@
 //! The real window on a virtual display: it is driven by input events, and what it shows is compared with what the
 //! document asks for. Where controls are is learned from the same interface run without a window.
 //!
-//! It keeps both cores busy for long. Tests begin in the order of their names: the module's makes it run beside those of the
-//! interface, which are patient, and not beside those of single jobs, which must answer soon.
+//! It keeps the cores busy for long. It may run beside any other test: all of them wait for answers longer than they take.
 
 use super::{Place, Window};
 use crate::{actions::Action, app::requests::view_of, document::Document};

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    app::ladder::LadderWindow,
+    app::state::ladder::LadderWindow,
     document::Edit,
     jobs::measure::ShownMap,
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
@@ -155,7 +155,7 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     window.wait("all figures", |s| s.ladder_figures() == 6);
     window.0.run_steps(3);
     assert!(!window.0.state().comparison.context().held, "its end gives the cores back");
-    assert!(window.shows("enough: ") || window.shows("Every size still helps"));
+    assert!(window.shows("enough: ") || window.shows("Every size lowers the error"));
     let use_buttons = window.0.query_all_by_label("Use").count();
     assert_eq!(use_buttons, 5, "one size is in use");
     window.0.query_all_by_label("Use").next().unwrap().click();

@@ -257,8 +257,7 @@ fn a_scene_that_changes_on_disk_is_said_and_its_bake_is_marked() {
     let mut window: Window = place.window();
     window.open(&place.path("scene.obj"));
     window.wait("the watch", |s| s.watched.contains(&place.path("scene.obj")));
-    std::thread::sleep(Duration::from_millis(700));
-    std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.95 0")).unwrap();
-    window.wait("the change", |s| s.scene.is_stale());
+    let change = || std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.95 0")).unwrap();
+    window.wait_for_watch("the change", change, |s| s.scene.is_stale());
     assert!(window.has_said("The scene file has changed") && window.0.state().scene.shown().is_some());
 }

@@ -3,7 +3,7 @@
 use super::{Place, Window};
 use crate::{
     actions::Action,
-    app::layout::Inspector,
+    app::state::interface::Inspector,
     document::{Component, ComponentSettings, Edit, lights::LightKind},
 };
 use egui::{Key, Modifiers};

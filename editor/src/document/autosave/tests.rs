@@ -128,7 +128,7 @@ fn a_killed_process_does_not_run_even_before_its_parent_takes_note() {
     child.kill().unwrap();
     let killed = Instant::now();
     while start_of(child.id()).is_some() {
-        assert!(killed.elapsed() < Duration::from_secs(10), "it stays");
+        assert!(killed.elapsed() < Duration::from_secs(90), "it stays");
         std::thread::sleep(Duration::from_millis(2));
     }
     assert!(Path::new(&format!("/proc/{}/stat", child.id())).exists(), "a zombie is listed");

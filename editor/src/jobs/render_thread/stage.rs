@@ -7,7 +7,7 @@ const SETTLE: Duration = Duration::from_millis(120);
 
 /// Where the making of a picture stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum PictureStage {
     /// The picture is complete, or there is nothing to show.
     Rest,
     /// A coarse picture is due.
@@ -26,7 +26,7 @@ pub enum Stage {
     },
 }
 
-impl Stage {
+impl PictureStage {
     /// How long to wait for a message before the next step; `None` if only a message can bring one.
     pub fn patience(self, moving: bool, now: Instant) -> Option<Duration> {
         match self {
@@ -70,12 +70,12 @@ mod tests {
     #[test]
     fn the_full_picture_waits_for_rest() {
         let since = Instant::now();
-        let stage = Stage::Settle { since };
+        let stage = PictureStage::Settle { since };
         assert_eq!(stage.patience(false, since), Some(SETTLE));
         assert_eq!(stage.patience(true, since + SETTLE), None);
         assert!(stage.settled(false, since + SETTLE) && !stage.settled(false, since + SETTLE / 2));
-        assert!(!stage.settled(true, since + SETTLE) && !Stage::Coarse.settled(false, since));
-        assert_eq!(Stage::Rest.patience(false, since), None);
+        assert!(!stage.settled(true, since + SETTLE) && !PictureStage::Coarse.settled(false, since));
+        assert_eq!(PictureStage::Rest.patience(false, since), None);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::{
     Factory, LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
     changes::{Changes, changes},
-    stage::{Restarts, Stage},
+    stage::{PictureStage, Restarts},
     station::Station,
 };
 use crate::jobs::{budget::Pace, panic_text};
@@ -40,7 +40,7 @@ pub struct Worker {
     held: Arc<AtomicBool>,
     station: Station,
     wanted: Option<Arc<RenderRequest>>,
-    stage: Stage,
+    stage: PictureStage,
     begun: Option<Begun>,
     /// Speed over whole pictures, for their size.
     pace: Pace,
@@ -68,7 +68,7 @@ impl Worker {
             held,
             station: Station::new(factory),
             wanted: None,
-            stage: Stage::Rest,
+            stage: PictureStage::Rest,
             begun: None,
             pace: Pace::default(),
             band_pace: Pace::default(),
@@ -130,7 +130,7 @@ impl Worker {
     }
 
     fn patience(&self) -> Option<Duration> {
-        if self.stage == Stage::Rest && !self.reads.is_empty() {
+        if self.stage == PictureStage::Rest && !self.reads.is_empty() {
             return Some(Duration::ZERO);
         }
         if self.waits() {
@@ -141,14 +141,14 @@ impl Worker {
 
     /// Whether the full picture waits for other work.
     fn waits(&self) -> bool {
-        matches!(self.stage, Stage::Full { .. }) && self.held.load(SeqCst)
+        matches!(self.stage, PictureStage::Full { .. }) && self.held.load(SeqCst)
     }
 
     /// Builds the renderer's shaders anew; those of before go on if that fails.
     fn reload(&mut self) {
         let reloaded = self.station.backend().and_then(|backend| backend.reload());
         self.begun = None;
-        self.stage = Stage::Coarse;
+        self.stage = PictureStage::Coarse;
         self.outbox.event(match reloaded {
             Ok(()) => RenderEvent::Remark("the shaders were read again".into()),
             Err(error) => RenderEvent::Remark(format!("the shaders stay as they were: {error}")),
@@ -160,7 +160,7 @@ impl Worker {
         match changes(self.wanted.as_deref(), &request) {
             Changes::Nothing => {}
             Changes::Post => self.post_changed(),
-            Changes::Picture => self.stage = Stage::Coarse,
+            Changes::Picture => self.stage = PictureStage::Coarse,
         }
         self.wanted = Some(request.into());
     }
@@ -168,9 +168,9 @@ impl Worker {
     fn post_changed(&mut self) {
         let nothing_complete = self.begun.as_ref().is_some_and(|begun| begun.complete == 0);
         match self.stage {
-            Stage::Coarse => {}
+            PictureStage::Coarse => {}
             // The first sample may take seconds; a coarse picture shows the new curve at once.
-            Stage::Full { .. } if nothing_complete => self.stage = Stage::Coarse,
+            PictureStage::Full { .. } if nothing_complete => self.stage = PictureStage::Coarse,
             _ => self.redisplay = self.begun.is_some(),
         }
     }
@@ -185,12 +185,14 @@ impl Worker {
             self.publish(&request)?;
         }
         match self.stage {
-            Stage::Rest => self.answer_reads(),
-            Stage::Coarse => self.coarse(&request),
-            Stage::Settle { .. } if self.stage.settled(request.moving, Instant::now()) => self.begin_full(&request),
-            Stage::Settle { .. } => Ok(()),
-            Stage::Full { .. } if self.waits() => Ok(()),
-            Stage::Full { sample, row } => self.band(&request, sample, row),
+            PictureStage::Rest => self.answer_reads(),
+            PictureStage::Coarse => self.coarse(&request),
+            PictureStage::Settle { .. } if self.stage.settled(request.moving, Instant::now()) => {
+                self.begin_full(&request)
+            }
+            PictureStage::Settle { .. } => Ok(()),
+            PictureStage::Full { .. } if self.waits() => Ok(()),
+            PictureStage::Full { sample, row } => self.band(&request, sample, row),
         }
     }
 
@@ -202,7 +204,7 @@ impl Worker {
             self.pace = Pace::default();
         }
         if request.baked.is_none() || request.look.view.size.contains(&0) {
-            self.stage = Stage::Rest;
+            self.stage = PictureStage::Rest;
             return Ok(());
         }
         let size = self.pace.reduced_size(request.look.view.size, request.frame_budget_ms);
@@ -210,7 +212,7 @@ impl Worker {
         let millis = self.render(0, 0..size[1])?;
         self.pace.measured(u64::from(size[0]) * u64::from(size[1]), millis);
         let complete = self.sample_complete(request)?;
-        self.stage = if complete { Stage::Rest } else { Stage::Settle { since: Instant::now() } };
+        self.stage = if complete { PictureStage::Rest } else { PictureStage::Settle { since: Instant::now() } };
         Ok(())
     }
 
@@ -221,7 +223,7 @@ impl Worker {
         if done.is_none() {
             self.begin(request, request.look.view.size)?;
         }
-        self.stage = Stage::Full { sample: done.unwrap_or(0), row: 0 };
+        self.stage = PictureStage::Full { sample: done.unwrap_or(0), row: 0 };
         Ok(())
     }
 
@@ -232,7 +234,7 @@ impl Worker {
         let millis = self.render(sample, row..end)?;
         self.band_pace.measured(u64::from(width) * u64::from(end - row), millis);
         if end < height {
-            self.stage = Stage::Full { sample, row: end };
+            self.stage = PictureStage::Full { sample, row: end };
             return Ok(());
         }
         let complete = self.sample_complete(request)?;
@@ -240,7 +242,7 @@ impl Worker {
             let pixels = u64::from(width) * u64::from(height);
             self.pace.measured(pixels, begun.millis / f64::from(begun.complete));
         }
-        self.stage = if complete { Stage::Rest } else { Stage::Full { sample: sample + 1, row: 0 } };
+        self.stage = if complete { PictureStage::Rest } else { PictureStage::Full { sample: sample + 1, row: 0 } };
         Ok(())
     }
 
@@ -326,7 +328,7 @@ impl Worker {
         self.begun = None;
         if self.restarts.allow(Instant::now()) {
             self.outbox.event(RenderEvent::Remark(error.to_string()));
-            self.stage = Stage::Coarse;
+            self.stage = PictureStage::Coarse;
         } else {
             self.give_up(format!(
                 "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or use \
@@ -338,7 +340,7 @@ impl Worker {
 
     /// Shows nothing more until a request changes something.
     fn give_up(&mut self, reason: String) {
-        (self.stage, self.begun, self.redisplay) = (Stage::Rest, None, false);
+        (self.stage, self.begun, self.redisplay) = (PictureStage::Rest, None, false);
         for id in std::mem::take(&mut self.reads) {
             self.outbox.event(RenderEvent::Picture { id, result: Err(reason.clone()) });
         }

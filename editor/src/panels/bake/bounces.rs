@@ -36,11 +36,11 @@ fn wrap(bake: BakeSettings) -> Edit {
 }
 
 fn sources(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    let help = "Surface points that send light on: a power of two. More are sharper bounces near surfaces.";
+    let help = "Number of surface sources, a power of two. More give sharper bounces near surfaces.";
     edit_row(actions, "Sources", bake, wrap, |b| {
         count_row(ui, "Sources", help, (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h), &mut b.indirect.sources)
     });
-    let help = "Error bound of a cluster of sources: smaller is finer cuts, more memory and time.";
+    let help = "Error bound of a cluster of sources. Smaller gives finer cuts, and takes more memory and time.";
     let default = IndirectSettings::default().criterion.sigma;
     let sigma = Number::new("Source sigma", help, 0.5..=8.0, default).entry(0.0..=1e3);
     edit_row(actions, "Source sigma", bake, wrap, |b| slider_row(ui, &sigma, &mut b.indirect.criterion.sigma));
@@ -53,17 +53,17 @@ fn basis(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         b.meshless.sender_levels = b.meshless.sender_levels.min(b.meshless.levels);
         edited
     });
-    let help = "How many of the first levels send light. A further one is a little better, and twice the time.";
+    let help =
+        "Levels that send light, counted from the coarsest. One more is slightly more accurate, and doubles the time.";
     edit_row(actions, "Sender levels", bake, wrap, |b| {
         let levels = 1..=b.meshless.levels;
         count_row(ui, "Sender levels", help, levels, &mut b.meshless.sender_levels)
     });
-    let help = "Rays from each function: fewer are sooner and noisier.";
+    let help = "Rays per basis function. Fewer are faster and noisier.";
     edit_row(actions, "Gather rays", bake, wrap, |b| {
         count_row(ui, "Gather rays", help, (6..=12).map(|power| 1 << power), &mut b.meshless.rays)
     });
-    let help = "Links are kept above this share of the light: smaller is nearer to the truth, more memory, and slower when a \
-                light moves.";
+    let help = "Links that carry less than this share of the light are dropped. Smaller is more accurate, takes more memory, and is slower when a light moves.";
     let default = f64::from(MeshlessSettings::default().epsilon);
     let epsilon = Decades { decimals: 5, ..Decades::count("Epsilon", help, 0.0..=1.0, default) };
     edit_row(actions, "Epsilon", bake, wrap, |b| decades_row(ui, &epsilon, &mut b.meshless.epsilon));

@@ -38,16 +38,16 @@ pub fn name(mode: BakeMode) -> &'static str {
 
 fn gives(mode: BakeMode) -> &'static str {
     match mode {
-        BakeMode::Environment => "Light of the environment; nothing bounces. For objects lit from outside.",
+        BakeMode::Environment => "Environment light without bounces. For objects lit from outside.",
         BakeMode::Indirect => {
-            "One bounce of the lights, sharp in glossy surfaces, without the environment: the quickest for a room with lamps."
+            "One bounce of the local lights, sharp in glossy surfaces. No environment light. Fastest for a room with lamps."
         }
-        BakeMode::Cuts => "Light of the environment, and one bounce of it and of the lights. For a room with windows.",
+        BakeMode::Cuts => "Environment light, and one bounce of it and of the local lights. For a room with windows.",
         BakeMode::Meshless => {
-            "Many soft bounces of the lights, none sharp in glossy surfaces, without the environment."
+            "Many soft bounces of the local lights, none sharp in glossy surfaces. No environment light."
         }
         BakeMode::All => {
-            "Light of the environment, and many bounces: the first sharp in glossy surfaces, those after it soft. Takes longest."
+            "Environment light, and many bounces: the first is sharp in glossy surfaces, later ones are soft. Takes longest."
         }
     }
 }

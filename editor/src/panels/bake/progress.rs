@@ -61,7 +61,7 @@ impl Draft {
     fn meaning(self) -> &'static str {
         match self {
             Self::None => "The picture stays as it is until the bake is complete.",
-            Self::UnderWay => "It is coarse, and shown as soon as it is there. The full bake follows by itself.",
+            Self::UnderWay => "The draft is coarse, and shown as soon as it is done. The full bake follows by itself.",
             Self::Shown => {
                 "The picture shows the draft: lights and materials can be edited. The full bake replaces it."
             }
@@ -110,15 +110,17 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
     match phase {
         Phase::Import => ("Reading the scene", "Geometry and materials."),
         Phase::Tessellate => ("Refining the mesh", "Splitting triangles where shadows vary."),
-        Phase::Pilot => ("First look at shadows", "Visibility of a few vertices, to group directions of light by."),
-        Phase::Tree => ("Grouping directions", "The light tree: directions of the environment that are alike."),
-        Phase::Visibility => ("Light from outside", "Tracing every vertex against the environment."),
-        Phase::Points => ("Placing surface points", "The points that send bounce light, where light can reach."),
-        Phase::SourceTree => ("Grouping surface points", "The source tree: points that send light alike."),
-        Phase::SourceVisibility => ("Light between surfaces", "Tracing every vertex against the surface points."),
-        Phase::SourceEnvironment => ("Outside on surfaces", "Tracing every surface point against the environment."),
-        Phase::Basis => ("Points for soft bounces", "Placing the points of the meshless basis."),
-        Phase::Transport => ("Soft bounces of light", "Light between the points of the meshless basis."),
+        Phase::Pilot => {
+            ("Pilot visibility", "Tracing a few vertices, by whose visibility light directions are clustered.")
+        }
+        Phase::Tree => ("Building the light tree", "Clustering directions of the environment that are alike."),
+        Phase::Visibility => ("Environment visibility", "Tracing every vertex against the environment."),
+        Phase::Points => ("Placing surface sources", "Points that send bounced light, where light can reach."),
+        Phase::SourceTree => ("Building the source tree", "Clustering surface sources that send similar light."),
+        Phase::SourceVisibility => ("Source visibility", "Tracing every vertex against the surface sources."),
+        Phase::SourceEnvironment => ("Environment on sources", "Tracing every surface source against the environment."),
+        Phase::Basis => ("Meshless basis", "Placing the basis functions of the soft bounces."),
+        Phase::Transport => ("Meshless transport", "Tracing light between the basis functions."),
         Phase::Pack => ("Writing the bake", "Packing it and writing the file."),
     }
 }
@@ -159,9 +161,9 @@ mod tests {
         };
         let line = |draft, phase, done| line(&running(draft, phase, done)).unwrap();
         let drafting = line(Draft::UnderWay, Phase::Points, 0);
-        assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface points, 0 % (step 4 of 7)");
+        assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface sources, 0 % (step 4 of 7)");
         let shown = line(Draft::Shown, Phase::SourceVisibility, 450);
-        assert_eq!(shown, "Draft shown, baking in full: Light between surfaces, 45 %, 55 s left (step 6 of 7)");
+        assert_eq!(shown, "Draft shown, baking in full: Source visibility, 45 %, 55 s left (step 6 of 7)");
         assert_eq!(super::line(&BakeStatus::UpToDate), None);
     }
 

@@ -89,12 +89,12 @@ pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         (TreeKind::DataDriven, tree_name(TreeKind::DataDriven), "By visibility alone (Eq. 11)."),
     ];
     edit_row(actions, "Light tree", bake, wrap, |b| {
-        combo_row(ui, "Light tree", "What lights are clustered by.", &mut b.tree, &kinds)
+        combo_row(ui, "Light tree", "The metric that clusters lights.", &mut b.tree, &kinds)
     });
-    let unused = (bake.tree != TreeKind::Mixed).then_some("Only a mixed tree has it.");
+    let unused = (bake.tree != TreeKind::Mixed).then_some("Only mixed trees use it.");
     let beta = Number::new("Beta", "Weight of direction against visibility in a mixed tree, 0 to 1.", 0.0..=1.0, 0.5);
     edit_row(actions, "Beta", bake, wrap, |b| slider_row(ui, &beta.disabled(unused), &mut b.beta));
-    let help = "Error bound of a cluster (Eq. 5): smaller is finer cuts, more memory and time.";
+    let help = "Error bound of a cluster (Eq. 5). Smaller gives finer cuts, and takes more memory and time.";
     let sigma = Number::new("Sigma", help, 0.5..=8.0, 2.0).entry(0.0..=1e4);
     edit_row(actions, "Sigma", bake, wrap, |b| slider_row(ui, &sigma, &mut b.criterion.sigma));
     limits(ui, bake, actions);
@@ -132,7 +132,7 @@ fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         "Splits triangles where visibility varies until there are this many. Without it the mesh stays as it is.";
     let vertices = Decades::count("Max vertices", help, 0.0..=1e9, 100_000.0);
     edit_row(actions, "Max vertices", bake, wrap, |b| limit_row(ui, &vertices, &mut b.max_vertices));
-    let help = "Coarsens the cuts over the environment alike until they fit in this many megabytes.";
+    let help = "Limit of the environment cuts in megabytes. All cuts are coarsened alike until they fit.";
     let size = Decades { unit: " MB", decimals: 1, ..Decades::count("Byte budget", help, 0.0..=1e7, 64.0) };
     edit_row(actions, "Byte budget", bake, wrap, |b| {
         let mut megabytes = b.max_bytes.map(|bytes| bytes as f64 / 1e6);
@@ -142,7 +142,7 @@ fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         }
         edited
     });
-    let help = "Stops refining a cut when the root of its summed squared errors is below this, in lights.";
+    let help = "A cut is refined until the root of its summed squared errors is below this, in lights.";
     let error = Decades { decimals: 1, ..Decades::count("Total error", help, 0.0..=1e4, 16.0) };
     edit_row(actions, "Total error", bake, wrap, |b| limit_row(ui, &error, &mut b.criterion.total_error));
 }

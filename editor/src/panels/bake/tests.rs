@@ -120,10 +120,10 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     assert!(panel.query_by_label("250 of 1,000 points").is_some());
     assert!(panel.query_by_label("About 1 min 00 s left in this step").is_some());
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
-    let phases = ["First look at shadows progress", "Light from outside progress", "Writing the bake progress"];
+    let phases = ["Pilot visibility progress", "Environment visibility progress", "Writing the bake progress"];
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
-    assert!(panel.query_by_label("Light between surfaces progress").is_none(), "negative control: no bounces");
+    assert!(panel.query_by_label("Source visibility progress").is_none(), "negative control: no bounces");
     assert!(panel.query_by_label_contains("Cancelling").is_none());
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
     let BakeStatus::Running { cancelling, .. } = &mut panel.state_mut().status else { panic!("it runs") };
@@ -150,10 +150,10 @@ fn a_bake_of_bounces_shows_its_own_phases() {
     };
     let panel = panel(running, document(), None);
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
-    let phases = ["Reading the scene", "Grouping surface points", "Light between surfaces", "Writing the bake"];
+    let phases = ["Reading the scene", "Building the source tree", "Source visibility", "Writing the bake"];
     let percent = |name: &str| percent(&format!("{name} progress"));
     assert_eq!(phases.map(percent), [Some(100.0), Some(100.0), Some(75.0), Some(0.0)]);
-    let others = ["Light from outside", "Points for soft bounces"];
+    let others = ["Environment visibility", "Meshless basis"];
     assert!(others.iter().all(|name| panel.query_by_label(name).is_none()));
     assert!(panel.query_by_label_contains("shows the draft").is_some());
 }

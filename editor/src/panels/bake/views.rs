@@ -16,18 +16,23 @@ enum Views {
 /// The choice.
 pub fn show(ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {
     let mut chosen = chosen(document);
-    let present = "Most vertices go where the camera looks now, so that shadows and bounced light are finer there. Views from \
-                   elsewhere get the rest.";
-    let mut choices = vec![
-        (Views::All, "All views", "Vertices are spread for every view alike."),
-        (Views::Present, "This view", present),
-    ];
+    let present = "Most vertices go where the camera looks now: shadows and bounced light are finer there. Other views get the rest.";
+    let mut choices =
+        vec![(Views::All, "All views", "All views get vertices alike."), (Views::Present, "This view", present)];
     if !document.bookmarks.is_empty() {
-        choices.push((Views::Bookmarked, "Bookmarked views", "Likewise for all views of Scene > Cameras."));
+        choices.push((
+            Views::Bookmarked,
+            "Bookmarked views",
+            "Most vertices go where the views of Scene > Cameras look.",
+        ));
     }
     if chosen == Views::Others {
         let name = if document.bake.shots.len() == 1 { "Another view" } else { "Other views" };
-        choices.push((Views::Others, name, "Where the camera was when this was chosen, or as the command line said."));
+        choices.push((
+            Views::Others,
+            name,
+            "The camera as it was when this was chosen, or the views given on the command line.",
+        ));
     }
     if combo_row(ui, "For", "Which views the bake is for.", &mut chosen, &choices).changed {
         match chosen {

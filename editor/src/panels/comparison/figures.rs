@@ -45,25 +45,28 @@ pub fn show(
 /// Names, values and meanings, the most telling first.
 fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'static str)> {
     let percent = |value: f64| if value.is_finite() { format!("{:.2} %", 100.0 * value) } else { "infinite".into() };
-    let mut texts =
-        vec![("Relative RMSE", percent(metrics.rel_rmse), "Root of the squared error over the reference's square")];
+    let mut texts = vec![(
+        "Relative RMSE",
+        percent(metrics.rel_rmse),
+        "Root mean squared error, relative to the root mean square of the reference",
+    )];
     if let Some(noise) = noise {
         texts.push((
             "of it noise",
             percent(noise),
-            "The reference's own noise, as its halves tell; more paths lower it",
+            "Noise of the reference, estimated from its two halves; more paths lower it",
         ));
     }
     let decibels = if metrics.psnr.is_finite() { format!("{:.1} dB", metrics.psnr) } else { "equal".into() };
     texts.extend([
-        ("FLIP", format!("{:.4}", metrics.flip), "Mean difference as seen when both flicker, 0 to 1"),
+        ("FLIP", format!("{:.4}", metrics.flip), "Mean difference seen when flipping between both pictures, 0 to 1"),
         ("SSIM", format!("{:.4}", metrics.ssim), "Structural similarity, 1 for equal pictures"),
-        ("PSNR", decibels, "Peak signal to noise ratio of what a display shows"),
+        ("PSNR", decibels, "Peak signal-to-noise ratio of the pictures as displayed"),
         ("RMSE", format!("{:.4}", metrics.rmse), "Root of the mean squared error, scene-linear"),
         (
             "relMSE",
             format!("{:.5}", metrics.rel_mse),
-            "Mean of the squared error over the reference's square, pixel by pixel",
+            "Mean over the pixels of the squared error relative to the squared reference",
         ),
         ("Pixels", metrics.pixels.to_string(), "Pixels that were compared"),
     ]);
@@ -74,8 +77,12 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
 fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
     let nodes = format!("{:.0}", test.stats.mean_merged_nodes);
     [
-        ("Picture", format!("{:.0} ms", test.millis), "Time of the picture with cuts in the size of the comparison"),
-        ("Nodes", nodes, "Nodes of the merged cut a pixel"),
+        (
+            "Picture",
+            format!("{:.0} ms", test.millis),
+            "Render time of the picture with cuts, at the size of the comparison",
+        ),
+        ("Nodes", nodes, "Nodes of the merged cut per pixel"),
     ]
 }
 
@@ -111,7 +118,7 @@ fn histogram(ui: &mut Ui, field: &ErrorField) {
     }
     let ticks = field.ticks(1);
     response.on_hover_text(format!(
-        "{} from {} to {}: how many pixels have it, on a logarithmic scale",
+        "{} from {} to {}: number of pixels, on a logarithmic scale",
         field.title, ticks[0], ticks[1]
     ));
 }

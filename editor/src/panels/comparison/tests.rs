@@ -36,7 +36,7 @@ fn labels_say_what_both_sides_are() {
     let image = std::sync::Arc::new(lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE));
     let mut reference = ReferencePicture { image, step: 2, noise: None, finished: false, seconds: 1.0 };
     let mut panel = ComparisonPanel { kind: KindChoice::Paths, spp: 256, ..Default::default() };
-    assert_eq!(panel.picture_label(64), "A: cuts, 64 nodes of light");
+    assert_eq!(panel.picture_label(64), "A: illumination cut of 64 nodes");
     let label = panel.reference_label(&reference, Some(0.0213), 0.5);
     assert_eq!(label, "B: 256 light paths a pixel, noise 2.1 %, 50 % done");
     reference.finished = true;

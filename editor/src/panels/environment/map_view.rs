@@ -171,7 +171,7 @@ fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
             depth.on_hover_text(help).on_disabled_hover_text(help);
             let cut = check_box(ui, &mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
             cut.on_hover_text(
-                "The nodes that the light is resolved to: as large as their solid angle, as bright as they are.",
+                "The nodes of the illumination cut, as large as their solid angle and as bright as their light.",
             );
         });
     });

@@ -60,8 +60,8 @@ impl MapView {
                 });
             };
             choice(MapPicture::Cut, "Cut", "The clusters, each with its mean light times its visibility.", true);
-            choice(MapPicture::Traced, "Rays", "The light that rays from the pixel find.", true);
-            let help = "Red where the cuts let light through that is hidden, blue where they hold light back.";
+            choice(MapPicture::Traced, "Rays", "The light found by rays from the pixel.", true);
+            let help = "Red: the cuts let blocked light through. Blue: the cuts block visible light.";
             choice(MapPicture::Visibility, "Difference", help, has_visibility);
         });
     }

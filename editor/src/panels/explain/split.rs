@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, split: Option<&ErrorSplit>, progress: Option<f32>) -> O
         ui.add(ProgressBar::new(done).show_percentage()).accessible_name("Error split progress");
         return ui.button("Cancel").clicked().then_some(ExplainRequest::CancelSplit);
     }
-    let help = "Exchanges one factor at a time for the truth. Traces light paths, and takes a while.";
+    let help = "Replaces one factor at a time by its exact value. This traces light paths, and takes a while.";
     let name = if split.is_some() { "Split again" } else { "Split the error" };
     ui.button(name).on_hover_text(help).clicked().then_some(ExplainRequest::Split)
 }

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(bounces) if bounces.any() => {
             let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            fade(ui, context.energy.map(|energy| fading::in_picture(energy, now.unwrap_or_default())));
+            bounce_energy(ui, context.energy.map(|energy| fading::in_picture(energy, now.unwrap_or_default())));
             if bounces.cuts {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
@@ -41,8 +41,8 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
 
 /// The switch of the clusters, or why it can do nothing now.
 fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
-    let help = "Draws the surface points that send light on, in the color of the cluster that each is in: light is \
-                gathered from one cluster at a time";
+    let help =
+        "Draws the surface sources, each in the color of its cluster. Light is gathered from one cluster at a time";
     ui.add_enabled_ui(obstacle.is_none(), |ui| {
         let switch = check_box(ui, shown, "Show clusters in the viewport").on_hover_text(help);
         switch.on_disabled_hover_text(obstacle.unwrap_or_default());
@@ -76,7 +76,7 @@ pub fn environment_hint(
 }
 
 /// How much light the bounces carry, and what to do if much is left when they end.
-fn fade(ui: &mut Ui, energy: Option<BounceEnergy>) {
+fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
     let Some(energy) = energy else { return };
     let BounceEnergy { bounces, last_share, .. } = energy;
     let text = format!("Bounces: {bounces}, the last carries {} of the light.", fading::percent(last_share));
@@ -93,7 +93,7 @@ fn texts(component: Component) -> (&'static str, &'static str) {
         }
         Component::Direct => ("Lights", "Light that comes straight from the lights below, with their shadows."),
         Component::Indirect => {
-            ("Bounce", "Light that surfaces send on to each other, of the lights and of the environment.")
+            ("Bounce", "Light of the lights and of the environment that surfaces reflect onto each other.")
         }
     }
 }
@@ -111,7 +111,10 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
         });
         let is_solo = settings.solo == Some(component);
         let solo = ui.add(Button::new("Solo").selected(is_solo).small()).accessible_name(format!("Solo {}", name.full));
-        if solo.on_hover_text("Shows this light alone; click again for all that are switched on").clicked() {
+        if solo
+            .on_hover_text("Shows this part of the light alone; click again to show all parts that are switched on")
+            .clicked()
+        {
             settings.solo = (!is_solo).then_some(component);
         }
         Edited::at_once(*settings != before)

@@ -3,15 +3,18 @@
 use super::{LightsContext, LightsPanel, buried::NOTICE};
 use crate::{
     actions::Action,
-    document::{Edit, lights::LightKind},
+    document::{
+        Edit,
+        lights::{LightKind, color_and_intensity},
+    },
     panels::widgets::{check_box, outline},
-    viewport::gizmo::display_color,
 };
 use egui::{
-    Align2, Button, Key, Layout, Rect, Response, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,
+    Align2, Button, Color32, Key, Layout, Rect, Response, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,
     TextEdit, TextStyle, Ui, WidgetInfo, vec2,
 };
-use lapidary_core::lights::Light;
+use glam::Vec3;
+use lapidary_core::{color::srgb_from_linear, lights::Light};
 
 /// Rows before the list scrolls.
 const VISIBLE_ROWS: f32 = 8.0;
@@ -147,6 +150,13 @@ fn paint_eye(ui: &Ui, rect: Rect, open: bool, hovered: bool) {
         ui.painter().add(lid(1.0));
         ui.painter().circle_filled(rect.center(), 2.2, color);
     }
+}
+
+/// The colour of a light for a display.
+pub fn display_color(intensity: Vec3) -> Color32 {
+    let (color, _) = color_and_intensity(intensity);
+    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
+    Color32::from_rgb(r, g, b)
 }
 
 fn swatch(ui: &mut Ui, light: &Light) {

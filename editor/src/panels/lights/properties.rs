@@ -73,7 +73,7 @@ impl Rows<'_> {
         let (color, intensity) = color_and_intensity(self.light.intensity);
         self.row("Light color", |ui, light| {
             let mut picked = color;
-            let help = "The color alone; how bright it is says the intensity.";
+            let help = "The color only. The intensity sets how bright it is.";
             let edited = color_row(ui, "Color", help, &mut picked, Vec3::ONE);
             // Black is no colour of a light.
             if edited.changed && picked.max_element() > 0.0 {

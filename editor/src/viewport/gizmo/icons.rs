@@ -1,13 +1,10 @@
 //! The pictures of lights: a lamp in the colour of its light, and as much of its shape as says where it shines.
 
 use super::projection::Projection;
-use crate::document::lights::color_and_intensity;
+use crate::panels::lights::display_color;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
-use lapidary_core::{
-    color::srgb_from_linear,
-    lights::{Emission, Light, RectangleShape},
-};
+use lapidary_core::lights::{Emission, Light, RectangleShape};
 use std::f32::consts::TAU;
 
 /// Radius of a lamp in points, and how far from it a click still counts.
@@ -151,13 +148,6 @@ impl Icon<'_> {
             }
         }
     }
-}
-
-/// The colour of a light for a display.
-pub fn display_color(intensity: Vec3) -> Color32 {
-    let (color, _) = color_and_intensity(intensity);
-    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 fn circle(center: Vec3, normal: Vec3, radius: f32) -> Vec<Vec3> {

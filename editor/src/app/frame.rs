@@ -1,0 +1,157 @@
+//! A frame of the window: what jobs have done, the interface, and what it asked for. It runs without a window too, as in
+//! tests.
+
+use super::{
+    layout, prompts,
+    state::{AUTOSAVE_INTERVAL, EditorState},
+    theme,
+};
+use crate::actions::Action;
+use egui::{Event, Ui, ViewportCommand};
+use std::time::Instant;
+
+impl EditorState {
+    /// One frame: what jobs have done, the interface, what it asked for, and what is to be rendered then.
+    pub fn frame(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        if self.themed.as_ref() != Some(&self.preferences) {
+            theme::apply(&ctx, &self.preferences);
+            self.themed = Some(self.preferences.clone());
+        }
+        self.note_window_size(&ctx);
+        self.collect(&ctx);
+        self.bounds.update(self.scene.shown(), self.selection.object);
+        self.take_pasted_camera(&ctx);
+        let mut actions = Vec::new();
+        let laid = layout::show(ui, self, &mut actions);
+        self.take_drops(&ctx, &laid, &mut actions);
+        self.show_dialog(&ctx, &mut actions);
+        self.show_ladder(&ctx, &mut actions);
+        self.show_explanation(&ctx);
+        prompts::show(&ctx, self, &mut actions);
+        self.show_sequence_dialog(&ctx, &mut actions);
+        self.messages.show(&ctx, laid.status_height);
+        self.ask_before_closing(&ctx, &mut actions);
+        if !actions.is_empty() {
+            // What is on the screen is from before the actions.
+            ctx.request_repaint();
+        }
+        for action in actions {
+            self.perform(&ctx, action);
+        }
+        self.load_environment();
+        self.request_picture(&ctx, laid.viewport);
+        self.compare();
+        self.keep_safe(&ctx);
+    }
+
+    /// Remembers how large the window is, for the next start.
+    fn note_window_size(&mut self, ctx: &egui::Context) {
+        let scale = self.preferences.ui_scale;
+        self.window_size = ctx.input(|i| {
+            let window = i.viewport();
+            let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
+            // The interface's points are larger than the window's by its scale.
+            window.inner_rect.filter(|_| !fills).map(|rect| [rect.width() * scale, rect.height() * scale])
+        });
+    }
+
+    /// Shows the file dialog, if one is open. Cancelling where to save to cancels what was to follow.
+    fn show_dialog(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        let was_open = self.dialogs.is_open();
+        let chosen = self.dialogs.show(ctx);
+        if was_open && !self.dialogs.is_open() && chosen.is_empty() {
+            self.after_save = None;
+        }
+        if let Some((files, folder)) = self.dialogs.left() {
+            let mut preferences = self.preferences.clone();
+            preferences.folders.remember(files, &folder);
+            actions.push(Action::Preferences(preferences));
+        }
+        actions.extend(chosen);
+    }
+
+    /// The text that was asked of the clipboard arrives a frame later, or never if there is none.
+    fn take_pasted_camera(&mut self, ctx: &egui::Context) {
+        if self.interface.pasting_camera == 0 {
+            return;
+        }
+        self.interface.pasting_camera -= 1;
+        let pasted = ctx.input_mut(|i| {
+            let place = i.events.iter().position(|e| matches!(e, Event::Paste(_)))?;
+            Some(i.events.remove(place))
+        });
+        if let Some(Event::Paste(text)) = pasted {
+            self.interface.pasting_camera = 0;
+            self.paste_camera(&text);
+        }
+    }
+
+    /// Takes what jobs have made since the last frame.
+    fn collect(&mut self, ctx: &egui::Context) {
+        self.collect_opened();
+        self.collect_loaded();
+        self.collect_bake();
+        self.collect_pictures(ctx);
+        self.collect_comparison(ctx);
+        self.collect_export();
+        self.collect_changed_files();
+        self.environments.collect(ctx);
+    }
+
+    /// A window that is about to close asks about changes first.
+    fn ask_before_closing(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
+        if ctx.input(|i| i.viewport().close_requested()) && !self.may_close {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            actions.push(Action::Quit);
+        }
+    }
+
+    /// Writes the document aside when it is time, and comes back for it.
+    fn keep_safe(&mut self, ctx: &egui::Context) {
+        let session = self.scene.session.as_deref();
+        let tick = self.autosave.tick(Instant::now(), &self.document, &self.history, &self.scene.unknown, session);
+        match tick {
+            Ok(true) => {
+                self.autosaved = self.history.revision();
+                self.forget_recovered();
+            }
+            Ok(false) => {}
+            Err(error) => self.messages.error(format!("The autosave failed: {error}")),
+        }
+        if self.history.is_modified() && self.autosaved != self.history.revision() {
+            ctx.request_repaint_after(AUTOSAVE_INTERVAL);
+        }
+    }
+
+    /// Recovered work is written elsewhere by now.
+    pub(super) fn forget_recovered(&mut self) {
+        if let Some(recovered) = self.recovered.take()
+            && let Err(error) = recovered.discard()
+        {
+            self.messages.warning(format!("An autosave cannot be removed: {error}"));
+        }
+    }
+
+    /// Begins with another document.
+    pub(super) fn forget_autosave(&mut self) {
+        if let Err(error) = self.autosave.finish() {
+            self.messages.warning(error.to_string());
+        }
+        self.autosaved = 0;
+    }
+
+    /// The window closes with nothing left to lose.
+    pub fn finish(&mut self) {
+        self.forget_autosave();
+        if let Some([side, inspector]) = self.interface.panel_widths {
+            (self.preferences.side_width, self.preferences.inspector_width) = (side, inspector);
+        }
+        if let Some(size) = self.window_size {
+            self.preferences.window_size = size;
+        }
+        if let Err(error) = self.preferences.save(&self.folders.config) {
+            eprintln!("warning: {error:#}");
+        }
+    }
+}

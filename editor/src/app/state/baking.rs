@@ -1,0 +1,100 @@
+//! The bake at work, and how the last one ended.
+
+use crate::{
+    jobs::bake::{BakeProgress, BakeRun},
+    panels::bake::{BakeStatus, Draft, line},
+};
+use lapidary_core::dataset::{BakeMode, BakeSettings};
+use lapidary_precompute::{Leftover, Phase};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex},
+    time::{Instant, SystemTime},
+};
+
+/// The bake at work, or how the last one ended.
+#[derive(Default)]
+pub struct Baking {
+    pub(in crate::app) run: Option<Run>,
+    pub(in crate::app) ended: Option<Ended>,
+    /// Held by the bake at work, also by one that was left and has not noticed yet.
+    pub(in crate::app) turn: Arc<Mutex<()>>,
+    /// What an interrupted bake has left, and when that was looked at.
+    pub(in crate::app) leftover: Option<(Looked, Leftover)>,
+}
+
+/// Everything that decides what an interrupted bake has left, small enough to compare every frame.
+#[derive(PartialEq)]
+pub struct Looked {
+    pub(in crate::app) output: PathBuf,
+    pub(in crate::app) scene_hash: String,
+    pub(in crate::app) settings: BakeSettings,
+    /// When the folder was last written to.
+    pub(in crate::app) written: SystemTime,
+}
+
+/// A bake at work.
+pub struct Run {
+    pub(in crate::app) job: BakeRun,
+    pub(in crate::app) mode: BakeMode,
+    pub(in crate::app) since: Instant,
+    pub(in crate::app) phase: Option<Phase>,
+    pub(in crate::app) phase_since: Instant,
+    pub(in crate::app) cancelling: bool,
+    /// A draft of it is shown.
+    pub(in crate::app) draft_shown: bool,
+}
+
+/// How a bake ended that has no result.
+pub enum Ended {
+    /// It can be resumed.
+    Cancelled,
+    /// Why.
+    Failed(String),
+}
+
+impl Baking {
+    /// How far the bake at work is.
+    pub fn progress(&self) -> Option<BakeProgress> {
+        self.run.as_ref().map(|run| run.job.progress())
+    }
+
+    /// One line about the bake at work: what it does, how far that is, and what comes.
+    pub fn line(&self) -> Option<String> {
+        line(&self.run.as_ref()?.status())
+    }
+
+    /// A few words about it, to lie over the picture.
+    pub fn words(&self) -> Option<&'static str> {
+        let run = self.run.as_ref()?;
+        Some(if run.draft_shown { "Draft, baking in full" } else { "Baking" })
+    }
+
+    /// Stops what is at work, and forgets how the last one ended: another scene was opened.
+    pub fn clear(&mut self) {
+        *self = Self { turn: self.turn.clone(), ..Self::default() };
+    }
+}
+
+impl Run {
+    /// How far it is, as the panel shows it.
+    pub(in crate::app) fn status(&self) -> BakeStatus {
+        let BakeProgress { draft, phase, unit, done, total } = self.job.progress();
+        let draft = match (draft, self.draft_shown) {
+            (true, _) => Draft::UnderWay,
+            (false, true) => Draft::Shown,
+            (false, false) => Draft::None,
+        };
+        BakeStatus::Running {
+            mode: self.mode,
+            draft,
+            phase: phase.unwrap_or(Phase::Import),
+            done,
+            total,
+            unit,
+            cancelling: self.cancelling,
+            elapsed_secs: self.since.elapsed().as_secs_f64(),
+            phase_elapsed_secs: self.phase_since.elapsed().as_secs_f64(),
+        }
+    }
+}

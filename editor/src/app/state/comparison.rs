@@ -1,0 +1,197 @@
+//! The comparison with a reference: its threads, what they have made, and what was asked of them.
+
+use crate::{
+    jobs::{
+        Wake,
+        comparison::{ComparisonThread, ReferencePicture, TestPicture},
+        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap, ShownPixels},
+        render_thread::Factory,
+    },
+    panels::comparison::{ComparisonContext, ComparisonPanel},
+    viewport::compare::Compared,
+};
+use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
+use lapidary_core::image::Region;
+use lapidary_render::Post;
+use std::sync::Arc;
+
+/// Both threads; they are there while something is compared.
+pub struct Jobs {
+    pub(in crate::app) tracing: ComparisonThread,
+    pub(in crate::app) measuring: MeasureThread,
+}
+
+/// What measures depend on, small enough to compare every frame.
+#[derive(PartialEq)]
+pub struct Asked {
+    pub(in crate::app) pictures: u64,
+    pub(in crate::app) surfaces_only: bool,
+    pub(in crate::app) region: Option<Region>,
+    pub(in crate::app) map: ShownMap,
+    pub(in crate::app) top: Option<f32>,
+    pub(in crate::app) post: Post,
+}
+
+/// Pictures, measures and what they are shown by.
+pub struct Comparison {
+    pub(in crate::app) factory: Factory,
+    pub(in crate::app) wake: Wake,
+    pub(in crate::app) jobs: Option<Jobs>,
+    pub(in crate::app) test: Option<Arc<TestPicture>>,
+    pub(in crate::app) reference: Option<ReferencePicture>,
+    /// Counts the pictures that came: places in memory are used again.
+    pub(in crate::app) pictures: u64,
+    pub(in crate::app) measured: Option<Box<Measured>>,
+    /// Why nothing is traced, and why what was traced cannot be measured.
+    pub(in crate::app) trace_problem: Option<String>,
+    pub(in crate::app) measure_problem: Option<String>,
+    /// Counts what was compared, to tell measures of what was before.
+    pub(in crate::app) generation: u64,
+    pub(in crate::app) asked: Option<Asked>,
+    pub(in crate::app) shown: Option<(TextureHandle, [u32; 2])>,
+    pub(in crate::app) map: Option<TextureHandle>,
+}
+
+impl Comparison {
+    /// With nothing to compare yet.
+    pub fn new(factory: Factory, wake: Wake) -> Self {
+        Self {
+            factory,
+            wake,
+            jobs: None,
+            test: None,
+            reference: None,
+            pictures: 0,
+            measured: None,
+            trace_problem: None,
+            measure_problem: None,
+            generation: 0,
+            asked: None,
+            shown: None,
+            map: None,
+        }
+    }
+
+    /// What the strip shows.
+    pub fn context(&self) -> ComparisonContext<'_> {
+        let tracing = self.jobs.as_ref().map(|jobs| &jobs.tracing);
+        ComparisonContext {
+            measured: self.measured.as_deref(),
+            progress: tracing.map_or(0.0, ComparisonThread::progress),
+            paused: tracing.is_some_and(ComparisonThread::is_paused),
+            held: tracing.is_some_and(ComparisonThread::is_held),
+            tracing: self.test.is_some() && self.trace_problem.is_none(),
+            problem: self.trace_problem.as_deref().or(self.measure_problem.as_deref()),
+        }
+    }
+
+    /// What the viewport shows.
+    pub fn compared(&self, panel: &ComparisonPanel, illum_cut: u32, accent: Color32) -> Compared<'_> {
+        let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
+        let reference = self.reference.as_ref();
+        let waiting = || "B: the reference is on its way".to_owned();
+        let noise = self.measured.as_ref().and_then(|measured| measured.noise);
+        let labels = [
+            panel.picture_label(illum_cut),
+            reference.map_or_else(waiting, |reference| panel.reference_label(reference, noise, progress)),
+        ];
+        let measured = self.measured.as_deref();
+        Compared {
+            view: panel.shown_view(),
+            swipe: panel.swipe,
+            reference: self.shown.as_ref().map(|(texture, size)| (texture.id(), *size)),
+            map: self.map.as_ref().zip(measured).map(|(texture, measured)| (texture.id(), measured.part)),
+            field: measured.map(|measured| &measured.field),
+            labels,
+            region: panel.drawn_region(),
+            accent,
+            explained: None,
+            marks: Vec::new(),
+        }
+    }
+
+    /// How often something else was compared.
+    #[cfg(test)]
+    pub fn begun(&self) -> u64 {
+        self.generation
+    }
+
+    /// Holds the tracing, or goes on.
+    pub fn pause(&self, paused: bool) {
+        self.jobs.iter().for_each(|jobs| jobs.tracing.pause(paused));
+    }
+
+    /// Gives the cores to other work, or goes on.
+    pub fn hold(&self, held: bool) {
+        self.jobs.iter().for_each(|jobs| jobs.tracing.hold(held));
+    }
+
+    /// Nothing is compared any more.
+    pub(in crate::app) fn end(&mut self) {
+        self.jobs = None;
+        self.forget();
+    }
+
+    /// What was made is of another picture.
+    pub(in crate::app) fn forget(&mut self) {
+        (self.test, self.reference, self.measured, self.asked) = (None, None, None, None);
+        (self.trace_problem, self.measure_problem) = (None, None);
+        (self.shown, self.map) = (None, None);
+        self.generation += 1;
+    }
+
+    pub(in crate::app) fn jobs(&mut self) -> &mut Jobs {
+        self.jobs.get_or_insert_with(|| Jobs {
+            tracing: ComparisonThread::start(self.factory.clone(), self.wake.clone()),
+            measuring: MeasureThread::start(self.wake.clone()),
+        })
+    }
+
+    /// Asks for measures of what there is, unless they are known or on their way.
+    pub(in crate::app) fn measure(&mut self, panel: &ComparisonPanel, post: Post, [width, height]: [u32; 2]) {
+        let (Some(test), Some(reference)) = (self.test.clone(), self.reference.clone()) else { return };
+        let region = panel.region_in(reference.image.size, width as f32 / height.max(1) as f32);
+        let asked = Asked {
+            pictures: self.pictures,
+            surfaces_only: panel.surfaces_only,
+            region,
+            map: panel.map,
+            top: panel.top,
+            post,
+        };
+        if self.asked.as_ref() == Some(&asked) {
+            return;
+        }
+        self.asked = Some(asked);
+        let (surfaces_only, map, top) = (panel.surfaces_only, panel.map, panel.top);
+        let request = MeasureRequest { test, reference, surfaces_only, region, map, top, post };
+        let generation = self.generation;
+        self.jobs().measuring.request(generation, request);
+    }
+
+    pub(in crate::app) fn take_measured(&mut self, ctx: &Context, event: MeasureEvent) {
+        match event {
+            MeasureEvent::Shown(pixels) => {
+                let texture = self.shown.take().map(|(texture, _)| texture);
+                self.shown = Some((texture_of(ctx, texture, &pixels, TextureOptions::LINEAR), pixels.size));
+            }
+            MeasureEvent::Measured(measured) => {
+                // Each pixel of the map is an error of its own.
+                self.map = Some(texture_of(ctx, self.map.take(), &measured.map, TextureOptions::NEAREST));
+                (self.measured, self.measure_problem) = (Some(measured), None);
+            }
+            MeasureEvent::Failed(text) => self.measure_problem = Some(text),
+        }
+    }
+}
+
+fn texture_of(ctx: &Context, known: Option<TextureHandle>, shown: &ShownPixels, how: TextureOptions) -> TextureHandle {
+    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
+    match known {
+        Some(mut texture) => {
+            texture.set(image, how);
+            texture
+        }
+        None => ctx.load_texture("comparison", image, how),
+    }
+}

@@ -1,0 +1,91 @@
+//! The pixel that is explained, and what is known about it.
+
+use crate::{
+    jobs::{
+        explain::{ExplainJob, ExplainSubject, Explained},
+        render_thread::RenderRequest,
+    },
+    panels::explain::ExplainPanel,
+    viewport::compare::NodeMark,
+};
+use lapidary_render::{ErrorSplit, TreeOf};
+
+/// Nodes that are drawn over the picture: those with the largest contributions.
+const DRAWN: usize = 64;
+
+/// What is explained, and what is on its way.
+#[derive(Default)]
+pub struct ExplainWindow {
+    pub(in crate::app) panel: ExplainPanel,
+    pub(in crate::app) open: bool,
+    pub(in crate::app) pixel: Option<[u32; 2]>,
+    /// The picture that it was chosen in.
+    pub(in crate::app) subject: Option<ExplainSubject>,
+    /// What was asked for when it was.
+    pub(in crate::app) picture: Option<RenderRequest>,
+    /// Which light, where there are both.
+    pub(in crate::app) tree: Option<TreeOf>,
+    pub(in crate::app) job: Option<ExplainJob<Explained>>,
+    pub(in crate::app) splitting: Option<ExplainJob<Option<ErrorSplit>>>,
+    pub(in crate::app) explained: Option<Explained>,
+    pub(in crate::app) split: Option<ErrorSplit>,
+    pub(in crate::app) message: Option<String>,
+}
+
+impl ExplainWindow {
+    /// The pixel that is explained, for a mark in the viewport.
+    pub fn pixel(&self) -> Option<[u32; 2]> {
+        self.pixel.filter(|_| self.open)
+    }
+
+    /// Where the light of the pixel comes from on surfaces.
+    pub fn marks(&self) -> Vec<NodeMark> {
+        let Some(Explained { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
+            return Vec::new();
+        };
+        let contribution = |i: usize| lapidary_core::color::luminance(explanation.nodes[i].contribution);
+        let order = explanation.by_contribution();
+        let largest = order.first().map_or(1.0, |&i| contribution(i)).max(f32::MIN_POSITIVE);
+        let hovered = self.panel.hovered_node();
+        let mark = |&i: &usize| {
+            let center = explanation.nodes[i].center?;
+            Some(NodeMark { center, share: contribution(i) / largest, hovered: hovered == Some(i) })
+        };
+        order.iter().take(DRAWN).filter_map(mark).collect()
+    }
+
+    /// Whether a pixel has been explained.
+    #[cfg(test)]
+    pub fn has_nodes(&self) -> bool {
+        self.explained.as_ref().is_some_and(|e| !e.explanation.nodes.is_empty())
+    }
+
+    /// How many causes the error was split into.
+    #[cfg(test)]
+    pub fn causes(&self) -> usize {
+        self.split.as_ref().map_or(0, |split| split.steps.len())
+    }
+
+    /// Why there is no explanation.
+    #[cfg(test)]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    pub(in crate::app) fn take(&mut self) {
+        if let Some(answer) = self.job.as_ref().and_then(ExplainJob::answer) {
+            self.job = None;
+            match answer {
+                Ok(explained) => (self.explained, self.message) = (Some(explained), None),
+                Err(text) => (self.explained, self.message) = (None, Some(text)),
+            }
+        }
+        if let Some(answer) = self.splitting.as_ref().and_then(ExplainJob::answer) {
+            self.splitting = None;
+            match answer {
+                Ok(split) => self.split = split,
+                Err(text) => self.message = Some(text),
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! The ladder of cut sizes, as far as it is climbed.
+
+use crate::{
+    jobs::{
+        ladder::{LadderEvent, LadderJob},
+        measure::ShownPixels,
+    },
+    panels::ladder::{LadderResult, LadderTile, LadderTruth},
+};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+
+/// The ladder, while its window is open.
+#[derive(Default)]
+pub struct LadderWindow {
+    pub(in crate::app) job: Option<LadderJob>,
+    pub(in crate::app) result: LadderResult,
+    pub(in crate::app) open: bool,
+}
+
+impl LadderWindow {
+    /// Whether sizes are being tried.
+    pub fn is_climbing(&self) -> bool {
+        self.job.is_some()
+    }
+
+    pub(in crate::app) fn take(&mut self, ctx: &Context, event: LadderEvent) {
+        match event {
+            LadderEvent::Picture { illum_cut, shown } => {
+                let texture = texture(ctx, &shown);
+                self.result.tiles.push(LadderTile { illum_cut, texture, figures: None });
+            }
+            LadderEvent::Truth { shown, seconds, what } => {
+                self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
+            }
+            LadderEvent::Step(figures) => {
+                let tile = self.result.tiles.iter_mut().find(|tile| tile.illum_cut == figures.illum_cut);
+                tile.into_iter().for_each(|tile| tile.figures = Some(figures));
+            }
+            LadderEvent::Ended(result) => {
+                self.job = None;
+                self.result.problem = result.err();
+            }
+        }
+    }
+}
+
+fn texture(ctx: &Context, shown: &ShownPixels) -> TextureHandle {
+    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
+    ctx.load_texture("ladder", image, TextureOptions::LINEAR)
+}

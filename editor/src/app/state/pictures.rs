@@ -1,0 +1,70 @@
+//! The picture on the screen, and pictures on their way to files.
+
+use crate::jobs::render_thread::RenderedFrame;
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use std::{
+    path::PathBuf,
+    sync::mpsc::{Receiver, Sender, channel},
+};
+
+/// A picture to write, once it is complete.
+pub struct Export {
+    /// What the render thread was asked for it by.
+    pub(in crate::app) id: u64,
+    pub(in crate::app) path: PathBuf,
+    /// Nothing lies behind the surfaces.
+    pub(in crate::app) transparent: bool,
+}
+
+impl Export {
+    /// A png holds what the window shows; exr and hdr are scene-linear.
+    pub(in crate::app) fn is_png(&self) -> bool {
+        self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    }
+}
+
+/// The file that a picture was written to, or why it was not.
+type Written = Result<PathBuf, String>;
+
+/// Pictures, on the screen and on their way to files.
+pub struct Pictures {
+    pub(in crate::app) texture: Option<TextureHandle>,
+    /// The picture on the screen.
+    pub(in crate::app) shown: Option<RenderedFrame>,
+    pub(in crate::app) exports: Vec<Export>,
+    pub(in crate::app) exports_asked: u64,
+    pub(in crate::app) written: (Sender<Written>, Receiver<Written>),
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self { texture: None, shown: None, exports: Vec::new(), exports_asked: 0, written: channel() }
+    }
+}
+
+impl Pictures {
+    /// The picture on the screen.
+    pub fn texture(&self) -> Option<&TextureHandle> {
+        self.texture.as_ref()
+    }
+
+    /// What is known about it.
+    pub fn shown(&self) -> Option<&RenderedFrame> {
+        self.shown.as_ref()
+    }
+
+    /// The scene was closed.
+    pub fn clear(&mut self) {
+        (self.texture, self.shown) = (None, None);
+    }
+
+    pub(in crate::app) fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
+        let pixels: &[u8] = frame.pixels.as_flattened();
+        let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
+        match &mut self.texture {
+            Some(texture) => texture.set(image, TextureOptions::LINEAR),
+            None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
+        }
+        self.shown = Some(frame);
+    }
+}
