@@ -32,7 +32,7 @@ pub struct SourceCriterion {
 }
 
 impl Default for SourceCriterion {
-    /// Chosen by pictures against light paths, see `docs/measurements.md`.
+    /// Chosen by pictures against light paths, see `docs/decisions/0006-three-bounds-of-source-cuts.md`.
     fn default() -> Self {
         Self { sigma: 2.0, max_solid_angle: 0.1, contrast: 0.25 }
     }

@@ -19,7 +19,7 @@ use std::f32::consts::TAU;
 const REACH: f32 = 8.0;
 /// A place that is further from all sources than so many of their spacings belongs to none: light does not reach it.
 pub const OWNED_WITHIN: f32 = 2.0;
-/// Rays over the sphere. In the living room of the measurements four times as many are no better.
+/// Rays over the sphere. In a furnished room four times as many are no better, see `docs/decisions/0008-near-field-by-rays.md`.
 const RAYS: usize = 1024;
 /// A point no higher than so many spacings over a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;

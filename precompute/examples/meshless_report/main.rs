@@ -1,4 +1,4 @@
-//! The figures of the meshless light transport in `docs/measurements.md`: size of the operator, error of one bounce against
+//! The figures of the meshless light transport in `docs/results.md`: size of the operator, error of one bounce against
 //! rays, and times of a light that moves.
 //!
 //! ```sh
