@@ -7,14 +7,13 @@ use lapidary_core::{
     environment::Environment,
     image::Image,
     lights::{Emission, Light},
-    material::{Material, MaterialMaps},
+    material::{MapKind, Material, MaterialMaps},
     texture::TextureSlot,
 };
 
 /// A look with two materials with maps, a light and an environment.
 pub fn look() -> Look {
-    let maps =
-        MaterialMaps { bump: Some(TextureSlot::default()), normal: Some(TextureSlot::default()), ..Default::default() };
+    let maps = MaterialMaps::from([MapKind::Bump, MapKind::Normal].map(|kind| (kind, TextureSlot::default())));
     let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
     let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
     let light = Light {
