@@ -25,6 +25,14 @@ impl Appearance {
         Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
     }
 
+    /// Whether both look the same: equal materials, and the same textures, not only equal ones.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let same_texture = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
+        self.materials == other.materials
+            && self.textures.len() == other.textures.len()
+            && self.textures.iter().zip(&other.textures).all(same_texture)
+    }
+
     /// A material's values after its maps, in their ranges.
     pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
         material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()

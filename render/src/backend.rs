@@ -68,6 +68,9 @@ pub struct PictureStats {
     pub mean_brdf_evaluations: f64,
 }
 
+/// Makes a renderer, and another one when its device is lost.
+pub type BackendFactory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send + Sync>;
+
 /// Makes pictures of one scene after another.
 pub trait Backend: Send {
     /// `cpu`, or the name of the graphics adapter.

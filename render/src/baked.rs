@@ -43,6 +43,14 @@ impl Baked {
         self.intersector.get().map(|built| &**built)
     }
 
+    /// Whether both are one dataset, or none.
+    pub fn are_same(a: Option<&Self>, b: Option<&Self>) -> bool {
+        match (a, b) {
+            (Some(a), Some(b)) => a.is_same(b),
+            (a, b) => a.is_none() && b.is_none(),
+        }
+    }
+
     /// Whether both are the same dataset, not only equal ones.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.dataset, &other.dataset)

@@ -20,6 +20,7 @@ mod baked;
 mod cpu;
 pub mod gpu;
 mod light;
+mod lit_scene;
 mod look;
 mod measure;
 mod post;
@@ -32,7 +33,7 @@ mod view;
 mod view_mode;
 
 pub use appearance::Appearance;
-pub use backend::{Backend, BackendError, PictureStats};
+pub use backend::{Backend, BackendError, BackendFactory, PictureStats};
 pub use baked::Baked;
 pub use cpu::{
     backend::{CPU, CpuBackend},
@@ -48,7 +49,8 @@ pub use light::{
     environment::{Illumination, LightRig, SceneLighting},
     local::{LocalLighting, LocalRig},
 };
-pub use look::{Look, same_light};
+pub use lit_scene::{FinishedPicture, LitScene};
+pub use look::{Look, Redo};
 pub use measure::{
     compare,
     cut_light::{CutLight, GatheredLight, NoCuts, TreeOf},

@@ -1,7 +1,7 @@
-//! Everything that decides a picture of a baked scene.
+//! Everything that decides a picture of a baked scene, and what another look makes a renderer do again.
 
 use crate::{Appearance, BrdfSampling, Components, Illumination, Post, Solution, View};
-use lapidary_core::lights::Light;
+use lapidary_core::{lights::Light, scene::Scene};
 use std::sync::Arc;
 
 /// Everything that decides a picture of a baked scene. Copying it copies no texels and no maps.
@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct Look {
     /// Materials and textures.
     pub appearance: Appearance,
-    /// The environment as it is turned and scaled.
+    /// The environment as it is turned and scaled; compared by the place of its map.
     pub light: Illumination,
     /// Local lights.
     pub lights: Arc<[Light]>,
@@ -21,46 +21,108 @@ pub struct Look {
     pub illum_cut: u32,
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,
-    /// Camera, size, samples a pixel, and what lies behind the scene.
+    /// Camera, size, samples per pixel, and what lies behind the scene.
     pub view: View,
     /// Exposure and tone curve, of what is shown and not of scene-linear files.
     pub post: Post,
 }
 
 impl Look {
-    /// Whether surfaces are the same.
-    pub fn same_appearance(&self, other: &Self) -> bool {
-        let (a, b) = (&self.appearance, &other.appearance);
-        let same_texture = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
-        a.materials == b.materials
-            && a.textures.len() == b.textures.len()
-            && a.textures.iter().zip(&b.textures).all(same_texture)
-    }
-
-    /// Whether both give one scene-linear picture; exposure and tone curve may differ.
-    pub fn same_picture(&self, other: &Self) -> bool {
-        self.same_appearance(other) && self.same_but_for_surfaces(other)
-    }
-
-    /// The same, whatever the surfaces look like.
-    pub fn same_but_for_surfaces(&self, other: &Self) -> bool {
-        // All fields by name, so that a new one is not forgotten.
-        let Self { appearance: _, light: _, lights, components, solution, illum_cut: _, sampling, view, post: _ } =
-            self;
-        self.same_environment(other)
-            && *lights == other.lights
-            && (*components, *solution) == (other.components, other.solution)
-            && *sampling == other.sampling
-            && *view == other.view
-    }
-
-    /// Whether the environment and its illumination cut are the same.
-    pub fn same_environment(&self, other: &Self) -> bool {
-        same_light(&self.light, &other.light) && self.illum_cut == other.illum_cut
+    /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
+    pub fn under_environment(scene: &Scene, view: View, light: Illumination) -> Self {
+        Self {
+            appearance: Appearance::of(scene),
+            light,
+            lights: Arc::default(),
+            components: Components { environment: true, ..Components::NONE },
+            solution: Solution::default(),
+            illum_cut: 256,
+            sampling: BrdfSampling::default(),
+            view,
+            post: Post::default(),
+        }
     }
 }
 
-/// Whether both give the same light.
-pub fn same_light(a: &Illumination, b: &Illumination) -> bool {
-    Arc::ptr_eq(&a.environment, &b.environment) && a.rotation == b.rotation && a.intensity == b.intensity
+/// What another look makes a renderer do again. Each step needs those before it, and nothing else is done again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Redo {
+    /// Materials and textures are given to the renderer, and the surfaces that light bounces from get other albedos.
+    pub appearance: bool,
+    /// The environment's radiance, its means up the tree and its illumination cut.
+    pub environment: bool,
+    /// Local lights and bounced light: shadow rays of the lights that moved, the solution, what is shown of it.
+    pub local: bool,
+    /// The pixels: deferred pass and merge.
+    pub pixels: bool,
+    /// Exposure and tone curve over the finished pixels.
+    pub display: bool,
+}
+
+impl Redo {
+    /// Everything, as after a scene was opened.
+    pub const ALL: Self = Self { appearance: true, environment: true, local: true, pixels: true, display: true };
+    /// Nothing.
+    pub const NOTHING: Self =
+        Self { appearance: false, environment: false, local: false, pixels: false, display: false };
+
+    /// What a renderer that has shown `old` does again to show `new`.
+    pub fn between(old: &Look, new: &Look) -> Self {
+        // All fields by name, so that a new one is not forgotten.
+        let Look { appearance, light, lights, components, solution, illum_cut, sampling, view, post } = old;
+        let appearance = !appearance.is_same(&new.appearance);
+        let environment = !light.is_same(&new.light) || *illum_cut != new.illum_cut;
+        let local = appearance
+            || environment
+            || *lights != new.lights
+            || (*components, *solution) != (new.components, new.solution);
+        let pixels = local || *sampling != new.sampling || *view != new.view;
+        Self { appearance, environment, local, pixels, display: pixels || *post != new.post }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Background, test_scenes::look};
+    use std::sync::Arc;
+
+    /// What an edit of a look redoes.
+    fn redone(edit: impl FnOnce(&mut Look)) -> Redo {
+        let old = look();
+        let mut new = old.clone();
+        edit(&mut new);
+        Redo::between(&old, &new)
+    }
+
+    #[test]
+    fn an_edit_redoes_what_depends_on_it_and_nothing_else() {
+        const DISPLAY: Redo = Redo { display: true, ..Redo::NOTHING };
+        const PIXELS: Redo = Redo { pixels: true, ..DISPLAY };
+        const LOCAL: Redo = Redo { local: true, ..PIXELS };
+        const ENVIRONMENT: Redo = Redo { environment: true, ..LOCAL };
+        const APPEARANCE: Redo = Redo { appearance: true, ..LOCAL };
+        assert_eq!(redone(|_| ()), Redo::NOTHING);
+        assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
+        assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), PIXELS);
+        assert_eq!(redone(|look| look.view.aa = 4), PIXELS);
+        assert_eq!(redone(|look| look.view.background = Background::Transparent), PIXELS);
+        assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), PIXELS);
+        assert_eq!(redone(|look| look.components.direct = false), LOCAL);
+        assert_eq!(redone(|look| look.solution = Solution::Meshless), LOCAL);
+        assert_eq!(redone(|look| look.lights = Arc::default()), LOCAL);
+        assert_eq!(redone(|look| look.light.rotation += 0.1), ENVIRONMENT);
+        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), ENVIRONMENT);
+        assert_eq!(redone(|look| look.illum_cut = 7), ENVIRONMENT);
+        assert_eq!(redone(|look| look.appearance.materials[1].parameters.roughness = 0.1), APPEARANCE);
+    }
+
+    #[test]
+    fn equal_lights_and_materials_in_another_place_are_the_same() {
+        let same = redone(|look| {
+            look.lights = look.lights.to_vec().into();
+            look.appearance.materials = look.appearance.materials.to_vec();
+        });
+        assert_eq!(same, Redo::NOTHING);
+    }
 }

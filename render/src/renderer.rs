@@ -1,6 +1,7 @@
 //! A dataset ready to be rendered: what its surfaces look like, what casts rays on them, and what lights its tree.
 
 use crate::{
+    Look,
     appearance::Appearance,
     baked::Baked,
     light::environment::{Illumination, LightRig, SceneLighting},
@@ -30,6 +31,13 @@ impl Renderer {
         let appearance = Appearance::of(&dataset.scene);
         let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
         Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }
+    }
+
+    /// For a scene as a look has it; materials and maps that are not there are made to fit.
+    pub fn of(baked: &Baked, look: &Look) -> Self {
+        let mut renderer = Self::new(baked.clone());
+        renderer.set_appearance(look.appearance.fitted(&renderer.dataset.scene.materials).0);
+        renderer
     }
 
     /// Gives the scene other materials; there must be as many.

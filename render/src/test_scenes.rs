@@ -36,3 +36,20 @@ pub fn look() -> Look {
         post: Default::default(),
     }
 }
+
+/// A look without materials and lights under a white environment, in a small picture of `aa` samples per pixel.
+pub fn plain_look(aa: u32) -> Look {
+    let environment = Environment { name: "white".into(), map: Image::filled([8, 4], Vec3::ONE) };
+    let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
+    Look {
+        appearance: Appearance::default(),
+        light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+        lights: [].into(),
+        components: Components::ALL,
+        solution: Default::default(),
+        illum_cut: 16,
+        sampling: Default::default(),
+        view: View { aa, ..View::new(camera, [64, 48]) },
+        post: Default::default(),
+    }
+}

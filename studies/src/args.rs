@@ -13,4 +13,4 @@ pub use bake::{ModeOption, PresetOption, TreeOption};
 pub use light::{LocalLightArgs, warn_of_buried};
 pub use picture::{BrdfOption, PictureArgs};
 pub use shot::ShotOption;
-pub use view::{Shot, ViewArgs, replace_materials};
+pub use view::{ViewArgs, ViewedScene, replace_materials};

@@ -5,8 +5,8 @@ mod data;
 mod gallery;
 mod ladder;
 mod page;
+mod pictures;
 mod report;
-mod stage;
 mod steps;
 
 use crate::{
@@ -18,8 +18,8 @@ use clap::Args;
 pub use data::DataFolder;
 use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::verify;
+use pictures::{Picture, StillLife};
 use report::Report;
-use stage::Picture;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -53,8 +53,9 @@ pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
     let environments = data.environments(console)?;
     let dataset = Arc::new(bake::bake_still_life(&data, &args.out, &steps)?);
     let verification = verify(&dataset, VERIFIED_VERTICES);
-    let gallery = gallery::take(&dataset, &environments, &args.out, &steps)?;
-    let ladder = ladder::climb(&dataset, &environments, &args.out, &steps)?;
+    let mut still_life = StillLife::new(&dataset, &environments, &args.out)?;
+    let gallery = gallery::take(&mut still_life, environments.names(), &steps)?;
+    let ladder = ladder::climb(&mut still_life, &steps)?;
     let report = Report::new(&dataset, verification, gallery, ladder, start.elapsed().as_secs_f64());
     write_report(&report, &args.out)?;
     console.summary(format_args!("{:.0} s; open {}", report.seconds, args.out.join("report.html").display()))?;

@@ -7,13 +7,11 @@
 mod climb;
 mod files;
 mod page;
-mod subject;
 mod truth;
 
 pub use climb::{Found, Ladder, Rung, Settings, Step, climb, time_frames};
 pub use files::{Summary, sheet, write_picture};
 pub use page::{charts, page, pictures};
-pub use subject::Subject;
 pub use truth::{Truth, every_sample};
 
 /// Sizes of the illumination cut, from the light as one lump to what the paper found to be enough for glossy surfaces.

@@ -12,7 +12,6 @@ use crate::{
     jobs::{
         Imported,
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
-        spawn,
     },
     panels::bake::{BakeStatus, stale_reasons},
 };
@@ -22,6 +21,7 @@ use lapidary_core::{
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_render::Baked;
+use lapidary_studies::jobs::spawn;
 use std::{
     path::Path,
     sync::Arc,

@@ -1,8 +1,9 @@
 //! The comparison with a reference: begun anew when the picture is another, measured again when only what is shown is.
 
 use super::state::{EditorState, pictures::Pictures};
-use crate::{jobs::comparison::ComparisonEvent, panels::comparison::KindChoice};
+use crate::panels::comparison::KindChoice;
 use egui::Context;
+use lapidary_studies::jobs::comparison::ComparisonEvent;
 use std::path::PathBuf;
 
 impl EditorState {
@@ -14,7 +15,7 @@ impl EditorState {
         }
         let Some(picture) = self.requests.last_sent().cloned() else { return };
         let moving = picture.moving;
-        let Some(request) = panel.request(picture) else { return self.comparison.end() };
+        let Some(request) = panel.request(picture.baked, picture.look) else { return self.comparison.end() };
         if moving && !self.comparison.jobs().tracing.is_current(&request) {
             // Rays for a picture of before would only slow down the next one, and it would be no reference for it.
             self.comparison.jobs().tracing.stop();

@@ -9,10 +9,10 @@ pub use purpose::{Mode, Purpose};
 use crate::{
     actions::Action,
     document::{absolute, folder_of},
-    jobs::Wake,
     preferences::{FileUse, LastFolders},
 };
 use egui::Context;
+use lapidary_studies::jobs::Wake;
 use path_entry::PathEntry;
 use std::{
     path::{Path, PathBuf},

@@ -1,16 +1,11 @@
 //! Why is this pixel wrong? A click in the viewport explains it, in a window of its own.
 
 use super::state::{EditorState, explain::ExplainWindow};
-use crate::{
-    jobs::{
-        explain::{ExplainJob, ExplainSubject},
-        render_thread::{Changes, changes},
-    },
-    panels::explain::{self, ExplainContext, ExplainRequest},
-};
+use crate::panels::explain::{self, ExplainContext, ExplainRequest};
 use egui::{Context, ScrollArea, Window};
 use lapidary_core::image::Region;
-use lapidary_render::{GatheredLight, TreeOf};
+use lapidary_render::{Baked, GatheredLight, Redo, TreeOf};
+use lapidary_studies::jobs::explain::{ExplainJob, ExplainedPicture};
 
 /// Size of the window in points at first.
 const SIZE: egui::Vec2 = egui::vec2(320.0, 640.0);
@@ -26,49 +21,42 @@ impl EditorState {
         self.explain.pixel = Some(pixel);
         (self.explain.split, self.explain.splitting) = (None, None);
         (self.explain.explained, self.explain.job, self.explain.message) = (None, None, None);
-        self.explain.subject = self.explain_subject();
-        self.explain.picture = self.requests.last_sent().cloned();
-        match self.explain.subject.clone() {
-            Some(subject) => self.explain.job = Some(ExplainJob::pixel(subject, pixel, self.wake.clone())),
+        self.explain.picture = self.picture_to_explain();
+        match self.explain.picture.clone() {
+            Some(picture) => self.explain.job = Some(ExplainJob::pixel(picture, pixel, self.wake.clone())),
             None => self.explain.message = Some("The picture has no light that is gathered by cuts".into()),
         }
     }
 
     /// The picture on the screen, with its light.
-    fn explain_subject(&self) -> Option<ExplainSubject> {
+    fn picture_to_explain(&self) -> Option<ExplainedPicture> {
         let (picture, shown) = (self.requests.last_sent()?, self.pictures.shown()?);
-        let (baked, look) = (picture.baked.clone()?, &picture.look);
+        let baked = picture.baked.clone()?;
         let mode = baked.dataset.settings.mode;
         let environment = mode.environment().then(|| GatheredLight::Environment(shown.lighting.clone()));
         let sources = shown.local.indirect.clone().map(GatheredLight::Sources);
-        let lit = match self.explain.tree {
+        let gathered = match self.explain.tree {
             Some(TreeOf::Sources) => sources.or(environment),
             _ => environment.or(sources),
         }?;
-        Some(ExplainSubject {
-            baked,
-            appearance: look.appearance.clone(),
-            view: look.view.clone(),
-            sampling: look.sampling,
-            lit,
-            illumination: look.light.clone(),
-            lights: look.lights.clone(),
-        })
+        Some(ExplainedPicture { baked, look: picture.look.clone(), gathered })
     }
 
     /// Whether the picture on the screen is another than the one that is explained.
     fn explanation_is_outdated(&self) -> bool {
         let (then, now) = (self.explain.picture.as_ref(), self.requests.last_sent());
-        then.zip(now).is_some_and(|(then, now)| changes(Some(then), now) == Changes::Picture)
+        then.zip(now).is_some_and(|(then, now)| {
+            !Baked::are_same(Some(&then.baked), now.baked.as_ref()) || Redo::between(&then.look, &now.look).pixels
+        })
     }
 
     fn split_error(&mut self) {
-        let Some((subject, pixel)) = self.explain.subject.clone().zip(self.explain.pixel) else { return };
+        let Some((picture, pixel)) = self.explain.picture.clone().zip(self.explain.pixel) else { return };
         self.explain.message = None;
-        let size = subject.view.size;
+        let size = picture.look.view.size;
         let drawn = self.interface.comparison.region_of(size);
         let region = drawn.unwrap_or_else(|| Region::around(pixel, AROUND, size));
-        self.explain.splitting = Some(ExplainJob::split(subject, region, self.wake.clone()));
+        self.explain.splitting = Some(ExplainJob::split(picture, region, self.wake.clone()));
     }
 
     /// Shows the window, while it is open. Closing it ends the work.

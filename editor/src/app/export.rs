@@ -4,13 +4,10 @@ use super::{
     sequence_dialog::{SequenceAnswer, SequenceDialog},
     state::{EditorState, exporting::Run},
 };
-use crate::{
-    actions::Action,
-    document::folder_of,
-    jobs::export::{ExportMessage, ExportRun, ExportTask},
-};
+use crate::{actions::Action, document::folder_of};
 use egui::Context;
 use lapidary_render::{Baked, Look};
+use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
 use lapidary_studies::{export::LayerList, terminal::error_text};
 use std::{
     path::{Path, PathBuf},

@@ -4,10 +4,10 @@ use super::state::{EditorState, ladder::LadderWindow};
 use crate::{
     actions::Action,
     document::{Edit, ViewSettings},
-    jobs::ladder::LadderJob,
     panels::ladder::{self, LadderResult},
 };
 use egui::{Context, Window};
+use lapidary_studies::jobs::ladder::LadderJob;
 
 impl EditorState {
     /// Begins to climb for the picture that is shown.
@@ -16,7 +16,7 @@ impl EditorState {
             self.messages.warning("There is no picture to try cut sizes on; open and bake a scene first");
             return;
         };
-        let job = LadderJob::start(self.factory.clone(), picture, self.wake.clone());
+        let job = LadderJob::start(self.factory.clone(), picture.baked, picture.look, self.wake.clone());
         self.ladder = LadderWindow { job: Some(job), result: LadderResult::default(), open: true };
         self.hold_for_ladder();
     }

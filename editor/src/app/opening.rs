@@ -8,14 +8,14 @@ use crate::{
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Imported as Source, Wake, guarded,
+        Imported as Source,
         load::{Kind, foreign, kind_of},
-        spawn,
     },
 };
 use anyhow::Result;
 use lapidary_core::dataset::Dataset;
 use lapidary_render::Baked;
+use lapidary_studies::jobs::{Wake, guarded, spawn};
 use lapidary_studies::terminal::error_text;
 use std::{
     path::{Path, PathBuf},

@@ -3,14 +3,11 @@
 use super::state::{EditorState, pictures::Export};
 use crate::{
     document::BackgroundKind,
-    jobs::{
-        guarded,
-        render_thread::{LinearPicture, RenderEvent},
-        spawn,
-    },
+    jobs::render_thread::{LinearPicture, RenderEvent},
 };
 use anyhow::Result;
 use egui::Context;
+use lapidary_studies::jobs::{guarded, spawn};
 use lapidary_studies::sheet::DisplayPicture;
 use std::{
     path::{Path, PathBuf},

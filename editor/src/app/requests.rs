@@ -2,7 +2,11 @@
 //! nothing is rendered, and nothing compared over there, while nothing changes.
 
 use super::state::EditorState;
-use crate::{document::Document, jobs::render_thread::RenderRequest, viewport::ViewportResponse};
+use crate::{
+    document::{Document, lights::shines},
+    jobs::render_thread::RenderRequest,
+    viewport::ViewportResponse,
+};
 use egui::Context;
 use lapidary_core::environment::Environment;
 use lapidary_render::{Baked, Bounces, Components, Illumination, Look, View};
@@ -16,8 +20,6 @@ impl EditorState {
         let request = RenderRequest {
             baked: self.scene.shown().cloned(),
             look,
-            // That of the look, which has just been made.
-            appearance_revision: self.requests.appearance_revision,
             moving,
             frame_budget_ms: self.document.view.frame_budget_ms,
         };
@@ -31,15 +33,15 @@ impl EditorState {
 
     /// Everything that decides the picture of the document in a viewport of `size` pixels; `None` before there is an
     /// environment.
-    pub(super) fn look(&mut self, size: [u32; 2]) -> Option<Look> {
+    pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
         let document = &self.document;
         let baked = self.scene.shown();
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         Some(Look {
-            appearance: self.requests.appearance_of(document).clone(),
+            appearance: document.appearance(),
             light: illumination(document, environment),
-            lights: self.requests.lights_of(document),
+            lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
             components: shown_components(document, baked),
             solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,

@@ -7,13 +7,13 @@ use super::{
 };
 use crate::{
     document::{absolute, library::maps_in},
-    jobs::Wake,
     paths::Folders,
     preferences::Preferences,
 };
 use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
+use lapidary_studies::jobs::Wake;
 use lapidary_studies::{args::BackendOption, demo::DataFolder};
 use std::{path::PathBuf, sync::Arc};
 

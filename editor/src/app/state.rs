@@ -26,12 +26,7 @@ use crate::{
         recent::RecentFiles,
         session::Unknown,
     },
-    jobs::{
-        Imported, Wake,
-        load::Loader,
-        render_thread::{Factory, RenderThread},
-        watch::Watcher,
-    },
+    jobs::{Imported, load::Loader, render_thread::RenderThread, watch::Watcher},
     paths::Folders,
     preferences::Preferences,
     viewport::pick,
@@ -44,7 +39,8 @@ use exporting::Exporting;
 use interface::Interface;
 use ladder::LadderWindow;
 use lapidary_core::{bounds::Bounds, scene::Mesh};
-use lapidary_render::Baked;
+use lapidary_render::{BackendFactory, Baked};
+use lapidary_studies::jobs::Wake;
 use pictures::Pictures;
 use prompt::{Prompt, Then};
 use requests::Requests;
@@ -65,7 +61,7 @@ pub struct Setup {
     /// The bundled scenes, and the bundled environments.
     pub bundled: Bundled,
     /// Makes the renderer.
-    pub factory: Factory,
+    pub factory: BackendFactory,
     /// Makes the window look for results of jobs.
     pub wake: Wake,
     /// Whether the system's file dialogs may be used.
@@ -180,7 +176,7 @@ pub struct EditorState {
     pub(super) ladder: LadderWindow,
     pub(super) explain: ExplainWindow,
     /// Makes renderers, for jobs that need one of their own.
-    pub(super) factory: Factory,
+    pub(super) factory: BackendFactory,
     pub(super) exporting: Exporting,
     pub(super) requests: Requests,
     pub(super) autosave: Autosave,

@@ -1,6 +1,5 @@
 //! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
 
-use super::{Wake, guarded, spawn};
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
     dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
@@ -10,6 +9,7 @@ use lapidary_precompute::{
     BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads, with_room,
 };
 use lapidary_render::Baked;
+use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
     path::{Path, PathBuf},
     sync::{

@@ -4,11 +4,12 @@ mod kind;
 
 pub use kind::{Kind, foreign, kind_of};
 
-use super::{Imported, Wake, guarded, spawn};
+use super::Imported;
 use lapidary_core::material::MapKind;
 use lapidary_core::{
     environment::Environment, import::load_material, material::Material, scene::Scene, texture::Texture,
 };
+use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
     collections::HashMap,
     path::PathBuf,

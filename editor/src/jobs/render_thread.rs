@@ -1,17 +1,12 @@
 //! The thread that renders the viewport. The latest request wins; a coarse picture comes first and at rest the full one
 //! follows, sample by sample. Nothing is rendered when nothing has changed.
 
-mod changes;
 mod stage;
-mod station;
 mod worker;
 
-pub use changes::{Changes, changes};
-pub(super) use station::Station;
-
-use super::{Wake, spawn};
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{Backend, BackendError, Baked, LocalLighting, Look, PictureStats, SceneLighting};
+use lapidary_render::{BackendFactory, Baked, LocalLighting, Look, PictureStats, Redo, SceneLighting};
+use lapidary_studies::jobs::{Wake, spawn};
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
@@ -22,9 +17,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Makes the renderer on the thread, and again when its device is lost.
-pub type Factory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send + Sync>;
-
 /// Everything that decides the picture. Copying it copies no texels and no maps.
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
@@ -32,8 +24,6 @@ pub struct RenderRequest {
     pub baked: Option<Baked>,
     /// What it looks like, in the size of the full picture; its environment is compared by pointer.
     pub look: Look,
-    /// Changes whenever the appearance does.
-    pub appearance_revision: u64,
     /// Whether the user is at it, as during a drag: only coarse pictures are made.
     pub moving: bool,
     /// Milliseconds that a coarse picture may take.
@@ -41,9 +31,18 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// What a renderer that was asked for this does again for `new`.
+    pub fn redo(&self, new: &Self) -> Redo {
+        if Baked::are_same(self.baked.as_ref(), new.baked.as_ref()) {
+            Redo::between(&self.look, &new.look)
+        } else {
+            Redo::ALL
+        }
+    }
+
     /// Whether both ask for the same, made in the same way.
     pub fn is_same(&self, other: &Self) -> bool {
-        changes(Some(self), other) == Changes::Nothing
+        self.redo(other) == Redo::NOTHING
             && (self.moving, self.frame_budget_ms) == (other.moving, other.frame_budget_ms)
     }
 }
@@ -142,7 +141,7 @@ pub struct RenderThread {
 
 impl RenderThread {
     /// Starts the thread. The renderer is made when there is something to render.
-    pub fn start(factory: Factory, wake: Wake) -> Self {
+    pub fn start(factory: BackendFactory, wake: Wake) -> Self {
         let (messages, inbox) = channel();
         let (events_sender, events) = channel();
         let frame = Arc::new(Mutex::new(None));

@@ -1,7 +1,7 @@
 //! Small pictures for the library, made one after another on a thread, each once.
 
-use super::{Wake, guarded, spawn};
 use egui::ColorImage;
+use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
     collections::HashSet,
     sync::mpsc::{Receiver, Sender, channel},
@@ -56,8 +56,8 @@ impl Thumbnails {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::testing::{silent, wait_for};
     use egui::Color32;
+    use lapidary_studies::jobs::testing::{silent, wait_for};
 
     /// A picture as wide as the key is long.
     fn make(key: &str) -> anyhow::Result<ColorImage> {

@@ -3,7 +3,7 @@
 //! Looks at times and sizes twice a second instead of asking the system: that works on network drives too, and costs
 //! nothing for the few files of a session.
 
-use super::{Wake, spawn};
+use lapidary_studies::jobs::{Wake, spawn};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -117,7 +117,7 @@ impl Looks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::testing::{silent, wait_for};
+    use lapidary_studies::jobs::testing::{silent, wait_for};
 
     fn version(number: u64) -> Stamp {
         Some((SystemTime::UNIX_EPOCH, number))

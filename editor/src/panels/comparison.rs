@@ -4,17 +4,14 @@ mod figures;
 #[cfg(test)]
 mod tests;
 
-use crate::{
-    actions::Action,
-    jobs::{
-        comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
-        measure::{Measured, ShownMap},
-        render_thread::RenderRequest,
-    },
-};
+use crate::actions::Action;
 use egui::{Button, ComboBox, DragValue, ProgressBar, Ui, vec2};
 use lapidary_core::image::Region;
-use lapidary_render::{ViewMode, compare::map::ErrorMap};
+use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
+use lapidary_studies::jobs::{
+    comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
+    measure::{Measured, ShownMap},
+};
 use std::path::{Path, PathBuf};
 
 /// Pixels of the live picture along each axis for one of the comparison.
@@ -128,19 +125,19 @@ impl ComparisonPanel {
         if self.flicker { CompareView::Reference } else { self.view }
     }
 
-    /// What is to be compared with `picture`; `None` where no file was chosen yet.
-    pub fn request(&self, mut picture: RenderRequest) -> Option<ComparisonRequest> {
+    /// What is to be compared with the live picture; `None` where no file was chosen yet.
+    pub fn request(&self, baked: Option<Baked>, mut look: Look) -> Option<ComparisonRequest> {
         // What the comparison has no part in begins nothing anew.
-        (picture.look.view.mode, picture.look.view.wireframe) = (ViewMode::Shaded, false);
+        (look.view.mode, look.view.wireframe) = (ViewMode::Shaded, false);
         if self.kind != KindChoice::File {
-            picture.look.view.aa = 1;
+            look.view.aa = 1;
         }
         let kind = match self.kind {
             KindChoice::Samples => ReferenceKind::Samples,
             KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
             KindChoice::File => ReferenceKind::File(self.file.clone()?),
         };
-        let mut request = ComparisonRequest { picture, kind, scale: self.scale, region: None };
+        let mut request = ComparisonRequest { baked, look, kind, scale: self.scale, region: None };
         if self.kind != KindChoice::File {
             request.region = self.region_of(request.size());
         }

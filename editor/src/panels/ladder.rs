@@ -1,9 +1,10 @@
 //! Which size of the illumination cut is enough for this shot: pictures at growing sizes beside the reference, each with its error
 //! and time, both curves, and a sentence.
 
-use crate::{actions::Action, jobs::ladder::StepFigures};
+use crate::actions::Action;
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
+use lapidary_studies::jobs::ladder::StepFigures;
 use lapidary_studies::{
     ladder::SIZES,
     report::{chart::tick_step, text::short},

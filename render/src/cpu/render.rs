@@ -34,6 +34,13 @@ pub struct RenderStats {
     pub mean_brdf_evaluations: f64,
 }
 
+impl From<&RenderStats> for PictureStats {
+    fn from(stats: &RenderStats) -> Self {
+        let &RenderStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, .. } = stats;
+        Self { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations }
+    }
+}
+
 impl Renderer {
     /// Renders with cuts, the illumination cut of at most `illum_cut` nodes.
     pub fn render(

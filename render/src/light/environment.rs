@@ -19,6 +19,14 @@ pub struct Illumination {
     pub intensity: f32,
 }
 
+impl Illumination {
+    /// Whether both give the same light; the map is compared by its place in memory.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.environment, &other.environment)
+            && (self.rotation, self.intensity) == (other.rotation, other.intensity)
+    }
+}
+
 /// How wide the nodes of a tree are, by heap index: for the refinement criterion.
 #[derive(Debug)]
 pub struct NodeCones {

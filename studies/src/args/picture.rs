@@ -1,9 +1,9 @@
 //! The options about how finished pictures are made and shown, which `render` and `sequence` share.
 
-use super::{BackendOption, Shot, values};
+use super::{BackendOption, ViewedScene, values};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use lapidary_render::{Appearance, BrdfSampling, Look, Post, ToneMap};
+use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
 
 /// How pictures are made and shown.
 #[derive(Args, Clone, Debug)]
@@ -72,22 +72,16 @@ impl From<ToneMapOption> for ToneMap {
 }
 
 impl PictureArgs {
-    /// Everything that decides the picture of a shot.
+    /// Everything that decides the picture of a viewed.
     ///
     /// # Errors
     /// Bounced light was asked for, and the dataset has none of that kind.
-    pub fn look(&self, shot: &Shot) -> Result<Look> {
-        let (components, solution) = shot.local.bounces_of(&shot.dataset)?;
+    pub fn look(&self, viewed: &ViewedScene) -> Result<Look> {
         Ok(Look {
-            appearance: Appearance::of(&shot.dataset.scene),
-            light: shot.light.clone(),
-            lights: shot.local.lights.clone().into(),
-            components,
-            solution,
             illum_cut: self.illum_cut,
             sampling: self.brdf.into(),
-            view: shot.view.clone(),
             post: Post { exposure: self.exposure, tone_map: self.tone_map.into() },
+            ..viewed.look()?
         })
     }
 }

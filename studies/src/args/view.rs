@@ -16,9 +16,9 @@ use lapidary_core::{
     scene::{Scene, camera_named},
 };
 use lapidary_precompute::available_memory;
-use lapidary_render::{Background, Illumination, View};
+use lapidary_render::{Background, Baked, Illumination, Look, View};
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 /// Dataset, light, material and view.
 #[derive(Args, Clone, Debug)]
@@ -54,7 +54,7 @@ struct MaterialArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "View")]
 struct CameraArgs {
-    /// Camera of the scene, by name, or "Shot 1" and so on for the shots that it was baked for [default: the first shot, or
+    /// Camera of the scene, by name, or "ViewedScene 1" and so on for the shots that it was baked for [default: the first viewed, or
     /// else the first camera, or a view of the whole scene if it has none]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
@@ -108,9 +108,9 @@ impl From<BackgroundOption> for Background {
 
 /// What to make a picture of.
 #[derive(Debug)]
-pub struct Shot {
+pub struct ViewedScene {
     /// The baked scene, with the materials asked for.
-    pub dataset: Arc<Dataset>,
+    pub baked: Baked,
     /// Camera and picture size.
     pub view: View,
     /// The environment as it is turned and scaled; black if there is none.
@@ -119,12 +119,25 @@ pub struct Shot {
     pub local: LocalLights,
 }
 
+impl ViewedScene {
+    /// The look of its picture, with an illumination cut of 256 nodes.
+    ///
+    /// # Errors
+    /// Bounced light was asked for, and the dataset has none of that kind.
+    pub fn look(&self) -> Result<Look> {
+        let (components, solution) = self.local.bounces_of(&self.baked.dataset)?;
+        let lights = self.local.lights.clone().into();
+        let look = Look::under_environment(&self.baked.dataset.scene, self.view.clone(), self.light.clone());
+        Ok(Look { lights, components, solution, ..look })
+    }
+}
+
 impl ViewArgs {
     /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
     ///
     /// # Errors
     /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
-    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Shot> {
+    pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<ViewedScene> {
         self.camera.check_memory()?;
         let light = self.light.resolve(local, console)?;
         let lights = local.read()?;
@@ -138,7 +151,7 @@ impl ViewArgs {
             background: self.camera.background.into(),
             ..View::new(camera, self.camera.size)
         };
-        Ok(Shot { dataset: dataset.into(), view, light, local })
+        Ok(ViewedScene { baked: dataset.into(), view, light, local })
     }
 }
 
@@ -205,7 +218,7 @@ impl CameraArgs {
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
-        // A shot may be one of the scene's own cameras.
+        // A viewed may be one of the scene's own cameras.
         let mut cameras = shots.iter().chain(scene.cameras.iter().filter(|camera| !shots.contains(camera)));
         match &self.camera {
             Some(name) => Ok(Some(camera_named(cameras, name)?)),
@@ -269,15 +282,15 @@ mod tests {
     #[test]
     fn shots_come_before_the_cameras_of_the_scene_and_have_names_too() {
         let scene = scene(vec![named("a", 1.0)]);
-        let shots = [named("Shot 1", 3.0), named("Shot 2", 4.0), named("a", 1.0)];
+        let shots = [named("ViewedScene 1", 3.0), named("ViewedScene 2", 4.0), named("a", 1.0)];
         let resolved = |camera: Option<&str>| {
             CameraArgs { camera: camera.map(Into::into), ..NOTHING }.resolve(&scene, &shots).map(|camera| camera.name)
         };
-        assert_eq!(resolved(None).unwrap(), "Shot 1");
-        assert_eq!(resolved(Some("Shot 2")).unwrap(), "Shot 2");
+        assert_eq!(resolved(None).unwrap(), "ViewedScene 1");
+        assert_eq!(resolved(Some("ViewedScene 2")).unwrap(), "ViewedScene 2");
         assert_eq!(resolved(Some("a")).unwrap(), "a");
-        let missing = resolved(Some("Shot 3")).unwrap_err().to_string();
-        assert!(missing.ends_with("it has Shot 1, Shot 2, a"), "each once: {missing}");
+        let missing = resolved(Some("ViewedScene 3")).unwrap_err().to_string();
+        assert!(missing.ends_with("it has ViewedScene 1, ViewedScene 2, a"), "each once: {missing}");
     }
 
     #[test]

@@ -1,20 +1,19 @@
 //! `lapidary bench`: how long each pass of a frame takes.
 
 use crate::{
-    args::{BackendOption, LocalLightArgs, Shot, ViewArgs},
+    args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene},
     terminal::{Console, Outcome, print_out},
 };
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::lights::Light;
 use lapidary_render::{
-    Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, LightRig, LocalRig, Post, Solution,
+    Backend, BackendError, Bounces, CpuBackend, LightRig, LitScene, LocalRig, Look, Post,
     gpu::{GpuBackend, PassTimes},
 };
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
-    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -77,28 +76,28 @@ struct Run {
 /// # Errors
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
-    let shot = args.view.resolve(&args.local, console)?;
-    let stage = Stage::new(args, &shot)?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    let measurement = Measurement::new(args, &viewed)?;
     let gpu = args.backend.gpu()?;
     let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);
     let runs = match gpu {
-        Some(gpu) => stage.gpu_runs(gpu)?,
-        None => stage.cpu_runs()?,
+        Some(gpu) => measurement.gpu_runs(gpu)?,
+        None => measurement.cpu_runs()?,
     };
-    let report = &shot.dataset.report;
+    let report = &viewed.baked.dataset.report;
     let indirect = report.indirect.as_ref();
     let bench = Bench {
         adapter,
-        size: shot.view.size,
-        vertices: shot.dataset.scene.mesh.positions.len(),
-        triangles: shot.dataset.scene.mesh.triangles.len(),
+        size: viewed.view.size,
+        vertices: viewed.baked.dataset.scene.mesh.positions.len(),
+        triangles: viewed.baked.dataset.scene.mesh.triangles.len(),
         mean_cut: report.mean_cut,
         mean_source_cut: indirect.map_or(0.0, |r| r.mean_cut),
-        lights: shot.dataset.tree.len(),
+        lights: viewed.baked.dataset.tree.len(),
         sources: indirect.map_or(0, |r| r.sources),
         frames: args.frames,
-        rotation_milliseconds: rotation(&shot, args.frames),
-        light_moved_milliseconds: stage.light_moved(),
+        rotation_milliseconds: rotation(&viewed, args.frames),
+        light_moved_milliseconds: measurement.light_moved(),
         runs,
     };
     if args.json {
@@ -110,29 +109,26 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
 }
 
 /// What is shown, and how often.
-struct Stage<'a> {
+struct Measurement<'a> {
     args: &'a BenchArgs,
-    shot: &'a Shot,
-    baked: Baked,
-    components: Components,
-    solution: Solution,
+    viewed: &'a ViewedScene,
+    look: Look,
 }
 
-impl<'a> Stage<'a> {
-    fn new(args: &'a BenchArgs, shot: &'a Shot) -> Result<Self> {
-        let (components, solution) = shot.local.bounces_of(&shot.dataset)?;
-        Ok(Self { args, shot, baked: shot.dataset.clone().into(), components, solution })
+impl<'a> Measurement<'a> {
+    fn new(args: &'a BenchArgs, viewed: &'a ViewedScene) -> Result<Self> {
+        Ok(Self { args, viewed, look: viewed.look()? })
     }
 
-    fn gpu_runs(&self, mut gpu: GpuBackend) -> Result<Vec<Run>> {
-        self.runs(&mut gpu, |gpu| Ok(passes(gpu.timed_sample(0, &Post::default())?)))
+    fn gpu_runs(&self, gpu: GpuBackend) -> Result<Vec<Run>> {
+        self.runs(gpu, |scene| Ok(passes(scene.backend().timed_sample(0, &Post::default())?)))
     }
 
     fn cpu_runs(&self) -> Result<Vec<Run>> {
-        let height = self.shot.view.size[1];
-        self.runs(&mut CpuBackend::new(), |cpu| {
+        let height = self.look.view.size[1];
+        self.runs(CpuBackend::new(), |scene| {
             let start = Instant::now();
-            cpu.render_rows(0, 0..height)?;
+            scene.render_rows(0, 0..height)?;
             Ok(BTreeMap::from([("total", start.elapsed())]))
         })
     }
@@ -140,49 +136,45 @@ impl<'a> Stage<'a> {
     /// One run an illumination cut; `frame` renders one and says how long its passes took.
     fn runs<B: Backend>(
         &self,
-        backend: &mut B,
-        frame: impl Fn(&mut B) -> Result<Times, BackendError>,
+        backend: B,
+        frame: impl Fn(&mut LitScene<B>) -> Result<Times, BackendError>,
     ) -> Result<Vec<Run>> {
-        let Self { args, shot, baked, .. } = self;
-        let (mut rig, mut local) = (LightRig::new(&shot.dataset.tree), LocalRig::new(baked));
-        local.set_lights(&shot.local.lights.clone().into());
-        backend.set_scene(baked)?;
-        let mut runs = Vec::new();
-        for &illum_cut in &args.illum_cuts {
-            let lighting = Arc::new(rig.lighting(&shot.light, illum_cut));
-            backend.set_light(&shot.light, &lighting)?;
-            local.set_environment(Some(&lighting));
-            backend.set_local_lighting(&local.lighting(self.components, self.solution, illum_cut))?;
-            backend.begin(&shot.view, BrdfSampling::Refine)?;
-            frame(backend)?;
-            let times = (0..args.frames).map(|_| frame(backend)).collect::<Result<Vec<_>, _>>()?;
-            backend.begin(&shot.view, BrdfSampling::Refine)?;
-            backend.render_rows(0, 0..shot.view.size[1])?;
-            let stats = backend.stats()?;
-            runs.push(Run {
+        let mut scene = LitScene::new(Box::new(backend), self.viewed.baked.clone())?;
+        let run = |&illum_cut: &u32| {
+            let look = Look { illum_cut, ..self.look.clone() };
+            scene.light(&look)?;
+            scene.begin(&look.view, look.sampling)?;
+            frame(&mut scene)?;
+            let times = (0..self.args.frames).map(|_| frame(&mut scene)).collect::<Result<Vec<_>, _>>()?;
+            scene.begin(&look.view, look.sampling)?;
+            scene.render_rows(0, 0..look.view.size[1])?;
+            let stats = scene.backend().stats()?;
+            Ok(Run {
                 illum_cut,
                 milliseconds: medians(&times),
                 mean_merged_nodes: stats.mean_merged_nodes,
                 mean_brdf_evaluations: stats.mean_brdf_evaluations,
-            });
-        }
-        Ok(runs)
+            })
+        };
+        self.args.illum_cuts.iter().map(run).collect()
     }
 
     /// Median milliseconds from a moved light to its bounces.
     fn light_moved(&self) -> Option<f64> {
-        let bounces = self.components.indirect
-            && (self.baked.dataset.indirect.is_some() || self.baked.dataset.meshless.is_some());
-        let lights = Some(&self.shot.local.lights).filter(|lights| bounces && !lights.is_empty())?;
-        let mut rig = LocalRig::new(&self.baked);
+        let Look { components, solution, lights, .. } = &self.look;
+        let bounces = components.indirect && Bounces::of(&self.viewed.baked.dataset).any();
+        if !bounces || lights.is_empty() {
+            return None;
+        }
+        let mut rig = LocalRig::new(&self.viewed.baked);
         let mut redo = |lights: &[Light]| {
             rig.set_lights(&lights.into());
             let start = Instant::now();
-            rig.lighting(self.components, self.solution, 256);
+            rig.lighting(*components, *solution, 256);
             start.elapsed()
         };
         redo(lights);
-        let mut lights = lights.clone();
+        let mut lights = lights.to_vec();
         let times = (0..self.args.frames).map(|_| {
             lights[0].position.x += 1e-3;
             redo(&lights)
@@ -210,9 +202,9 @@ fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
 }
 
 /// Median milliseconds from a turned environment to nodes and illumination cut.
-fn rotation(shot: &Shot, frames: u32) -> f64 {
-    let mut rig = LightRig::new(&shot.dataset.tree);
-    let mut light = shot.light.clone();
+fn rotation(viewed: &ViewedScene, frames: u32) -> f64 {
+    let mut rig = LightRig::new(&viewed.baked.dataset.tree);
+    let mut light = viewed.light.clone();
     rig.lighting(&light, 256);
     let times = (0..frames).map(|_| {
         light.rotation += 0.01;

@@ -4,10 +4,9 @@ pub mod against_paths;
 pub mod strip;
 
 use crate::{
-    args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
     export::create_folder,
     terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
-    whole_picture::whole_picture,
 };
 use against_paths::{Figures, Truth};
 use anyhow::{Result, bail};
@@ -15,11 +14,10 @@ use clap::Args;
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
 use lapidary_render::{
-    Backend, Baked, Bounces, BrdfSampling, Components, CpuBackend, LightRig, LocalLighting, LocalRig, PathSettings,
-    PictureStats, Renderer, Solution,
+    Bounces, Components, CpuBackend, FinishedPicture, LitScene, Look, PathSettings, RenderStats, Renderer, Solution,
 };
 use serde::Serialize;
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use std::path::PathBuf;
 
 /// Options of `bounces`.
 #[derive(Args, Clone, Debug)]
@@ -79,17 +77,17 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&args.local, console)?;
-    let solutions = solutions(&shot)?;
-    if !args.spp.is_multiple_of(2 * shot.view.aa) {
-        bail!("--spp must be a multiple of {}: both of its halves sample all of a pixel", 2 * shot.view.aa);
+    let viewed = args.view.resolve(&args.local, console)?;
+    let solutions = solutions(&viewed)?;
+    if !args.spp.is_multiple_of(2 * viewed.view.aa) {
+        bail!("--spp must be a multiple of {}: both of its halves sample all of a pixel", 2 * viewed.view.aa);
     }
     create_folder(&args.out)?;
-    let stage = Stage::new(args, shot, &interrupt, console);
+    let mut comparison = Comparison::new(args, viewed, &interrupt, console)?;
     let mut report =
-        Report { size: stage.shot.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
+        Report { size: comparison.viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
     for solution in solutions {
-        let Some(row) = stage.measure(solution)? else { return Ok(Outcome::Interrupted) };
+        let Some(row) = comparison.measure(solution)? else { return Ok(Outcome::Interrupted) };
         console.summary(line(&row))?;
         report.solutions.push(row);
     }
@@ -98,46 +96,52 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
 }
 
 /// The one asked for, or all that the dataset has.
-fn solutions(shot: &Shot) -> Result<Vec<Solution>> {
-    if shot.local.solution.is_some() {
-        return Ok(vec![shot.local.bounces_of(&shot.dataset)?.1]);
+fn solutions(viewed: &ViewedScene) -> Result<Vec<Solution>> {
+    if viewed.local.solution.is_some() {
+        return Ok(vec![viewed.local.bounces_of(&viewed.baked.dataset)?.1]);
     }
-    let solutions = Bounces::of(&shot.dataset).solutions();
+    let solutions = Bounces::of(&viewed.baked.dataset).solutions();
     if solutions.is_empty() {
         bail!("the dataset has no bounced light; bake it with --mode indirect, meshless or all");
     }
     Ok(solutions)
 }
 
-/// What all solutions share.
-struct Stage<'a> {
+/// The bounced light of a scene, measured by one solution after another.
+struct Comparison<'a> {
     args: &'a BouncesArgs,
-    shot: Shot,
-    baked: Baked,
+    viewed: ViewedScene,
+    scene: LitScene<CpuBackend>,
     renderer: Renderer,
     interrupt: &'a ProgressReporter,
     console: Console,
 }
 
-impl<'a> Stage<'a> {
-    fn new(args: &'a BouncesArgs, shot: Shot, interrupt: &'a ProgressReporter, console: Console) -> Self {
-        let baked = Baked::from(shot.dataset.clone());
-        let renderer = Renderer::new(baked.clone());
-        warn_of_buried(&renderer, &shot.local.lights, console);
-        Self { args, shot, baked, renderer, interrupt, console }
+impl<'a> Comparison<'a> {
+    fn new(
+        args: &'a BouncesArgs,
+        viewed: ViewedScene,
+        interrupt: &'a ProgressReporter,
+        console: Console,
+    ) -> Result<Self> {
+        let renderer = Renderer::new(viewed.baked.clone());
+        warn_of_buried(&renderer, &viewed.local.lights, console);
+        let scene = LitScene::new(Box::new(CpuBackend::new()), viewed.baked.clone())?;
+        Ok(Self { args, viewed, scene, renderer, interrupt, console })
     }
 
     /// `None` if interrupted.
-    fn measure(&self, solution: Solution) -> Result<Option<Row>> {
+    fn measure(&mut self, solution: Solution) -> Result<Option<Row>> {
         let bounces = solution.bounces();
-        let lighting = self.lighting(solution);
-        let start = Instant::now();
-        let (image, stats) = self.picture(&lighting)?;
-        let seconds = start.elapsed().as_secs_f64();
+        let look = self.look(solution);
+        // Light that is there already takes no part of the picture's time.
+        self.scene.light(&look)?;
+        let FinishedPicture { image, stats, .. } = self.scene.show_whole(&look)?;
         let truth = self.truth(bounces);
-        let samples = lighting.indirect.as_ref().filter(|_| !self.args.no_samples).map(|sources| {
+        let sources = self.scene.local().and_then(|local| local.indirect.clone());
+        let samples = sources.filter(|_| !self.args.no_samples).map(|sources| {
             let progress = self.progress("every source", "pixels");
-            let image = self.renderer.sources_reference(&self.shot.view, sources, &progress);
+            let image = self.renderer.sources_reference(&self.viewed.view, &sources, &progress);
             progress.finish();
             image
         });
@@ -147,30 +151,25 @@ impl<'a> Stage<'a> {
         let figures = truth.against(&image)?;
         let every_source = samples.as_ref().map(|samples| truth.against(samples)).transpose()?;
         self.write(solution, &truth.image, &image, samples.as_ref())?;
-        let mean_merged_nodes = stats.mean_merged_nodes;
+        let RenderStats { seconds, mean_merged_nodes, .. } = stats;
         Ok(Some(Row { solution, bounces, figures, seconds, mean_merged_nodes, every_source }))
     }
 
-    fn picture(&self, lighting: &LocalLighting) -> Result<(Image, PictureStats)> {
-        let mut backend = CpuBackend::new();
-        backend.set_scene(&self.baked)?;
-        backend.set_local_lighting(lighting)?;
-        let (image, _) = whole_picture(&mut backend, &self.shot.view, BrdfSampling::default())?;
-        Ok((image, backend.stats()?))
-    }
-
-    fn lighting(&self, solution: Solution) -> LocalLighting {
-        let mut rig = LocalRig::new(&self.baked);
-        let environment = LightRig::new(&self.baked.dataset.tree).lighting(&self.shot.light, self.args.illum_cut);
-        rig.set_environment(Some(&Arc::new(environment)));
-        rig.set_lights(&self.shot.local.lights.clone().into());
-        rig.lighting(INDIRECT, solution, self.args.illum_cut)
+    fn look(&self, solution: Solution) -> Look {
+        let ViewedScene { baked, view, light, local } = &self.viewed;
+        Look {
+            lights: local.lights.clone().into(),
+            components: INDIRECT,
+            solution,
+            illum_cut: self.args.illum_cut,
+            ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
+        }
     }
 
     fn truth(&self, bounces: u32) -> Truth {
         let progress = self.progress("light paths", "passes");
         let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(self.args.spp) };
-        let Shot { view, light, local, .. } = &self.shot;
+        let ViewedScene { view, light, local, .. } = &self.viewed;
         let picture = self.renderer.path_picture(view, light, &local.lights, settings, &progress);
         progress.finish();
         picture.into()

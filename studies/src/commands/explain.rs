@@ -5,7 +5,7 @@ mod sheet;
 
 use super::bounces::strip;
 use crate::{
-    args::{BrdfOption, LocalLightArgs, Shot, ViewArgs, values},
+    args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene, values},
     export::create_folder,
     terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
 };
@@ -14,11 +14,11 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::VertexSampler;
 use lapidary_render::{
-    Baked, Components, CutLight, ErrorSplit, GatheredLight, LocalRig, PixelExplanation, Region, Renderer, Solution,
-    SplitJob,
+    Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, PixelExplanation, Region, Renderer,
+    Solution, SplitJob,
 };
 use serde::Serialize;
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 /// Options of `explain`.
 #[derive(Args, Clone, Debug)]
@@ -88,31 +88,36 @@ pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&args.local, console)?;
-    if shot.local.solution.is_some_and(|solution| solution != Solution::Cuts) {
+    let viewed = args.view.resolve(&args.local, console)?;
+    if viewed.local.solution.is_some_and(|solution| solution != Solution::Cuts) {
         bail!("explain shows one bounce by cuts; leave --solution out");
     }
-    let region = region_of(args, &shot)?;
+    let region = region_of(args, &viewed)?;
     create_folder(&args.out)?;
-    let stage = Stage::new(args, &shot);
-    let explanation = args.pixel.map(|pixel| stage.explain(pixel, console)).transpose()?;
+    let explainer = Explainer::new(args, &viewed)?;
+    let explanation = args.pixel.map(|pixel| explainer.explain(pixel, console)).transpose()?;
     let split = match region {
         None => None,
-        Some(region) => match stage.split(region, &interrupt, console)? {
+        Some(region) => match explainer.split(region, &interrupt, console)? {
             None => return Ok(Outcome::Interrupted),
             split => split,
         },
     };
     let by_contribution = explanation.as_ref().map(PixelExplanation::by_contribution);
-    let report =
-        Report { size: shot.view.size, illum_cut: args.illum_cut, pixel: explanation.as_ref(), by_contribution, split };
+    let report = Report {
+        size: viewed.view.size,
+        illum_cut: args.illum_cut,
+        pixel: explanation.as_ref(),
+        by_contribution,
+        split,
+    };
     write_json(&args.out.join("explain.json"), &report)?;
     Ok(Outcome::Done)
 }
 
 /// The region to split, if any: checked before the work.
-fn region_of(args: &ExplainArgs, shot: &Shot) -> Result<Option<Region>> {
-    let size = shot.view.size;
+fn region_of(args: &ExplainArgs, viewed: &ViewedScene) -> Result<Option<Region>> {
+    let size = viewed.view.size;
     Ok(match (args.region, args.pixel) {
         _ if args.no_split => None,
         (Some(region), _) => Some(region.check(size)?),
@@ -122,35 +127,38 @@ fn region_of(args: &ExplainArgs, shot: &Shot) -> Result<Option<Region>> {
     })
 }
 
-struct Stage<'a> {
+/// A picture whose pixels are explained, with the light that is gathered in it.
+struct Explainer<'a> {
     args: &'a ExplainArgs,
-    shot: &'a Shot,
+    viewed: &'a ViewedScene,
     renderer: Renderer,
-    lit: Option<GatheredLight>,
+    gathered: Option<GatheredLight>,
 }
 
-impl<'a> Stage<'a> {
-    fn new(args: &'a ExplainArgs, shot: &'a Shot) -> Self {
-        let baked = Baked::from(shot.dataset.clone());
-        let renderer = Renderer::new(baked.clone());
-        let environment = renderer.lighting(&shot.light, args.illum_cut);
-        let has_environment = shot.dataset.settings.mode.environment();
+impl<'a> Explainer<'a> {
+    fn new(args: &'a ExplainArgs, viewed: &'a ViewedScene) -> Result<Self> {
+        let ViewedScene { baked, view, light, local } = viewed;
+        let has_environment = baked.dataset.settings.mode.environment();
         let default = if has_environment { TreeOption::Environment } else { TreeOption::Sources };
-        let lit = match args.tree.unwrap_or(default) {
-            TreeOption::Environment => Some(GatheredLight::Environment(environment.into())),
-            TreeOption::Sources => {
-                let mut rig = LocalRig::new(&baked);
-                rig.set_environment(Some(&Arc::new(environment)));
-                rig.set_lights(&shot.local.lights.clone().into());
-                rig.lighting(Components::ALL, Solution::Cuts, args.illum_cut).indirect.map(GatheredLight::Sources)
-            }
+        let tree = args.tree.unwrap_or(default);
+        let mut scene = LitScene::new(Box::new(CpuBackend::new()), baked.clone())?;
+        scene.light(&Look {
+            lights: local.lights.clone().into(),
+            components: Components { indirect: tree == TreeOption::Sources, ..Components::ALL },
+            solution: Solution::Cuts,
+            illum_cut: args.illum_cut,
+            ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
+        })?;
+        let gathered = match tree {
+            TreeOption::Environment => scene.environment().cloned().map(GatheredLight::Environment),
+            TreeOption::Sources => scene.local().and_then(|local| local.indirect.clone()).map(GatheredLight::Sources),
         };
-        Self { args, shot, renderer, lit }
+        Ok(Self { args, viewed, renderer: Renderer::new(baked.clone()), gathered })
     }
 
     fn light(&self) -> Result<CutLight<'_>> {
-        match &self.lit {
-            Some(lit) => Ok(lit.light()),
+        match &self.gathered {
+            Some(gathered) => Ok(gathered.light()),
             None => bail!("the dataset has no surface sources; bake it with --mode indirect, cuts or all"),
         }
     }
@@ -158,7 +166,7 @@ impl<'a> Stage<'a> {
     /// Explains a pixel, says so, and draws its merged cut.
     fn explain(&self, pixel: [u32; 2], console: Console) -> Result<PixelExplanation> {
         let light = self.light()?;
-        let explanation = self.renderer.explain(&self.shot.view, pixel, light, self.args.brdf.into())?;
+        let explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf.into())?;
         console.summary(report::of_pixel(&explanation))?;
         let map = self.renderer.cut_map(&explanation, light, MAP_WIDTH);
         let exposure = map.exposure();
@@ -174,15 +182,15 @@ impl<'a> Stage<'a> {
 
     /// Splits the error of a region, says so, and writes the pictures; `None` if interrupted.
     fn split(&self, region: Region, interrupt: &ProgressReporter, console: Console) -> Result<Option<ErrorSplit>> {
-        let sampler = VertexSampler::new(&self.shot.dataset, self.renderer.intersector());
+        let sampler = VertexSampler::new(&self.viewed.baked.dataset, self.renderer.intersector());
         let trace = |vertex: u32, visible: &mut [u8]| sampler.sample(vertex, visible);
         let job = SplitJob {
-            view: &self.shot.view,
+            view: &self.viewed.view,
             region,
             light: self.light()?,
             sampling: self.args.brdf.into(),
-            illumination: &self.shot.light,
-            lights: &self.shot.local.lights,
+            illumination: &self.viewed.light,
+            lights: &self.viewed.local.lights,
             spp: self.args.spp,
             trace_vertex: Some(&trace),
         };

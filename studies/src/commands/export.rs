@@ -1,7 +1,7 @@
 //! `lapidary export`: the scene for another renderer.
 
 use crate::{
-    args::{LocalLightArgs, Shot, ViewArgs},
+    args::{LocalLightArgs, ViewArgs, ViewedScene},
     export::create_folder,
     export::mitsuba::{Exported, MitsubaScene},
     terminal::Console,
@@ -37,8 +37,8 @@ pub struct ExportArgs {
 /// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
 pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.mitsuba)?;
-    let shot = args.view.resolve(&args.local, console)?;
-    let exported = scene(&shot, args.bounces)?.write(&args.mitsuba)?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    let exported = scene(&viewed, args.bounces)?.write(&args.mitsuba)?;
     let Exported { meshes, triangles, materials, remarks } = exported;
     remarks.iter().for_each(|remark| console.warning(remark));
     let scene = args.mitsuba.join("scene.xml");
@@ -50,12 +50,12 @@ pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
 }
 
 /// The part of the light that is asked for, as lights and a number of bounces.
-fn scene(shot: &Shot, bounces: Option<u32>) -> Result<MitsubaScene<'_>> {
-    let components = shot.local.components.unwrap_or(Components::ALL);
-    let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
+fn scene(viewed: &ViewedScene, bounces: Option<u32>) -> Result<MitsubaScene<'_>> {
+    let components = viewed.local.components.unwrap_or(Components::ALL);
+    let default = u32::from(viewed.local.components.is_some_and(|c| c.indirect));
     let bounces = if components.indirect { bounces.unwrap_or(default) } else { 0 };
-    let environment = Some(&shot.light).filter(|light| gives_light(light));
-    let lights: Vec<&Light> = shot.local.lights.iter().filter(|light| light.shines()).collect();
+    let environment = Some(&viewed.light).filter(|light| gives_light(light));
+    let lights: Vec<&Light> = viewed.local.lights.iter().filter(|light| light.shines()).collect();
     let left_out = (environment.is_some() && !components.environment) || (!lights.is_empty() && !components.direct);
     if bounces > 0 && left_out {
         bail!(
@@ -68,7 +68,7 @@ fn scene(shot: &Shot, bounces: Option<u32>) -> Result<MitsubaScene<'_>> {
     if environment.is_none() && lights.is_empty() {
         bail!("there is no light to export; give one with --env or --lights");
     }
-    Ok(MitsubaScene { dataset: &shot.dataset, view: &shot.view, environment, lights, bounces })
+    Ok(MitsubaScene { dataset: &viewed.baked.dataset, view: &viewed.view, environment, lights, bounces })
 }
 
 fn gives_light(light: &Illumination) -> bool {

@@ -1,15 +1,15 @@
-//! `lapidary ladder`: which size of the illumination cut is enough for a shot.
+//! `lapidary ladder`: which size of the illumination cut is enough for a viewed.
 
 use crate::{
     args::{BackendOption, BrdfOption, LocalLightArgs, ViewArgs, warn_of_buried},
     export::create_folder,
-    ladder::{self, Ladder, Settings, Subject, Summary, climb},
+    ladder::{self, Ladder, Settings, Summary, climb},
     terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
 use lapidary_core::atomic::write_atomically;
-use lapidary_render::Post;
+use lapidary_render::{LitScene, Look, Post, Renderer};
 use std::path::PathBuf;
 
 /// Options of `ladder`.
@@ -42,13 +42,13 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.out)?;
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&args.local, console)?;
-    let subject = Subject::of(&shot)?;
-    warn_of_buried(&subject.renderer(), &subject.lights, console);
-    let mut backend = args.backend.open()?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    let look = viewed.look()?;
+    warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);
+    let mut scene = LitScene::new(args.backend.open()?, viewed.baked)?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
     let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf.into(), ..Settings::default() };
-    let ladder = climb(&subject, &settings, &mut *backend, None, &progress, &mut |found| {
+    let ladder = climb(&mut scene, &look, &settings, None, &progress, &mut |found| {
         tell(found, console)?;
         ladder::write_picture(found, &args.out, "")
     })?;
@@ -57,7 +57,7 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
         console.note(format_args!("stopped early: {} has the pictures so far, without errors", args.out.display()));
         return Ok(Outcome::Interrupted);
     };
-    write(args, &subject, &ladder)?;
+    write(args, &look, &ladder)?;
     console.summary(format_args!("open {}", args.out.join("ladder.html").display()))?;
     Ok(Outcome::Done)
 }
@@ -80,9 +80,9 @@ fn tell(found: ladder::Found, console: Console) -> Result<()> {
     Ok(())
 }
 
-fn write(args: &LadderArgs, subject: &Subject, ladder: &Ladder) -> Result<()> {
+fn write(args: &LadderArgs, look: &Look, ladder: &Ladder) -> Result<()> {
     ladder::sheet(ladder, &Post::default()).write_png(&args.out.join("sheet.png"))?;
-    let summary = Summary::new(subject, ladder, "");
+    let summary = Summary::new(look, ladder, "");
     write_json(&args.out.join("ladder.json"), &summary)?;
     let page = args.out.join("ladder.html");
     write_atomically(&page, ladder::page(&summary).as_bytes())

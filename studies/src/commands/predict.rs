@@ -1,7 +1,7 @@
 //! `lapidary predict`: the error of a picture before any ray is traced, and how far that can be trusted.
 
 use crate::{
-    args::{BrdfOption, LocalLightArgs, Shot, ViewArgs},
+    args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene},
     export::{check_folder, check_pictures},
     terminal::{Console, Interrupted, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
 };
@@ -79,18 +79,18 @@ pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
     args.json.iter().try_for_each(|path| check_folder(path))?;
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&LocalLightArgs::default(), console)?;
-    let renderer = Renderer::new(shot.dataset.clone());
-    let lighting = renderer.lighting(&shot.light, args.illum_cut);
+    let viewed = args.view.resolve(&LocalLightArgs::default(), console)?;
+    let renderer = Renderer::new(viewed.baked.clone());
+    let lighting = renderer.lighting(&viewed.light, args.illum_cut);
     let progress = StepProgress::new("prediction", "pixels", &interrupt, console.quiet);
-    let predicted = predicted_error(&renderer, &shot.view, &lighting, args.brdf.into(), &progress)?;
+    let predicted = predicted_error(&renderer, &viewed.view, &lighting, args.brdf.into(), &progress)?;
     progress.finish();
     let Some(predicted) = predicted else { bail!(Interrupted) };
     let shown = args.kind.of(&predicted);
     args.out.iter().try_for_each(|path| write_map(shown, path))?;
     console.summary(summary(args, shown))?;
     if args.calibrate {
-        let report = calibration(args, &renderer, &shot, &predicted, &interrupt, console)?;
+        let report = calibration(args, &renderer, &viewed, &predicted, &interrupt, console)?;
         console.summary(table(args.kind.in_report(&report)))?;
         args.json.iter().try_for_each(|path| write_json(path, &report))?;
     }
@@ -101,15 +101,15 @@ pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
 fn calibration(
     args: &PredictArgs,
     renderer: &Renderer,
-    shot: &Shot,
+    viewed: &ViewedScene,
     predicted: &PredictedError,
     interrupt: &ProgressReporter,
     console: Console,
 ) -> Result<Report> {
-    let view = View { background: Background::Flat(Vec3::ZERO), ..shot.view.clone() };
-    let test = renderer.render(&view, &shot.light, args.illum_cut, args.brdf.into()).0;
+    let view = View { background: Background::Flat(Vec3::ZERO), ..viewed.view.clone() };
+    let test = renderer.render(&view, &viewed.light, args.illum_cut, args.brdf.into()).0;
     let progress = StepProgress::new("reference", "pixels", interrupt, console.quiet);
-    let reference = renderer.samples_reference(&view, &shot.light, &progress);
+    let reference = renderer.samples_reference(&view, &viewed.light, &progress);
     progress.finish();
     if interrupt.cancelled() {
         bail!(Interrupted);

@@ -1,16 +1,16 @@
 //! `lapidary reference`: the picture by ray tracing.
 
 use crate::{
-    args::{LocalLightArgs, Shot, ViewArgs, warn_of_buried},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
     export::{check_pictures, write_pictures},
-    ladder::{Subject, every_sample},
+    ladder::every_sample,
     terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
-use lapidary_render::{Components, PathSettings, Places, Renderer, Solution};
+use lapidary_render::{Components, Look, PathSettings, Places, Renderer, Solution};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -92,9 +92,9 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&args.local, console)?;
-    if args.kind == Kind::Samples && shot.local.components.is_some_and(|c| c.indirect) {
-        let (_, solution) = shot.local.bounces_of(&shot.dataset)?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
+        let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
         if solution == Solution::Meshless {
             bail!(
                 "--kind samples shows bounced light of surface sources only; use --kind path, or bake with --mode all"
@@ -102,7 +102,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         }
     }
     let start = Instant::now();
-    let image = trace(args, &shot, &interrupt, console)?;
+    let image = trace(args, &viewed, &interrupt, console)?;
     write_pictures(&image, None, &args.out)?;
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
     if interrupt.cancelled() {
@@ -113,24 +113,24 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, console: Console) -> Result<Image> {
-    let renderer = Renderer::new(shot.dataset.clone());
-    warn_of_buried(&renderer, &shot.local.lights, console);
+fn trace(args: &ReferenceArgs, viewed: &ViewedScene, interrupt: &ProgressReporter, console: Console) -> Result<Image> {
+    let renderer = Renderer::new(viewed.baked.clone());
+    warn_of_buried(&renderer, &viewed.local.lights, console);
     let progress = |unit| StepProgress::new("reference", unit, interrupt, console.quiet);
     match args.kind {
         Kind::Samples => {
             let progress = progress("pixels");
-            let image = every_sample(&unbounced(shot)?, &renderer, &progress);
+            let image = every_sample(&viewed.baked, &unbounced(viewed)?, &renderer, &progress);
             progress.finish();
             image
         }
         Kind::Path => {
             let progress = progress("passes");
             let image = renderer.path_reference(
-                &shot.view,
-                &shot.light,
-                &shot.local.lights,
-                path_settings(args, shot),
+                &viewed.view,
+                &viewed.light,
+                &viewed.local.lights,
+                path_settings(args, viewed),
                 &progress,
             );
             progress.finish();
@@ -139,19 +139,19 @@ fn trace(args: &ReferenceArgs, shot: &Shot, interrupt: &ProgressReporter, consol
     }
 }
 
-/// The shot without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
-fn unbounced(shot: &Shot) -> Result<Subject> {
-    let components = shot.local.components.unwrap_or(Components::UNBOUNCED);
-    Ok(Subject { components, ..Subject::of(shot)? })
+/// The viewed without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+fn unbounced(viewed: &ViewedScene) -> Result<Look> {
+    let components = viewed.local.components.unwrap_or(Components::UNBOUNCED);
+    Ok(Look { components, ..viewed.look()? })
 }
 
 /// Bounces where they are asked for, by their number or as a component.
-fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
-    let components = shot.local.components.unwrap_or(Components::ALL);
-    let default = u32::from(shot.local.components.is_some_and(|c| c.indirect));
+fn path_settings(args: &ReferenceArgs, viewed: &ViewedScene) -> PathSettings {
+    let components = viewed.local.components.unwrap_or(Components::ALL);
+    let default = u32::from(viewed.local.components.is_some_and(|c| c.indirect));
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
-    let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
+    let first_pass = args.seed.unwrap_or(0) * spp.max(viewed.view.aa);
     let places = args.places.map(Places::from).unwrap_or_default();
     PathSettings { spp, first_pass, bounces, components, places }
 }

@@ -7,7 +7,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_render::{Baked, RenderStats, Renderer};
+use lapidary_render::{RenderStats, Renderer};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -42,23 +42,23 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
         bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
     }
-    let shot = args.view.resolve(&args.local, console)?;
-    let look = args.picture.look(&shot)?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    let look = args.picture.look(&viewed)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
-    let baked = Baked::from(shot.dataset.clone());
+    let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
-    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
+    warn_of_buried(&Renderer::new(baked), &viewed.local.lights, console);
     let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
     studio.remarks().iter().for_each(|remark| console.warning(remark));
     let stats = finished.taken.stats.clone();
-    finished.write(&look, &shot.dataset, &args.out)?;
+    finished.write(&look, &viewed.baked.dataset, &args.out)?;
     if let Some(path) = &args.stats {
         write_json(path, &stats)?;
     }
     if args.out.is_empty() && args.stats.is_none() {
         console.note("nothing was written; add --out FILE.png or --out FILE.exr");
     }
-    console.summary(summary(&args.out, shot.view.size, &stats))?;
+    console.summary(summary(&args.out, viewed.view.size, &stats))?;
     Ok(Outcome::Done)
 }
 

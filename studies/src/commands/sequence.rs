@@ -8,7 +8,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_render::{Baked, Renderer};
+use lapidary_render::Renderer;
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `sequence`.
@@ -69,8 +69,8 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let outputs = args.outputs()?;
     let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
     interrupt.cancel_on_interrupt();
-    let shot = args.view.resolve(&args.local, console)?;
-    let look = args.picture.look(&shot)?;
+    let viewed = args.view.resolve(&args.local, console)?;
+    let look = args.picture.look(&viewed)?;
     let task = SequenceTask {
         frames: plan(&look, &args.settings())?,
         outputs,
@@ -78,11 +78,11 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
         existing: args.existing(),
         sheet: args.sheet(),
     };
-    let record = task.prepare(&shot.dataset)?;
+    let record = task.prepare(&viewed.baked.dataset)?;
     let start = Instant::now();
-    let baked = Baked::from(shot.dataset.clone());
+    let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
-    warn_of_buried(&Renderer::new(baked), &shot.local.lights, console);
+    warn_of_buried(&Renderer::new(baked), &viewed.local.lights, console);
     let progress = StepProgress::new("sequence", "frames", &interrupt, console.quiet);
     let end = task.run(record, &mut studio, &progress);
     progress.finish();

@@ -1,20 +1,15 @@
 //! Pictures to look at: the hero, environments, rotations and materials. All of one bake.
 
 use super::{
-    data::Environments,
-    stage::{Picture, PictureSettings, Stage},
+    pictures::{Picture, StillLife},
     steps::Steps,
 };
 use crate::args::replace_materials;
 use anyhow::Result;
 use glam::Vec3;
-use lapidary_core::{
-    dataset::Dataset,
-    material::{BrdfParameters, Material},
-};
-use lapidary_render::{Appearance, Progress};
+use lapidary_core::material::{BrdfParameters, Material};
+use lapidary_render::{Look, Progress, View};
 use serde::Serialize;
-use std::{path::Path, sync::Arc};
 
 /// The pictures.
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +27,9 @@ pub struct Gallery {
 /// How far the environment is turned, in degrees.
 const ROTATIONS: [f32; 3] = [60.0, 160.0, 260.0];
 
+/// Width and height of all pictures but the hero.
+const SIZE: [u32; 2] = [400, 300];
+
 /// Pictures in all, for the progress bar.
 const PICTURES: u64 = 10;
 
@@ -39,43 +37,49 @@ const PICTURES: u64 = 10;
 ///
 /// # Errors
 /// A folder that cannot be written, or Ctrl-C.
-pub fn take(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, steps: &Steps) -> Result<Gallery> {
+pub fn take<'a>(
+    still_life: &mut StillLife,
+    environments: impl Iterator<Item = &'a str>,
+    steps: &Steps,
+) -> Result<Gallery> {
     steps.begin("rendering: environments, rotations and materials, all of one bake");
     let progress = steps.progress("pictures", "pictures");
     let mut taken = 0;
-    let mut take = |stage: &Stage, name: &str, title: &str, settings: PictureSettings| {
+    let hero = hero(still_life);
+    let usual = Look { view: View { aa: 2, ..still_life.look("main", "sun-and-sky", SIZE).view }, ..hero.clone() };
+    let under = |still_life: &StillLife, environment: &str| Look {
+        light: still_life.look("main", environment, SIZE).light,
+        ..usual.clone()
+    };
+    let mut take = |still_life: &mut StillLife, name: &str, title: &str, look: Look| {
         steps.check()?;
-        let (picture, _) = stage.render(name, title, settings)?;
+        let (picture, _) = still_life.render(name, title, &look)?;
         taken += 1;
         progress.advanced(taken, PICTURES);
         Ok(picture)
     };
-    let stage = Stage::new(dataset, environments, out);
     let gallery = Gallery {
-        hero: take(&stage, "hero", "Still life", hero_settings())?,
+        hero: take(still_life, "hero", "Still life", hero)?,
         environments: environments
-            .names()
             .map(|name| {
-                let settings = PictureSettings { environment: name.into(), ..Default::default() };
-                take(&stage, &format!("environment-{name}"), &spaced(name), settings)
+                let look = under(still_life, name);
+                take(still_life, &format!("environment-{name}"), &spaced(name), look)
             })
             .collect::<Result<_>>()?,
         rotations: ROTATIONS
             .into_iter()
             .map(|degrees| {
-                let settings = PictureSettings { rotation_degrees: degrees, ..Default::default() };
-                take(&stage, &format!("rotation-{degrees}"), &format!("turned by {degrees}°"), settings)
+                let mut look = under(still_life, "sun-and-sky");
+                look.light.rotation = degrees.to_radians();
+                take(still_life, &format!("rotation-{degrees}"), &format!("turned by {degrees}°"), look)
             })
             .collect::<Result<_>>()?,
         materials: variations()
             .into_iter()
             .map(|(name, title, parameters)| {
-                let mut stage = Stage::new(dataset, environments, out);
-                let mut appearance = Appearance::of(&dataset.scene);
-                replace_materials(&mut appearance.materials, &Material { parameters, ..Default::default() });
-                stage.renderer.set_appearance(appearance);
-                let settings = PictureSettings { environment: "studio".into(), ..Default::default() };
-                take(&stage, &format!("material-{name}"), title, settings)
+                let mut look = under(still_life, "studio");
+                replace_materials(&mut look.appearance.materials, &Material { parameters, ..Default::default() });
+                take(still_life, &format!("material-{name}"), title, look)
             })
             .collect::<Result<_>>()?,
     };
@@ -84,14 +88,11 @@ pub fn take(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, ste
 }
 
 /// Wide and close, with smooth edges.
-fn hero_settings() -> PictureSettings {
-    PictureSettings {
-        environment: "studio".into(),
-        fov_degrees: Some(27.5),
-        size: [1024, 576],
-        aa: 4,
-        ..Default::default()
-    }
+fn hero(still_life: &StillLife) -> Look {
+    let mut look = still_life.look("main", "studio", [1024, 576]);
+    look.view.camera.fov_y = 27.5_f32.to_radians();
+    look.view.aa = 4;
+    look
 }
 
 /// "sun-and-sky" as words.

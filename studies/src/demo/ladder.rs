@@ -1,25 +1,23 @@
 //! The ladder of the still life, with the BRDF once and refined, and a close-up against light paths.
 
 use super::{
-    data::Environments,
-    stage::{Picture, PictureSettings, Stage},
+    pictures::{Picture, StillLife},
     steps::Steps,
 };
 use crate::{
-    ladder::{self, Settings, Step, Subject, Truth},
+    ladder::{self, Settings, Step, Truth},
     terminal::Interrupted,
 };
 use anyhow::Result;
-use lapidary_core::dataset::Dataset;
 use lapidary_render::{
-    BrdfSampling, CpuBackend, PathSettings, Progress,
+    BrdfSampling, Look, PathSettings, Progress,
     compare::{
         Metrics, compare,
         map::{ErrorMap, error_map},
     },
 };
 use serde::Serialize;
-use std::{path::Path, sync::Arc, time::Instant};
+use std::time::Instant;
 
 /// Sizes of the illumination cut.
 pub const CUT_SIZES: [u32; 5] = [32, 64, 128, 256, 512];
@@ -69,71 +67,74 @@ pub struct Ladder {
     pub detail: Detail,
 }
 
-/// The view of the ladder: small, for each pixel of the reference takes thousands of rays.
-fn settings() -> PictureSettings {
-    PictureSettings { environment: "studio".into(), size: [240, 180], aa: 1, ..Default::default() }
-}
-
 /// Renders, traces and compares.
 ///
 /// # Errors
 /// A folder that cannot be written, or Ctrl-C.
-pub fn climb(dataset: &Arc<Dataset>, environments: &Environments, out: &Path, steps: &Steps) -> Result<Ladder> {
-    let stage = Stage::new(dataset, environments, out);
-    let subject = Subject::new(dataset.clone(), stage.view(&settings()), stage.light(&settings()));
+pub fn climb(still_life: &mut StillLife, steps: &Steps) -> Result<Ladder> {
+    // Small, for each pixel of the reference takes thousands of rays.
+    let look = still_life.look("main", "studio", [240, 180]);
     steps.begin("tracing the reference: every light sample from every pixel");
     let progress = steps.progress("reference", "pixels");
-    let truth = Truth::trace(&subject, &progress)?;
+    let truth = Truth::trace(still_life.scene.baked(), &look, &progress)?;
     progress.finish();
     steps.check()?;
     let samples_reference =
-        stage.keep("reference-samples", "ray-traced reference", settings(), &truth.image, truth.seconds)?;
+        still_life.keep("reference-samples", "ray-traced reference", &look, &truth.image, truth.seconds)?;
     steps.begin("rendering at growing illumination cuts, and comparing");
-    let refined = rungs(&stage, &subject, true, &truth, &progress)?;
-    let once = rungs(&stage, &subject, false, &truth, &progress)?;
+    let refined = rungs(still_life, &look, BrdfSampling::Refine, &truth, &progress)?;
+    let once = rungs(still_life, &look, BrdfSampling::Once, &truth, &progress)?;
     steps.check()?;
     steps.begin("tracing the reference by paths: the continuous environment, close up");
-    let detail = close_up(&stage, steps)?;
+    let detail = close_up(still_life, steps)?;
     Ok(Ladder { samples_reference, refined, once, detail })
 }
 
-fn rungs(stage: &Stage, subject: &Subject, refine: bool, truth: &Truth, progress: &dyn Progress) -> Result<Vec<Rung>> {
-    let sampling = if refine { BrdfSampling::Refine } else { BrdfSampling::Once };
+fn rungs(
+    still_life: &mut StillLife,
+    look: &Look,
+    sampling: BrdfSampling,
+    truth: &Truth,
+    progress: &dyn Progress,
+) -> Result<Vec<Rung>> {
     let climbing = Settings { sizes: CUT_SIZES.into(), sampling, ..Settings::default() };
     let known = Some(truth.clone());
-    let ladder = ladder::climb(subject, &climbing, &mut CpuBackend::new(), known, progress, &mut |_| Ok(()))?;
-    let steps = ladder.ok_or(Interrupted)?.steps;
-    steps.into_iter().map(|step| kept(stage, step, refine, truth)).collect()
+    let ladder = ladder::climb(&mut still_life.scene, look, &climbing, known, progress, &mut |_| Ok(()))?;
+    let look = Look { sampling, ..look.clone() };
+    ladder.ok_or(Interrupted)?.steps.into_iter().map(|step| kept(still_life, &look, step, truth)).collect()
 }
 
 /// Writes picture and error map of a step.
-fn kept(stage: &Stage, Step { rung, metrics }: Step, refine: bool, truth: &Truth) -> Result<Rung> {
-    let (size, way) = (rung.illum_cut, if refine { "refine" } else { "once" });
-    let settings = PictureSettings { illum_cut: size, refine, ..settings() };
-    let seconds = rung.stats.seconds;
-    let picture = stage.keep(&format!("cut-{size}-{way}"), &format!("{size} nodes"), settings, &rung.image, seconds)?;
+fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth: &Truth) -> Result<Rung> {
+    let way = if look.sampling == BrdfSampling::Refine { "refine" } else { "once" };
+    let (size, seconds) = (rung.illum_cut, rung.stats.seconds);
+    let look = Look { illum_cut: size, ..look.clone() };
+    let (name, title) = (format!("cut-{size}-{way}"), format!("{size} nodes"));
+    let picture = still_life.keep(&name, &title, &look, &rung.image, seconds)?;
     let file = format!("error-{size}-{way}.png");
-    error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?.image.write(&stage.out.join(&file))?;
+    error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?
+        .image
+        .write(&still_life.out.join(&file))?;
     Ok(Rung { picture: Picture { stats: Some(rung.stats), ..picture }, metrics, error_map: file })
 }
 
 /// Glossy metal at a small cut, where refinement shows most.
-fn close_up(stage: &Stage, steps: &Steps) -> Result<Detail> {
-    let settings = PictureSettings { camera: "detail", illum_cut: 64, size: [360, 270], aa: 1, ..settings() };
-    let once = PictureSettings { refine: false, ..settings.clone() };
-    let (once, once_image) = stage.render("detail-once", "sampled once a node", once)?;
-    let (refined, refined_image) = stage.render("detail-refine", "refined in the merge", settings.clone())?;
+fn close_up(still_life: &mut StillLife, steps: &Steps) -> Result<Detail> {
+    let look = Look { illum_cut: 64, ..still_life.look("detail", "studio", [360, 270]) };
+    let once = Look { sampling: BrdfSampling::Once, ..look.clone() };
+    let (once, once_image) = still_life.render("detail-once", "sampled once a node", &once)?;
+    let (refined, refined_image) = still_life.render("detail-refine", "refined in the merge", &look)?;
     let progress = steps.progress("reference", "passes");
     let start = Instant::now();
-    let (view, light) = (stage.view(&settings), stage.light(&settings));
-    let truth = stage.renderer.path_reference(&view, &light, &[], PathSettings::direct(PATH_SAMPLES), &progress);
+    let renderer = still_life.renderer(&look);
+    let truth = renderer.path_reference(&look.view, &look.light, &[], PathSettings::direct(PATH_SAMPLES), &progress);
     progress.finish();
     steps.check()?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Detail {
         once,
         refined,
-        path_reference: stage.keep("reference-path", "path-traced reference", settings, &truth, seconds)?,
+        path_reference: still_life.keep("reference-path", "path-traced reference", &look, &truth, seconds)?,
         metrics_once: compare(&once_image, &truth)?,
         metrics_refined: compare(&refined_image, &truth)?,
     })

@@ -30,14 +30,14 @@ pub fn page(report: &Report) -> String {
 }
 
 fn figure(class: &str, picture: &Picture, caption: Markup) -> Markup {
-    report::figure(class, &picture.png, picture.settings.size, &picture.title, caption)
+    report::figure(class, &picture.png, picture.size, &picture.title, caption)
 }
 
 fn hero(report: &Report) -> Markup {
     let picture = &report.gallery.hero;
     let caption = html! {
-        "Lit by the whole environment “" (picture.settings.environment) "” through an illumination cut of "
-        (picture.settings.illum_cut) " nodes, in " (seconds(picture.seconds)) " on the CPU with " (picture.settings.aa)
+        "Lit by the whole environment “" (picture.look.light.environment.name) "” through an illumination cut of "
+        (picture.look.illum_cut) " nodes, in " (seconds(picture.seconds)) " on the CPU with " (picture.look.view.aa)
         " samples a pixel. No pixel is noisy: which lights each vertex sees was found once, in the bake."
     };
     html! {
@@ -58,8 +58,8 @@ fn key_figures(report: &Report) -> Markup {
     let best = &report.ladder.refined[CUT_SIZES.len() - 1];
     let bake = &report.bake;
     let environment = &report.gallery.environments[0];
-    let samples = u64::from(environment.settings.size[0]) * u64::from(environment.settings.size[1]);
-    let microseconds = 1e6 * environment.seconds / (samples * u64::from(environment.settings.aa)) as f64;
+    let samples = u64::from(environment.size[0]) * u64::from(environment.size[1]);
+    let microseconds = 1e6 * environment.seconds / (samples * u64::from(environment.look.view.aa)) as f64;
     let lights = format!("in a cut, for {} light samples", grouped(bake.lights as u64));
     let vertices = format!("of cuts for {} vertices", grouped(bake.vertices as u64));
     html! {
@@ -87,7 +87,7 @@ fn ladder(report: &Report) -> Markup {
     let chart = |title, metric: fn(&Metrics) -> f64| {
         let line = |name: &str, rungs: &[Rung]| Line {
             name: name.into(),
-            points: rungs.iter().map(|r| (r.picture.settings.illum_cut.into(), metric(&r.metrics))).collect(),
+            points: rungs.iter().map(|r| (r.picture.look.illum_cut.into(), metric(&r.metrics))).collect(),
         };
         let lines = [line("refined", &ladder.refined), line("once", &ladder.once)];
         Chart { title, x_label: "nodes of the illumination cut", x: Scale::Log, y: Scale::Linear, lines: &lines }.svg()
@@ -110,7 +110,7 @@ fn ladder(report: &Report) -> Markup {
 fn rung_caption(rung: &Rung) -> Markup {
     let Metrics { rel_rmse, flip, ssim, .. } = rung.metrics;
     html! {
-        b { (rung.picture.settings.illum_cut) " nodes" }
+        b { (rung.picture.look.illum_cut) " nodes" }
         "relative RMSE " (thousandths(rel_rmse)) br;
         "FLIP " (thousandths(flip)) ", SSIM " (thousandths(ssim)) br;
         (seconds(rung.picture.seconds))
@@ -138,7 +138,7 @@ fn refinement(report: &Report) -> Markup {
         p {
             "Sampling the material once for each node, as the paper did, makes blotches where a cluster is wider than the \
              highlight. The merge can halve such nodes as it meets them, with nothing precomputed and few more evaluations. Both \
-             pictures have an illumination cut of " (detail.once.settings.illum_cut) " nodes."
+             pictures have an illumination cut of " (detail.once.look.illum_cut) " nodes."
         }
         div.grid.three {
             (figure("", &detail.once, caption("Once a node", &detail.once, &detail.metrics_once)))
@@ -170,7 +170,7 @@ fn error_row(rungs: &[Rung]) -> Markup {
             @for rung in rungs {
                 figure.map {
                     a href=(rung.error_map) { img src=(rung.error_map) alt="Error map"; }
-                    figcaption { (rung.picture.settings.illum_cut) " nodes: " (thousandths(rung.metrics.rel_rmse)) }
+                    figcaption { (rung.picture.look.illum_cut) " nodes: " (thousandths(rung.metrics.rel_rmse)) }
                 }
             }
         }
@@ -179,7 +179,7 @@ fn error_row(rungs: &[Rung]) -> Markup {
 
 fn gallery(report: &Report) -> Markup {
     let gallery = &report.gallery;
-    let turned = capitalized(&gallery.rotations[0].settings.environment.replace('-', " "));
+    let turned = capitalized(&gallery.rotations[0].look.light.environment.name.replace('-', " "));
     let environments = html! {
         p {
             "The bake knows nothing of light: a new environment only needs a new illumination cut, whose making is part of the \

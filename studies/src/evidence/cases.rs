@@ -1,7 +1,6 @@
 //! The scenes that are measured: read, tessellated and baked once for all figures.
 
 use super::Measurement;
-use crate::ladder::Subject;
 use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
@@ -14,7 +13,7 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 use lapidary_precompute::{self as precompute, BakeJob, Preset, Variant};
-use lapidary_render::{Background, Components, Illumination, Solution, View};
+use lapidary_render::{Background, Components, Illumination, Look, Solution, View};
 use std::{
     collections::HashSet,
     path::{Path, PathBuf},
@@ -163,15 +162,15 @@ impl Measurement<'_> {
     }
 
     /// A scene under the environment alone, seen in black.
-    pub fn lit_from_afar(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Subject {
+    pub fn lit_from_afar(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Look {
         let environment = self.environment.clone();
         let light = Illumination { environment, rotation: 0.0, intensity: 1.0 };
-        Subject::new(dataset.clone(), view(&dataset.scene, size), light)
+        Look::under_environment(&dataset.scene, view(&dataset.scene, size), light)
     }
 
     /// A scene under its local lights and their bounce.
-    pub fn lit_by_lamps(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Subject {
-        Subject {
+    pub fn lit_by_lamps(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Look {
+        Look {
             lights: dataset.scene.lights.clone().into(),
             components: Components { environment: false, ..Components::ALL },
             solution: Solution::Cuts,

@@ -3,12 +3,12 @@
 use super::{Measurement, cases::Case, notebook::Notebook};
 use crate::{
     args::BackendOption,
-    ladder::{self, Found, Settings, Subject, Summary, Truth},
+    ladder::{self, Found, Settings, Summary, Truth},
     report::text::seconds,
     terminal::Interrupted,
 };
 use anyhow::Result;
-use lapidary_render::Post;
+use lapidary_render::{Baked, LitScene, Look, Post};
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -54,11 +54,27 @@ impl SceneLadder {
     }
 }
 
-/// What is shown of a case under each kind of light that it has.
-pub fn subjects(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<(Light, Subject)> {
-    let environment = case.environment.as_ref().map(|bakes| measurement.lit_from_afar(bakes.mixed(), size));
-    let bounce = case.bounces.as_ref().map(|dataset| measurement.lit_by_lamps(dataset, size));
-    environment.map(|s| (Light::Environment, s)).into_iter().chain(bounce.map(|s| (Light::Bounce, s))).collect()
+/// A baked case under one kind of light.
+pub struct LitCase {
+    /// Which light.
+    pub light: Light,
+    /// What was baked for it.
+    pub baked: Baked,
+    /// How it is shown.
+    pub look: Look,
+}
+
+/// A case under each kind of light that it has.
+pub fn lit_cases(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<LitCase> {
+    let environment = case.environment.as_ref().map(|bakes| {
+        let (baked, look) = (bakes.mixed().clone().into(), measurement.lit_from_afar(bakes.mixed(), size));
+        LitCase { light: Light::Environment, baked, look }
+    });
+    let bounce = case.bounces.as_ref().map(|dataset| {
+        let (baked, look) = (dataset.clone().into(), measurement.lit_by_lamps(dataset, size));
+        LitCase { light: Light::Bounce, baked, look }
+    });
+    environment.into_iter().chain(bounce).collect()
 }
 
 /// Climbs all ladders; each is written when it is done.
@@ -68,8 +84,8 @@ pub fn subjects(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<(
 pub fn record(measurement: &Measurement, cases: &[Case], notebook: &mut Notebook) -> Result<Vec<SceneLadder>> {
     let mut ladders = Vec::new();
     for case in cases {
-        for (light, subject) in subjects(measurement, case, measurement.scale.view) {
-            ladders.push(climb(measurement, case, light, &subject)?);
+        for lit in lit_cases(measurement, case, measurement.scale.view) {
+            ladders.push(climb(measurement, case, lit)?);
         }
     }
     let entry = |ladder: &'_ SceneLadder| format!("fig7-{}", stem(&ladder.scene, ladder.light));
@@ -89,18 +105,19 @@ fn stem(scene: &str, light: Light) -> String {
     format!("{scene}-{light}")
 }
 
-fn climb(measurement: &Measurement, case: &Case, light: Light, subject: &Subject) -> Result<SceneLadder> {
+fn climb(measurement: &Measurement, case: &Case, lit: LitCase) -> Result<SceneLadder> {
+    let LitCase { light, baked, look } = lit;
     let name = stem(&case.name, light);
     measurement.steps.begin(&format!("ladder of {name}"));
     let prefix = format!("fig7-{name}-");
     let progress = measurement.steps.progress("reference", "pixels");
-    let mut backend = BackendOption::Cpu.open()?;
+    let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
     let write = &mut |found: Found| ladder::write_picture(found, measurement.out, &prefix);
-    let ladder = ladder::climb(subject, &Settings::default(), &mut *backend, None, &progress, write)?;
+    let ladder = ladder::climb(&mut scene, &look, &Settings::default(), None, &progress, write)?;
     progress.finish();
     let ladder = ladder.ok_or(Interrupted)?;
     ladder::sheet(&ladder, &Post::default()).write_png(&measurement.out.join(format!("fig7-{name}.png")))?;
-    let summary = Summary::new(subject, &ladder, &prefix);
+    let summary = Summary::new(&look, &ladder, &prefix);
     Ok(SceneLadder { scene: case.name.clone(), light, summary, truth: ladder.truth })
 }
 

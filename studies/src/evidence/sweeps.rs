@@ -22,7 +22,7 @@ use lapidary_core::{
     cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector, scene::Scene,
 };
 use lapidary_precompute::{Study, Variant};
-use lapidary_render::{PathSettings, Quiet, View};
+use lapidary_render::{LitScene, PathSettings, Quiet, Renderer, View};
 use maud::{Markup, html};
 use serde::Serialize;
 use std::sync::Arc;
@@ -88,7 +88,8 @@ const VERTICES: &str = "Vertices after tessellation, from the mesh as it is: lin
 /// All light samples on the surfaces of a dataset.
 fn traced(measurement: &Measurement, dataset: &Arc<Dataset>) -> Result<Truth> {
     let progress = measurement.steps.progress("reference", "pixels");
-    let truth = Truth::trace(&measurement.lit_from_afar(dataset, measurement.scale.view), &progress)?;
+    let look = measurement.lit_from_afar(dataset, measurement.scale.view);
+    let truth = Truth::trace(&dataset.clone().into(), &look, &progress)?;
     progress.finish();
     measurement.steps.check()?;
     Ok(truth)
@@ -133,11 +134,11 @@ impl Sweeper<'_> {
 
     fn lights(&self, bakes: &Bakes) -> Result<Sweep> {
         let (scale, steps) = (self.measurement.scale, self.measurement.steps);
-        let subject = self.measurement.lit_from_afar(bakes.mixed(), scale.view);
-        let renderer = subject.renderer();
+        let look = self.measurement.lit_from_afar(bakes.mixed(), scale.view);
+        let renderer = Renderer::new(bakes.mixed().clone());
         let progress = steps.progress("light paths", "passes");
         let settings = PathSettings::direct(scale.spp);
-        let paths = renderer.path_picture(&subject.view, &subject.light, &[], settings, &progress);
+        let paths = renderer.path_picture(&look.view, &look.light, &[], settings, &progress);
         let paths = against_paths::Truth::from(paths);
         progress.finish();
         steps.check()?;
@@ -185,11 +186,11 @@ impl Sweeper<'_> {
     fn picture(&self, dataset: &Arc<Dataset>, truth: &Truth) -> Result<(Image, f64)> {
         self.measurement.steps.check()?;
         let scale = self.measurement.scale;
-        let subject = self.measurement.lit_from_afar(dataset, scale.view);
+        let look = self.measurement.lit_from_afar(dataset, scale.view);
         let settings = Settings { sizes: vec![scale.sweep_cut], ..Default::default() };
-        let mut backend = BackendOption::Cpu.open()?;
+        let mut scene = LitScene::new(BackendOption::Cpu.open()?, dataset.clone().into())?;
         let known = Some(truth.clone());
-        let ladder = climb(&subject, &settings, &mut *backend, known, &Quiet, &mut |_| Ok(()))?;
+        let ladder = climb(&mut scene, &look, &settings, known, &Quiet, &mut |_| Ok(()))?;
         let step = ladder.and_then(|ladder| ladder.steps.into_iter().next()).ok_or(Interrupted)?;
         Ok((step.rung.image, step.metrics.rel_rmse))
     }

@@ -3,7 +3,7 @@
 use super::{
     Measurement,
     cases::{Bakes, Case},
-    ladders::{Light, SceneLadder, subjects},
+    ladders::{Light, LitCase, SceneLadder, lit_cases},
     notebook::Notebook,
 };
 use crate::{
@@ -16,6 +16,7 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::dataset::Dataset;
+use lapidary_render::LitScene;
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -39,7 +40,7 @@ struct Row {
     data_driven: Bake,
     /// Share by which the data-driven tree makes cuts smaller, in bytes.
     gain_over_geometric: Option<f64>,
-    frames: Vec<Frame>,
+    frames: Vec<FrameTimes>,
     /// Relative RMSE of pictures of the ladder at [`TYPICAL`] nodes.
     picture_rel_rmse: f64,
     /// Seconds of the reference over those of the picture, of the same view.
@@ -58,7 +59,7 @@ struct Bake {
 
 /// Seconds of a frame, from the light to the last pixel.
 #[derive(Serialize)]
-struct Frame {
+struct FrameTimes {
     illum_cut: u32,
     median_seconds: f64,
     least_seconds: f64,
@@ -103,20 +104,21 @@ pub fn record(
 ) -> Result<()> {
     let mut rows = Vec::new();
     for case in cases {
-        for (light, subject) in subjects(measurement, case, measurement.scale.frame) {
+        for LitCase { light, baked, look } in lit_cases(measurement, case, measurement.scale.frame) {
             measurement.steps.check()?;
-            let mut backend = BackendOption::Cpu.open()?;
+            let dataset = baked.dataset.clone();
+            let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
             let settings = Settings { sizes: CUT_SIZES.into(), ..Default::default() };
-            let times = time_frames(&subject, &settings, &mut *backend, measurement.scale.frames)?;
-            let frames = CUT_SIZES.into_iter().zip(times).map(|(size, times)| Frame::new(size, times)).collect();
+            let times = time_frames(&mut scene, &look, &settings, measurement.scale.frames)?;
+            let frames = CUT_SIZES.into_iter().zip(times).map(|(size, times)| FrameTimes::new(size, times)).collect();
             let ladder = ladders.iter().find(|ladder| ladder.is_of(case, light));
-            rows.push(Row::new(case, light, subject.dataset(), frames, ladder));
+            rows.push(Row::new(case, light, &dataset, frames, ladder));
         }
     }
     notebook.record("fig10_table", "Fig. 10: the table", markup(&rows, measurement.scale.frame), &rows)
 }
 
-impl Frame {
+impl FrameTimes {
     fn new(illum_cut: u32, mut times: Vec<f64>) -> Self {
         times.sort_unstable_by(f64::total_cmp);
         let (least_seconds, greatest_seconds) = (times[0], times[times.len() - 1]);
@@ -125,7 +127,13 @@ impl Frame {
 }
 
 impl Row {
-    fn new(case: &Case, light: Light, dataset: &Dataset, frames: Vec<Frame>, ladder: Option<&SceneLadder>) -> Self {
+    fn new(
+        case: &Case,
+        light: Light,
+        dataset: &Dataset,
+        frames: Vec<FrameTimes>,
+        ladder: Option<&SceneLadder>,
+    ) -> Self {
         let geometric = |bakes: &Bakes| Bake::of_environment(bakes.geometric());
         let (geometric, data_driven, lights) = match light {
             Light::Environment => {
@@ -196,7 +204,7 @@ const HEAD: [&str; 15] = [
     "Mean cut",
     "RMS",
     "Gain",
-    "Frame at 128 / 256 / 512",
+    "FrameTimes at 128 / 256 / 512",
     "Rel. RMSE at 256",
     "Over brute force",
 ];
@@ -253,7 +261,7 @@ mod tests {
 
     #[test]
     fn frames_are_medians_with_their_spread() {
-        let frame = Frame::new(256, vec![0.5, 0.1, 0.3]);
+        let frame = FrameTimes::new(256, vec![0.5, 0.1, 0.3]);
         assert_eq!((frame.least_seconds, frame.median_seconds, frame.greatest_seconds), (0.1, 0.3, 0.5));
     }
 

@@ -1,14 +1,12 @@
 //! Pictures at growing illumination cuts, then the truth, then the errors.
 
-use super::{Subject, Truth};
-use crate::whole_picture::{stats, whole_picture};
+use super::Truth;
 use anyhow::Result;
 use lapidary_core::image::Image;
 use lapidary_render::{
-    Backend, BrdfSampling, LightRig, LocalRig, Progress, RenderStats,
+    BackendError, BrdfSampling, LitScene, Look, Progress, RenderStats,
     compare::{Metrics, compare},
 };
-use std::{sync::Arc, time::Instant};
 
 /// How the ladder is climbed.
 #[derive(Clone, Debug)]
@@ -67,30 +65,30 @@ pub enum Found<'a> {
     Step(&'a Step),
 }
 
-/// Renders at each size, traces the truth unless it is `known`, and compares; hands each result to `found` as it comes.
+/// Renders a look at each size, traces the truth unless it is `known`, and compares; hands each result to `found` as it comes.
 /// `progress` hears of the truth, which takes longest, and may stop all of it: `None` then.
 ///
 /// # Errors
 /// A renderer that fails, or what `found` says.
 pub fn climb(
-    subject: &Subject,
+    scene: &mut LitScene,
+    look: &Look,
     settings: &Settings,
-    backend: &mut dyn Backend,
     known: Option<Truth>,
     progress: &dyn Progress,
     found: &mut dyn FnMut(Found) -> Result<()>,
 ) -> Result<Option<Ladder>> {
-    let mut stage = Stage::new(subject, backend)?;
+    warm_up(scene, look)?;
     let mut rungs = Vec::with_capacity(settings.sizes.len());
     for &size in &settings.sizes {
         if progress.cancelled() {
             return Ok(None);
         }
-        let rung = stage.median_rung(size, settings)?;
+        let rung = median_rung(scene, look, size, settings)?;
         found(Found::Picture(&rung))?;
         rungs.push(rung);
     }
-    let truth = known.map_or_else(|| Truth::trace(subject, progress), Ok)?;
+    let truth = known.map_or_else(|| Truth::trace(scene.baked(), look, progress), Ok)?;
     if progress.cancelled() {
         return Ok(None);
     }
@@ -108,67 +106,35 @@ pub fn climb(
 ///
 /// # Errors
 /// A renderer that fails.
-pub fn time_frames(
-    subject: &Subject,
-    settings: &Settings,
-    backend: &mut dyn Backend,
-    count: usize,
-) -> Result<Vec<Vec<f64>>> {
-    let mut stage = Stage::new(subject, backend)?;
+pub fn time_frames(scene: &mut LitScene, look: &Look, settings: &Settings, count: usize) -> Result<Vec<Vec<f64>>> {
+    warm_up(scene, look)?;
     let mut times = |size: u32| {
-        let frame = |_| stage.rung(size, settings.sampling).map(|rung| rung.stats.seconds);
-        (0..count).map(frame).collect::<Result<Vec<f64>>>()
+        let frame = |_| rung(scene, look, size, settings.sampling).map(|rung| rung.stats.seconds);
+        (0..count).map(frame).collect::<Result<Vec<f64>, _>>()
     };
-    settings.sizes.iter().map(|&size| times(size)).collect()
+    Ok(settings.sizes.iter().map(|&size| times(size)).collect::<Result<_, _>>()?)
 }
 
-/// A lit scene on a renderer.
-struct Stage<'a> {
-    subject: &'a Subject,
-    backend: &'a mut dyn Backend,
-    rig: LightRig,
-    local: LocalRig,
+/// Does what is done once for all pictures, so that no picture's time has it: shadow rays from sources to lights, the resampled
+/// environment, shaders.
+fn warm_up(scene: &mut LitScene, look: &Look) -> Result<(), BackendError> {
+    scene.light(&Look { illum_cut: 1, ..look.clone() })?;
+    scene.begin(&look.view, BrdfSampling::default())?;
+    scene.render_rows(0, 0..1)
 }
 
-impl<'a> Stage<'a> {
-    /// Whatever is done once for all pictures is done here, so that no picture's time has it: loading, shadow rays from sources
-    /// to lights, the resampled environment, shaders.
-    fn new(subject: &'a Subject, backend: &'a mut dyn Backend) -> Result<Self> {
-        backend.set_scene(&subject.baked)?;
-        backend.set_appearance(&subject.appearance)?;
-        let mut local = LocalRig::new(&subject.baked);
-        local.set_appearance(&subject.appearance.fitted(&subject.dataset().scene.materials).0);
-        local.set_lights(&subject.lights);
-        let mut stage = Self { subject, backend, rig: LightRig::new(&subject.dataset().tree), local };
-        stage.light(1)?;
-        stage.backend.begin(&subject.view, BrdfSampling::default())?;
-        stage.backend.render_rows(0, 0..1)?;
-        Ok(stage)
-    }
+/// The picture whose time is the median.
+fn median_rung(scene: &mut LitScene, look: &Look, size: u32, settings: &Settings) -> Result<Rung, BackendError> {
+    let frame = |_| rung(scene, look, size, settings.sampling);
+    let mut rungs = (0..settings.frames.max(1)).map(frame).collect::<Result<Vec<_>, _>>()?;
+    rungs.sort_by(|a, b| a.stats.seconds.total_cmp(&b.stats.seconds));
+    Ok(rungs.swap_remove(rungs.len() / 2))
+}
 
-    /// Lights the scene anew with an illumination cut of at most `size` nodes.
-    fn light(&mut self, size: u32) -> Result<()> {
-        let Subject { light, components, solution, .. } = self.subject;
-        let lighting = Arc::new(self.rig.lighting(light, size));
-        self.backend.set_light(light, &lighting)?;
-        self.local.set_environment(Some(&lighting));
-        self.backend.set_local_lighting(&self.local.lighting(*components, *solution, size))?;
-        Ok(())
-    }
-
-    /// The picture whose time is the median.
-    fn median_rung(&mut self, size: u32, settings: &Settings) -> Result<Rung> {
-        let frame = |_| self.rung(size, settings.sampling);
-        let mut rungs = (0..settings.frames.max(1)).map(frame).collect::<Result<Vec<_>>>()?;
-        rungs.sort_by(|a, b| a.stats.seconds.total_cmp(&b.stats.seconds));
-        Ok(rungs.swap_remove(rungs.len() / 2))
-    }
-
-    fn rung(&mut self, size: u32, sampling: BrdfSampling) -> Result<Rung> {
-        let start = Instant::now();
-        self.light(size)?;
-        let (image, _) = whole_picture(self.backend, &self.subject.view, sampling)?;
-        let stats = stats(self.backend, start.elapsed().as_secs_f64())?;
-        Ok(Rung { illum_cut: size, image, stats })
-    }
+/// A picture that is lit anew with an illumination cut of at most `size` nodes.
+fn rung(scene: &mut LitScene, look: &Look, size: u32, sampling: BrdfSampling) -> Result<Rung, BackendError> {
+    scene.forget_light();
+    let look = Look { illum_cut: size, sampling, ..look.clone() };
+    let picture = scene.show_whole(&look)?;
+    Ok(Rung { illum_cut: size, image: picture.image, stats: picture.stats })
 }

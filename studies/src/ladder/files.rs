@@ -1,13 +1,13 @@
 //! The ladder as files: pictures, a contact sheet, `ladder.json`.
 
-use super::{Ladder, Rung, Step, Subject, Truth};
+use super::{Ladder, Rung, Step, Truth};
 use crate::{
     report::text::{grouped, seconds},
     sheet::{DisplayPicture, SheetStyle, Tile, contact_sheet},
 };
 use anyhow::Result;
 use lapidary_core::image::Image;
-use lapidary_render::Post;
+use lapidary_render::{Look, Post};
 use serde::Serialize;
 use std::path::Path;
 
@@ -81,16 +81,16 @@ pub struct StepFigures {
 
 impl Summary {
     /// The figures of a ladder whose pictures were written by [`write_picture`] as `cut-SIZE` and `reference`, after `prefix`.
-    pub fn new(subject: &Subject, ladder: &Ladder, prefix: &str) -> Self {
+    pub fn new(look: &Look, ladder: &Ladder, prefix: &str) -> Self {
         let first = ladder.steps.first().map(|step| &step.rung.stats);
         let renderer = first.map(|stats| stats.adapter.clone().unwrap_or_else(|| stats.backend.clone()));
         let Truth { what, seconds, .. } = &ladder.truth;
         let [png, exr] = files(prefix, "reference");
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            environment: subject.light.environment.name.clone(),
-            size: subject.view.size,
-            aa: subject.view.aa,
+            environment: look.light.environment.name.clone(),
+            size: look.view.size,
+            aa: look.view.aa,
             renderer: renderer.unwrap_or_default(),
             reference: ReferenceFigures { kind: "samples", what: what.clone(), seconds: *seconds, png, exr },
             steps: ladder.steps.iter().map(|step| StepFigures::new(step, prefix)).collect(),

@@ -1,15 +1,23 @@
 use super::*;
 use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment, test_scenes};
-use lapidary_render::{Background, BrdfSampling, Components, CpuBackend, Illumination, Post, Progress, Quiet, View};
+use lapidary_render::{
+    Backend, Background, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Look, Post, Progress, Quiet,
+    View,
+};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A triangle seen from above, under a light that differs by direction.
-fn subject() -> Subject {
+fn look() -> Look {
     let camera = Camera::look_at(Vec3::new(0.4, 2.0, 0.5), Vec3::new(0.4, 0.0, 0.3), 30.0);
     let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [16, 12]) };
     let environment = Environment::from_spec("orientation").unwrap().0.into();
-    Subject::new(test_scenes::dataset(&["a"], &[]), view, Illumination { environment, rotation: 0.0, intensity: 1.0 })
+    let scene = test_scenes::dataset(&["a"], &[]).scene;
+    Look::under_environment(&scene, view, Illumination { environment, rotation: 0.0, intensity: 1.0 })
+}
+
+fn scene() -> LitScene {
+    LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), test_scenes::dataset(&["a"], &[]).into()).unwrap()
 }
 
 fn settings(sizes: &[u32]) -> Settings {
@@ -17,7 +25,7 @@ fn settings(sizes: &[u32]) -> Settings {
 }
 
 fn climbed(sizes: &[u32]) -> Ladder {
-    climb(&subject(), &settings(sizes), &mut CpuBackend::new(), None, &Quiet, &mut |_| Ok(())).unwrap().unwrap()
+    climb(&mut scene(), &look(), &settings(sizes), None, &Quiet, &mut |_| Ok(())).unwrap().unwrap()
 }
 
 #[test]
@@ -42,11 +50,11 @@ fn results_come_as_they_are_found() {
         });
         Ok(())
     };
-    climb(&subject(), &settings(&[1, 2]), &mut CpuBackend::new(), None, &Quiet, &mut found).unwrap();
+    climb(&mut scene(), &look(), &settings(&[1, 2]), None, &Quiet, &mut found).unwrap();
     assert_eq!(order, ["picture 1", "picture 2", "truth", "step 1", "step 2"]);
     let known = climbed(&[1]).truth;
     let marked = Truth { what: "known".into(), ..known };
-    let again = climb(&subject(), &settings(&[1]), &mut CpuBackend::new(), Some(marked), &Quiet, &mut |_| Ok(()));
+    let again = climb(&mut scene(), &look(), &settings(&[1]), Some(marked), &Quiet, &mut |_| Ok(()));
     assert_eq!(again.unwrap().unwrap().truth.what, "known");
 }
 
@@ -67,24 +75,23 @@ fn it_stops_when_it_is_told_to() {
         flag.0.store(true, Ordering::SeqCst);
         Ok(())
     };
-    let ladder = climb(&subject(), &settings(&[1, 2, 4]), &mut CpuBackend::new(), None, &flag, &mut found).unwrap();
+    let ladder = climb(&mut scene(), &look(), &settings(&[1, 2, 4]), None, &flag, &mut found).unwrap();
     assert!(ladder.is_none() && pictures == 1);
-    let failing =
-        climb(&subject(), &settings(&[1]), &mut CpuBackend::new(), None, &Quiet, &mut |_| anyhow::bail!("a full disk"));
+    let failing = climb(&mut scene(), &look(), &settings(&[1]), None, &Quiet, &mut |_| anyhow::bail!("a full disk"));
     assert!(failing.unwrap_err().to_string().contains("full disk"));
 }
 
 #[test]
 fn parts_that_are_not_shown_are_not_in_the_truth() {
-    let lit = Subject { lights: [test_scenes::light()].into(), components: Components::UNBOUNCED, ..subject() };
-    let mean = |subject: &Subject| {
-        let truth = Truth::trace(subject, &Quiet).unwrap();
+    let lit = Look { lights: [test_scenes::light()].into(), components: Components::UNBOUNCED, ..look() };
+    let mean = |look: &Look| {
+        let truth = Truth::trace(scene().baked(), look, &Quiet).unwrap();
         (truth.image.pixels.iter().map(|p| p.y).sum::<f32>(), truth.what)
     };
     let (both, what) = mean(&lit);
-    let (sky, _) = mean(&subject());
+    let (sky, _) = mean(&look());
     let only = Components { direct: true, ..Components::NONE };
-    let (lamp, _) = mean(&Subject { components: only, ..lit.clone() });
+    let (lamp, _) = mean(&Look { components: only, ..lit.clone() });
     assert!((both - sky - lamp).abs() < 1e-3 * both && lamp > 0.0 && sky > 0.0, "{both} = {sky} + {lamp}");
     assert!(what.contains("1 local light"), "{what}");
 }
@@ -92,7 +99,7 @@ fn parts_that_are_not_shown_are_not_in_the_truth() {
 #[test]
 fn sheet_page_and_figures_show_every_step() {
     let ladder = climbed(&[1, 4, 16]);
-    let summary = Summary::new(&subject(), &ladder, "x-");
+    let summary = Summary::new(&look(), &ladder, "x-");
     let json = serde_json::to_value(&summary).unwrap();
     for key in ["illum_cut", "rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
         assert!(json["steps"].as_array().unwrap().iter().all(|step| step[key].is_number()), "{key}");

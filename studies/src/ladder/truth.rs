@@ -1,14 +1,12 @@
 //! What the pictures are held against: the same lights without cuts.
 
-use super::Subject;
-use crate::{report::text::grouped, whole_picture::whole_picture};
+use crate::report::text::grouped;
 use anyhow::Result;
-use lapidary_core::image::Image;
+use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{
-    Backend, BrdfSampling, Components, CpuBackend, LightRig, LocalLighting, LocalRig, Progress, Renderer, SampledLight,
-    Solution,
+    BackendError, Baked, Components, CpuBackend, LitScene, Look, Progress, Renderer, SampledLight, Solution,
 };
-use std::{sync::Arc, time::Instant};
+use std::time::Instant;
 
 /// A reference picture.
 #[derive(Clone, Debug)]
@@ -22,68 +20,76 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Traces every sample of all lights of the subject. Unfinished if `progress` was cancelled.
+    /// Traces every sample of all lights of a look. Unfinished if `progress` was cancelled.
     ///
     /// # Errors
     /// None on this machine's cores; a renderer's where one is asked.
-    pub fn trace(subject: &Subject, progress: &dyn Progress) -> Result<Self> {
+    pub fn trace(baked: &Baked, look: &Look, progress: &dyn Progress) -> Result<Self> {
         let start = Instant::now();
-        let image = every_sample(subject, &subject.renderer(), progress)?;
-        Ok(Self { image, what: what(subject), seconds: start.elapsed().as_secs_f64() })
+        let image = every_sample(baked, look, &Renderer::of(baked, look), progress)?;
+        Ok(Self { image, what: what(&baked.dataset, look), seconds: start.elapsed().as_secs_f64() })
     }
 }
 
 /// All light samples of the environment, shadow rays to local lights, and a ray from every pixel to every surface source. The
-/// bounces of the meshless basis, which has no such samples, are as in any picture.
+/// bounces of the meshless basis, which has no such samples, are as in any picture. `renderer` has the scene as the look has it.
 ///
 /// # Errors
 /// As [`Truth::trace`].
-pub fn every_sample(subject: &Subject, renderer: &Renderer, progress: &dyn Progress) -> Result<Image> {
-    let components = subject.components;
-    let bounced = components.indirect.then(|| bounced(subject));
-    let sources = bounced.as_ref().and_then(|lighting| lighting.indirect.as_deref());
-    let base = bounced.as_ref().filter(|_| sources.is_none()).map(|l| interpolated(subject, l)).transpose()?;
+pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &dyn Progress) -> Result<Image> {
+    let components = look.components;
+    let mut bounced = components.indirect.then(|| Bounced::new(baked, look)).transpose()?;
+    let base = bounced.as_mut().map(Bounced::interpolated).transpose()?.flatten();
     let light = SampledLight {
-        environment: components.environment.then_some(&subject.light),
-        lights: if components.direct { &subject.lights } else { &[] },
-        sources,
+        environment: components.environment.then_some(&look.light),
+        lights: if components.direct { &look.lights } else { &[] },
+        sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.indirect.as_deref()),
         base: base.as_ref(),
     };
-    Ok(renderer.sampled(&subject.view, light, progress))
+    Ok(renderer.sampled(&look.view, light, progress))
 }
 
-/// Bounced light of the subject. All samples of the environment shine on the sources: no illumination cut has a part in it.
-fn bounced(subject: &Subject) -> LocalLighting {
-    let samples = subject.dataset().tree.len() as u32;
-    let environment = LightRig::new(&subject.dataset().tree).lighting(&subject.light, samples);
-    let mut rig = LocalRig::new(&subject.baked);
-    rig.set_appearance(&subject.appearance.fitted(&subject.dataset().scene.materials).0);
-    rig.set_environment(Some(&Arc::new(environment)));
-    rig.set_lights(&subject.lights);
-    rig.lighting(Components { indirect: true, ..Components::NONE }, subject.solution, samples)
+/// Bounced light of a look and nothing else. All samples of the environment shine on the sources: no illumination cut has a part
+/// in it.
+struct Bounced {
+    scene: LitScene<CpuBackend>,
+    look: Look,
 }
 
-/// Bounced light that vertices hold, and nothing else.
-fn interpolated(subject: &Subject, lighting: &LocalLighting) -> Result<Image> {
-    let mut backend = CpuBackend::new();
-    backend.set_scene(&subject.baked)?;
-    backend.set_appearance(&subject.appearance)?;
-    backend.set_local_lighting(lighting)?;
-    Ok(whole_picture(&mut backend, &subject.view, BrdfSampling::default())?.0)
+impl Bounced {
+    fn new(baked: &Baked, look: &Look) -> Result<Self, BackendError> {
+        let look = Look {
+            components: Components { indirect: true, ..Components::NONE },
+            illum_cut: baked.dataset.tree.len() as u32,
+            sampling: Default::default(),
+            ..look.clone()
+        };
+        let mut scene = LitScene::new(Box::new(CpuBackend::new()), baked.clone())?;
+        scene.light(&look)?;
+        Ok(Self { scene, look })
+    }
+
+    /// Its picture, where vertices hold the light: `None` where sources send it.
+    fn interpolated(&mut self) -> Result<Option<Image>, BackendError> {
+        if self.scene.local().is_some_and(|local| local.indirect.is_some()) {
+            return Ok(None);
+        }
+        Ok(Some(self.scene.show_whole(&self.look)?.image))
+    }
 }
 
-/// What [`every_sample`] traces for a subject.
-fn what(subject: &Subject) -> String {
-    let Components { environment, direct, indirect } = subject.components;
+/// What [`every_sample`] traces for a look.
+fn what(dataset: &Dataset, look: &Look) -> String {
+    let Components { environment, direct, indirect } = look.components;
     let mut parts = Vec::new();
     if environment {
-        let samples = grouped(subject.dataset().tree.len() as u64);
+        let samples = grouped(dataset.tree.len() as u64);
         parts.push(format!("every one of {samples} samples of the environment with a shadow ray at every pixel"));
     }
-    if direct && !subject.lights.is_empty() {
-        parts.push(format!("shadow rays to {} local lights", subject.lights.len()));
+    if direct && !look.lights.is_empty() {
+        parts.push(format!("shadow rays to {} local lights", look.lights.len()));
     }
-    match (subject.solution, subject.dataset().indirect.as_ref()) {
+    match (look.solution, dataset.indirect.as_ref()) {
         _ if !indirect => {}
         (Solution::Cuts | Solution::CutsMeshless, Some(baked)) => {
             let sources = grouped(baked.sources.len() as u64);

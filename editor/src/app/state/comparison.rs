@@ -1,18 +1,17 @@
 //! The comparison with a reference: its threads, what they have made, and what was asked of them.
 
 use crate::{
-    jobs::{
-        Wake,
-        comparison::{ComparisonThread, ReferencePicture, TestPicture},
-        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap, ShownPixels},
-        render_thread::Factory,
-    },
     panels::comparison::{ComparisonContext, ComparisonPanel},
     viewport::compare::Compared,
 };
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_core::image::Region;
-use lapidary_render::Post;
+use lapidary_render::{BackendFactory, Post};
+use lapidary_studies::jobs::{
+    Wake,
+    comparison::{ComparisonThread, ReferencePicture, TestPicture},
+    measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap, ShownPixels},
+};
 use std::sync::Arc;
 
 /// Both threads; they are there while something is compared.
@@ -34,7 +33,7 @@ pub struct Asked {
 
 /// Pictures, measures and what they are shown by.
 pub struct Comparison {
-    pub(in crate::app) factory: Factory,
+    pub(in crate::app) factory: BackendFactory,
     pub(in crate::app) wake: Wake,
     pub(in crate::app) jobs: Option<Jobs>,
     pub(in crate::app) test: Option<Arc<TestPicture>>,
@@ -54,7 +53,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// With nothing to compare yet.
-    pub fn new(factory: Factory, wake: Wake) -> Self {
+    pub fn new(factory: BackendFactory, wake: Wake) -> Self {
         Self {
             factory,
             wake,

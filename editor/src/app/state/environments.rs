@@ -1,11 +1,9 @@
 //! Environment maps: the one that lights the scene, and small pictures of those in the library.
 
-use crate::{
-    jobs::{Wake, thumbnails::Thumbnails},
-    panels::environment::thumbnail,
-};
+use crate::{jobs::thumbnails::Thumbnails, panels::environment::thumbnail};
 use egui::{Context, TextureHandle, TextureOptions};
 use lapidary_core::environment::Environment;
+use lapidary_studies::jobs::Wake;
 use std::{collections::HashMap, sync::Arc};
 
 /// Width and height of the library's pictures in pixels.

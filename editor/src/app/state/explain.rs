@@ -1,14 +1,8 @@
 //! The pixel that is explained, and what is known about it.
 
-use crate::{
-    jobs::{
-        explain::{ExplainJob, ExplainSubject, Explained},
-        render_thread::RenderRequest,
-    },
-    panels::explain::ExplainPanel,
-    viewport::compare::NodeMark,
-};
+use crate::{panels::explain::ExplainPanel, viewport::compare::NodeMark};
 use lapidary_render::{ErrorSplit, TreeOf};
+use lapidary_studies::jobs::explain::{ExplainJob, ExplainedPicture, ExplainedPixel};
 
 /// Nodes that are drawn over the picture: those with the largest contributions.
 const DRAWN: usize = 64;
@@ -20,14 +14,12 @@ pub struct ExplainWindow {
     pub(in crate::app) open: bool,
     pub(in crate::app) pixel: Option<[u32; 2]>,
     /// The picture that it was chosen in.
-    pub(in crate::app) subject: Option<ExplainSubject>,
-    /// What was asked for when it was.
-    pub(in crate::app) picture: Option<RenderRequest>,
+    pub(in crate::app) picture: Option<ExplainedPicture>,
     /// Which light, where there are both.
     pub(in crate::app) tree: Option<TreeOf>,
-    pub(in crate::app) job: Option<ExplainJob<Explained>>,
+    pub(in crate::app) job: Option<ExplainJob<ExplainedPixel>>,
     pub(in crate::app) splitting: Option<ExplainJob<Option<ErrorSplit>>>,
-    pub(in crate::app) explained: Option<Explained>,
+    pub(in crate::app) explained: Option<ExplainedPixel>,
     pub(in crate::app) split: Option<ErrorSplit>,
     pub(in crate::app) message: Option<String>,
 }
@@ -40,7 +32,7 @@ impl ExplainWindow {
 
     /// Where the light of the pixel comes from on surfaces.
     pub fn marks(&self) -> Vec<NodeMark> {
-        let Some(Explained { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
+        let Some(ExplainedPixel { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
             return Vec::new();
         };
         let contribution = |i: usize| lapidary_core::color::luminance(explanation.nodes[i].contribution);

@@ -1,9 +1,7 @@
 //! The export at work, and the dialog that describes the next.
 
-use crate::{
-    app::sequence_dialog::{SequenceDialog, duration},
-    jobs::export::ExportRun,
-};
+use crate::app::sequence_dialog::{SequenceDialog, duration};
+use lapidary_studies::jobs::export::ExportRun;
 use std::time::Instant;
 
 /// The export at work, and the dialog that describes the next.

@@ -1,13 +1,11 @@
 //! The ladder of cut sizes, as far as it is climbed.
 
-use crate::{
-    jobs::{
-        ladder::{LadderEvent, LadderJob},
-        measure::ShownPixels,
-    },
-    panels::ladder::{LadderResult, LadderTile, LadderTruth},
-};
+use crate::panels::ladder::{LadderResult, LadderTile, LadderTruth};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use lapidary_studies::jobs::{
+    ladder::{LadderEvent, LadderJob},
+    measure::ShownPixels,
+};
 
 /// The ladder, while its window is open.
 #[derive(Default)]

@@ -4,12 +4,12 @@ use super::*;
 use crate::{
     app::state::ladder::LadderWindow,
     document::Edit,
-    jobs::measure::ShownMap,
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
 };
 use egui::Event;
 use lapidary_core::image::Image;
 use lapidary_render::compare::map::ErrorMap;
+use lapidary_studies::jobs::measure::ShownMap;
 
 /// A window that compares a small scene with paths, and has measured it.
 fn comparing(place: &Place) -> Window {

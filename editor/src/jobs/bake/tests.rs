@@ -1,12 +1,12 @@
 //! A single triangle, which is baked in no time.
 
 use super::*;
-use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeMode, Dataset},
     import::import,
 };
+use lapidary_studies::jobs::testing::{silent, wait_for};
 
 const LIGHTS: usize = 256;
 /// More than a draft has.

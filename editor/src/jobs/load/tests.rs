@@ -1,9 +1,9 @@
 //! What was asked for last is what arrives.
 
 use super::*;
-use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{image::Image, material::MapKind};
+use lapidary_studies::jobs::testing::{silent, wait_for};
 
 fn next(loader: &mut Loader) -> LoadResult {
     wait_for("a file", || loader.results().pop())

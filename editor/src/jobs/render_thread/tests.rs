@@ -4,13 +4,14 @@ mod failures;
 mod fake;
 
 use super::*;
-use crate::jobs::testing::{silent, wait_for};
 use fake::{Fake, Log, Shared};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, environment::Environment, lights::Light, test_scenes};
+use lapidary_core::{lights::Light, material::Material, test_scenes};
 use lapidary_render::{
-    Appearance, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Post, Renderer, Solution, View,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, Post, Renderer,
+    Solution, View, test_scenes::plain_look,
 };
+use lapidary_studies::jobs::testing::{silent, wait_for};
 use std::ops::Range;
 
 fn dataset() -> Arc<Dataset> {
@@ -18,25 +19,7 @@ fn dataset() -> Arc<Dataset> {
 }
 
 pub fn request(aa: u32) -> RenderRequest {
-    let environment = Environment { name: "e".into(), map: Image::filled([8, 4], Vec3::ONE) };
-    let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
-    RenderRequest {
-        baked: Some(dataset().into()),
-        look: Look {
-            appearance: Appearance::default(),
-            light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
-            lights: Arc::new([]),
-            components: Components::ALL,
-            solution: Solution::Cuts,
-            illum_cut: 16,
-            sampling: BrdfSampling::Refine,
-            view: View { aa, ..View::new(camera, [64, 48]) },
-            post: Post::default(),
-        },
-        appearance_revision: 1,
-        moving: false,
-        frame_budget_ms: 10.0,
-    }
+    RenderRequest { baked: Some(dataset().into()), look: plain_look(aa), moving: false, frame_budget_ms: 10.0 }
 }
 
 fn start(log: Log) -> (Shared, RenderThread) {
@@ -130,14 +113,16 @@ fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not()
     let change = |change: &dyn Fn(&mut RenderRequest)| {
         let mut new = old.clone();
         change(&mut new);
-        changes::changes(Some(&old), &new)
+        old.redo(&new)
     };
-    assert_eq!(change(&|r| r.look.lights = lights.clone()), changes::Changes::Nothing);
+    assert_eq!(change(&|r| r.look.lights = lights.clone()), Redo::NOTHING);
     let moved = Light { position: Vec3::splat(7.0), ..test_scenes::light() };
-    assert_eq!(change(&|r| r.look.lights = Arc::new([moved.clone()])), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.look.components = Components::UNBOUNCED), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.look.solution = Solution::Meshless), changes::Changes::Picture);
-    assert_eq!(change(&|r| r.look.post.exposure = 1.0), changes::Changes::Post, "negative control");
+    assert!(change(&|r| r.look.lights = Arc::new([moved.clone()])).local);
+    assert!(change(&|r| r.look.components = Components::UNBOUNCED).local);
+    assert!(change(&|r| r.look.solution = Solution::Meshless).local);
+    assert_eq!(change(&|r| r.baked = Some(dataset().into())), Redo::ALL);
+    let exposed = change(&|r| r.look.post.exposure = 1.0);
+    assert_eq!(exposed, Redo { display: true, ..Redo::NOTHING }, "negative control");
 }
 
 #[test]
@@ -147,7 +132,7 @@ fn requests_are_the_same_until_anything_of_them_is_not() {
     let edits: [fn(&mut RenderRequest); 13] = [
         |r| r.baked = Some(dataset().into()),
         |r| r.baked = None,
-        |r| r.appearance_revision += 1,
+        |r| r.look.appearance.materials.push(Material::default()),
         |r| r.look.light.environment = Arc::new((*r.look.light.environment).clone()),
         |r| r.look.light.rotation = 0.1,
         |r| r.look.light.intensity = 2.0,
@@ -215,7 +200,7 @@ fn an_edit_redoes_only_what_it_changed() {
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 1);
     assert_eq!(counts(&log), (1, 1, 1));
-    edited.appearance_revision += 1;
+    edited.look.appearance.materials.push(Material::default());
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 1);
     assert_eq!(counts(&log), (1, 2, 1));

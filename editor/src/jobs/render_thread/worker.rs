@@ -1,13 +1,12 @@
 //! What the thread does: takes the newest request, then one step of rendering, and again.
 
 use super::{
-    Factory, LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
-    changes::{Changes, changes},
+    LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
     stage::{PictureStage, Restarts},
-    station::Station,
 };
-use crate::jobs::{budget::Pace, panic_text};
-use lapidary_render::{BackendError, PictureStats, View};
+use crate::jobs::budget::Pace;
+use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, View};
+use lapidary_studies::jobs::panic_text;
 use std::{
     ops::Range,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -38,7 +37,11 @@ pub struct Worker {
     outbox: Outbox,
     /// Whether other work needs the cores.
     held: Arc<AtomicBool>,
-    station: Station,
+    factory: BackendFactory,
+    /// The scene on its renderer, once there is one.
+    scene: Option<LitScene>,
+    /// Lights of the environment that renderers made which were given up.
+    lights_before: u64,
     wanted: Option<Arc<RenderRequest>>,
     stage: PictureStage,
     begun: Option<Begun>,
@@ -61,12 +64,14 @@ pub struct Worker {
 
 impl Worker {
     /// With nothing to do yet.
-    pub fn new(factory: Factory, inbox: Receiver<Message>, outbox: Outbox, held: Arc<AtomicBool>) -> Self {
+    pub fn new(factory: BackendFactory, inbox: Receiver<Message>, outbox: Outbox, held: Arc<AtomicBool>) -> Self {
         Self {
             inbox,
             outbox,
             held,
-            station: Station::new(factory),
+            factory,
+            scene: None,
+            lights_before: 0,
             wanted: None,
             stage: PictureStage::Rest,
             begun: None,
@@ -88,7 +93,7 @@ impl Worker {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => self.failed(error),
                 Err(panic) => {
-                    self.station.reset();
+                    self.reset();
                     let reason = panic_text(&*panic);
                     self.give_up(format!(
                         "the renderer failed by a mistake in Lapidary ({reason}); change something to try again, and \
@@ -146,7 +151,8 @@ impl Worker {
 
     /// Builds the renderer's shaders anew; those of before go on if that fails.
     fn reload(&mut self) {
-        let reloaded = self.station.backend().and_then(|backend| backend.reload());
+        // A renderer that is yet to be made reads them when it is.
+        let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
         self.begun = None;
         self.stage = PictureStage::Coarse;
         self.outbox.event(match reloaded {
@@ -157,10 +163,11 @@ impl Worker {
 
     /// Decides what a new request sets going.
     fn accept(&mut self, request: RenderRequest) {
-        match changes(self.wanted.as_deref(), &request) {
-            Changes::Nothing => {}
-            Changes::Post => self.post_changed(),
-            Changes::Picture => self.stage = PictureStage::Coarse,
+        let redo = self.wanted.as_ref().map_or(Redo::ALL, |wanted| wanted.redo(&request));
+        if redo.pixels {
+            self.stage = PictureStage::Coarse;
+        } else if redo.display {
+            self.post_changed();
         }
         self.wanted = Some(request.into());
     }
@@ -199,9 +206,8 @@ impl Worker {
     /// A picture as large as fits the frame time, which may be the full one.
     fn coarse(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
-        let remark = |text| self.outbox.event(RenderEvent::Remark(text));
-        if self.station.update(request, &remark)? {
-            self.pace = Pace::default();
+        if let Some(baked) = &request.baked {
+            self.light(baked, &request.look)?;
         }
         if request.baked.is_none() || request.look.view.size.contains(&0) {
             self.stage = PictureStage::Rest;
@@ -214,6 +220,27 @@ impl Worker {
         let complete = self.sample_complete(request)?;
         self.stage = if complete { PictureStage::Rest } else { PictureStage::Settle { since: Instant::now() } };
         Ok(())
+    }
+
+    /// Gives the renderer the scene, its materials and its light, as far as it does not have them.
+    fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
+        let scene = match &mut self.scene {
+            Some(scene) => {
+                if scene.set_scene(baked)? {
+                    self.pace = Pace::default();
+                }
+                scene
+            }
+            None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?),
+        };
+        scene.light(look)?;
+        scene.remarks().into_iter().for_each(|remark| self.outbox.event(RenderEvent::Remark(remark)));
+        Ok(())
+    }
+
+    /// Gives up the renderer; the next picture makes another.
+    fn reset(&mut self) {
+        self.lights_before += self.scene.take().map_or(0, |scene| scene.light_revision());
     }
 
     /// Goes on from a coarse picture that has the full size, or begins anew.
@@ -251,7 +278,8 @@ impl Worker {
         let aa = if full_size { request.look.view.aa.max(1) } else { 1 };
         self.begun = None;
         let view = View { size, aa, ..request.look.view.clone() };
-        self.station.backend()?.begin(&view, request.look.sampling)?;
+        let Some(scene) = &mut self.scene else { return Ok(()) };
+        scene.begin(&view, request.look.sampling)?;
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0 });
         Ok(())
     }
@@ -259,7 +287,8 @@ impl Worker {
     /// Renders rows and returns the milliseconds that it took.
     fn render(&mut self, sample: u32, rows: Range<u32>) -> Result<f64, BackendError> {
         let start = Instant::now();
-        self.station.backend()?.render_rows(sample, rows)?;
+        let Some(scene) = &mut self.scene else { return Ok(0.0) };
+        scene.render_rows(sample, rows)?;
         let millis = 1e3 * start.elapsed().as_secs_f64();
         if let Some(begun) = &mut self.begun {
             begun.millis += millis;
@@ -282,12 +311,12 @@ impl Worker {
 
     /// Shows the picture as it is.
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
-        let (Some(begun), Some(light)) = (&self.begun, self.station.light().cloned()) else { return Ok(()) };
-        let Some(baked) = request.baked.clone() else { return Ok(()) };
-        let local = self.station.local().cloned().unwrap_or_default();
-        let backend = self.station.backend()?;
+        let (Some(begun), Some(scene)) = (&self.begun, &mut self.scene) else { return Ok(()) };
+        let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
+        let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
+        let backend = scene.backend();
         let frame = RenderedFrame {
-            dataset: baked.dataset,
+            dataset,
             pixels: backend.display(&request.look.post, begun.complete)?,
             size: begun.size,
             full_size: begun.full_size,
@@ -295,8 +324,8 @@ impl Worker {
             of_samples: request.look.view.aa.max(1),
             stats: if request.moving { self.stats } else { backend.stats()? },
             millis: begun.millis,
-            lighting: light.lighting,
-            light_revision: light.revision,
+            lighting,
+            light_revision,
             local,
             backend: backend.name(),
         };
@@ -309,12 +338,12 @@ impl Worker {
     /// Gives the complete picture to those who wait for it.
     fn answer_reads(&mut self) -> Result<(), BackendError> {
         while let Some(&id) = self.reads.first() {
-            let result = match &self.begun {
-                Some(begun) => {
-                    let (image, coverage) = self.station.backend()?.read(begun.complete)?;
+            let result = match (&self.begun, &mut self.scene) {
+                (Some(begun), Some(scene)) => {
+                    let (image, coverage) = scene.backend().read(begun.complete)?;
                     Ok(LinearPicture { image, coverage })
                 }
-                None => Err("there is no picture; open a scene or a dataset first".into()),
+                _ => Err("there is no picture; open a scene or a dataset first".into()),
             };
             self.reads.remove(0);
             self.outbox.event(RenderEvent::Picture { id, result });
@@ -324,7 +353,7 @@ impl Worker {
 
     fn failed(&mut self, error: BackendError) {
         let BackendError::DeviceLost { reason } = &error else { return self.give_up(error.to_string()) };
-        self.station.reset();
+        self.reset();
         self.begun = None;
         if self.restarts.allow(Instant::now()) {
             self.outbox.event(RenderEvent::Remark(error.to_string()));

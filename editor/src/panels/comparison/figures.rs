@@ -1,9 +1,9 @@
 //! What both pictures differ by: metrics, and how the errors are distributed.
 
 use super::{ComparisonPanel, Tool};
-use crate::jobs::{comparison::TestPicture, measure::Measured};
 use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
 use lapidary_render::compare::{Metrics, map::ErrorField};
+use lapidary_studies::jobs::{comparison::TestPicture, measure::Measured};
 
 /// Size of the histogram in points, and its bars.
 const HISTOGRAM: egui::Vec2 = vec2(150.0, 34.0);

@@ -1,7 +1,7 @@
 //! What the strip asks for, and where regions lie.
 
 use super::*;
-use crate::jobs::render_thread::tests::request;
+use lapidary_render::test_scenes::plain_look;
 
 #[test]
 fn a_region_moves_out_to_the_grid_and_stays_inside() {
@@ -21,13 +21,13 @@ fn a_region_moves_out_to_the_grid_and_stays_inside() {
 #[test]
 fn the_size_of_the_comparison_is_a_part_of_the_live_picture() {
     let mut panel = ComparisonPanel { region: Some([0.0, 0.0, 0.5, 0.5]), ..Default::default() };
-    let asked = panel.request(request(4)).unwrap();
+    let asked = panel.request(None, plain_look(4)).unwrap();
     assert_eq!((asked.size(), asked.kind.clone()), ([16, 12], ReferenceKind::Samples));
     assert_eq!(asked.region, Some(Region { x: 0, y: 0, width: 12, height: 8 }));
     panel.kind = KindChoice::File;
-    assert!(panel.request(request(4)).is_none(), "no file was chosen");
+    assert!(panel.request(None, plain_look(4)).is_none(), "no file was chosen");
     panel.file = Some("truth.exr".into());
-    let asked = panel.request(request(4)).unwrap();
+    let asked = panel.request(None, plain_look(4)).unwrap();
     assert_eq!((asked.kind, asked.region), (ReferenceKind::File("truth.exr".into()), None), "a file has its own size");
 }
 

@@ -1,12 +1,10 @@
 //! Comparisons of a small scene on the thread.
 
 use super::*;
-use crate::jobs::{
-    render_thread::tests::request,
-    testing::{silent, wait_for},
-};
+use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
-use lapidary_render::{Appearance, CpuBackend, Post, compare::compare};
+use lapidary_core::{camera::Camera, test_scenes};
+use lapidary_render::{Appearance, CpuBackend, Post, compare::compare, test_scenes::plain_look};
 use std::time::Duration;
 
 fn start() -> ComparisonThread {
@@ -14,12 +12,11 @@ fn start() -> ComparisonThread {
 }
 
 fn comparison(kind: ReferenceKind) -> ComparisonRequest {
-    let mut picture = request(1);
-    let baked = picture.baked.clone().unwrap();
-    picture.look.appearance = Appearance::of(&baked.dataset.scene);
-    picture.look.view.camera =
-        lapidary_core::camera::Camera::look_at(Vec3::new(0.3, 2.0, 0.3), Vec3::new(0.3, 0.0, 0.3), 60.0);
-    ComparisonRequest { picture, kind, scale: 2, region: None }
+    let baked: Baked = test_scenes::dataset(&["a"], &[]).into();
+    let mut look = plain_look(1);
+    look.appearance = Appearance::of(&baked.dataset.scene);
+    look.view.camera = Camera::look_at(Vec3::new(0.3, 2.0, 0.3), Vec3::new(0.3, 0.0, 0.3), 60.0);
+    ComparisonRequest { baked: Some(baked), look, kind, scale: 2, region: None }
 }
 
 /// All events until the reference is finished or there is none.
@@ -76,9 +73,9 @@ fn exposure_begins_nothing_anew_and_light_does() {
     assert!(thread.request(first.clone()));
     outcome(&mut thread);
     let mut other = first.clone();
-    other.picture.look.post = Post { exposure: 2.0, ..Post::default() };
+    other.look.post = Post { exposure: 2.0, ..Post::default() };
     assert!(!thread.request(other.clone()));
-    other.picture.look.light.rotation = 1.0;
+    other.look.light.rotation = 1.0;
     assert!(thread.request(other.clone()));
     assert!(thread.request(ComparisonRequest { kind: ReferenceKind::Samples, ..other }));
     thread.stop();
@@ -147,7 +144,6 @@ fn a_file_is_compared_in_its_own_size_and_a_bad_one_is_told() {
     thread.request(comparison(ReferenceKind::File(folder.path().join("missing.exr"))));
     assert!(failure(&outcome(&mut thread)).contains("missing.exr"));
     let nothing = comparison(ReferenceKind::Samples);
-    let picture = RenderRequest { baked: None, ..nothing.picture };
-    thread.request(ComparisonRequest { picture, ..nothing });
+    thread.request(ComparisonRequest { baked: None, ..nothing });
     assert!(failure(&outcome(&mut thread)).contains("open a scene"));
 }

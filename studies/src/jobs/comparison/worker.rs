@@ -1,18 +1,15 @@
 //! What the thread does: the picture with cuts, then the reference, for one request after another.
 
 use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
-use crate::jobs::{
-    Wake, guarded,
-    render_thread::{Factory, Station},
+use crate::{
+    jobs::{Wake, guarded},
+    ladder::every_sample,
 };
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
 use lapidary_render::{
-    Baked, Look, PathPicture, PathSettings, Preview, Progress, Renderer, View, ViewMode, predicted_error,
-};
-use lapidary_studies::{
-    ladder::{Subject, every_sample},
-    whole_picture::BAND_ROWS,
+    BackendError, BackendFactory, Baked, LitScene, Look, PathPicture, PathSettings, PictureStats, Preview, Progress,
+    Renderer, View, ViewMode, predicted_error,
 };
 use std::{
     path::Path,
@@ -41,15 +38,17 @@ pub struct Outbox {
 pub struct Worker {
     control: Arc<Control>,
     outbox: Outbox,
-    station: Station,
+    factory: BackendFactory,
+    /// The picture with cuts, on a renderer of its own.
+    scene: Option<LitScene>,
     /// Traces the scene of before again.
     renderer: Option<(Baked, Renderer)>,
 }
 
 impl Worker {
     /// With nothing to do yet.
-    pub fn new(factory: Factory, control: Arc<Control>, outbox: Outbox) -> Self {
-        Self { control, outbox, station: Station::new(factory), renderer: None }
+    pub fn new(factory: BackendFactory, control: Arc<Control>, outbox: Outbox) -> Self {
+        Self { control, outbox, factory, scene: None, renderer: None }
     }
 
     /// Works until the window is gone.
@@ -58,7 +57,7 @@ impl Worker {
             let (number, request) = inbox.try_iter().last().unwrap_or(first);
             if let Err(text) = guarded("the comparison", || self.compare(number, &request)) {
                 self.renderer = None;
-                self.station.reset();
+                self.scene = None;
                 self.tell(number, ComparisonEvent::Failed(text));
             }
         }
@@ -75,7 +74,7 @@ impl Worker {
     }
 
     fn compare(&mut self, number: u64, request: &ComparisonRequest) -> Result<()> {
-        let Some(baked) = request.picture.baked.clone() else { bail!("there is no picture to compare; open a scene") };
+        let Some(baked) = request.baked.clone() else { bail!("there is no picture to compare; open a scene") };
         let loaded = match &request.kind {
             ReferenceKind::File(path) => Some(read(path)?),
             _ => None,
@@ -84,7 +83,7 @@ impl Worker {
         if !self.is_wanted(number) {
             return Ok(());
         }
-        let Some(mut test) = self.test_picture(number, request, &view)? else { return Ok(()) };
+        let Some(mut test) = self.test_picture(number, request, &baked, &view)? else { return Ok(()) };
         test.predicted = self.predicted(number, request, &baked, &view)?;
         if !self.is_wanted(number) {
             return Ok(());
@@ -96,29 +95,50 @@ impl Worker {
         Ok(())
     }
 
-    /// The picture as the live one is made, on the same kind of renderer; `None` if another comparison is wanted.
-    fn test_picture(&mut self, number: u64, request: &ComparisonRequest, view: &View) -> Result<Option<TestPicture>> {
-        let remark = |text| {
-            let _ = self.outbox.events.send((number, ComparisonEvent::Remark(text)));
-        };
-        self.station.update(&request.picture, &remark)?;
-        let start = Instant::now();
-        let backend = self.station.backend()?;
-        backend.begin(view, request.picture.look.sampling)?;
-        let height = view.size[1];
-        let mut waited = Duration::ZERO;
-        for sample in 0..view.aa {
-            for first in (0..height).step_by(BAND_ROWS as usize) {
-                if self.control.wanted() != number {
-                    return Ok(None);
-                }
-                waited += self.control.wait(number);
-                backend.render_rows(sample, first..height.min(first + BAND_ROWS))?;
+    /// The renderer with a scene.
+    fn scene_of(&mut self, baked: &Baked) -> Result<&mut LitScene, BackendError> {
+        let scene = match self.scene.take() {
+            Some(mut scene) => {
+                scene.set_scene(baked)?;
+                scene
             }
+            None => LitScene::new((self.factory)()?, baked.clone())?,
+        };
+        Ok(self.scene.insert(scene))
+    }
+
+    /// The picture as the live one is made, on the same kind of renderer; `None` if another comparison is wanted.
+    fn test_picture(
+        &mut self,
+        number: u64,
+        request: &ComparisonRequest,
+        baked: &Baked,
+        view: &View,
+    ) -> Result<Option<TestPicture>> {
+        let look = Look { view: view.clone(), ..request.look.clone() };
+        let control = self.control.clone();
+        let scene = self.scene_of(baked)?;
+        // Light that is there already takes no part of the picture's time.
+        scene.light(&look)?;
+        let remarks = scene.remarks();
+        let mut waited = Duration::ZERO;
+        let picture = scene.show(&look, &mut || {
+            let wanted = control.wanted() == number;
+            if wanted {
+                waited += control.wait(number);
+            }
+            wanted
+        })?;
+        for remark in remarks {
+            let _ = self.outbox.events.send((number, ComparisonEvent::Remark(remark)));
         }
-        let millis = 1e3 * start.elapsed().saturating_sub(waited).as_secs_f64();
-        let (image, coverage) = backend.read(view.aa)?;
-        Ok(Some(TestPicture { image, coverage, predicted: None, stats: backend.stats()?, millis }))
+        Ok(picture.map(|picture| TestPicture {
+            image: picture.image,
+            coverage: picture.coverage,
+            predicted: None,
+            millis: 1e3 * (picture.stats.seconds - waited.as_secs_f64()).max(0.0),
+            stats: PictureStats::from(&picture.stats),
+        }))
     }
 
     /// The error that is expected of the picture, if all its clusters are of the environment.
@@ -129,22 +149,20 @@ impl Worker {
         baked: &Baked,
         view: &View,
     ) -> Result<Option<Image>> {
-        let look = &request.picture.look;
-        let Some(lighting) = self.station.light().map(|light| light.lighting.clone()) else { return Ok(None) };
+        let look = &request.look;
+        let Some(lighting) = self.scene.as_ref().and_then(LitScene::environment).cloned() else { return Ok(None) };
         if !look.components.environment || !baked.dataset.settings.mode.environment() {
             return Ok(None);
         }
-        let renderer = renderer_of(&mut self.renderer, baked);
-        renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
+        let renderer = renderer_of(&mut self.renderer, baked, look);
         let wanted = Wanted { number, control: &self.control };
         let predicted = predicted_error(renderer, view, &lighting, look.sampling, &wanted)?;
         Ok(predicted.map(|predicted| predicted.expected))
     }
 
     fn trace(&mut self, number: u64, request: &ComparisonRequest, baked: &Baked, view: &View) -> Result<()> {
-        let look = &request.picture.look;
-        let renderer = renderer_of(&mut self.renderer, baked);
-        renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
+        let look = &request.look;
+        let renderer = renderer_of(&mut self.renderer, baked, look);
         self.control.wait(number);
         let hearing = Hearing::new(number, &self.control, &self.outbox);
         let (image, noise) = match request.kind {
@@ -152,7 +170,10 @@ impl Worker {
                 let PathPicture { image, noise, .. } = paths(renderer, look, view, spp, &hearing);
                 (image, noise)
             }
-            _ => (every_sample(&Subject::of_look(look, baked, view.clone()), renderer, &hearing)?, None),
+            _ => {
+                let look = Look { view: view.clone(), ..look.clone() };
+                (every_sample(baked, &look, renderer, &hearing)?, None)
+            }
         };
         if !hearing.abandoned() {
             let (image, seconds) = (Arc::new(image), hearing.seconds());
@@ -169,18 +190,22 @@ fn paths(renderer: &Renderer, look: &Look, view: &View, spp: u32, progress: &dyn
     renderer.path_picture(view, &look.light, &look.lights, settings, progress)
 }
 
-/// Makes rays for a scene that is new.
-fn renderer_of<'a>(known: &'a mut Option<(Baked, Renderer)>, baked: &Baked) -> &'a mut Renderer {
-    if known.as_ref().is_none_or(|(of, _)| !of.is_same(baked)) {
-        *known = None;
-    }
-    &mut known.get_or_insert_with(|| (baked.clone(), Renderer::new(baked.clone()))).1
+/// What casts rays on the scene as it looks; made anew for a scene that is new.
+fn renderer_of<'a>(known: &'a mut Option<(Baked, Renderer)>, baked: &Baked, look: &Look) -> &'a mut Renderer {
+    let renderer = match known.take() {
+        Some((of, mut renderer)) if of.is_same(baked) => {
+            renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
+            renderer
+        }
+        _ => Renderer::of(baked, look),
+    };
+    &mut known.insert((baked.clone(), renderer)).1
 }
 
 /// A lit picture in the size of the comparison. Traced references look at the centre of each pixel, as the picture with cuts then
 /// does; that of another program filters, as the live picture does.
 fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View {
-    let live = &request.picture.look.view;
+    let live = &request.look.view;
     View {
         size: loaded.map_or(request.size(), |image| image.size),
         aa: if loaded.is_some() { live.aa.max(1) } else { 1 },

@@ -4,15 +4,14 @@ use super::{
     Wake, guarded,
     hearing::Hearing,
     measure::{ShownPixels, shown},
-    render_thread::{Factory, RenderRequest},
     spawn,
 };
+use crate::ladder::{Found, Rung, Settings, climb};
 use anyhow::{Context as _, Result};
 use lapidary_render::{
-    Post, Preview, Progress, RenderStats, View, ViewMode,
+    BackendFactory, Baked, LitScene, Look, Post, Preview, Progress, RenderStats, View, ViewMode,
     compare::{Metrics, compare},
 };
-use lapidary_studies::ladder::{Found, Rung, Settings, Subject, climb};
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -83,13 +82,13 @@ pub struct LadderJob {
 }
 
 impl LadderJob {
-    /// Climbs the sizes for the live picture, in a size of its own.
-    pub fn start(factory: Factory, picture: RenderRequest, wake: Wake) -> Self {
+    /// Climbs the sizes for the look of the live picture, in a size of its own.
+    pub fn start(factory: BackendFactory, baked: Option<Baked>, look: Look, wake: Wake) -> Self {
         let (sender, events) = channel();
         let hearing = Arc::new(Hearing::new(wake));
         let shared = hearing.clone();
         spawn("ladder", move || {
-            let ended = guarded("the ladder", || climbed(&factory, &picture, &sender, &shared));
+            let ended = guarded("the ladder", || climbed(&factory, baked, &look, &sender, &shared));
             tell(&sender, &shared, LadderEvent::Ended(ended));
         });
         Self { events, hearing }
@@ -118,11 +117,17 @@ fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
     hearing.wake();
 }
 
-fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEvent>, hearing: &Hearing) -> Result<()> {
-    let (post, settings) =
-        (picture.look.post, Settings { sampling: picture.look.sampling, frames: FRAMES, ..Settings::default() });
-    let subject = subject(picture)?;
-    let mut backend = factory()?;
+fn climbed(
+    factory: &BackendFactory,
+    baked: Option<Baked>,
+    look: &Look,
+    sender: &Sender<LadderEvent>,
+    hearing: &Hearing,
+) -> Result<()> {
+    let baked = baked.context("there is no picture to compare; open a scene")?;
+    let (post, settings) = (look.post, Settings { sampling: look.sampling, frames: FRAMES, ..Settings::default() });
+    let look = affordable_look(&baked, look);
+    let mut scene = LitScene::new(factory()?, baked)?;
     let climbing = Climbing { hearing, sender, rungs: Mutex::default() };
     let mut found = |found: Found| {
         if let Found::Picture(rung) = found {
@@ -131,7 +136,7 @@ fn climbed(factory: &Factory, picture: &RenderRequest, sender: &Sender<LadderEve
         tell(sender, hearing, event_of(found, &post));
         Ok(())
     };
-    climb(&subject, &settings, &mut *backend, None, &climbing, &mut found)?;
+    climb(&mut scene, &look, &settings, None, &climbing, &mut found)?;
     Ok(())
 }
 
@@ -186,15 +191,14 @@ fn event_of(found: Found, post: &Post) -> LadderEvent {
 }
 
 /// The live picture in a size whose reference takes no longer than anyone waits.
-fn subject(picture: &RenderRequest) -> Result<Subject> {
-    let baked = picture.baked.as_ref().context("there is no picture to compare; open a scene")?;
-    let sources = baked.dataset.indirect.as_ref().filter(|_| picture.look.components.indirect);
+fn affordable_look(baked: &Baked, look: &Look) -> Look {
+    let sources = baked.dataset.indirect.as_ref().filter(|_| look.components.indirect);
     let lights = baked.dataset.tree.len() + sources.map_or(0, |indirect| indirect.sources.len());
     let cores = available_parallelism().map_or(1, usize::from);
-    let size = affordable(picture.look.view.size, lights, cores);
-    let view = picture.look.view.clone();
+    let size = affordable(look.view.size, lights, cores);
+    let view = look.view.clone();
     let view = View { size, aa: 1, mode: ViewMode::Shaded, wireframe: false, region: None, ..view };
-    Ok(Subject::of_look(&picture.look, baked, view))
+    Look { view, ..look.clone() }
 }
 
 /// `size`, smaller if a ray from each pixel to each light would take too long.
@@ -208,15 +212,15 @@ fn affordable(size: [u32; 2], lights: usize, cores: usize) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::{
-        render_thread::tests::request,
-        testing::{silent, wait_for},
+    use crate::{
+        jobs::testing::{silent, wait_for},
+        ladder::SIZES,
     };
-    use lapidary_render::{Appearance, CpuBackend};
-    use lapidary_studies::ladder::SIZES;
+    use lapidary_core::test_scenes;
+    use lapidary_render::{Appearance, CpuBackend, test_scenes::plain_look};
 
-    fn start(picture: RenderRequest) -> LadderJob {
-        LadderJob::start(Arc::new(|| Ok(Box::new(CpuBackend::new()))), picture, silent())
+    fn start(baked: Option<Baked>, look: Look) -> LadderJob {
+        LadderJob::start(Arc::new(|| Ok(Box::new(CpuBackend::new()))), baked, look, silent())
     }
 
     fn ended(job: &LadderJob) -> Vec<LadderEvent> {
@@ -230,9 +234,9 @@ mod tests {
 
     #[test]
     fn every_size_has_a_picture_and_figures_and_the_reference_comes_between() {
-        let mut picture = request(1);
-        picture.look.appearance = Appearance::of(&picture.baked.as_ref().unwrap().dataset.scene);
-        let events = ended(&start(picture));
+        let baked: Baked = test_scenes::dataset(&["a"], &[]).into();
+        let look = Look { appearance: Appearance::of(&baked.dataset.scene), ..plain_look(1) };
+        let events = ended(&start(Some(baked), look));
         let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
         let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });
         assert_eq!(pictures, SIZES);
@@ -257,7 +261,7 @@ mod tests {
 
     #[test]
     fn without_a_scene_the_reason_is_told() {
-        let events = ended(&start(RenderRequest { baked: None, ..request(1) }));
+        let events = ended(&start(None, plain_look(1)));
         let [LadderEvent::Ended(Err(reason))] = &events[..] else { panic!("{events:?}") };
         assert!(reason.contains("open a scene"), "{reason}");
     }

@@ -2,12 +2,9 @@
 
 use super::{Wake, guarded, hearing::Hearing, spawn};
 use anyhow::Result;
-use lapidary_core::{image::Region, lights::Light};
+use lapidary_core::image::Region;
 use lapidary_precompute::VertexSampler;
-use lapidary_render::{
-    Appearance, Baked, BrdfSampling, CutMap, ErrorSplit, GatheredLight, Illumination, PixelExplanation, Progress,
-    Renderer, SplitJob, View,
-};
+use lapidary_render::{Baked, CutMap, ErrorSplit, GatheredLight, Look, PixelExplanation, Progress, Renderer, SplitJob};
 use std::sync::{
     Arc,
     mpsc::{Receiver, Sender, channel},
@@ -20,48 +17,34 @@ const SPLIT_SPP: u32 = 256;
 
 /// A picture whose pixels are explained.
 #[derive(Clone)]
-pub struct ExplainSubject {
+pub struct ExplainedPicture {
     /// The scene.
     pub baked: Baked,
-    /// Its materials.
-    pub appearance: Appearance,
-    /// Camera, size and samples.
-    pub view: View,
-    /// How the BRDF is sampled.
-    pub sampling: BrdfSampling,
-    /// Which light, as the picture has it.
-    pub lit: GatheredLight,
-    /// The continuous environment.
-    pub illumination: Illumination,
-    /// Local lights, whose bounce the sources hold.
-    pub lights: Arc<[Light]>,
+    /// What decides the picture.
+    pub look: Look,
+    /// The light whose cuts are explained, as the picture has it.
+    pub gathered: GatheredLight,
 }
 
-impl ExplainSubject {
-    fn renderer(&self) -> Renderer {
-        let mut renderer = Renderer::new(self.baked.clone());
-        renderer.set_appearance(self.appearance.fitted(&self.baked.dataset.scene.materials).0);
-        renderer
-    }
-
-    fn explain(&self, pixel: [u32; 2]) -> Result<Explained> {
-        let (renderer, light) = (self.renderer(), self.lit.light());
-        let explanation = renderer.explain(&self.view, pixel, light, self.sampling)?;
+impl ExplainedPicture {
+    fn explain(&self, pixel: [u32; 2]) -> Result<ExplainedPixel> {
+        let (renderer, light) = (Renderer::of(&self.baked, &self.look), self.gathered.light());
+        let explanation = renderer.explain(&self.look.view, pixel, light, self.look.sampling)?;
         let map = renderer.cut_map(&explanation, light, MAP_WIDTH).into();
-        Ok(Explained { explanation, map })
+        Ok(ExplainedPixel { explanation, map })
     }
 
     fn split(&self, region: Region, progress: &dyn Progress) -> Result<Option<ErrorSplit>> {
-        let renderer = self.renderer();
+        let renderer = Renderer::of(&self.baked, &self.look);
         let sampler = VertexSampler::new(&self.baked.dataset, renderer.intersector());
         let trace = |vertex: u32, visible: &mut [u8]| sampler.sample(vertex, visible);
         let job = SplitJob {
-            view: &self.view,
+            view: &self.look.view,
             region,
-            light: self.lit.light(),
-            sampling: self.sampling,
-            illumination: &self.illumination,
-            lights: &self.lights,
+            light: self.gathered.light(),
+            sampling: self.look.sampling,
+            illumination: &self.look.light,
+            lights: &self.look.lights,
             spp: SPLIT_SPP,
             trace_vertex: Some(&trace),
         };
@@ -70,7 +53,7 @@ impl ExplainSubject {
 }
 
 /// A pixel that was explained.
-pub struct Explained {
+pub struct ExplainedPixel {
     /// Its cuts and nodes.
     pub explanation: PixelExplanation,
     /// Its merged cut on the map of directions.
@@ -83,17 +66,17 @@ pub struct ExplainJob<T> {
     hearing: Arc<Hearing>,
 }
 
-impl ExplainJob<Explained> {
+impl ExplainJob<ExplainedPixel> {
     /// Explains a pixel.
-    pub fn pixel(subject: ExplainSubject, pixel: [u32; 2], wake: Wake) -> Self {
-        Self::start(wake, move |_| subject.explain(pixel))
+    pub fn pixel(picture: ExplainedPicture, pixel: [u32; 2], wake: Wake) -> Self {
+        Self::start(wake, move |_| picture.explain(pixel))
     }
 }
 
 impl ExplainJob<Option<ErrorSplit>> {
     /// Splits the error of a region; `None` if cancelled.
-    pub fn split(subject: ExplainSubject, region: Region, wake: Wake) -> Self {
-        Self::start(wake, move |hearing| subject.split(region, hearing))
+    pub fn split(picture: ExplainedPicture, region: Region, wake: Wake) -> Self {
+        Self::start(wake, move |hearing| picture.split(region, hearing))
     }
 }
 

@@ -1,13 +1,13 @@
 //! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
 
-use super::{Wake, guarded, hearing::Hearing, render_thread::Factory, spawn};
-use anyhow::Result;
-use lapidary_render::{Baked, Look, Progress};
-use lapidary_studies::{
+use super::{Wake, guarded, hearing::Hearing, spawn};
+use crate::{
     export::{Finished, LayerKind, Studio},
     sequence::{Record, SequenceEnd, SequenceTask},
     terminal::Interrupted,
 };
+use anyhow::Result;
+use lapidary_render::{BackendFactory, Baked, Look, Progress};
 use std::{
     path::PathBuf,
     slice,
@@ -58,7 +58,7 @@ pub struct ExportRun {
 
 impl ExportRun {
     /// Starts an export of a scene.
-    pub fn start(task: ExportTask, baked: Baked, factory: Factory, wake: Wake) -> Self {
+    pub fn start(task: ExportTask, baked: Baked, factory: BackendFactory, wake: Wake) -> Self {
         let (sender, messages) = channel();
         let hearing = Arc::new(Hearing::new(wake));
         let theirs = hearing.clone();
@@ -96,7 +96,7 @@ impl Drop for ExportRun {
 fn run(
     task: ExportTask,
     baked: Baked,
-    factory: &Factory,
+    factory: &BackendFactory,
     state: &Hearing,
     sender: &Sender<ExportMessage>,
 ) -> Result<ExportMessage> {

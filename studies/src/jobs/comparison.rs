@@ -4,14 +4,10 @@
 mod control;
 mod worker;
 
-use super::{
-    Wake,
-    render_thread::{Changes, Factory, RenderRequest, changes},
-    spawn,
-};
+use super::{Wake, spawn};
 use control::Control;
 use lapidary_core::image::{Image, Region};
-use lapidary_render::PictureStats;
+use lapidary_render::{BackendFactory, Baked, Look, PictureStats, Redo};
 use std::{
     path::PathBuf,
     sync::{
@@ -37,8 +33,10 @@ pub enum ReferenceKind {
 /// What is to be compared.
 #[derive(Clone, Debug)]
 pub struct ComparisonRequest {
-    /// The live picture.
-    pub picture: RenderRequest,
+    /// The scene of the live picture; `None` while nothing is open.
+    pub baked: Option<Baked>,
+    /// The look of the live picture, in its size.
+    pub look: Look,
     /// With what.
     pub kind: ReferenceKind,
     /// The comparison has one pixel for so many of the live picture along each axis; a file has its own size.
@@ -50,7 +48,7 @@ pub struct ComparisonRequest {
 impl ComparisonRequest {
     /// Width and height of the comparison in pixels, unless it is with a file.
     pub fn size(&self) -> [u32; 2] {
-        self.picture.look.view.size.map(|side| side.div_ceil(self.scale.max(1)))
+        self.look.view.size.map(|side| side.div_ceil(self.scale.max(1)))
     }
 
     /// Whether pictures made for `other` are those of `self`.
@@ -58,7 +56,8 @@ impl ComparisonRequest {
         self.kind == other.kind
             && self.scale == other.scale
             && self.region == other.region
-            && changes(Some(&other.picture), &self.picture) < Changes::Picture
+            && Baked::are_same(self.baked.as_ref(), other.baked.as_ref())
+            && !Redo::between(&other.look, &self.look).pixels
     }
 }
 
@@ -116,7 +115,7 @@ pub struct ComparisonThread {
 
 impl ComparisonThread {
     /// Starts the thread. Its renderer is made when there is something to compare.
-    pub fn start(factory: Factory, wake: Wake) -> Self {
+    pub fn start(factory: BackendFactory, wake: Wake) -> Self {
         let (requests, inbox) = channel();
         let (sender, events) = channel();
         let control = Arc::new(Control::default());

@@ -1,0 +1,372 @@
+//! A scene on a renderer, brought from one look to the next: what an edit does not change is not done again ([`Redo`]).
+
+use crate::{
+    Backend, BackendError, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Post, Redo, RenderStats,
+    Renderer, SceneLighting, SurfaceLayers, View,
+};
+use lapidary_core::image::Image;
+use std::{ops::Range, sync::Arc, time::Instant};
+
+/// Rows that are rendered at once: drivers stop work that holds up a graphics adapter for seconds, as the whole of a large
+/// picture with thousands of lights may.
+const BAND_ROWS: u32 = 64;
+
+/// A scene with what renders and lights it.
+pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
+    baked: Baked,
+    environment_rig: LightRig,
+    local_rig: LocalRig,
+    /// What the renderer has; `None` after a failure, so that all is given to it again.
+    lit: Option<Lit>,
+    /// Counts the lights of the environment that were made, for others to see that one is new.
+    light_revision: u64,
+    /// Whether all samples of the look's picture are rendered.
+    finished: bool,
+    remarks: Remarks,
+    backend: Box<B>,
+}
+
+/// A look and its light, as the renderer has them.
+struct Lit {
+    look: Look,
+    environment: Arc<SceneLighting>,
+    local: LocalLighting,
+}
+
+/// What had to be done to make something fit, in sentences.
+#[derive(Default)]
+struct Remarks {
+    /// Those of what the renderer has: of the appearance, of the environment, of local lights. They are not told again.
+    of: [Vec<String>; 3],
+    untold: Vec<String>,
+}
+
+impl Remarks {
+    fn replace(&mut self, part: usize, remarks: Vec<String>) {
+        self.untold.extend(remarks.iter().filter(|remark| !self.of[part].contains(remark)).cloned());
+        self.of[part] = remarks;
+    }
+}
+
+/// A finished picture.
+#[derive(Clone, Debug)]
+pub struct FinishedPicture {
+    /// Scene-linear radiance, or what the view's mode shows.
+    pub image: Image,
+    /// How much of each pixel is covered by surfaces, 0 to 1.
+    pub coverage: Vec<f32>,
+    /// How it was made; the seconds are those from the light to the last pixel.
+    pub stats: RenderStats,
+}
+
+impl<B: Backend + ?Sized> LitScene<B> {
+    /// Gives a scene to a renderer; some tenths of a second, and more with surface sources.
+    ///
+    /// # Errors
+    /// A dataset larger than the adapter's limits.
+    pub fn new(mut backend: Box<B>, baked: Baked) -> Result<Self, BackendError> {
+        let (environment_rig, local_rig) = rigs(&mut *backend, &baked)?;
+        Ok(Self {
+            baked,
+            environment_rig,
+            local_rig,
+            lit: None,
+            light_revision: 0,
+            finished: false,
+            remarks: Remarks::default(),
+            backend,
+        })
+    }
+
+    /// Gives the renderer a scene unless it has it. Returns whether it is another.
+    ///
+    /// # Errors
+    /// A dataset larger than the adapter's limits; the scene before is kept then.
+    pub fn set_scene(&mut self, baked: &Baked) -> Result<bool, BackendError> {
+        if self.baked.is_same(baked) {
+            return Ok(false);
+        }
+        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
+        self.baked = baked.clone();
+        (self.lit, self.finished) = (None, false);
+        Ok(true)
+    }
+
+    /// Renders a look, unless that is what was rendered last. `go_on` is asked before each band of rows, and may wait; `None` if
+    /// it says no.
+    ///
+    /// # Errors
+    /// A picture beyond the adapter's limits, or a lost device.
+    pub fn show(
+        &mut self,
+        look: &Look,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<FinishedPicture>, BackendError> {
+        let start = Instant::now();
+        self.light(look)?;
+        if !self.finished {
+            self.begin(&look.view, look.sampling)?;
+            if !self.render_samples(&look.view, go_on)? {
+                return Ok(None);
+            }
+            self.finished = true;
+        }
+        let (image, coverage) = self.backend.read(look.view.aa)?;
+        let stats = self.stats(start.elapsed().as_secs_f64())?;
+        Ok(Some(FinishedPicture { image, coverage, stats }))
+    }
+
+    /// [`Self::show`] without a pause.
+    ///
+    /// # Errors
+    /// As [`Self::show`].
+    pub fn show_whole(&mut self, look: &Look) -> Result<FinishedPicture, BackendError> {
+        let picture = self.show(look, &mut || true)?;
+        Ok(picture.expect("nothing stops it"))
+    }
+
+    /// The picture that [`Self::show`] finished last, as a display shows it: sRGB-encoded, row by row from the top.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn display(&mut self, post: &Post) -> Result<Vec<[u8; 4]>, BackendError> {
+        let samples = self.lit.as_ref().map_or(1, |lit| lit.look.view.aa);
+        self.backend.display(post, samples)
+    }
+
+    /// Gives the renderer the materials and the light of a look, as far as it does not have them.
+    ///
+    /// # Errors
+    /// Sources beyond the adapter's limits, or a lost device.
+    pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
+        let known = self.lit.take();
+        let redo = known.as_ref().map_or(Redo::ALL, |lit| Redo::between(&lit.look, look));
+        self.finished &= !redo.pixels;
+        if redo.appearance {
+            let remarks = self.backend.set_appearance(&look.appearance)?;
+            self.remarks.replace(0, remarks);
+            self.local_rig.set_appearance(&look.appearance.fitted(&self.baked.dataset.scene.materials).0);
+        }
+        // Equal lights stay where they are, for those who compare places.
+        let lights = known.as_ref().map(|lit| &lit.look.lights).filter(|lights| **lights == look.lights);
+        let look = Look { lights: lights.unwrap_or(&look.lights).clone(), ..look.clone() };
+        let (environment, local) = known.map(|lit| (lit.environment, lit.local)).unzip();
+        let environment = match environment {
+            Some(environment) if !redo.environment => environment,
+            _ => self.light_environment(&look)?,
+        };
+        let local = match local {
+            Some(local) if !redo.local => local,
+            known => self.light_locally(&look, &environment, known)?,
+        };
+        self.lit = Some(Lit { look, environment, local });
+        Ok(())
+    }
+
+    /// Lights the environment's tree.
+    fn light_environment(&mut self, look: &Look) -> Result<Arc<SceneLighting>, BackendError> {
+        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut));
+        let remarks = self.backend.set_light(&look.light, &lighting)?;
+        self.remarks.replace(1, remarks);
+        self.light_revision += 1;
+        Ok(lighting)
+    }
+
+    /// Local lights, what bounces, and which parts are shown. Bounced light that is not shown is not computed.
+    fn light_locally(
+        &mut self,
+        look: &Look,
+        environment: &Arc<SceneLighting>,
+        known: Option<LocalLighting>,
+    ) -> Result<LocalLighting, BackendError> {
+        self.local_rig.set_environment(Some(environment));
+        self.local_rig.set_lights(&look.lights);
+        let local = self.local_rig.lighting(look.components, look.solution, look.illum_cut);
+        if !known.is_some_and(|known| known.is_same(&local)) {
+            let remarks = self.backend.set_local_lighting(&local)?;
+            self.remarks.replace(2, remarks);
+        }
+        Ok(local)
+    }
+
+    /// Makes the next look be lit and rendered anew, even if it is the same: for measuring how long that takes.
+    pub fn forget_light(&mut self) {
+        (self.lit, self.finished) = (None, false);
+    }
+
+    /// Begins a picture of the scene as it is lit, which [`Self::render_rows`] makes step by step.
+    ///
+    /// # Errors
+    /// A picture larger than the adapter's limits, or a lost device.
+    pub fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        self.finished = false;
+        self.backend.begin(view, sampling)
+    }
+
+    /// Adds one sample per pixel to some rows; see [`Backend::render_rows`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
+        self.backend.render_rows(sample, rows)
+    }
+
+    /// All samples of all rows; whether `go_on` never said no.
+    fn render_samples(&mut self, view: &View, go_on: &mut dyn FnMut() -> bool) -> Result<bool, BackendError> {
+        let height = view.size[1];
+        for sample in 0..view.aa {
+            for first in (0..height).step_by(BAND_ROWS as usize) {
+                if !go_on() {
+                    return Ok(false);
+                }
+                self.backend.render_rows(sample, first..height.min(first + BAND_ROWS))?;
+            }
+        }
+        Ok(true)
+    }
+
+    fn stats(&mut self, seconds: f64) -> Result<RenderStats, BackendError> {
+        let (work, name) = (self.backend.stats()?, self.backend.name());
+        let adapter = (name != CPU).then_some(name);
+        Ok(RenderStats {
+            backend: if adapter.is_some() { "gpu" } else { CPU }.into(),
+            adapter,
+            seconds,
+            pixels_shaded: work.pixels_shaded,
+            mean_merged_nodes: work.mean_merged_nodes,
+            mean_brdf_evaluations: work.mean_brdf_evaluations,
+        })
+    }
+
+    /// What the surfaces of a look are, without light.
+    pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
+        Renderer::of(&self.baked, look).surface_layers(&look.view)
+    }
+
+    /// The scene.
+    pub fn baked(&self) -> &Baked {
+        &self.baked
+    }
+
+    /// The renderer.
+    pub fn backend(&mut self) -> &mut B {
+        &mut self.backend
+    }
+
+    /// The light of the environment, once a look was lit.
+    pub fn environment(&self) -> Option<&Arc<SceneLighting>> {
+        self.lit.as_ref().map(|lit| &lit.environment)
+    }
+
+    /// Changes whenever [`Self::environment`] does.
+    pub fn light_revision(&self) -> u64 {
+        self.light_revision
+    }
+
+    /// Local lights and bounced light, once a look was lit.
+    pub fn local(&self) -> Option<&LocalLighting> {
+        self.lit.as_ref().map(|lit| &lit.local)
+    }
+
+    /// What had to be done to make something fit since the last call, in sentences. None is told again while it holds.
+    pub fn remarks(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.remarks.untold)
+    }
+}
+
+/// Gives a scene to a renderer, and makes what lights it. The light rig is made beside the scene: each takes as long as the
+/// other.
+fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig, LocalRig), BackendError> {
+    let tree = &baked.dataset.tree;
+    let environment = std::thread::scope(|threads| {
+        let rig = threads.spawn(|| LightRig::new(tree));
+        backend.set_scene(baked)?;
+        Ok(rig.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })?;
+    Ok((environment, LocalRig::new(baked)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Appearance, CpuBackend, test_scenes::look};
+    use lapidary_core::test_scenes::dataset;
+
+    fn scene() -> LitScene {
+        LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset(&["a"], &[]).into()).unwrap()
+    }
+
+    fn shown(scene: &mut LitScene, look: &Look) -> (FinishedPicture, Vec<[u8; 4]>) {
+        let picture = scene.show(look, &mut || true).unwrap().unwrap();
+        (picture, scene.display(&look.post).unwrap())
+    }
+
+    fn base() -> Look {
+        Look { appearance: Appearance::of(&dataset(&["a"], &[]).scene), ..look() }
+    }
+
+    #[test]
+    fn pictures_do_not_depend_on_those_before_them() {
+        let mut looks = vec![base(); 7];
+        // Darker: the brightest pixels are clipped.
+        looks[1].post.exposure = -3.0;
+        looks[2].light.intensity = 3.0;
+        looks[3].lights = [].into();
+        looks[4].components.environment = false;
+        looks[5].appearance.materials[0].parameters.roughness = 0.1;
+        looks[6].view.camera.eye.x += 0.3;
+        let mut one = scene();
+        let pictures: Vec<_> = looks.iter().map(|look| shown(&mut one, look)).collect();
+        for (look, (picture, display)) in looks.iter().zip(&pictures) {
+            let (alone, alone_display) = shown(&mut scene(), look);
+            assert!(alone.image == picture.image && alone_display == *display);
+            assert_eq!(alone.stats.pixels_shaded, picture.stats.pixels_shaded);
+        }
+        let image = |i: usize| &pictures[i].0.image;
+        assert!(image(0) == image(1) && pictures[0].1 != pictures[1].1, "only exposed");
+        assert!((2..7).all(|i| image(i) != image(0)), "negative control");
+    }
+
+    #[test]
+    fn a_cancelled_picture_is_not_taken_for_a_finished_one() {
+        let mut scene = scene();
+        assert!(scene.show(&base(), &mut || false).unwrap().is_none());
+        let (picture, _) = shown(&mut scene, &base());
+        assert!(picture.image.pixels.iter().any(|pixel| pixel.max_element() > 0.0));
+    }
+
+    #[test]
+    fn the_environment_is_lit_again_only_when_it_is_another_or_forgotten() {
+        let mut scene = scene();
+        let revision = |scene: &mut LitScene, look: &Look| {
+            scene.light(look).unwrap();
+            scene.light_revision()
+        };
+        let moved = Look { lights: Arc::default(), ..base() };
+        let environment = base().light;
+        let at = |look: Look| Look { light: environment.clone(), ..look };
+        assert_eq!(revision(&mut scene, &at(base())), 1);
+        assert_eq!(revision(&mut scene, &at(moved.clone())), 1);
+        let mut turned = at(moved);
+        turned.light.rotation += 0.1;
+        assert_eq!(revision(&mut scene, &turned), 2);
+        scene.forget_light();
+        assert_eq!(revision(&mut scene, &turned), 3);
+    }
+
+    #[test]
+    fn a_remark_is_told_once_while_it_holds() {
+        let mut scene = scene();
+        let mut bare = base();
+        bare.appearance.materials.clear();
+        let mut remarks = |look: &Look| {
+            scene.light(look).unwrap();
+            scene.remarks().len()
+        };
+        assert_eq!(remarks(&bare), 1);
+        let dimmed = Look { components: crate::Components::NONE, ..bare.clone() };
+        assert_eq!(remarks(&dimmed), 0);
+        assert_eq!(remarks(&base()), 0);
+        assert_eq!(remarks(&bare), 1, "again after it did not hold");
+    }
+}
