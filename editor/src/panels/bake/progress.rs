@@ -77,7 +77,7 @@ pub fn line(status: &BakeStatus) -> Option<String> {
     let what = match draft {
         Draft::None => "Baking",
         Draft::UnderWay => "Baking a draft, the full bake follows",
-        Draft::Shown => "Draft shown, baking in full",
+        Draft::Shown => "Draft shown, full bake running",
     };
     let mut line = format!("{what}: {}", described(phase).0);
     if total > 0 {
@@ -163,7 +163,7 @@ mod tests {
         let drafting = line(Draft::UnderWay, Phase::Points, 0);
         assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface sources, 0 % (step 4 of 7)");
         let shown = line(Draft::Shown, Phase::SourceVisibility, 450);
-        assert_eq!(shown, "Draft shown, baking in full: Source visibility, 45 %, 55 s left (step 6 of 7)");
+        assert_eq!(shown, "Draft shown, full bake running: Source visibility, 45 %, 55 s left (step 6 of 7)");
         assert_eq!(super::line(&BakeStatus::UpToDate), None);
     }
 
