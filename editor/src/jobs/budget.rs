@@ -80,10 +80,7 @@ mod tests {
 
     #[test]
     fn bands_take_the_time_of_a_band() {
-        for ms_per_pixel in [1e-4, 1e-3, 1e-2] {
-            let millis = f64::from(pace(ms_per_pixel).band_rows(1000) * 1000) * ms_per_pixel;
-            assert!((30.0..=60.0).contains(&millis), "{millis}");
-        }
+        assert_eq!([1e-4, 1e-3, 1e-2].map(|ms| pace(ms).band_rows(1000)), [450, 45, 4], "45 ms");
         assert_eq!(pace(10.0).band_rows(1000), 1);
         assert!(pace(0.0).band_rows(1000) > 10_000);
         assert_eq!(Pace::default().band_rows(1000), FIRST_BAND);

@@ -246,7 +246,7 @@ fn waiting(panel: &ComparisonPanel) -> &'static str {
     if panel.kind == KindChoice::File && panel.file.is_none() {
         "Choose the picture to compare with: it should show this view, scene-linear if it can"
     } else {
-        "The first pass of the reference is on its way"
+        "The first pass of the reference is being traced"
     }
 }
 

@@ -67,7 +67,7 @@ impl Baking {
     /// A few words about it, to lie over the picture.
     pub fn words(&self) -> Option<&'static str> {
         let run = self.run.as_ref()?;
-        Some(if run.draft_shown { "Draft, baking in full" } else { "Baking" })
+        Some(if run.draft_shown { "Draft; full bake running" } else { "Baking" })
     }
 
     /// Stops what is at work, and forgets how the last one ended: another scene was opened.

@@ -88,7 +88,7 @@ impl Comparison {
     pub fn compared(&self, panel: &ComparisonPanel, illum_cut: u32, accent: Color32) -> Compared<'_> {
         let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
         let reference = self.reference.as_ref();
-        let waiting = || "B: the reference is on its way".to_owned();
+        let waiting = || "B: the reference is being traced".to_owned();
         let noise = self.measured.as_ref().and_then(|measured| measured.noise);
         let labels = [
             panel.picture_label(illum_cut),

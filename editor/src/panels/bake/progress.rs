@@ -77,7 +77,7 @@ pub fn line(status: &BakeStatus) -> Option<String> {
     let what = match draft {
         Draft::None => "Baking",
         Draft::UnderWay => "Baking a draft, the full bake follows",
-        Draft::Shown => "Draft shown, baking in full",
+        Draft::Shown => "Draft shown, full bake running",
     };
     let mut line = format!("{what}: {}", described(phase).0);
     if total > 0 {
@@ -143,7 +143,7 @@ mod tests {
             [(0, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
             [None, None, None]
         );
-        assert_ne!(time_left(50, 100, 20.0), time_left(25, 100, 20.0));
+        assert_eq!(time_left(50, 100, 20.0).unwrap(), "20 s");
     }
 
     #[test]
@@ -163,7 +163,7 @@ mod tests {
         let drafting = line(Draft::UnderWay, Phase::Points, 0);
         assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface sources, 0 % (step 4 of 7)");
         let shown = line(Draft::Shown, Phase::SourceVisibility, 450);
-        assert_eq!(shown, "Draft shown, baking in full: Source visibility, 45 %, 55 s left (step 6 of 7)");
+        assert_eq!(shown, "Draft shown, full bake running: Source visibility, 45 %, 55 s left (step 6 of 7)");
         assert_eq!(super::line(&BakeStatus::UpToDate), None);
     }
 

@@ -146,8 +146,8 @@ mod tests {
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
-        assert_eq!(value("Time, light from outside"), Some("12 s"));
-        assert_eq!(value("Time, grouping directions"), None);
+        assert_eq!(value("Time, environment visibility"), Some("12 s"));
+        assert_eq!(value("Time, building the light tree"), None);
     }
 
     #[test]
@@ -160,7 +160,7 @@ mod tests {
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));
         assert_eq!(value("Source sigma"), Some("2"));
-        assert_eq!((value("Bounce error"), value("Time, light between surfaces")), (Some("4.2 %"), Some("6.0 s")));
+        assert_eq!((value("Bounce error"), value("Time, source visibility")), (Some("4.2 %"), Some("6.0 s")));
         assert_eq!([value("Lights"), value("Mean cut"), value("Basis")], [None; 3]);
     }
 }

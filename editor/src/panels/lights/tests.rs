@@ -190,7 +190,7 @@ fn a_touch_leaves_a_large_intensity_large() {
     panel.key_press(Key::ArrowLeft);
     panel.run();
     let light = edited(&panel.state().actions).last().cloned().unwrap();
-    assert!((1e6..3e6).contains(&light.intensity.x), "{light:?}");
+    assert_eq!(light.intensity, Vec3::splat(1e6), "a step of the logarithmic slider");
     assert_eq!(typed(&mut panel, "Intensity value", "1000000000").last().unwrap().intensity, Vec3::splat(1e9));
     panel.state_mut().document.lights[0].intensity = Vec3::splat(1e9);
     panel.run();
@@ -358,6 +358,6 @@ fn thousands_of_lights_have_as_many_rows_as_can_be_seen() {
     // The quickest frame: other tests hold up any of them.
     let quickest = (0..20).map(|_| frame(&mut panel)).min().unwrap();
     let rows = panel.query_all_by_label_contains("Switch off Lamp").count();
-    assert!((4..20).contains(&rows), "{rows}");
+    assert_eq!(rows, 9, "eight and a part");
     assert!(quickest.as_secs_f32() < 0.1, "a frame took {quickest:?}");
 }

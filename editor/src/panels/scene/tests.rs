@@ -93,7 +93,7 @@ fn of_thousands_of_objects_only_those_in_view_are_laid_out() {
     let names: Vec<String> = (0..5000).map(|i| format!("Object number {i}")).collect();
     let panel = panel(named(&names.iter().map(String::as_str).collect::<Vec<_>>()), &[]);
     let rows = panel.query_all_by_label_contains("Object number").count();
-    assert!((3..60).contains(&rows), "{rows}");
+    assert_eq!(rows, 11, "the list scrolls");
 }
 
 #[test]
