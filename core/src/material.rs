@@ -3,6 +3,10 @@
 //! The paper (4.2) allows a BRDF up to eight floating-point parameters a pixel, all modulated by textures.
 //! All models here read the same eight, so that an artist can change the model and keep the look.
 
+mod maps;
+
+pub use maps::{MapKind, Maps, MaterialMaps};
+
 use crate::texture::TextureSlot;
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -66,64 +70,6 @@ impl BrdfParameters {
     }
 }
 
-/// Textures that modulate a material, one for every parameter. A map multiplies its parameter, as in glTF; only the index
-/// of refraction is scaled above 1, the value of no refraction. The model and the sides that reflect have no map: they
-/// are choices, not values, and the sides are baked.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MaterialMaps {
-    /// Multiplies the base colour.
-    pub base_color: Option<TextureSlot>,
-    /// Multiplies the roughness.
-    pub roughness: Option<TextureSlot>,
-    /// Multiplies the metalness.
-    pub metalness: Option<TextureSlot>,
-    /// Multiplies the weight of the specular lobe.
-    pub specular: Option<TextureSlot>,
-    /// Multiplies the anisotropy: a texel of zero is isotropic, and float texels below zero turn the stretch across.
-    pub anisotropy: Option<TextureSlot>,
-    /// Multiplies what the index of refraction has above 1: a texel of zero is 1, a texel of one the parameter.
-    pub ior: Option<TextureSlot>,
-    /// Tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
-    pub normal: Option<TextureSlot>,
-    /// Heights; `strength` is the height in metres of a texel of value one.
-    pub bump: Option<TextureSlot>,
-}
-
-impl MaterialMaps {
-    /// All slots that are in use, for loading and checking.
-    pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut TextureSlot> {
-        [
-            &mut self.base_color,
-            &mut self.roughness,
-            &mut self.metalness,
-            &mut self.specular,
-            &mut self.anisotropy,
-            &mut self.ior,
-            &mut self.normal,
-            &mut self.bump,
-        ]
-        .into_iter()
-        .flatten()
-    }
-
-    /// All slots that are in use.
-    pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
-        [
-            &self.base_color,
-            &self.roughness,
-            &self.metalness,
-            &self.specular,
-            &self.anisotropy,
-            &self.ior,
-            &self.normal,
-            &self.bump,
-        ]
-        .into_iter()
-        .flatten()
-    }
-}
-
 /// A material of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -145,14 +91,14 @@ impl Material {
     /// `shaders/parameters_pass.wgsl`.
     pub fn modulated(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> BrdfParameters {
         let (maps, p) = (&self.maps, self.parameters);
-        let scalar = |slot: &Option<TextureSlot>| slot.as_ref().map_or(1.0, |s| sample(s)[s.channel as usize]);
+        let scalar = |kind| maps[kind].as_ref().map_or(1.0, |s| sample(s)[s.channel as usize]);
         BrdfParameters {
-            base_color: p.base_color * maps.base_color.as_ref().map_or(Vec3::ONE, |s| sample(s).truncate()),
-            roughness: p.roughness * scalar(&maps.roughness),
-            metalness: p.metalness * scalar(&maps.metalness),
-            anisotropy: p.anisotropy * scalar(&maps.anisotropy),
-            ior: maps.ior.as_ref().map_or(p.ior, |_| 1.0 + (p.ior - 1.0) * scalar(&maps.ior)),
-            specular: p.specular * scalar(&maps.specular),
+            base_color: p.base_color * maps[MapKind::BaseColor].as_ref().map_or(Vec3::ONE, |s| sample(s).truncate()),
+            roughness: p.roughness * scalar(MapKind::Roughness),
+            metalness: p.metalness * scalar(MapKind::Metalness),
+            anisotropy: p.anisotropy * scalar(MapKind::Anisotropy),
+            ior: maps[MapKind::Ior].as_ref().map_or(p.ior, |_| 1.0 + (p.ior - 1.0) * scalar(MapKind::Ior)),
+            specular: p.specular * scalar(MapKind::Specular),
         }
     }
 }
@@ -203,23 +149,23 @@ mod tests {
         };
         let plain = Material { parameters, ..Default::default() };
         let texel = Vec4::new(0.5, 0.25, -1.0, 0.0);
-        let with = |set: &dyn Fn(&mut MaterialMaps, TextureSlot), channel| {
+        let with = |kind, channel| {
             let mut material = plain.clone();
-            set(&mut material.maps, TextureSlot { channel, ..Default::default() });
+            material.maps[kind] = Some(TextureSlot { channel, ..Default::default() });
             material.modulated(|_| texel)
         };
         let expect = |p: BrdfParameters, expected: BrdfParameters| assert_eq!(p, expected);
         expect(plain.modulated(|_| texel), parameters);
         let base_color = Vec3::new(0.4, 0.1, -0.2);
-        expect(with(&|m, s| m.base_color = Some(s), Channel::R), BrdfParameters { base_color, ..parameters });
-        expect(with(&|m, s| m.roughness = Some(s), Channel::R), BrdfParameters { roughness: 0.3, ..parameters });
-        expect(with(&|m, s| m.metalness = Some(s), Channel::A), BrdfParameters { metalness: 0.0, ..parameters });
-        expect(with(&|m, s| m.specular = Some(s), Channel::G), BrdfParameters { specular: 0.125, ..parameters });
-        expect(with(&|m, s| m.anisotropy = Some(s), Channel::G), BrdfParameters { anisotropy: -0.2, ..parameters });
-        expect(with(&|m, s| m.anisotropy = Some(s), Channel::B), BrdfParameters { anisotropy: 0.8, ..parameters });
+        expect(with(MapKind::BaseColor, Channel::R), BrdfParameters { base_color, ..parameters });
+        expect(with(MapKind::Roughness, Channel::R), BrdfParameters { roughness: 0.3, ..parameters });
+        expect(with(MapKind::Metalness, Channel::A), BrdfParameters { metalness: 0.0, ..parameters });
+        expect(with(MapKind::Specular, Channel::G), BrdfParameters { specular: 0.125, ..parameters });
+        expect(with(MapKind::Anisotropy, Channel::G), BrdfParameters { anisotropy: -0.2, ..parameters });
+        expect(with(MapKind::Anisotropy, Channel::B), BrdfParameters { anisotropy: 0.8, ..parameters });
         for (channel, ior) in [(Channel::R, 1.5), (Channel::G, 1.25), (Channel::A, 1.0)] {
-            expect(with(&|m, s| m.ior = Some(s), channel), BrdfParameters { ior, ..parameters });
+            expect(with(MapKind::Ior, channel), BrdfParameters { ior, ..parameters });
         }
-        assert_eq!(with(&|m, s| m.ior = Some(s), Channel::B).sanitized().ior, 1.0);
+        assert_eq!(with(MapKind::Ior, Channel::B).sanitized().ior, 1.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeMode, material::MaterialMaps, texture::TextureSlot};
+use lapidary_core::{camera::Camera, dataset::BakeMode, material::MapKind};
 use std::path::PathBuf;
 
 /// Something to be done after the interface of a frame has run. A path of `None` is asked for by a dialog.
@@ -127,69 +127,4 @@ pub enum Action {
     ToggleComparison,
     /// Close the window, after asking about unsaved changes.
     Quit,
-}
-
-/// A map of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MapKind {
-    /// Multiplies the base colour.
-    BaseColor,
-    /// Multiplies the roughness.
-    Roughness,
-    /// Multiplies the metalness.
-    Metalness,
-    /// Multiplies the specular weight.
-    Specular,
-    /// Scales the index of refraction above 1.
-    Ior,
-    /// Multiplies the anisotropy.
-    Anisotropy,
-    /// Tangent-space normals.
-    Normal,
-    /// Heights.
-    Bump,
-}
-
-impl MapKind {
-    /// Name for people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::BaseColor => "Base color",
-            Self::Roughness => "Roughness",
-            Self::Metalness => "Metalness",
-            Self::Specular => "Specular",
-            Self::Ior => "IOR",
-            Self::Anisotropy => "Anisotropy",
-            Self::Normal => "Normal map",
-            Self::Bump => "Bump map",
-        }
-    }
-
-    /// The slot of this map.
-    pub fn slot(self, maps: &MaterialMaps) -> &Option<TextureSlot> {
-        match self {
-            Self::BaseColor => &maps.base_color,
-            Self::Roughness => &maps.roughness,
-            Self::Metalness => &maps.metalness,
-            Self::Specular => &maps.specular,
-            Self::Ior => &maps.ior,
-            Self::Anisotropy => &maps.anisotropy,
-            Self::Normal => &maps.normal,
-            Self::Bump => &maps.bump,
-        }
-    }
-
-    /// The slot of this map, to be changed.
-    pub fn slot_mut(self, maps: &mut MaterialMaps) -> &mut Option<TextureSlot> {
-        match self {
-            Self::BaseColor => &mut maps.base_color,
-            Self::Roughness => &mut maps.roughness,
-            Self::Metalness => &mut maps.metalness,
-            Self::Specular => &mut maps.specular,
-            Self::Ior => &mut maps.ior,
-            Self::Anisotropy => &mut maps.anisotropy,
-            Self::Normal => &mut maps.normal,
-            Self::Bump => &mut maps.bump,
-        }
-    }
 }

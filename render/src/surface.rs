@@ -5,7 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
     brdf::SurfaceBrdf,
     dataset::Dataset,
-    material::{BrdfParameters, Material},
+    material::{BrdfParameters, MapKind, Material},
     ray::{Hit, Intersector},
     simd::Vec3x8,
 };
@@ -162,12 +162,12 @@ impl<'a> Surfaces<'a> {
         slopes: impl Fn() -> Option<[Vec3; 2]>,
     ) -> Vec3 {
         let mut normal = smooth.z_axis;
-        if let Some(slot) = &material.maps.normal {
+        if let Some(slot) = &material.maps[MapKind::Normal] {
             let texel = self.appearance.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
             let n = slot.tangent_normal(texel);
             normal = (*smooth * n).try_normalize().unwrap_or(normal);
         }
-        if let (Some(slot), Some([per_u, per_v])) = (&material.maps.bump, slopes()) {
+        if let (Some(slot), Some([per_u, per_v])) = (&material.maps[MapKind::Bump], slopes()) {
             let [du, dv] = self.appearance.textures[slot.texture as usize].height_slopes(uv, slot);
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
-    material::{Material, MaterialMaps},
+    material::{MapKind, Material, MaterialMaps},
     meshless::{Basis, Transport},
     scene::{Mesh, Object},
     sources::Source,
@@ -95,17 +95,16 @@ fn maps_of_every_parameter_survive_the_disk() {
     let path = folder.path().join("a.cuts");
     let mut dataset = dataset();
     dataset.scene.textures = vec![Texture::missing("a.png").into()];
-    let slot = |channel, strength| Some(TextureSlot { channel, strength, ..Default::default() });
-    dataset.scene.materials[0].maps = MaterialMaps {
-        anisotropy: slot(Channel::G, 0.5),
-        ior: slot(Channel::B, 0.25),
-        bump: slot(Channel::A, 0.125),
-        ..Default::default()
-    };
+    let slot = |channel, strength| TextureSlot { channel, strength, ..Default::default() };
+    dataset.scene.materials[0].maps = MaterialMaps::from([
+        (MapKind::Anisotropy, slot(Channel::G, 0.5)),
+        (MapKind::Ior, slot(Channel::B, 0.25)),
+        (MapKind::Bump, slot(Channel::A, 0.125)),
+    ]);
     dataset.write(&path).unwrap();
     let read = Dataset::read(&path).unwrap().scene.materials;
     assert_eq!(read, dataset.scene.materials);
-    dataset.scene.materials[0].maps.ior = None;
+    dataset.scene.materials[0].maps[MapKind::Ior] = None;
     assert_ne!(read, dataset.scene.materials, "negative control");
 }
 

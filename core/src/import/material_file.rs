@@ -3,7 +3,7 @@
 use super::{ImportError, read_file, textures::find_file};
 use crate::{
     image::{ImageError, decode},
-    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    material::{BrdfModel, BrdfParameters, MapKind, Maps, Material},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
 };
@@ -27,20 +27,8 @@ pub struct MaterialFile {
     pub double_sided: bool,
 }
 
-/// The maps of a [`MaterialFile`]; see [`MaterialMaps`] for what each does.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[expect(missing_docs, reason = "the fields are those of MaterialMaps")]
-pub struct MapFiles {
-    pub base_color: Option<SlotFile>,
-    pub roughness: Option<SlotFile>,
-    pub metalness: Option<SlotFile>,
-    pub specular: Option<SlotFile>,
-    pub anisotropy: Option<SlotFile>,
-    pub ior: Option<SlotFile>,
-    pub normal: Option<SlotFile>,
-    pub bump: Option<SlotFile>,
-}
+/// The maps of a [`MaterialFile`].
+pub type MapFiles = Maps<SlotFile>;
 
 /// A picture in use; see [`TextureSlot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,7 +76,8 @@ pub fn load_material(path: &Path, scene: &mut Scene) -> Result<Material, ImportE
         |e: serde_json::Error| ImportError::Parse { path: path.into(), format: "a material", reason: e.to_string() };
     let file: MaterialFile = serde_json::from_slice(&read_file(path)?).map_err(parse_error)?;
     let before = scene.textures.len();
-    let maps = load_maps(&file.maps, path, scene).inspect_err(|_| scene.textures.truncate(before))?;
+    let load = |kind: MapKind, slot: &SlotFile| load_slot(slot, kind.color_space(), path, scene);
+    let maps = file.maps.try_map(load).inspect_err(|_| scene.textures.truncate(before))?;
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Material {
         name: if file.name.is_empty() { stem() } else { file.name },
@@ -96,22 +85,6 @@ pub fn load_material(path: &Path, scene: &mut Scene) -> Result<Material, ImportE
         parameters: file.parameters.sanitized(),
         maps,
         double_sided: file.double_sided,
-    })
-}
-
-fn load_maps(maps: &MapFiles, path: &Path, scene: &mut Scene) -> Result<MaterialMaps, ImportError> {
-    let mut load = |slot: &Option<SlotFile>, color_space| {
-        slot.as_ref().map(|slot| load_slot(slot, color_space, path, scene)).transpose()
-    };
-    Ok(MaterialMaps {
-        base_color: load(&maps.base_color, ColorSpace::Srgb)?,
-        roughness: load(&maps.roughness, ColorSpace::Linear)?,
-        metalness: load(&maps.metalness, ColorSpace::Linear)?,
-        specular: load(&maps.specular, ColorSpace::Linear)?,
-        anisotropy: load(&maps.anisotropy, ColorSpace::Linear)?,
-        ior: load(&maps.ior, ColorSpace::Linear)?,
-        normal: load(&maps.normal, ColorSpace::Linear)?,
-        bump: load(&maps.bump, ColorSpace::Linear)?,
     })
 }
 

@@ -6,7 +6,7 @@
 use super::{Source, listed, textures::TextureLibrary};
 use crate::{
     color::luminance,
-    material::{BrdfParameters, Material},
+    material::{BrdfParameters, MapKind, Material},
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3};
@@ -240,18 +240,19 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
         |key: &str, color_space| entry.map(key).map(|m| (m.multiplier, texture_slot(&m, color_space, library)));
     let mut value = |key: &str, color_space| slot(key, color_space).map(|(_, slot)| slot);
     let maps = &mut material.maps;
-    maps.base_color = value("map_kd", ColorSpace::Srgb);
-    maps.roughness = value("map_pr", ColorSpace::Linear);
-    maps.metalness = value("map_pm", ColorSpace::Linear);
-    maps.specular = value("map_ks", ColorSpace::Linear);
-    maps.normal = slot("norm", ColorSpace::Linear).or_else(|| slot("map_kn", ColorSpace::Linear)).map(with_strength);
+    maps[MapKind::BaseColor] = value("map_kd", ColorSpace::Srgb);
+    maps[MapKind::Roughness] = value("map_pr", ColorSpace::Linear);
+    maps[MapKind::Metalness] = value("map_pm", ColorSpace::Linear);
+    maps[MapKind::Specular] = value("map_ks", ColorSpace::Linear);
+    maps[MapKind::Normal] =
+        slot("norm", ColorSpace::Linear).or_else(|| slot("map_kn", ColorSpace::Linear)).map(with_strength);
     let bump = slot("bump", ColorSpace::Linear).or_else(|| slot("map_bump", ColorSpace::Linear));
     match bump {
         // Many exporters name normal maps so.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
-            maps.normal.get_or_insert_with(|| with_strength(bump));
+            maps[MapKind::Normal].get_or_insert_with(|| with_strength(bump));
         }
-        Some((multiplier, slot)) => maps.bump = Some(with_strength((BUMP_METRES * multiplier, slot))),
+        Some((multiplier, slot)) => maps[MapKind::Bump] = Some(with_strength((BUMP_METRES * multiplier, slot))),
         None => {}
     }
 }

@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     import::{ImportError, Imported, import, load_material},
     lights::Emission,
-    material::BrdfModel,
+    material::{BrdfModel, MapKind},
     scene::{MeshError, Scene},
     texture::{Channel, ColorSpace},
 };

@@ -35,7 +35,8 @@ fn material_files_bring_their_pictures_once() {
         (material.name.as_str(), material.model, material.parameters.roughness),
         ("gold", BrdfModel::Ward, 0.25)
     );
-    let (color, roughness) = (material.maps.base_color.unwrap(), material.maps.roughness.unwrap());
+    let (color, roughness) =
+        (material.maps[MapKind::BaseColor].clone().unwrap(), material.maps[MapKind::Roughness].clone().unwrap());
     assert_eq!((color.color_space, roughness.color_space), (ColorSpace::Srgb, ColorSpace::Linear));
     assert_eq!((roughness.channel, color.scale), (Channel::G, Vec2::splat(2.0)));
     assert!((color.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);

@@ -152,7 +152,7 @@ fn ask_system(purpose: &Purpose, folder: &Path, name: &str, wake: Wake) -> Recei
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actions::MapKind;
+    use lapidary_core::material::MapKind;
     use std::sync::Arc;
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::state::EditorState;
 use crate::{
-    actions::{Action, MapKind},
+    actions::Action,
     backend_option::shader_source,
     document::{Document, Edit, TextureEntry},
     jobs::load::{LoadResult, Loaded, Source, Topic},
@@ -11,8 +11,8 @@ use crate::{
 use anyhow::{Context as _, Result};
 use lapidary_core::{
     atomic::write_atomically,
-    import::{MapFiles, MaterialFile, SlotFile},
-    material::Material,
+    import::{MaterialFile, SlotFile},
+    material::{MapKind, Material},
     texture::{Texture, TextureSlot},
 };
 use std::{
@@ -51,7 +51,7 @@ impl EditorState {
         let Some(mut material) = self.document.materials.get(index).cloned() else { return };
         self.document.textures.push(TextureEntry { texture, file });
         let texture = (self.document.textures.len() - 1) as u32;
-        let slot = map.slot_mut(&mut material.maps);
+        let slot = &mut material.maps[map];
         *slot = Some(match slot.take() {
             Some(old) => TextureSlot { texture, ..old },
             None => new_slot(map, texture),
@@ -179,22 +179,11 @@ fn files_in_use(document: &Document) -> Vec<PathBuf> {
 fn material_file(material: &Material, document: &Document, path: &Path) -> (MaterialFile, usize) {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut left_out = 0;
-    let mut slot = |slot: &Option<TextureSlot>| {
-        let slot = slot.as_ref()?;
+    let maps = material.maps.filter_map(|slot| {
         let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
         left_out += usize::from(file.is_none());
         Some(slot_file(slot, file?, folder))
-    };
-    let maps = MapFiles {
-        base_color: slot(&material.maps.base_color),
-        roughness: slot(&material.maps.roughness),
-        metalness: slot(&material.maps.metalness),
-        specular: slot(&material.maps.specular),
-        anisotropy: slot(&material.maps.anisotropy),
-        ior: slot(&material.maps.ior),
-        normal: slot(&material.maps.normal),
-        bump: slot(&material.maps.bump),
-    };
+    });
     let Material { name, model, parameters, double_sided, .. } = material.clone();
     (MaterialFile { name, model, parameters, maps, double_sided }, left_out)
 }
@@ -233,7 +222,7 @@ mod tests {
         let texture = Arc::new(Texture::missing("wood.png"));
         let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
         let mut material = Material { name: "wood".into(), ..Default::default() };
-        material.maps.base_color = slot;
+        material.maps[MapKind::BaseColor] = slot;
         Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
     }
 
@@ -246,17 +235,20 @@ mod tests {
         let document = document(Some(picture));
         let path = folder.path().join("wood.json");
         let (file, left_out) = material_file(&document.materials[0], &document, &path);
-        assert_eq!((left_out, file.maps.base_color.as_ref().unwrap().file.as_str()), (0, "wood.png"));
+        assert_eq!((left_out, file.maps[MapKind::BaseColor].as_ref().unwrap().file.as_str()), (0, "wood.png"));
         write_material(&file, &path).unwrap();
         let read = load_material(&path, &mut Default::default()).unwrap();
-        let (a, b) = (read.maps.base_color.unwrap(), document.materials[0].maps.base_color.clone().unwrap());
+        let (a, b) = (
+            read.maps[MapKind::BaseColor].clone().unwrap(),
+            document.materials[0].maps[MapKind::BaseColor].clone().unwrap(),
+        );
         assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
     }
 
     #[test]
     fn every_map_is_written() {
         let document = document(Some("/a/wood.png".into()));
-        let slot = document.materials[0].maps.base_color.clone().unwrap();
+        let slot = document.materials[0].maps[MapKind::BaseColor].clone().unwrap();
         let one = serde_json::to_value(slot).unwrap();
         let keys = serde_json::to_value(lapidary_core::material::MaterialMaps::default()).unwrap();
         let all = keys.as_object().unwrap().keys().map(|key| (key.clone(), one.clone()));
@@ -280,7 +272,7 @@ mod tests {
         let mut document = document(Some("/a/wood.png".into()));
         document.environment.spec = "/a/sky.hdr".into();
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()]);
-        document.materials[0].maps.base_color = None;
+        document.materials[0].maps[MapKind::BaseColor] = None;
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr")]);
     }
 }

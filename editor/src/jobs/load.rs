@@ -5,7 +5,7 @@ mod kind;
 pub use kind::{Kind, foreign, kind_of};
 
 use super::{Imported, Wake, guarded, spawn};
-use crate::actions::MapKind;
+use lapidary_core::material::MapKind;
 use lapidary_core::{
     environment::Environment, import::load_material, material::Material, scene::Scene, texture::Texture,
 };

@@ -15,7 +15,7 @@ use super::{textures::TextureFolder, xml};
 use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, BrdfParameters, MapKind, Material},
     texture::TextureSlot,
 };
 
@@ -72,12 +72,12 @@ impl MaterialWriter<'_, '_> {
     fn bumped(&mut self, attributes: &str, models: Models) -> Result<String> {
         let maps = &self.material.maps;
         let mut wrappers = Vec::new();
-        if let Some(slot) = &maps.normal {
+        if let Some(slot) = &maps[MapKind::Normal] {
             // Mitsuba decodes 2 t - 1; strength and orientation are in the texels.
             let encoded = |texel: Vec4| 0.5 * (slot.tangent_normal(texel.truncate()) + 1.0);
             wrappers.push(("normalmap", self.map(Some("normalmap"), "normal", slot, encoded)?));
         }
-        if let Some(slot) = &maps.bump {
+        if let Some(slot) = &maps[MapKind::Bump] {
             let height = |texel: Vec4| Vec3::splat(slot.strength * texel[slot.channel as usize]);
             wrappers.push(("bumpmap", self.map(None, "bump", slot, height)?));
         }
@@ -105,12 +105,12 @@ impl MaterialWriter<'_, '_> {
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
             self.base_color("base_color")?,
-            self.number("roughness", "roughness", p.roughness, &maps.roughness, unit)?,
-            self.number("metalness", "metalness", p.metalness, &maps.metalness, unit)?,
-            self.number("anisotropy", "anisotropy", p.anisotropy, &maps.anisotropy, |x| x.clamp(-1.0, 1.0))?,
-            self.number("specular", "specular", p.specular, &maps.specular, unit)?,
+            self.number("roughness", "roughness", p.roughness, &maps[MapKind::Roughness], unit)?,
+            self.number("metalness", "metalness", p.metalness, &maps[MapKind::Metalness], unit)?,
+            self.number("anisotropy", "anisotropy", p.anisotropy, &maps[MapKind::Anisotropy], |x| x.clamp(-1.0, 1.0))?,
+            self.number("specular", "specular", p.specular, &maps[MapKind::Specular], unit)?,
             // What the index has above 1, which is what its map multiplies.
-            self.number("ior_above_one", "ior", p.ior - 1.0, &maps.ior, |x| x.clamp(0.0, 9.0))?,
+            self.number("ior_above_one", "ior", p.ior - 1.0, &maps[MapKind::Ior], |x| x.clamp(0.0, 9.0))?,
         ]
         .concat())
     }
@@ -121,9 +121,11 @@ impl MaterialWriter<'_, '_> {
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
             self.base_color("base_color")?,
-            self.number("roughness", "roughness", p.roughness, &maps.roughness, unit)?,
-            self.number("metallic", "metalness", p.metalness, &maps.metalness, unit)?,
-            self.number("anisotropic", "stretch", p.anisotropy.abs(), &maps.anisotropy, |x| x.abs().min(1.0))?,
+            self.number("roughness", "roughness", p.roughness, &maps[MapKind::Roughness], unit)?,
+            self.number("metallic", "metalness", p.metalness, &maps[MapKind::Metalness], unit)?,
+            self.number("anisotropic", "stretch", p.anisotropy.abs(), &maps[MapKind::Anisotropy], |x| {
+                x.abs().min(1.0)
+            })?,
             xml::value("float", "eta", equivalent_eta(&p)),
         ]
         .concat())
@@ -131,7 +133,7 @@ impl MaterialWriter<'_, '_> {
 
     fn base_color(&mut self, name: &str) -> Result<String> {
         let base = self.material.parameters.sanitized().base_color;
-        match &self.material.maps.base_color {
+        match &self.material.maps[MapKind::BaseColor] {
             None => Ok(xml::triple("rgb", name, base)),
             Some(slot) => {
                 self.map(Some(name), "base-color", slot, |texel| (base * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE))
@@ -181,8 +183,8 @@ pub fn remarks(material: &Material) -> Vec<String> {
     [
         (*model == BrdfModel::Ward, "Mitsuba has no Ward lobe: it becomes a GGX lobe of the same width"),
         (lobe && parameters.anisotropy < 0.0, "highlights are stretched along the tangent only, not across it"),
-        (lobe && maps.ior.is_some(), "the map of its index of refraction is left out"),
-        (lobe && maps.specular.is_some(), "the map of its specular weight is left out"),
+        (lobe && maps[MapKind::Ior].is_some(), "the map of its index of refraction is left out"),
+        (lobe && maps[MapKind::Specular].is_some(), "the map of its specular weight is left out"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)

@@ -6,7 +6,7 @@ use lapidary_core::{
     environment::{Environment, direction_from_uv},
     image::Image,
     lights::Emission,
-    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    material::{BrdfModel, BrdfParameters, MapKind, Material, MaterialMaps},
     texture::{Texels, Texture, TextureSlot},
 };
 use std::sync::Arc;
@@ -69,8 +69,8 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let texels = Texels::F32(vec![[0.5, 0.25, -1.0, 1.0]]);
     let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
-    let slot = || Some(TextureSlot::default());
-    let maps = MaterialMaps { roughness: slot(), normal: slot(), bump: slot(), ior: slot(), ..Default::default() };
+    let kinds = [MapKind::Roughness, MapKind::Normal, MapKind::Bump, MapKind::Ior];
+    let maps = MaterialMaps::from(kinds.map(|kind| (kind, TextureSlot::default())));
     let parameters = BrdfParameters { roughness: 0.6, anisotropy: -0.5, ..Default::default() };
     let material = Material { parameters, maps, ..Default::default() };
     let mut writer = TextureFolder::new(folder.path(), &textures);

@@ -12,14 +12,14 @@ mod thumbnails;
 mod transfer;
 
 use crate::{
-    actions::{Action, MapKind},
+    actions::Action,
     document::{Document, Edit},
     panels::widgets::{Edited, section},
 };
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{
-    material::Material,
-    texture::{ColorSpace, TextureSlot},
+    material::{MapKind, Material},
+    texture::TextureSlot,
 };
 use lapidary_render::{Post, SceneLighting};
 use lobe_plot::LobePlot;
@@ -102,12 +102,8 @@ impl Changes {
 
 /// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimetre.
 pub fn new_slot(kind: MapKind, texture: u32) -> TextureSlot {
-    let slot = TextureSlot { texture, ..TextureSlot::default() };
-    match kind {
-        MapKind::BaseColor => TextureSlot { color_space: ColorSpace::Srgb, ..slot },
-        MapKind::Bump => TextureSlot { strength: 1e-3, ..slot },
-        _ => slot,
-    }
+    let slot = TextureSlot { texture, color_space: kind.color_space(), ..TextureSlot::default() };
+    if kind == MapKind::Bump { TextureSlot { strength: 1e-3, ..slot } } else { slot }
 }
 
 /// Shows the panel.

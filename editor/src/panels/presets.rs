@@ -75,7 +75,7 @@ const fn metal(name: &'static str, reflectance: [f32; 3], roughness: f32, anisot
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::texture::TextureSlot;
+    use lapidary_core::{material::MapKind, texture::TextureSlot};
     use std::collections::HashSet;
 
     #[test]
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_preset_keeps_name_and_maps_unless_told_to_clear_them() {
-        let maps = MaterialMaps { bump: Some(TextureSlot::default()), ..Default::default() };
+        let maps = MaterialMaps::from([(MapKind::Bump, TextureSlot::default())]);
         let material = Material { name: "Knob".into(), maps, double_sided: true, ..Default::default() };
         let gold = PRESETS.iter().find(|p| p.name == "Gold").unwrap();
         let kept = gold.applied_to(&material, false);

@@ -5,8 +5,7 @@ use crate::look::Look;
 use glam::Vec3;
 use lapidary_core::{
     lights::Light,
-    material::{BrdfParameters, Material, MaterialMaps},
-    texture::TextureSlot,
+    material::{BrdfParameters, MapKind, Material},
 };
 use std::sync::Arc;
 
@@ -166,8 +165,8 @@ impl Parameter {
             Self::Specular => each_brdf(look, of, |p| p.specular = number),
             Self::Ior => each_brdf(look, of, |p| p.ior = number),
             Self::Anisotropy => each_brdf(look, of, |p| p.anisotropy = number),
-            Self::Bump => each_map(look, of, "bump", number, |maps| &mut maps.bump),
-            Self::Normal => each_map(look, of, "normal", number, |maps| &mut maps.normal),
+            Self::Bump => each_map(look, of, MapKind::Bump, number),
+            Self::Normal => each_map(look, of, MapKind::Normal, number),
             Self::LightIntensity => each_light(look, of, |light| light.intensity *= number),
             Self::LightPosition => one_light(self, look, of, |light| light.position = vector),
             Self::LightTarget => one_light(self, look, of, |light| light.target = vector),
@@ -206,21 +205,15 @@ fn each_brdf(look: &mut Look, of: Option<&str>, change: impl Fn(&mut BrdfParamet
     each_material(look, of, |material| change(&mut material.parameters))
 }
 
-fn each_map(
-    look: &mut Look,
-    of: Option<&str>,
-    map: &'static str,
-    strength: f32,
-    slot: impl Fn(&mut MaterialMaps) -> &mut Option<TextureSlot>,
-) -> Result<(), SweepError> {
+fn each_map(look: &mut Look, of: Option<&str>, map: MapKind, strength: f32) -> Result<(), SweepError> {
     let mut found = false;
     each_material(look, of, |material| {
-        if let Some(slot) = slot(&mut material.maps) {
+        if let Some(slot) = &mut material.maps[map] {
             slot.strength = strength;
             found = true;
         }
     })?;
-    if found { Ok(()) } else { Err(SweepError::NoMap { map }) }
+    if found { Ok(()) } else { Err(SweepError::NoMap { map: map.key() }) }
 }
 
 fn each_light(look: &mut Look, of: Option<&str>, change: impl Fn(&mut Light)) -> Result<(), SweepError> {

@@ -171,18 +171,14 @@ pub mod tests {
         environment::Environment,
         image::Image,
         lights::{Emission, Light},
-        material::{Material, MaterialMaps},
+        material::{MapKind, Material, MaterialMaps},
         texture::TextureSlot,
     };
     use lapidary_render::{Appearance, Components, Illumination, View};
 
     /// A look with two materials with maps, a light and an environment.
     pub fn look() -> Look {
-        let maps = MaterialMaps {
-            bump: Some(TextureSlot::default()),
-            normal: Some(TextureSlot::default()),
-            ..Default::default()
-        };
+        let maps = MaterialMaps::from([MapKind::Bump, MapKind::Normal].map(|kind| (kind, TextureSlot::default())));
         let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
         let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
         let light = Light {

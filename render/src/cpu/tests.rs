@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
-    material::{BrdfParameters, Material},
+    material::{BrdfParameters, MapKind, Material},
     texture::{Texels, Texture, TextureSlot},
 };
 
@@ -180,8 +180,8 @@ fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
     let parameters = |anisotropy, ior| BrdfParameters { anisotropy, ior, ..glossy(0.5) };
     let mut shown = |parameters, [anisotropy, ior]: [bool; 2]| {
         let mut material = Material { parameters, ..Default::default() };
-        material.maps.anisotropy = anisotropy.then(TextureSlot::default);
-        material.maps.ior = ior.then(TextureSlot::default);
+        material.maps[MapKind::Anisotropy] = anisotropy.then(TextureSlot::default);
+        material.maps[MapKind::Ior] = ior.then(TextureSlot::default);
         let appearance = Appearance { materials: vec![material], textures: vec![half.clone()] };
         assert!(backend.set_appearance(&appearance).unwrap().is_empty());
         picture(&mut backend, &view, 24)
@@ -207,7 +207,7 @@ fn appearances_that_do_not_fit_are_made_to() {
     assert_eq!(backend.set_appearance(&Appearance::default()).unwrap().len(), 1);
     assert!(picture(&mut backend, &view, 8) == white_floor);
     let mut odd = Material { parameters: glossy(0.5), ..Default::default() };
-    odd.maps.base_color = Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() });
+    odd.maps[MapKind::BaseColor] = Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() });
     let remarks = backend.set_appearance(&Appearance { materials: vec![odd], textures: Vec::new() }).unwrap();
     assert!(remarks.len() == 1 && remarks[0].contains("without maps"), "{remarks:?}");
     assert!(picture(&mut backend, &view, 8) != white_floor);

@@ -7,7 +7,11 @@ use super::{
     scene::storage,
 };
 use crate::appearance::Appearance;
-use lapidary_core::{color::linear_from_srgb, material, texture};
+use lapidary_core::{
+    color::linear_from_srgb,
+    material::{self, MapKind},
+    texture,
+};
 use wgpu::util::DeviceExt;
 
 /// The materials of a scene and their textures.
@@ -43,8 +47,8 @@ impl GpuMaterials {
 
 fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
     let p = &m.parameters;
-    let slot = |slot: &Option<texture::TextureSlot>| {
-        let placed = slot.as_ref().and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
+    let slot = |kind| {
+        let placed = m.maps[kind].as_ref().and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
         placed.unwrap_or_default()
     };
     Material {
@@ -55,16 +59,16 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
         ior: p.ior,
         specular: p.specular,
         model: m.model as u32,
-        normal_y: if m.maps.normal.as_ref().is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
+        normal_y: if m.maps[MapKind::Normal].as_ref().is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
         padding: [0; 2],
-        base_color_map: slot(&m.maps.base_color),
-        roughness_map: slot(&m.maps.roughness),
-        metalness_map: slot(&m.maps.metalness),
-        specular_map: slot(&m.maps.specular),
-        anisotropy_map: slot(&m.maps.anisotropy),
-        ior_map: slot(&m.maps.ior),
-        normal_map: slot(&m.maps.normal),
-        bump_map: slot(&m.maps.bump),
+        base_color_map: slot(MapKind::BaseColor),
+        roughness_map: slot(MapKind::Roughness),
+        metalness_map: slot(MapKind::Metalness),
+        specular_map: slot(MapKind::Specular),
+        anisotropy_map: slot(MapKind::Anisotropy),
+        ior_map: slot(MapKind::Ior),
+        normal_map: slot(MapKind::Normal),
+        bump_map: slot(MapKind::Bump),
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     color::luminance,
     image::decode,
-    material::{BrdfParameters, Material},
+    material::{BrdfParameters, MapKind, Material},
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3};
@@ -137,20 +137,20 @@ impl MaterialReader<'_> {
         let name = &material.name;
         let maps = &mut material.maps;
         if let Some(info) = pbr.base_color_texture() {
-            maps.base_color = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name) });
+            maps[MapKind::BaseColor] = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name) });
         }
         if let Some(info) = pbr.metallic_roughness_texture() {
             let slot = self.slot(&info, name);
-            maps.roughness = Some(TextureSlot { channel: Channel::G, ..slot.clone() });
-            maps.metalness = Some(TextureSlot { channel: Channel::B, ..slot });
+            maps[MapKind::Roughness] = Some(TextureSlot { channel: Channel::G, ..slot.clone() });
+            maps[MapKind::Metalness] = Some(TextureSlot { channel: Channel::B, ..slot });
         }
         if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
-            maps.specular = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name) });
+            maps[MapKind::Specular] = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name) });
         }
         if let Some(normal) = source.normal_texture() {
             let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
             let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name);
-            maps.normal = Some(TextureSlot { strength: normal.scale(), ..slot });
+            maps[MapKind::Normal] = Some(TextureSlot { strength: normal.scale(), ..slot });
         }
     }
 

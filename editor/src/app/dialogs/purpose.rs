@@ -147,7 +147,7 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actions::MapKind;
+    use lapidary_core::material::MapKind;
 
     #[test]
     fn the_answer_completes_the_action() {

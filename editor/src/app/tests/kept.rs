@@ -7,7 +7,12 @@ use crate::{
     document::{Document, TextureEntry, autosave, autosave::Autosave, session},
     panels::bake::BakeStatus,
 };
-use lapidary_core::{dataset::BakeMode, image::Image, texture::Texture, texture::TextureSlot};
+use lapidary_core::{
+    dataset::BakeMode,
+    image::Image,
+    material::MapKind,
+    texture::{Texture, TextureSlot},
+};
 use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake};
 use std::{
     path::{Path, PathBuf},
@@ -44,7 +49,7 @@ fn bake_into(ready: &Ready) {
 }
 
 fn is_stand_in(document: &Document) -> bool {
-    let slot = document.materials[0].maps.base_color.as_ref().unwrap();
+    let slot = document.materials[0].maps[MapKind::BaseColor].as_ref().unwrap();
     document.textures[slot.texture as usize].texture.texels == Texture::missing("").texels
 }
 
@@ -232,7 +237,7 @@ fn a_session_whose_texture_moved_is_relinked() {
     let texture = Texture::read(&picture).unwrap().into();
     document.textures.push(TextureEntry { texture, file: Some(picture.clone()) });
     let texture = (document.textures.len() - 1) as u32;
-    document.materials[0].maps.base_color = Some(TextureSlot { texture, ..Default::default() });
+    document.materials[0].maps[MapKind::BaseColor] = Some(TextureSlot { texture, ..Default::default() });
     session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
     std::fs::create_dir(place.path("moved")).unwrap();
     std::fs::rename(&picture, place.path("moved/red.png")).unwrap();

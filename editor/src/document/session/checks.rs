@@ -60,10 +60,12 @@ impl Checks<'_> {
             self.range(&what("the rotation"), &mut slot.rotation_degrees, [-1e6, 1e6, 0.0]);
             self.range(&what("the strength"), &mut slot.strength, [-1e6, 1e6, 1.0]);
         }
-        for (key, slot) in material.maps.named_mut() {
+        for (kind, slot) in material.maps.iter_mut() {
             if slot.take_if(|slot| slot.texture.is_none()).is_some() {
-                self.warnings
-                    .push(format!("the map {key} of the material \"{name}\" names no texture; it is left out"));
+                self.warnings.push(format!(
+                    "the map {} of the material \"{name}\" names no texture; it is left out",
+                    kind.key()
+                ));
             }
         }
     }

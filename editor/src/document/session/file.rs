@@ -6,7 +6,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::BakeSettings,
     lights::Light,
-    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    material::{BrdfModel, BrdfParameters, Maps, Material},
     texture::{Channel, ColorSpace, TextureSlot},
 };
 use lapidary_render::Solution;
@@ -56,19 +56,8 @@ pub struct SessionMaterial {
     pub double_sided: bool,
 }
 
-/// See [`MaterialMaps`], whose fields these are.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct SessionMaps {
-    pub base_color: Option<SessionSlot>,
-    pub roughness: Option<SessionSlot>,
-    pub metalness: Option<SessionSlot>,
-    pub specular: Option<SessionSlot>,
-    pub anisotropy: Option<SessionSlot>,
-    pub ior: Option<SessionSlot>,
-    pub normal: Option<SessionSlot>,
-    pub bump: Option<SessionSlot>,
-}
+/// See [`Maps`].
+pub type SessionMaps = Maps<SessionSlot>;
 
 /// See [`TextureSlot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,70 +143,25 @@ impl Session {
 
 impl SessionMaterial {
     fn of(material: &Material, document: &Document) -> Self {
-        let maps = &material.maps;
-        let slot = |slot: &Option<TextureSlot>| slot.as_ref().and_then(|s| SessionSlot::of(s, document));
         Self {
             name: material.name.clone(),
             model: material.model,
             parameters: material.parameters,
-            maps: SessionMaps {
-                base_color: slot(&maps.base_color),
-                roughness: slot(&maps.roughness),
-                metalness: slot(&maps.metalness),
-                specular: slot(&maps.specular),
-                anisotropy: slot(&maps.anisotropy),
-                ior: slot(&maps.ior),
-                normal: slot(&maps.normal),
-                bump: slot(&maps.bump),
-            },
+            maps: material.maps.filter_map(|slot| SessionSlot::of(slot, document)),
             double_sided: material.double_sided,
         }
     }
 
     /// The material, with the textures that `index_of` finds.
     pub(super) fn material(&self, mut index_of: impl FnMut(&TextureSource) -> u32) -> Material {
-        let maps = &self.maps;
-        let mut slot = |slot: &Option<SessionSlot>| {
-            let slot = slot.as_ref()?;
-            slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)))
-        };
+        let mut slot = |slot: &SessionSlot| slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)));
         Material {
             name: self.name.clone(),
             model: self.model,
             parameters: self.parameters,
-            maps: MaterialMaps {
-                base_color: slot(&maps.base_color),
-                roughness: slot(&maps.roughness),
-                metalness: slot(&maps.metalness),
-                specular: slot(&maps.specular),
-                anisotropy: slot(&maps.anisotropy),
-                ior: slot(&maps.ior),
-                normal: slot(&maps.normal),
-                bump: slot(&maps.bump),
-            },
+            maps: self.maps.filter_map(&mut slot),
             double_sided: self.double_sided,
         }
-    }
-}
-
-impl SessionMaps {
-    /// All slots, by the key of the file.
-    pub(super) fn named_mut(&mut self) -> [(&'static str, &mut Option<SessionSlot>); 8] {
-        [
-            ("base_color", &mut self.base_color),
-            ("roughness", &mut self.roughness),
-            ("metalness", &mut self.metalness),
-            ("specular", &mut self.specular),
-            ("anisotropy", &mut self.anisotropy),
-            ("ior", &mut self.ior),
-            ("normal", &mut self.normal),
-            ("bump", &mut self.bump),
-        ]
-    }
-
-    /// All slots that are in use.
-    pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut SessionSlot> {
-        self.named_mut().into_iter().filter_map(|(_, slot)| slot.as_mut())
     }
 }
 

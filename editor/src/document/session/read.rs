@@ -178,8 +178,8 @@ impl Reader {
 /// A material with slots where `given` has some, so that their values are read one by one as well.
 fn material_template(given: &Value) -> SessionMaterial {
     let mut template = SessionMaterial::default();
-    for (key, slot) in template.maps.named_mut() {
-        let has = given.get("maps").and_then(|maps| maps.get(key)).is_some_and(Value::is_object);
+    for (kind, slot) in template.maps.iter_mut() {
+        let has = given.get("maps").and_then(|maps| maps.get(kind.key())).is_some_and(Value::is_object);
         *slot = has.then(SessionSlot::default);
     }
     template

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     lights::Light,
-    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    material::{BrdfModel, BrdfParameters, MapKind, Material, MaterialMaps},
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
 use lapidary_render::{Post, Solution, ToneMap};
@@ -56,13 +56,12 @@ impl Project {
             name: "cloth".into(),
             model: BrdfModel::Ward,
             parameters: BrdfParameters { base_color: Vec3::new(0.8, 0.1, 0.3), roughness: 0.35, ..Default::default() },
-            maps: MaterialMaps {
-                base_color: Some(TextureSlot { color_space: ColorSpace::Srgb, ..slot(3) }),
-                bump: Some(TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
-                anisotropy: Some(TextureSlot { channel: Channel::B, ..slot(3) }),
-                ior: Some(TextureSlot { channel: Channel::A, offset: Vec2::X, ..slot(1) }),
-                ..Default::default()
-            },
+            maps: MaterialMaps::from([
+                (MapKind::BaseColor, TextureSlot { color_space: ColorSpace::Srgb, ..slot(3) }),
+                (MapKind::Bump, TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
+                (MapKind::Anisotropy, TextureSlot { channel: Channel::B, ..slot(3) }),
+                (MapKind::Ior, TextureSlot { channel: Channel::A, offset: Vec2::X, ..slot(1) }),
+            ]),
             double_sided: false,
         };
         document.environment = EnvironmentSettings {
@@ -205,7 +204,7 @@ fn a_session_from_before_some_maps_existed_is_read_without_them() {
     let read = loaded.into_document(Some(&project.dataset.scene)).0;
     let mut expected = project.document();
     assert_ne!(read.materials, expected.materials);
-    (expected.materials[1].maps.anisotropy, expected.materials[1].maps.ior) = (None, None);
+    (expected.materials[1].maps[MapKind::Anisotropy], expected.materials[1].maps[MapKind::Ior]) = (None, None);
     assert_same(&read, &expected);
 }
 
@@ -255,9 +254,9 @@ fn a_session_has_all_maps_of_a_material() {
     let keys = |value: Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
     let maps = keys(serde_json::to_value(MaterialMaps::default()).unwrap());
     assert_eq!(keys(serde_json::to_value(SessionMaps::default()).unwrap()), maps);
-    let mut named = SessionMaps::default().named_mut().map(|(key, _)| key.to_owned());
+    let mut named: Vec<_> = SessionMaps::default().iter_mut().map(|(kind, _)| kind.key().to_owned()).collect();
     named.sort();
-    assert_eq!(named.as_slice(), maps);
+    assert_eq!(named, maps);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::*;
 use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, material::MapKind};
 
 fn next(loader: &mut Loader) -> LoadResult {
     wait_for("a file", || loader.results().pop())
@@ -26,7 +26,7 @@ fn every_source_is_opened() {
         loader.load(Topic::Material(0), source);
         let Ok(Loaded::Material { material, textures, .. }) = next(&mut loader).result else { panic!("no material") };
         assert_eq!((material.name.as_str(), textures.len()), ("m", expected));
-        assert!(material.maps.base_color.is_some());
+        assert!(material.maps[MapKind::BaseColor].is_some());
     }
 }
 

@@ -2,12 +2,15 @@
 
 use super::{Changes, MaterialPanel};
 use crate::{
-    actions::{Action, MapKind},
+    actions::Action,
     document::{Document, TextureEntry},
     panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row},
 };
 use egui::{Align, Button, CollapsingHeader, Label, Layout, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
-use lapidary_core::texture::{Channel, ColorSpace, Texels, TextureSlot};
+use lapidary_core::{
+    material::MapKind,
+    texture::{Channel, ColorSpace, Texels, TextureSlot},
+};
 use std::path::PathBuf;
 
 /// Points of a thumbnail's side.
@@ -43,13 +46,13 @@ pub fn slot(
 ) {
     let name = target.name();
     group(ui, &name, |ui| {
-        let entry = target.kind.slot(&changes.material.maps).as_ref();
+        let entry = changes.material.maps[target.kind].as_ref();
         let entry = entry.and_then(|slot| document.textures.get(slot.texture as usize));
         let shown = ui.horizontal(|ui| picture_row(ui, state, target, entry, changes, actions));
         if let Some(path) = dropped_on(ui, shown.response.rect) {
             load(target, Some(path), actions);
         }
-        if target.kind.slot(&changes.material.maps).is_some() {
+        if changes.material.maps[target.kind].is_some() {
             settings(ui, state, target, entry, changes);
         }
     });
@@ -70,12 +73,12 @@ fn picture_row(
     let name = target.name();
     thumbnail(ui, state, entry);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let slot = target.kind.slot_mut(&mut changes.material.maps);
+        let slot = &mut changes.material.maps[target.kind];
         if slot.is_some() && ui.small_button("Remove").accessible_name(format!("Remove {name}")).clicked() {
             *slot = None;
             changes.note("Remove map", Edited::at_once(true));
         }
-        let verb = if target.kind.slot(&changes.material.maps).is_some() { "Swap" } else { "Load" };
+        let verb = if changes.material.maps[target.kind].is_some() { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
         let button = ui.add(Button::new(format!("{verb}…")).small()).on_hover_text(hint);
         if button.accessible_name(format!("{verb} {name}")).clicked() {
@@ -149,7 +152,7 @@ fn settings(
     entry: Option<&TextureEntry>,
     changes: &mut Changes,
 ) {
-    let Some(mut slot) = target.kind.slot(&changes.material.maps).clone() else { return };
+    let Some(mut slot) = changes.material.maps[target.kind].clone() else { return };
     match target.kind {
         MapKind::Normal => normal_strength(ui, &mut slot, changes),
         MapKind::Bump => bump_strength(ui, &mut slot, changes),
@@ -161,7 +164,7 @@ fn settings(
         reading(ui, target.kind, entry, &mut slot, changes);
     });
     folded.header_response.accessible_name(format!("{} placement", target.name()));
-    *target.kind.slot_mut(&mut changes.material.maps) = Some(slot);
+    changes.material.maps[target.kind] = Some(slot);
 }
 
 fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {

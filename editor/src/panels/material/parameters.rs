@@ -5,12 +5,12 @@ use super::{
     maps::{self, Target},
 };
 use crate::{
-    actions::{Action, MapKind},
+    actions::Action,
     document::Document,
     panels::widgets::{Number, choice_row, color_row, slider_row},
 };
 use egui::Ui;
-use lapidary_core::material::{BrdfModel, BrdfParameters, Material};
+use lapidary_core::material::{BrdfModel, BrdfParameters, MapKind, Material};
 
 const MODELS: [(BrdfModel, &str, &str); 3] = [
     (BrdfModel::Lambert, "Lambert", "Ideal diffuse reflection: chalk, plaster. Reads the base color only."),
@@ -102,7 +102,7 @@ fn help(label: &str, p: &BrdfParameters) -> String {
 
 /// Why a parameter has no effect, if it has none.
 fn unread(material: &Material, label: &str) -> Option<&'static str> {
-    let metal = material.parameters.metalness >= 1.0 && material.maps.metalness.is_none();
+    let metal = material.parameters.metalness >= 1.0 && material.maps[MapKind::Metalness].is_none();
     let of_metal = (metal && ["IOR", "Specular"].contains(&label))
         .then_some("No effect now: a full metal's reflectance is its base color.");
     diffuse_only(material).or(of_metal)

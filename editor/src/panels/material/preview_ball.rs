@@ -7,7 +7,7 @@ use glam::{Mat3, Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::SurfaceBrdf,
     cut::packed,
-    material::{BrdfParameters, Material},
+    material::{BrdfParameters, MapKind, Material},
     simd::Vec3x8,
     texture::{Texture, TextureSlot},
 };
@@ -86,11 +86,11 @@ impl Ball {
         let maps = &self.material.maps;
         let texture_of = |slot: &Option<TextureSlot>| slot.as_ref().and_then(|s| Some((s.clone(), self.texture(s)?)));
         let mut normal = place.normal;
-        if let Some((slot, texture)) = texture_of(&maps.normal) {
+        if let Some((slot, texture)) = texture_of(&maps[MapKind::Normal]) {
             let texel = texture.sample_slot(place.uv, &slot).truncate();
             normal = (frame * slot.tangent_normal(texel)).try_normalize().unwrap_or(normal);
         }
-        if let Some((slot, texture)) = texture_of(&maps.bump) {
+        if let Some((slot, texture)) = texture_of(&maps[MapKind::Bump]) {
             let [du, dv] = texture.height_slopes(place.uv, &slot);
             normal = (normal - place.per_u * du - place.per_v * dv).try_normalize().unwrap_or(normal);
         }

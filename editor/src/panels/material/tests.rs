@@ -149,7 +149,7 @@ fn the_model_greys_what_it_does_not_read() {
 fn copy_and_paste_carry_values_and_maps_but_not_the_name() {
     let mut harness = harness(|app| {
         app.document.materials[0].parameters.roughness = 0.1;
-        app.document.materials[0].maps.normal = Some(TextureSlot::default());
+        app.document.materials[0].maps[MapKind::Normal] = Some(TextureSlot::default());
     });
     click(&mut harness, "Copy");
     harness.state_mut().selected = Some(1);
@@ -157,13 +157,13 @@ fn copy_and_paste_carry_values_and_maps_but_not_the_name() {
     click(&mut harness, "Paste");
     let pasted = harness.state().document.materials[1].clone();
     assert_eq!((pasted.name.as_str(), pasted.parameters.roughness), ("Door", 0.1));
-    assert_eq!(pasted.maps.normal, Some(TextureSlot::default()));
+    assert_eq!(pasted.maps[MapKind::Normal], Some(TextureSlot::default()));
     assert_eq!(harness.state().log(), (vec!["Paste material"], 1));
 }
 
 #[test]
 fn maps_of_another_document_are_not_pasted() {
-    let mut harness = harness(|app| app.document.materials[0].maps.normal = Some(TextureSlot::default()));
+    let mut harness = harness(|app| app.document.materials[0].maps[MapKind::Normal] = Some(TextureSlot::default()));
     click(&mut harness, "Copy");
     let texture = &mut harness.state_mut().document.textures[0].texture;
     *texture = Arc::new(Texture::clone(texture));
@@ -187,11 +187,11 @@ fn a_material_that_is_text_is_pasted() {
 
 #[test]
 fn presets_keep_the_maps_unless_they_are_cleared() {
-    let mut harness = harness(|app| app.document.materials[0].maps.bump = Some(TextureSlot::default()));
+    let mut harness = harness(|app| app.document.materials[0].maps[MapKind::Bump] = Some(TextureSlot::default()));
     click(&mut harness, "Presets");
     click(&mut harness, "Gold");
     assert_eq!(harness.state().material().parameters.metalness, 1.0);
-    assert!(harness.state().material().maps.bump.is_some());
+    assert!(harness.state().material().maps[MapKind::Bump].is_some());
     click(&mut harness, "Presets");
     click(&mut harness, "Clear the maps");
     click(&mut harness, "Rubber");
@@ -260,18 +260,21 @@ fn maps_of_ior_and_anisotropy_are_loaded_placed_and_removed() {
     assert_eq!(wanted, [MapKind::Ior, MapKind::Anisotropy]);
     // As the window does once a picture is read.
     for kind in wanted {
-        *kind.slot_mut(&mut harness.state_mut().document.materials[0].maps) = Some(new_slot(kind, 0));
+        harness.state_mut().document.materials[0].maps[kind] = Some(new_slot(kind, 0));
     }
     harness.state_mut().actions.clear();
     harness.run();
     let maps = harness.state().material().maps.clone();
     assert_eq!(maps.slots().count(), 2);
-    assert_eq!((&maps.ior, &maps.anisotropy), (&Some(TextureSlot::default()), &Some(TextureSlot::default())));
+    assert_eq!(
+        (&maps[MapKind::Ior], &maps[MapKind::Anisotropy]),
+        (&Some(TextureSlot::default()), &Some(TextureSlot::default()))
+    );
     click(&mut harness, "IOR map placement");
     click(&mut harness, "IOR map channel: B");
     click(&mut harness, "Remove Anisotropy map");
-    let ior = Some(TextureSlot { channel: Channel::B, ..Default::default() });
-    assert_eq!(harness.state().material().maps, MaterialMaps { ior, ..Default::default() });
+    let ior = TextureSlot { channel: Channel::B, ..Default::default() };
+    assert_eq!(harness.state().material().maps, MaterialMaps::from([(MapKind::Ior, ior)]));
     assert_eq!(harness.state().log(), (vec!["Map channel", "Remove map"], 2));
 }
 
@@ -289,8 +292,8 @@ fn a_picture_dropped_on_a_row_is_loaded_there() {
 
 #[test]
 fn placement_edits_scale_offset_rotation_and_channel() {
-    let mut harness = harness(|app| app.document.materials[0].maps.roughness = Some(TextureSlot::default()));
-    let slot = |h: &Harness<App>| h.state().material().maps.roughness.clone().unwrap();
+    let mut harness = harness(|app| app.document.materials[0].maps[MapKind::Roughness] = Some(TextureSlot::default()));
+    let slot = |h: &Harness<App>| h.state().material().maps[MapKind::Roughness].clone().unwrap();
     click(&mut harness, "Roughness map placement");
     type_in(&mut harness, "Roughness map scale value", "4");
     assert_eq!(slot(&harness).scale, Vec2::splat(4.0));
@@ -313,22 +316,23 @@ fn placement_edits_scale_offset_rotation_and_channel() {
 fn bumps_are_in_millimetres_and_can_be_inverted_and_normals_flipped() {
     let mut harness = harness(|app| {
         let maps = &mut app.document.materials[0].maps;
-        (maps.bump, maps.normal) = (Some(new_slot(MapKind::Bump, 0)), Some(new_slot(MapKind::Normal, 0)));
+        (maps[MapKind::Bump], maps[MapKind::Normal]) =
+            (Some(new_slot(MapKind::Bump, 0)), Some(new_slot(MapKind::Normal, 0)));
     });
     type_in(&mut harness, "Bump map height value", "2.5");
     click(&mut harness, "Bump map invert");
     let maps = &harness.state().material().maps;
-    assert!((maps.bump.as_ref().unwrap().strength + 0.0025).abs() < 1e-7);
-    assert!(!maps.normal.as_ref().unwrap().flip_y);
+    assert!((maps[MapKind::Bump].as_ref().unwrap().strength + 0.0025).abs() < 1e-7);
+    assert!(!maps[MapKind::Normal].as_ref().unwrap().flip_y);
     click(&mut harness, "Normal map flip y (directx)");
-    assert!(harness.state().material().maps.normal.as_ref().unwrap().flip_y);
+    assert!(harness.state().material().maps[MapKind::Normal].as_ref().unwrap().flip_y);
     assert_eq!(harness.state().log(), (vec!["Bump height", "Invert bumps", "Flip Y"], 3));
 }
 
 #[test]
 fn a_slot_whose_texture_is_missing_is_shown_and_can_be_swapped() {
     let mut harness = harness(|app| {
-        app.document.materials[0].maps.base_color = Some(TextureSlot { texture: 99, ..Default::default() });
+        app.document.materials[0].maps[MapKind::BaseColor] = Some(TextureSlot { texture: 99, ..Default::default() });
     });
     click(&mut harness, "Swap Base color map");
     assert!(matches!(harness.state().actions[0], Action::LoadTexture { map: MapKind::BaseColor, .. }));

@@ -41,18 +41,7 @@ impl Copied {
             let now = document.textures.get(index as usize).map(|t| Arc::as_ptr(&t.texture));
             self.textures.iter().any(|(i, texture)| *i == index && now == Some(texture.as_ptr()))
         };
-        let keep = |slot: &Option<_>| slot.clone().filter(|s: &lapidary_core::texture::TextureSlot| same(s.texture));
-        let m = &self.material.maps;
-        let maps = MaterialMaps {
-            base_color: keep(&m.base_color),
-            roughness: keep(&m.roughness),
-            metalness: keep(&m.metalness),
-            specular: keep(&m.specular),
-            anisotropy: keep(&m.anisotropy),
-            ior: keep(&m.ior),
-            normal: keep(&m.normal),
-            bump: keep(&m.bump),
-        };
+        let maps = self.material.maps.filter_map(|slot| same(slot.texture).then(|| slot.clone()));
         let Material { model, parameters, .. } = self.material;
         Material { model, parameters, maps, ..target.clone() }
     }

@@ -14,7 +14,7 @@ use lapidary_core::{
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
     image::Image,
-    material::{BrdfModel, BrdfParameters, Material, MaterialMaps},
+    material::{BrdfModel, BrdfParameters, MapKind, Material, MaterialMaps},
     ray::Hit,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
@@ -53,28 +53,26 @@ fn textures() -> Vec<Arc<Texture>> {
 }
 
 pub(super) fn maps() -> MaterialMaps {
-    let slot = |texture, color_space, channel, strength| {
-        Some(TextureSlot {
-            texture,
-            color_space,
-            channel,
-            strength,
-            scale: Vec2::new(1.7, 0.6),
-            offset: Vec2::new(0.3, -1.2),
-            rotation: 0.4,
-            flip_y: false,
-        })
+    let slot = |texture, color_space, channel, strength| TextureSlot {
+        texture,
+        color_space,
+        channel,
+        strength,
+        scale: Vec2::new(1.7, 0.6),
+        offset: Vec2::new(0.3, -1.2),
+        rotation: 0.4,
+        flip_y: false,
     };
-    MaterialMaps {
-        base_color: slot(0, ColorSpace::Srgb, Channel::R, 1.0),
-        roughness: slot(1, ColorSpace::Linear, Channel::G, 1.0),
-        metalness: slot(0, ColorSpace::Linear, Channel::B, 1.0),
-        specular: slot(0, ColorSpace::Linear, Channel::A, 1.0),
-        anisotropy: slot(1, ColorSpace::Linear, Channel::B, 1.0),
-        ior: slot(0, ColorSpace::Linear, Channel::G, 1.0),
-        normal: slot(2, ColorSpace::Linear, Channel::R, 0.8),
-        bump: slot(1, ColorSpace::Linear, Channel::R, 0.02),
-    }
+    MaterialMaps::from([
+        (MapKind::BaseColor, slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
+        (MapKind::Roughness, slot(1, ColorSpace::Linear, Channel::G, 1.0)),
+        (MapKind::Metalness, slot(0, ColorSpace::Linear, Channel::B, 1.0)),
+        (MapKind::Specular, slot(0, ColorSpace::Linear, Channel::A, 1.0)),
+        (MapKind::Anisotropy, slot(1, ColorSpace::Linear, Channel::B, 1.0)),
+        (MapKind::Ior, slot(0, ColorSpace::Linear, Channel::G, 1.0)),
+        (MapKind::Normal, slot(2, ColorSpace::Linear, Channel::R, 0.8)),
+        (MapKind::Bump, slot(1, ColorSpace::Linear, Channel::R, 0.02)),
+    ])
 }
 
 /// A floor with a blocker above: shadows, both sides, a buried vertex, curved normals.
@@ -234,20 +232,19 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
     let mut flipped = maps();
-    flipped.normal.as_mut().unwrap().flip_y = true;
+    flipped[MapKind::Normal].as_mut().unwrap().flip_y = true;
     rig.renderer.set_appearance(look(flipped.clone()));
     let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
     assert!(!agrees(&gpu, &other));
     rig.look(look(flipped));
     let [flipped, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&flipped, &cpu), "{:?}", difference(&flipped, &cpu));
-    for i in 0..8 {
+    for kind in MapKind::all() {
         let mut fewer = maps();
-        let MaterialMaps { base_color, roughness, metalness, specular, anisotropy, ior, normal, bump } = &mut fewer;
-        *[base_color, roughness, metalness, specular, anisotropy, ior, normal, bump][i] = None;
+        fewer[kind] = None;
         rig.renderer.set_appearance(look(fewer));
         let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
-        assert!(!agrees(&gpu, &without), "map {i} makes no difference");
+        assert!(!agrees(&gpu, &without), "the map {} makes no difference", kind.key());
     }
 }
 
@@ -256,12 +253,11 @@ fn maps_of_anisotropy_and_ior_agree_alone_and_each_of_them_matters() {
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();
     let view = view(ViewMode::Shaded);
-    let MaterialMaps { anisotropy, ior, .. } = maps();
-    let only = [
-        MaterialMaps { anisotropy: anisotropy.clone(), ..Default::default() },
-        MaterialMaps { ior: ior.clone(), ..Default::default() },
-        MaterialMaps { anisotropy, ior, ..Default::default() },
-    ];
+    let only = [&[MapKind::Anisotropy][..], &[MapKind::Ior], &[MapKind::Anisotropy, MapKind::Ior]].map(|kinds| {
+        let mut only = maps();
+        only.iter_mut().filter(|(kind, _)| !kinds.contains(kind)).for_each(|(_, slot)| *slot = None);
+        only
+    });
     for model in [BrdfModel::Ggx, BrdfModel::Ward] {
         // Across the tangent, so that the sign travels too.
         let look = |maps| appearance(&dataset, model, parameters(0.5, -0.7), maps);

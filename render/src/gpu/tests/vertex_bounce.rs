@@ -20,7 +20,7 @@ use lapidary_core::{
     camera::Camera,
     image::Image,
     lights::Light,
-    material::{BrdfModel, MaterialMaps},
+    material::{BrdfModel, MapKind, MaterialMaps},
     meshless::Transport,
 };
 use std::sync::{Arc, MutexGuard};
@@ -146,11 +146,9 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
         rig.look(look(maps()));
         let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
         assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
-        for fewer in [
-            MaterialMaps { base_color: None, ..maps() },
-            MaterialMaps { normal: None, ..maps() },
-            MaterialMaps { bump: None, ..maps() },
-        ] {
+        for kind in [MapKind::BaseColor, MapKind::Normal, MapKind::Bump] {
+            let mut fewer = maps();
+            fewer[kind] = None;
             rig.renderer.set_appearance(look(fewer));
             assert!(!agrees(&gpu, &rig.on_cpu(&rig.vertices)), "{model:?}: a map makes no difference");
         }
