@@ -108,7 +108,9 @@ mod tests {
     fn without_a_command_the_window_opens() {
         assert!(matches!(Cli::parse_from(["lapidary"]).chosen(), Command::Edit(_)));
         assert!(matches!(Cli::parse_from(["lapidary", "--quiet"]).chosen(), Command::Edit(_)));
-        assert!(matches!(Cli::parse_from(["lapidary", "demo"]).chosen(), Command::Study(command) if matches!(*command, commands::Command::Demo(_))));
+        assert!(
+            matches!(Cli::parse_from(["lapidary", "demo"]).chosen(), Command::Study(command) if matches!(*command, commands::Command::Demo(_)))
+        );
     }
 
     #[test]
