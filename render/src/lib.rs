@@ -61,6 +61,6 @@ pub use reference::{
     samples::SampledLight,
 };
 pub use renderer::Renderer;
-pub use shade::{merge::BrdfSampling, refine::Refinement};
+pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

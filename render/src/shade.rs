@@ -8,4 +8,5 @@ pub(crate) mod painter;
 pub(crate) mod point_shader;
 pub(crate) mod refine;
 pub(crate) mod surface;
+pub(crate) mod unoccluded;
 pub(crate) mod wireframe;
