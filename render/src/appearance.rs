@@ -25,7 +25,8 @@ impl Appearance {
         Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
     }
 
-    /// A material's values after its maps, in their ranges.
+    /// A material's values after its maps, in their ranges: they are clamped here and nowhere later. Twin of
+    /// `shaders/parameters_pass.wgsl`.
     pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
         material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()
     }

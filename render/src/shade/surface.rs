@@ -6,7 +6,7 @@ use lapidary_core::{
     brdf::SurfaceBrdf,
     dataset::Dataset,
     material::{BrdfParameters, Material},
-    ray::{Hit, Intersector},
+    ray::{Hit, Intersector, offset},
     simd::Vec3x8,
 };
 use wide::f32x8;
@@ -188,7 +188,7 @@ impl<'a> Surfaces<'a> {
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
         let material = &self.appearance.materials[mesh.triangle_material[triangle] as usize];
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
-        let offset = (0.02 * edge).clamp(0.02 * self.largest_offset, self.largest_offset);
+        let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
         let uvs = || vertices.map(|v| mesh.uvs[v as usize]);
         let slopes = material.maps.bump.as_ref().and_then(|_| surface_slopes(mesh.corners(triangle), uvs()));

@@ -12,7 +12,8 @@ use lapidary_core::{
     dataset::Dataset,
     lights::Light,
     meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
-    surfel::{OFFSET, Surfel},
+    ray::offset,
+    surfel::Surfel,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -42,7 +43,7 @@ impl MeshlessRig {
         let bake = dataset.meshless.as_ref()?;
         let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
         let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
-        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
         let is_free = |point: &Surfel, direction: Vec3, within: f32| {
             !baked.intersector().occluded_before(point.position + point.normal * offset, direction, within)
         };
