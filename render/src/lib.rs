@@ -56,7 +56,7 @@ pub use post::{Post, ToneMap};
 pub use reference::{
     path::{
         PathPicture,
-        settings::{PathSettings, Places},
+        settings::{PathSettings, SamplePositions},
     },
     samples::SampledLight,
 };

@@ -15,7 +15,7 @@ use lapidary_precompute::{
     Observer,
     cli::{ProgressReporter, ProgressStyle},
 };
-use lapidary_render::{Components, PathSettings, Places, Renderer, Solution};
+use lapidary_render::{Components, PathSettings, Renderer, SamplePositions, Solution};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -65,7 +65,7 @@ enum PlacesArg {
     Shifted,
 }
 
-impl From<PlacesArg> for Places {
+impl From<PlacesArg> for SamplePositions {
     fn from(places: PlacesArg) -> Self {
         match places {
             PlacesArg::Shared => Self::Shared,
@@ -157,6 +157,6 @@ fn path_settings(args: &ReferenceArgs, shot: &Shot) -> PathSettings {
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
     let first_pass = args.seed.unwrap_or(0) * spp.max(shot.view.aa);
-    let places = args.places.map(Places::from).unwrap_or_default();
-    PathSettings { spp, first_pass, bounces, components, places }
+    let positions = args.places.map(SamplePositions::from).unwrap_or_default();
+    PathSettings { spp, first_pass, bounces, components, positions }
 }

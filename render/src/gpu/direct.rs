@@ -129,7 +129,7 @@ impl DirectLights {
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {
         let Plan { size, grid, .. } = self.plan;
-        let around = shadows::Surroundings { bounds: scene.bounds, near: scene.near, size, grid };
+        let around = shadows::ShadowViewSettings { bounds: scene.bounds, near: scene.near, size, grid };
         let casting = self.lights.iter().zip(&self.plan.first).filter(|(_, first)| **first != constants::NO_SHADOW);
         casting.flat_map(|(light, _)| shadows::views(light, &around)).collect()
     }

@@ -3,7 +3,7 @@
 use super::{device::GpuDevice, scene::extent};
 use wgpu::TextureFormat as Format;
 
-/// Formats of the passes' outputs; each pass writes at most 32 bytes a pixel, WebGPU's default limit.
+/// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.
 pub mod format {
     use super::Format;
 

@@ -133,7 +133,7 @@ impl ReceiverX8 {
 
 /// A one-sided surface seen from behind reflects nothing.
 #[derive(Clone, Debug)]
-pub enum Seen {
+pub enum FirstHit {
     /// Nothing is there.
     Background,
     /// The back of a one-sided surface.
@@ -164,11 +164,11 @@ impl<'a> Surfaces<'a> {
     }
 
     /// What a ray meets first.
-    pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> Seen {
+    pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
         match self.intersector.closest_hit(origin, direction) {
-            None => Seen::Background,
-            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => Seen::Back,
-            Some(hit) => Seen::Surface(Box::new(self.point(&hit, -direction))),
+            None => FirstHit::Background,
+            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => FirstHit::Back,
+            Some(hit) => FirstHit::Surface(Box::new(self.point(&hit, -direction))),
         }
     }
 

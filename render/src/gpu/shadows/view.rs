@@ -18,7 +18,7 @@ const WIDEST_VIEW: f32 = 75.0;
 
 /// What views depend on besides the light.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings {
+pub struct ShadowViewSettings {
     /// Of all that casts shadows.
     pub bounds: Bounds,
     /// Distance from a light, in metres, nearer than which nothing casts a shadow.
@@ -46,7 +46,7 @@ pub fn view_count(light: &Light, grid: u32) -> u32 {
 }
 
 /// The views of a light, [`view_count`] of them, point by point; a light without a direction looks down.
-pub fn views(light: &Light, around: &Surroundings) -> Vec<ShadowView> {
+pub fn views(light: &Light, around: &ShadowViewSettings) -> Vec<ShadowView> {
     let forward = light.forward().unwrap_or(Vec3::NEG_Y);
     match light.emission {
         Emission::Point => cube(light.position, around),
@@ -69,13 +69,13 @@ fn grid_points(shape: &RectangleShape, grid: u32) -> Vec<Vec3> {
     (0..grid * grid).map(|i| shape.point(Vec2::new(at(i % grid), at(i / grid)))).collect()
 }
 
-fn cube(origin: Vec3, around: &Surroundings) -> Vec<ShadowView> {
+fn cube(origin: Vec3, around: &ShadowViewSettings) -> Vec<ShadowView> {
     let mut views = hemicube(origin, Vec3::Y, around);
     views.push(perspective(origin, Vec3::NEG_Y, Vec3::X, 1.0, around));
     views
 }
 
-fn hemicube(origin: Vec3, forward: Vec3, around: &Surroundings) -> Vec<ShadowView> {
+fn hemicube(origin: Vec3, forward: Vec3, around: &ShadowViewSettings) -> Vec<ShadowView> {
     let right = forward.any_orthonormal_vector();
     let up = forward.cross(right);
     let sides = [right, -right, up, -up].map(|side| (side, forward));
@@ -88,7 +88,7 @@ fn with_border(size: u32) -> f32 {
     size as f32 / (size - 2 * BORDER) as f32
 }
 
-fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &Surroundings) -> ShadowView {
+fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &ShadowViewSettings) -> ShadowView {
     let half = tan * with_border(around.size);
     ShadowView {
         origin: origin.to_array(),
@@ -102,7 +102,7 @@ fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &Surroun
     }
 }
 
-fn parallel(forward: Vec3, around: &Surroundings) -> ShadowView {
+fn parallel(forward: Vec3, around: &ShadowViewSettings) -> ShadowView {
     let up = forward.any_orthonormal_vector();
     let right = forward.cross(up);
     let Bounds { min, max } = around.bounds;

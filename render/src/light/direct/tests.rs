@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     Renderer, View,
     renderer::tests::{dataset, from_above, mesh, white},
-    shade::surface::Seen,
+    shade::surface::FirstHit,
 };
 use glam::Vec4;
 use lapidary_core::{
@@ -27,7 +27,7 @@ pub(crate) fn mean(image: &Image) -> f32 {
 pub(crate) fn surface_at(renderer: &Renderer, view: &View) -> SurfacePoint {
     let direction = view.camera.direction_through(0.5 * Vec2::new(view.size[0] as f32, view.size[1] as f32), view.size);
     match renderer.surfaces().seen_along(view.camera.eye, direction) {
-        Seen::Surface(point) => *point,
+        FirstHit::Surface(point) => *point,
         _ => panic!("the view looks at a surface"),
     }
 }

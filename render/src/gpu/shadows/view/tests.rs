@@ -3,7 +3,7 @@
 use super::*;
 use lapidary_core::sphere::fibonacci_directions;
 
-const AROUND: Surroundings = Surroundings {
+const AROUND: ShadowViewSettings = ShadowViewSettings {
     bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(3.0, 1.0, 2.0) },
     near: 1e-4,
     size: 64,
