@@ -25,6 +25,8 @@ mod post;
 mod reference;
 mod renderer;
 mod shade;
+#[cfg(test)]
+mod test_scenes;
 mod view;
 mod view_mode;
 

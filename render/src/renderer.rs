@@ -74,4 +74,4 @@ impl Renderer {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -113,7 +113,7 @@ impl Pixel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Backend, Baked, CpuBackend, ViewMode, renderer::tests};
+    use crate::{Backend, Baked, CpuBackend, ViewMode, test_scenes};
     use glam::Vec2;
     use lapidary_core::{camera::Camera, dataset::Dataset, material::BrdfParameters};
 
@@ -125,7 +125,7 @@ mod tests {
     }
 
     fn dataset() -> Dataset {
-        tests::dataset(tests::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
+        test_scenes::dataset(test_scenes::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
     }
 
     /// What the CPU renderer shows of a mode.

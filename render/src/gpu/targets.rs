@@ -40,7 +40,7 @@ pub struct Targets {
 pub struct Sums {
     /// What the view shows, and coverage.
     pub value: Target,
-    /// Merged nodes, BRDF evaluations, wireframe coverage, surfaces.
+    /// Nodes of the merged cut, BRDF evaluations, wireframe coverage, surfaces.
     pub work: Target,
 }
 

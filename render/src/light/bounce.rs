@@ -125,6 +125,4 @@ impl SourceRig {
 }
 
 #[cfg(test)]
-pub(crate) use meshless::tests as meshless_tests;
-#[cfg(test)]
-pub(crate) mod tests;
+mod tests;

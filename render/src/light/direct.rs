@@ -119,4 +119,4 @@ impl<'a> Arriving<'a> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -3,8 +3,9 @@
 use super::*;
 use crate::{
     Quiet,
-    light::direct::tests::{light, mean, plates, polygon_irradiance, sphere, surface_at},
-    renderer::tests::{dataset, glossy, illumination, rel_rmse, white},
+    test_scenes::{
+        dataset, glossy, illumination, light, mean, plates, polygon_irradiance, rel_rmse, sphere, surface_at, white,
+    },
     view::Background,
 };
 use glam::Vec2;
