@@ -1,6 +1,6 @@
 // What every pass knows: camera, picture and switches.
 
-struct Frame {
+struct FrameUniforms {
     clip_from_world: mat4x4<f32>,
     // Right, up and backward axes of the camera.
     world_from_view: mat3x3<f32>,
@@ -32,7 +32,7 @@ const VIEW_VISIBILITY_CUT: u32 = 4u;
 const VIEW_MERGED_CUT: u32 = 5u;
 const VIEW_BRDF_EVALUATIONS: u32 = 6u;
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(0) var<uniform> frame: FrameUniforms;
 
 // The unit direction through the sample of a pixel.
 fn ray_direction(pixel: vec2<u32>) -> vec3<f32> {

@@ -58,9 +58,8 @@ pub enum SurfaceBrdf {
 }
 
 impl SurfaceBrdf {
-    /// The model with these parameters, clamped into their ranges.
-    pub fn new(model: BrdfModel, parameters: BrdfParameters) -> Self {
-        let p = parameters.sanitized();
+    /// The model with parameters in their ranges, see [`BrdfParameters::sanitized`]: whoever applies the maps clamps them, once.
+    pub fn new(model: BrdfModel, p: BrdfParameters) -> Self {
         match model {
             BrdfModel::Lambert => Self::Lambert(Lambert::new(p.base_color)),
             BrdfModel::Ggx => Self::Ggx(Ggx::new(&p)),

@@ -6,6 +6,7 @@
 mod batch;
 mod directions;
 mod leaves;
+pub mod offset;
 mod segments;
 mod triangle;
 

@@ -5,7 +5,7 @@ mod graded_grid;
 
 pub use graded_grid::GradedGrid;
 
-use crate::bounds::Bounds;
+use crate::{bounds::Bounds, ray::offset};
 use glam::{Vec2, Vec3};
 
 /// Where on a mesh a surface point lies, to look its material up.
@@ -28,9 +28,6 @@ pub struct Surfel {
     pub place: MeshPlace,
 }
 
-/// Rays start, and segments to sources end, that share of a scene's diagonal off a surface.
-pub const OFFSET: f32 = 1e-5;
-
 /// All that light transport needs of a scene: ray casts and reflectance (meshless basis paper, 5.1).
 pub trait Surface: Sync {
     /// The first surface along a ray, with its normal on the side of the ray's origin. The origin lies off any surface,
@@ -48,6 +45,6 @@ pub trait Surface: Sync {
 
     /// Distance in metres that rays start off a surface.
     fn offset(&self) -> f32 {
-        OFFSET * self.bounds().diagonal()
+        offset::TRANSPORT * self.bounds().diagonal()
     }
 }

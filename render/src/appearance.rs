@@ -33,7 +33,8 @@ impl Appearance {
             && self.textures.iter().zip(&other.textures).all(same_texture)
     }
 
-    /// A material's values after its maps, in their ranges.
+    /// A material's values after its maps, in their ranges: they are clamped here and nowhere later. Twin of
+    /// `shaders/parameters_pass.wgsl`.
     pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
         material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()
     }

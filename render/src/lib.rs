@@ -28,7 +28,9 @@ mod reference;
 mod renderer;
 mod shade;
 #[cfg(any(test, feature = "test-scenes"))]
-pub mod test_scenes;
+pub mod test_looks;
+#[cfg(test)]
+mod test_scenes;
 mod view;
 mod view_mode;
 
@@ -62,11 +64,11 @@ pub use post::{Post, ToneMap};
 pub use reference::{
     path::{
         PathPicture,
-        settings::{PathSettings, Places},
+        settings::{PathSettings, SamplePositions},
     },
     samples::SampledLight,
 };
 pub use renderer::Renderer;
-pub use shade::{merge::BrdfSampling, refine::Refinement};
+pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

@@ -289,7 +289,7 @@ fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Appearance, CpuBackend, test_scenes::look};
+    use crate::{Appearance, CpuBackend, test_looks::look};
     use lapidary_core::test_scenes::dataset;
 
     fn scene() -> LitScene {

@@ -84,7 +84,7 @@ impl Redo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Background, test_scenes::look};
+    use crate::{Background, test_looks::look};
     use std::sync::Arc;
 
     /// What an edit of a look redoes.

@@ -7,7 +7,10 @@ use crate::{
     light::environment::{Illumination, LightRig, SceneLighting},
     shade::surface::Surfaces,
 };
-use lapidary_core::{dataset::Dataset, ray::Intersector};
+use lapidary_core::{
+    dataset::Dataset,
+    ray::{Intersector, offset},
+};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A dataset ready to be rendered.
@@ -29,7 +32,7 @@ impl Renderer {
         let intersector = baked.intersector();
         let dataset = baked.dataset;
         let appearance = Appearance::of(&dataset.scene);
-        let largest_offset = 2e-4 * dataset.scene.mesh.bounds().diagonal();
+        let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
         Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }
     }
 
@@ -79,4 +82,4 @@ impl Renderer {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

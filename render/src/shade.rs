@@ -1,11 +1,12 @@
 //! From a sample of a pixel to the light that its surface reflects: camera ray, surface point, merge of the cuts.
 
 pub(crate) mod background;
-pub(crate) mod frame;
 pub(crate) mod merge;
 pub(crate) mod node_field;
 pub(crate) mod painter;
+pub(crate) mod pixel_sampler;
 pub(crate) mod point_shader;
 pub(crate) mod refine;
 pub(crate) mod surface;
+pub(crate) mod unoccluded;
 pub(crate) mod wireframe;

@@ -28,7 +28,7 @@ pub struct View {
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples a pixel; 1 is its centre.
+    /// Samples per pixel; 1 is its centre.
     pub aa: u32,
     /// What is seen where nothing is.
     pub background: Background,
@@ -47,15 +47,15 @@ impl View {
         Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
     }
 
-    /// Positions inside a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
+    /// Positions of the samples in a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
     /// (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
-        (0..self.aa.max(1)).map(|i| place_in_pixel(i, DVec2::splat(0.5))).collect()
+        (0..self.aa.max(1)).map(|i| pixel_sample_position(i, DVec2::splat(0.5))).collect()
     }
 }
 
 /// Point `i` of the R2 sequence that starts at `first`, in the unit square.
-pub(crate) fn place_in_pixel(i: u32, first: DVec2) -> Vec2 {
+pub(crate) fn pixel_sample_position(i: u32, first: DVec2) -> Vec2 {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_693, 0.569_840_290_998_053); // 1/p and 1/p² for the plastic number p
     // Rounding to single precision may end at 1, which belongs to the next pixel.
     (first + STEP * f64::from(i)).fract().as_vec2().min(Vec2::splat(1.0 - f32::EPSILON))

@@ -377,7 +377,7 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::test_scenes::look as test_look;
+    use lapidary_render::test_looks::look as test_look;
 
     #[test]
     fn every_sweep_that_is_proposed_makes_a_sequence() {

@@ -10,7 +10,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::Intersector,
+    ray::{Intersector, offset},
     scene::Mesh,
     shot::Shot,
     sources::Origin,
@@ -90,8 +90,7 @@ impl BakePoints {
     /// One point for each distinct (position, normal, sides) of the mesh's vertices.
     pub fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
         let around = Surroundings::new(mesh, sides);
-        let smallest = 4e-6 * mesh.bounds().diagonal();
-        let largest = 2e-4 * mesh.bounds().diagonal();
+        let diagonal = mesh.bounds().diagonal();
         let mut result = Self::default();
         let mut known = HashMap::new();
         for (v, &position) in mesh.positions.iter().enumerate() {
@@ -99,9 +98,7 @@ impl BakePoints {
             let point = BakePoint {
                 position,
                 normal,
-                offset: (0.02 * around.edge_length[v])
-                    .min(OFFSET_OF_HEIGHT * around.height[v])
-                    .clamp(smallest, largest),
+                offset: offset::of_baking(around.edge_length[v], OFFSET_OF_HEIGHT * around.height[v], diagonal),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
                 places: [position; 2],

@@ -13,9 +13,9 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
-        frame::Frame,
         merge::BrdfSampling,
         painter::{Painter, PictureLight},
+        pixel_sampler::PixelSampler,
     },
     view::View,
 };
@@ -25,7 +25,7 @@ use std::{ops::Range, sync::Arc};
 /// Name of the renderer on the cores.
 pub const CPU: &str = "cpu";
 
-/// Shadow rays a pixel beyond which it is said that they take long.
+/// Shadow rays per pixel beyond which it is said that they take long.
 const MANY_RAYS: u32 = 256;
 
 /// Renders on all cores. Never fails.
@@ -46,7 +46,7 @@ fn remark_on_rays(lights: &[Light]) -> Option<String> {
     let rays: u32 = shining.iter().map(|light| light.samples_wanted()).sum();
     (rays > MANY_RAYS).then(|| {
         format!(
-            "{} local lights take up to {rays} shadow rays a pixel, which is slow on the CPU; switch some off",
+            "{} local lights take up to {rays} shadow rays per pixel, which is slow on the CPU; switch some off",
             shining.len()
         )
     })
@@ -121,7 +121,7 @@ impl Backend for CpuBackend {
             };
             let Begun { view, sampling, backdrop, picture } = &mut begun;
             let painter = || Painter::new(view.mode, &renderer.dataset, light, *sampling);
-            picture.add_rows(&Frame::new(renderer, view, backdrop), painter, sample, rows);
+            picture.add_rows(&PixelSampler::new(renderer, view, backdrop), painter, sample, rows);
         }
         self.begun = Some(begun);
         Ok(())

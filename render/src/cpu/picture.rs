@@ -5,7 +5,7 @@ use crate::{
     cpu::display::display_pixel,
     light::direct::pixel_shift,
     post::Post,
-    shade::{frame::Frame, merge::Work, painter::Painter, surface::Seen, wireframe},
+    shade::{merge::Work, painter::Painter, pixel_sampler::PixelSampler, surface::FirstHit, wireframe},
     view::{Background, View},
     view_mode::ViewMode,
 };
@@ -41,7 +41,7 @@ impl Picture {
     /// Adds one sample to each pixel of some rows. Each thread has a painter of its own.
     pub fn add_rows<'a>(
         &mut self,
-        frame: &Frame<'a>,
+        sampler: &PixelSampler<'a>,
         painter: impl Fn() -> Painter<'a> + Sync + Send,
         sample: u32,
         rows: Range<u32>,
@@ -52,7 +52,7 @@ impl Picture {
         let band = &mut self.pixels[first as usize * width..end as usize * width];
         let paint_row = |painter: &mut Painter<'a>, (row, pixels): (usize, &mut [Pixel])| {
             for (x, pixel) in pixels.iter_mut().enumerate() {
-                pixel.add(frame, painter, [x as u32, first + row as u32], sample);
+                pixel.add(sampler, painter, [x as u32, first + row as u32], sample);
             }
             painter.take_work()
         };
@@ -84,19 +84,21 @@ impl Picture {
 }
 
 impl Pixel {
-    fn add(&mut self, frame: &Frame, painter: &mut Painter, [x, y]: [u32; 2], sample: u32) {
-        let sight = frame.sight(x, y, sample as usize);
+    fn add(&mut self, sampler: &PixelSampler, painter: &mut Painter, [x, y]: [u32; 2], sample: u32) {
+        let sight = sampler.sight(x, y, sample as usize);
         self.samples += 1.0;
         match sight.seen {
             // The other modes show surfaces only: an environment is no count.
-            Seen::Background if frame.view.mode == ViewMode::Shaded => self.value += frame.behind(sight.direction),
-            Seen::Background => {}
-            Seen::Back => self.covered += 1.0,
-            Seen::Surface(point) => {
+            FirstHit::Background if sampler.view.mode == ViewMode::Shaded => {
+                self.value += sampler.behind(sight.direction)
+            }
+            FirstHit::Background => {}
+            FirstHit::Back => self.covered += 1.0,
+            FirstHit::Surface(point) => {
                 self.value += painter.value(&point, pixel_shift(x, y, sample));
                 self.covered += 1.0;
-                if frame.view.wireframe {
-                    self.wire += frame.wire(sight.position, &point);
+                if sampler.view.wireframe {
+                    self.wire += sampler.wire(sight.position, &point);
                 }
             }
         }

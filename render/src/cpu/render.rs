@@ -7,9 +7,9 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
-        frame::Frame,
         merge::BrdfSampling,
         painter::{Painter, PictureLight},
+        pixel_sampler::PixelSampler,
     },
     view::View,
 };
@@ -67,12 +67,12 @@ impl Renderer {
     ) -> (Image, RenderStats) {
         let start = Instant::now();
         let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
-        let frame = Frame::new(self, view, &backdrop);
+        let sampler = PixelSampler::new(self, view, &backdrop);
         let light = PictureLight { environment: Some(lighting), ..Default::default() };
         let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
         let mut picture = Picture::new(view.size);
         for sample in 0..view.aa.max(1) {
-            picture.add_rows(&frame, painter, sample, 0..view.size[1]);
+            picture.add_rows(&sampler, painter, sample, 0..view.size[1]);
         }
         let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations } = picture.stats();
         let seconds = start.elapsed().as_secs_f64();

@@ -4,8 +4,8 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Backdrop,
-        frame::{Frame, Sight},
-        surface::Seen,
+        pixel_sampler::{PixelSampler, Sight},
+        surface::FirstHit,
     },
     view::View,
 };
@@ -25,13 +25,13 @@ pub struct SurfaceLayers {
     pub normal: Image,
     /// Base colour after its texture.
     pub albedo: Image,
-    /// Perceptual roughness after its texture, one value a pixel.
+    /// Perceptual roughness after its texture, one value per pixel.
     pub roughness: Vec<f32>,
     /// Place in the world in metres; zero where there is no surface.
     pub position: Image,
-    /// Distance along the optical axis in metres, one value a pixel; [`NO_SURFACE`] where there is none.
+    /// Distance along the optical axis in metres, one value per pixel; [`NO_SURFACE`] where there is none.
     pub depth: Vec<f32>,
-    /// Share of the samples that meet a surface, back or front, one value a pixel.
+    /// Share of the samples that meet a surface, back or front, one value per pixel.
     pub coverage: Vec<f32>,
 }
 
@@ -50,9 +50,9 @@ impl Renderer {
     /// What the surfaces of a view are, as the scene looks now.
     pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
         let backdrop = Backdrop::black();
-        let frame = Frame::new(self, view, &backdrop);
+        let sampler = PixelSampler::new(self, view, &backdrop);
         let [width, height] = view.size;
-        let row = |y: u32| (0..width).map(|x| Pixel::of(&frame, x, y)).collect::<Vec<_>>();
+        let row = |y: u32| (0..width).map(|x| Pixel::of(&sampler, x, y)).collect::<Vec<_>>();
         let pixels: Vec<Pixel> = (0..height).into_par_iter().flat_map_iter(row).collect();
         let image = |value: fn(&Pixel) -> Vec3| Image { size: view.size, pixels: pixels.iter().map(value).collect() };
         let plane = |value: fn(&Pixel) -> f32| pixels.iter().map(value).collect();
@@ -77,10 +77,10 @@ impl Pixel {
         covered: 0.0,
     };
 
-    fn of(frame: &Frame, x: u32, y: u32) -> Self {
-        let samples = frame.view.aa.max(1);
+    fn of(sampler: &PixelSampler, x: u32, y: u32) -> Self {
+        let samples = sampler.view.aa.max(1);
         let mut pixel = Self::NOTHING;
-        (0..samples).for_each(|sample| pixel.add(frame, &frame.sight(x, y, sample as usize)));
+        (0..samples).for_each(|sample| pixel.add(sampler, &sampler.sight(x, y, sample as usize)));
         let share = 1.0 / samples as f32;
         Self {
             normal: pixel.normal * share,
@@ -91,16 +91,16 @@ impl Pixel {
         }
     }
 
-    fn add(&mut self, frame: &Frame, sight: &Sight) {
+    fn add(&mut self, sampler: &PixelSampler, sight: &Sight) {
         match &sight.seen {
-            Seen::Background => {}
-            Seen::Back => self.covered += 1.0,
-            Seen::Surface(point) => {
+            FirstHit::Background => {}
+            FirstHit::Back => self.covered += 1.0,
+            FirstHit::Surface(point) => {
                 self.covered += 1.0;
                 self.normal += point.world_from_local.z_axis;
                 self.albedo += point.parameters.base_color;
                 self.roughness += point.parameters.roughness;
-                let camera = &frame.view.camera;
+                let camera = &sampler.view.camera;
                 let depth = (point.position - camera.eye).dot(-camera.world_from_view().z_axis);
                 if depth < self.depth {
                     (self.depth, self.position) = (depth, point.position);
@@ -113,7 +113,7 @@ impl Pixel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Backend, Baked, CpuBackend, ViewMode, renderer::tests};
+    use crate::{Backend, Baked, CpuBackend, ViewMode, test_scenes};
     use glam::Vec2;
     use lapidary_core::{camera::Camera, dataset::Dataset, material::BrdfParameters};
 
@@ -125,7 +125,7 @@ mod tests {
     }
 
     fn dataset() -> Dataset {
-        tests::dataset(tests::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
+        test_scenes::dataset(test_scenes::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
     }
 
     /// What the CPU renderer shows of a mode.

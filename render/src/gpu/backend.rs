@@ -104,7 +104,7 @@ impl GpuBackend {
             usage: wgpu::BufferUsages::UNIFORM,
         });
         Ok(Self {
-            frame: uniform("frame", size_of::<layout::Frame>()),
+            frame: uniform("frame", size_of::<layout::FrameUniforms>()),
             display: uniform("display", size_of::<layout::Display>()),
             magma,
             local_lights: DirectLights::new(&gpu),

@@ -129,9 +129,9 @@ impl DirectLights {
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {
         let Plan { size, grid, .. } = self.plan;
-        let around = shadows::Surroundings { bounds: scene.bounds, near: scene.near, size, grid };
+        let settings = shadows::ShadowViewSettings { bounds: scene.bounds, near: scene.near, size, grid };
         let casting = self.lights.iter().zip(&self.plan.first).filter(|(_, first)| **first != constants::NO_SHADOW);
-        casting.flat_map(|(light, _)| shadows::views(light, &around)).collect()
+        casting.flat_map(|(light, _)| shadows::views(light, &settings)).collect()
     }
 
     fn packed(&self) -> Vec<LocalLight> {

@@ -12,7 +12,7 @@ use crate::view::{Background, View};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// Uniforms of one jittered sample.
-pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLight>) -> layout::Frame {
+pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLight>) -> layout::FrameUniforms {
     let world_from_view = view.camera.world_from_view();
     let tan_half_fov = (0.5 * view.camera.fov_y).tan();
     let (sin, cos) = light.map_or(0.0, |l| l.rotation).sin_cos();
@@ -21,7 +21,7 @@ pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLigh
         (Background::Transparent, _) | (_, None) => (BACKGROUND_FLAT, Vec3::ZERO),
         (Background::Environment | Background::Blurred(_), Some(_)) => (BACKGROUND_MAP, Vec3::ZERO),
     };
-    layout::Frame {
+    layout::FrameUniforms {
         clip_from_world: clip_from_world(view, offset, scene.near).to_cols_array_2d(),
         world_from_view: [0, 1, 2].map(|i| world_from_view.col(i).extend(0.0).to_array()),
         eye: view.camera.eye.to_array(),

@@ -2,10 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// `Frame` of `frame.wgsl`.
+/// `FrameUniforms` of `frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Frame {
+pub struct FrameUniforms {
     /// For the rasteriser, with the jitter of the sample; depth 1 at the near plane, 0 at infinity.
     pub clip_from_world: [[f32; 4]; 4],
     /// Right, up and backward axes, each padded to 16 bytes.

@@ -4,7 +4,7 @@ mod plan;
 mod view;
 
 pub use plan::{Plan, ShadowRoom, capacity, shines};
-pub use view::{Surroundings, views, views_per_point};
+pub use view::{ShadowViewSettings, views, views_per_point};
 
 use super::{device::GpuDevice, layout::ShadowView, targets::format};
 
@@ -121,7 +121,7 @@ mod tests {
 
     fn all_views(lights: &[Light]) -> Vec<ShadowView> {
         let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
-        lights.iter().flat_map(|l| views(l, &Surroundings { bounds, near: 1e-4, size: 512, grid: 2 })).collect()
+        lights.iter().flat_map(|l| views(l, &ShadowViewSettings { bounds, near: 1e-4, size: 512, grid: 2 })).collect()
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::{device::GpuDevice, scene::extent};
 use wgpu::TextureFormat as Format;
 
-/// Formats of the passes' outputs; each pass writes at most 32 bytes a pixel, WebGPU's default limit.
+/// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.
 pub mod format {
     use super::Format;
 
@@ -40,7 +40,7 @@ pub struct Targets {
 pub struct Sums {
     /// What the view shows, and coverage.
     pub value: Target,
-    /// Merged nodes, BRDF evaluations, wireframe coverage, surfaces.
+    /// Nodes of the merged cut, BRDF evaluations, wireframe coverage, surfaces.
     pub work: Target,
 }
 

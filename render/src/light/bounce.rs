@@ -17,8 +17,8 @@ use lapidary_core::{
     cut::illumination::{IlluminationCriterion, intensity_cut},
     dataset::Dataset,
     lights::Light,
+    ray::offset,
     sources::{SourceRadiance, SourceTree},
-    surfel::OFFSET,
 };
 use lit_points::LitPoints;
 use source_parts::{PARTS, means, source_parts};
@@ -67,7 +67,7 @@ impl SourceRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let sources = &dataset.indirect.as_ref()?.sources;
-        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
         let lit = LitPoints::new(baked, source_parts(sources, &baked.intersector(), offset), AREA_SAMPLES);
         Some(Self { tree: SourceTree::new(sources).into(), lit, further: None, dataset })
     }
@@ -125,6 +125,4 @@ impl SourceRig {
 }
 
 #[cfg(test)]
-pub(crate) use meshless::tests as meshless_tests;
-#[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -34,10 +34,7 @@ pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        light::direct::tests::{light, sphere},
-        renderer::tests::{dataset, white},
-    };
+    use crate::test_scenes::{dataset, light, sphere, white};
 
     #[test]
     fn a_light_in_a_room_is_in_the_open_and_one_in_a_ball_is_buried() {

@@ -13,7 +13,7 @@ use brightest::delta_light;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     lights::{Light, LightSample},
-    ray::Intersector,
+    ray::{Intersector, offset},
     simd::Vec3x8,
     sphere::SPHERE,
 };
@@ -28,9 +28,6 @@ const CELLS: u32 = 4;
 /// Most points along each edge of a cell.
 const FINEST: f32 = 8.0;
 
-/// Share of the way to a light that a shadow ray goes: lights often lie in the surface of their lamp.
-const SHADOW_REACH: f32 = 1.0 - 1e-4;
-
 /// Where in the unit square the samples of a pixel begin.
 pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
@@ -42,7 +39,7 @@ pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
 
 /// Whether nothing is between a point and a light at `distance` metres.
 pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> bool {
-    !intersector.occluded_before(point.ray_origin, direction, SHADOW_REACH * distance)
+    !intersector.occluded_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }
 
 /// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
@@ -122,4 +119,4 @@ impl<'a> Arriving<'a> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -24,7 +24,7 @@ pub struct LocalLighting {
     pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
     /// The parts that are shown.
     pub components: Components,
-    /// How the bounces of the meshless basis fade, if they are in the picture.
+    /// Energy of each bounce of the meshless basis, if they are in the picture.
     pub energy: Option<BounceEnergy>,
 }
 
@@ -184,11 +184,11 @@ impl LocalRig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::bounce::{meshless_tests::dataset, tests::point_light};
+    use crate::test_scenes::{linked_floor_and_wall, point_light};
 
     #[test]
     fn another_cut_or_solution_takes_no_other_bounces_and_another_light_does() {
-        let mut rig = LocalRig::new(&Baked::from(dataset()));
+        let mut rig = LocalRig::new(&Baked::from(linked_floor_and_wall()));
         rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into());
         let place = |rig: &mut LocalRig, solution, illum_cut| {
             let lighting = rig.lighting(Components::ALL, solution, illum_cut);

@@ -10,10 +10,10 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Backdrop,
-        frame::Frame,
         merge::{BrdfSampling, EightTerms, Shader},
         node_field::NodeField,
-        surface::{Seen, SurfacePoint},
+        pixel_sampler::PixelSampler,
+        surface::{FirstHit, SurfacePoint},
     },
     view::View,
 };
@@ -157,7 +157,7 @@ pub(crate) fn leaves_below(heap_index: u32, leaves: usize) -> Range<usize> {
 }
 
 impl Renderer {
-    /// Explains the centre of a pixel: what [`Renderer::render_lit`] gives there of `light`, with one sample a pixel.
+    /// Explains the centre of a pixel: what [`Renderer::render_lit`] gives there of `light`, with one sample per pixel.
     ///
     /// # Errors
     /// A pixel outside of the picture or on no surface, and a dataset without cuts for this light.
@@ -179,10 +179,10 @@ impl Renderer {
         if pixel[0] >= size[0] || pixel[1] >= size[1] {
             return Err(ExplainError::Outside { pixel, size });
         }
-        match Frame::new(self, view, &Backdrop::black()).sight(pixel[0], pixel[1], 0).seen {
-            Seen::Surface(point) => Ok(point),
-            Seen::Background => Err(ExplainError::Background { pixel }),
-            Seen::Back => Err(ExplainError::Back { pixel }),
+        match PixelSampler::new(self, view, &Backdrop::black()).sight(pixel[0], pixel[1], 0).seen {
+            FirstHit::Surface(point) => Ok(point),
+            FirstHit::Background => Err(ExplainError::Background { pixel }),
+            FirstHit::Back => Err(ExplainError::Back { pixel }),
         }
     }
 }

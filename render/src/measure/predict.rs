@@ -29,9 +29,9 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Backdrop,
-        frame::Frame,
         merge::{BrdfSampling, EightTerms, Shader},
         node_field::NodeField,
+        pixel_sampler::PixelSampler,
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
     },
@@ -74,10 +74,10 @@ pub fn predicted_error(
     let black = Background::Flat(Vec3::ZERO);
     let view = View { background: black, mode: ViewMode::Shaded, wireframe: false, ..view.clone() };
     let backdrop = Backdrop::black();
-    let frame = Frame::new(renderer, &view, &backdrop);
+    let sampler = PixelSampler::new(renderer, &view, &backdrop);
     let variance = radiance_variance(lighting);
     let shader = || Predictor { shader: Shader::new(lighting, cuts, sampling), lighting, variance: &variance };
-    let all = picture_of(&frame, Region::whole(view.size), shader, progress);
+    let all = picture_of(&sampler, Region::whole(view.size), shader, progress);
     let plane = |all: &Image, i: usize| Image {
         size: all.size,
         pixels: all.pixels.iter().map(|sums| Vec3::splat(sums[i])).collect(),

@@ -1,7 +1,7 @@
 //! Pictures of a part of a frame alone.
 
 use crate::{
-    shade::{frame::Frame, point_shader::PointShader},
+    shade::{pixel_sampler::PixelSampler, point_shader::PointShader},
     view::Progress,
 };
 use glam::Vec3;
@@ -13,7 +13,7 @@ const BAND: usize = 8;
 
 /// The part of a frame's picture that `region` is, each thread with a shader of its own; `None` if cancelled.
 pub(crate) fn picture_of<S: PointShader>(
-    frame: &Frame,
+    sampler: &PixelSampler,
     region: Region,
     shader: impl Fn() -> S + Sync,
     progress: &dyn Progress,
@@ -25,7 +25,7 @@ pub(crate) fn picture_of<S: PointShader>(
             return None;
         }
         let row = |shader: &mut S, &y: &u32| -> Vec<Vec3> {
-            region.columns().map(|x| frame.pixel(x, y, |point| shader.shade(point))).collect()
+            region.columns().map(|x| sampler.pixel(x, y, |point| shader.shade(point))).collect()
         };
         let shaded: Vec<Vec<Vec3>> = band.par_iter().map_init(&shader, row).collect();
         pixels.extend(shaded.into_iter().flatten());

@@ -39,11 +39,11 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Backdrop,
-        frame::Frame,
         merge::{BrdfSampling, Shader},
         node_field::NodeField,
+        pixel_sampler::PixelSampler,
         point_shader::PointShader,
-        surface::{Seen, SurfacePoint},
+        surface::{FirstHit, SurfacePoint},
     },
     view::{Background, Preview, Progress, View},
     view_mode::ViewMode,
@@ -74,7 +74,7 @@ pub struct SplitJob<'a> {
     pub illumination: &'a Illumination,
     /// Local lights, whose bounce the sources hold.
     pub lights: &'a [Light],
-    /// Paths a pixel; rounded up to whole sets of the pixel's samples for each of two halves.
+    /// Paths per pixel; rounded up to whole sets of the pixel's samples for each of two halves.
     pub spp: u32,
     /// Traces a vertex of the environment's cuts as the bake did.
     pub trace_vertex: Option<TraceVertex<'a>>,
@@ -136,7 +136,7 @@ pub struct SplitStep {
 pub struct ErrorSplit {
     /// Which pixels.
     pub region: Region,
-    /// Paths a pixel.
+    /// Paths per pixel.
     pub spp: u32,
     /// Neighbours of the chain, from the rendered picture to the truth.
     pub steps: Vec<SplitStep>,
@@ -176,7 +176,7 @@ impl Renderer {
         let black = Background::Flat(Vec3::ZERO);
         let view = View { background: black, mode: ViewMode::Shaded, wireframe: false, ..job.view.clone() };
         let backdrop = Backdrop::black();
-        let chain = Chain { renderer: self, frame: Frame::new(self, &view, &backdrop), cuts, job, progress };
+        let chain = Chain { renderer: self, sampler: PixelSampler::new(self, &view, &backdrop), cuts, job, progress };
         if !chain.shows_surface() {
             return Err(SplitError::NoSurface);
         }
@@ -211,7 +211,7 @@ fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     }
 }
 
-/// Paths a pixel in each half: whole sets of the pixel's samples.
+/// Paths per pixel in each half: whole sets of the pixel's samples.
 fn half_of(job: &SplitJob) -> u32 {
     job.spp.div_ceil(2).max(1).next_multiple_of(job.view.aa.max(1))
 }
@@ -219,19 +219,19 @@ fn half_of(job: &SplitJob) -> u32 {
 /// The pictures in the making.
 struct Chain<'a> {
     renderer: &'a Renderer,
-    frame: Frame<'a>,
+    sampler: PixelSampler<'a>,
     cuts: &'a PackedCuts,
     job: &'a SplitJob<'a>,
     progress: &'a dyn Progress,
 }
 
-/// Units of progress a pixel for a picture of all leaves, where a path is one.
+/// Units of progress per pixel for a picture of all leaves, where a path is one.
 const LEAVES_UNITS: u64 = 16;
 
 impl Chain<'_> {
     fn shows_surface(&self) -> bool {
         let samples = self.job.view.aa.max(1) as usize;
-        let is_surface = |x, y| (0..samples).any(|i| matches!(self.frame.sight(x, y, i).seen, Seen::Surface(_)));
+        let is_surface = |x, y| (0..samples).any(|i| matches!(self.sampler.sight(x, y, i).seen, FirstHit::Surface(_)));
         self.job.region.rows().any(|y| self.job.region.columns().any(|x| is_surface(x, y)))
     }
 
@@ -295,14 +295,14 @@ impl Chain<'_> {
         let bounces = u32::from(components.indirect);
         let job = self.job;
         let settings = PathSettings { bounces, components, ..PathSettings::direct(2 * half) };
-        let view = View { region: Some(job.region), ..self.frame.view.clone() };
+        let view = View { region: Some(job.region), ..self.sampler.view.clone() };
         let part = self.part(5, 0, 2 * u64::from(half));
         let picture = self.renderer.path_picture(&view, job.illumination, job.lights, settings, &part);
         (!self.progress.cancelled()).then(|| (picture.image.crop(job.region), picture.noise.unwrap_or(0.0)))
     }
 
     fn picture<S: PointShader>(&self, number: u64, shader: impl Fn() -> S + Sync) -> Option<Image> {
-        picture_of(&self.frame, self.job.region, shader, &self.part(number, 0, LEAVES_UNITS))
+        picture_of(&self.sampler, self.job.region, shader, &self.part(number, 0, LEAVES_UNITS))
     }
 
     /// Progress of the picture of that `number`, of which `before` units are done and the next are `units` a pixel.

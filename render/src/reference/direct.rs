@@ -3,7 +3,7 @@
 use crate::{
     light::direct::{direct_light, pixel_shift},
     renderer::Renderer,
-    shade::{background::Backdrop, frame::Frame, surface::SurfacePoint},
+    shade::{background::Backdrop, pixel_sampler::PixelSampler, surface::SurfacePoint},
     view::View,
 };
 use glam::Vec3;
@@ -14,12 +14,12 @@ impl Renderer {
     /// The direct light of local lights alone, over black.
     pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
         let backdrop = Backdrop::black();
-        let frame = Frame::new(self, view, &backdrop);
+        let sampler = PixelSampler::new(self, view, &backdrop);
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
                 let shade = |p: &SurfacePoint| direct_light(p, lights, &self.intersector, pixel_shift(x, y, i));
-                frame.sample(x, y, i as usize, shade)
+                sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32
         };

@@ -15,21 +15,21 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
-        frame::Frame,
+        pixel_sampler::PixelSampler,
         surface::SurfacePoint,
     },
-    view::{Preview, Progress, View, place_in_pixel},
+    view::{Preview, Progress, View, pixel_sample_position},
 };
 use glam::{DVec2, Vec3};
 use halves::Halves;
 pub use halves::PathPicture;
 use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
-use settings::{PathSettings, Places};
+use settings::{PathSettings, SamplePositions};
 use tracer::Tracer;
 
 impl Renderer {
-    /// The scene under the continuous environment and local lights, in passes of one path a pixel. If cancelled, the
+    /// The scene under the continuous environment and local lights, in passes of one path per pixel. If cancelled, the
     /// picture of the passes that are complete.
     pub fn path_reference(
         &self,
@@ -56,7 +56,7 @@ impl Renderer {
         } else {
             Backdrop::black()
         };
-        let frame = Frame::new(self, view, &backdrop);
+        let sampler = PixelSampler::new(self, view, &backdrop);
         let tracer = Tracer::new(self, light, lights, settings);
         let mut halves = Halves::new(view.size, view.aa);
         // At least one sample for each position of the pixel pattern.
@@ -65,7 +65,7 @@ impl Renderer {
             if progress.abandoned() || (progress.cancelled() && pass > 0) {
                 break;
             }
-            let image = trace_pass(&frame, &tracer, pass, settings, progress);
+            let image = trace_pass(&sampler, &tracer, pass, settings, progress);
             if progress.abandoned() {
                 break;
             }
@@ -82,23 +82,29 @@ impl Renderer {
 }
 
 /// One path for every pixel. What is abandoned stays black.
-fn trace_pass(frame: &Frame, tracer: &Tracer, pass: u32, settings: PathSettings, progress: &dyn Progress) -> Image {
-    let size = frame.view.size;
+fn trace_pass(
+    sampler: &PixelSampler,
+    tracer: &Tracer,
+    pass: u32,
+    settings: PathSettings,
+    progress: &dyn Progress,
+) -> Image {
+    let size = sampler.view.size;
     let mut image = Image::filled(size, Vec3::ZERO);
     let width = size[0] as usize;
     image.pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         if progress.abandoned() {
             return;
         }
-        for x in frame.columns(y as u32) {
+        for x in sampler.columns(y as u32) {
             let pixel = y * width + x as usize;
             let mut rng = fastrand::Rng::with_seed(seed(pixel, settings.first_pass + pass));
             let radiance = |point: &SurfacePoint| tracer.radiance(point, &mut rng);
-            row[x as usize] = match settings.places {
-                Places::Shared => frame.sample(x, y as u32, pass as usize, radiance),
-                Places::Shifted => {
-                    let place = place_in_pixel(pass, shift(pixel, settings.first_pass));
-                    frame.sample_at(x, y as u32, place, radiance)
+            row[x as usize] = match settings.positions {
+                SamplePositions::Shared => sampler.sample(x, y as u32, pass as usize, radiance),
+                SamplePositions::Shifted => {
+                    let position = pixel_sample_position(pass, shift(pixel, settings.first_pass));
+                    sampler.sample_at(x, y as u32, position, radiance)
                 }
             };
         }

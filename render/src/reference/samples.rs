@@ -11,7 +11,7 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
-        frame::Frame,
+        pixel_sampler::PixelSampler,
         point_shader::PointShader,
         surface::SurfacePoint,
     },
@@ -91,20 +91,20 @@ impl Renderer {
         let direct = (!light.lights.is_empty()).then(|| self.direct_light(view, light.lights));
         let bases = [light.base, direct.as_ref()];
         let progress = OverBases { bases, inner: progress };
-        let mut image = self.in_passes(&Frame::new(self, view, &backdrop), shader, &progress);
+        let mut image = self.in_passes(&PixelSampler::new(self, view, &backdrop), shader, &progress);
         bases.into_iter().flatten().for_each(|base| image.add(base));
         image
     }
 
     fn in_passes<S: PointShader>(
         &self,
-        frame: &Frame,
+        sampler: &PixelSampler,
         shader: impl Fn() -> S + Sync,
         progress: &dyn Progress,
     ) -> Image {
-        let size = frame.view.size;
+        let size = sampler.view.size;
         let mut image = Image::filled(size, Vec3::ZERO);
-        let total = (0..size[1]).map(|y| frame.columns(y).len() as u64).sum();
+        let total = (0..size[1]).map(|y| sampler.columns(y).len() as u64).sum();
         let mut done = 0;
         for (pass, &(dx, dy)) in PASSES.iter().enumerate() {
             let rows: Vec<u32> = (dy..size[1]).step_by(4).collect();
@@ -116,8 +116,8 @@ impl Renderer {
                 }
                 let shade = |y: &u32| -> Vec<(u32, Vec3)> {
                     let mut shader = shader();
-                    let columns = frame.columns(*y).filter(|x| x % 4 == dx && !progress.abandoned());
-                    columns.map(|x| (x, frame.pixel(x, *y, |point| shader.shade(point)))).collect()
+                    let columns = sampler.columns(*y).filter(|x| x % 4 == dx && !progress.abandoned());
+                    columns.map(|x| (x, sampler.pixel(x, *y, |point| shader.shade(point)))).collect()
                 };
                 let shaded: Vec<Vec<(u32, Vec3)>> = rows.par_iter().map(shade).collect();
                 for (&y, row) in rows.iter().zip(shaded) {

@@ -1,152 +1,20 @@
 //! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
 
 use super::*;
-use crate::{Background, BrdfSampling, PathSettings, Quiet, View, measure::compare::compare};
-use glam::{Vec2, Vec3, Vec4};
+use crate::{
+    Background, BrdfSampling, PathSettings, Quiet, View,
+    test_scenes::{LIGHTS, dataset, from_above, from_the_side, glossy, illumination, mesh, rel_rmse, white},
+};
+use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    cut::{
-        CutCriterion, CutSelector,
-        packed::{PackedCuts, pack_node},
-    },
-    dataset::{BakeReport, BakeSettings},
-    environment::Environment,
-    image::Image,
-    light_tree::{LightTree, TreeKind},
-    material::{BrdfModel, BrdfParameters, Material},
-    ray::DirectionSet,
-    scene::{Mesh, Object, Scene},
+    cut::packed::{PackedCuts, pack_node},
+    material::BrdfModel,
 };
-
-pub(crate) const LIGHTS: usize = 4096;
-
-/// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if asked.
-pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut grid = |cells: u32, half: f32, y: f32, flip: bool| {
-        let first = mesh.positions.len() as u32;
-        for j in 0..=cells {
-            for i in 0..=cells {
-                let p = |k: u32| half * (2.0 * k as f32 / cells as f32 - 1.0);
-                mesh.positions.push(Vec3::new(p(i), y, p(j)));
-                mesh.normals.push(if flip { Vec3::NEG_Y } else { Vec3::Y });
-                mesh.tangents.push(Vec4::new(1.0, 0.0, 0.0, 1.0));
-                mesh.uvs.push(Vec2::new(p(i), p(j)));
-            }
-        }
-        for j in 0..cells {
-            for i in 0..cells {
-                let v = |i: u32, j: u32| first + j * (cells + 1) + i;
-                let (a, b, c, d) = (v(i, j), v(i, j + 1), v(i + 1, j + 1), v(i + 1, j));
-                mesh.triangles.extend(if flip { [[a, c, b], [a, d, c]] } else { [[a, b, c], [a, c, d]] });
-            }
-        }
-    };
-    grid(cells, 2.0, 0.0, false);
-    if blocker {
-        grid(1, 0.5, 1.0, false);
-        grid(1, 0.5, 0.999, true);
-    }
-    mesh.triangle_material = vec![0; mesh.triangles.len()];
-    mesh.triangle_object = vec![0; mesh.triangles.len()];
-    mesh
-}
-
-/// A dataset whose cuts are exact at every vertex (sigma 0).
-pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
-    dataset_of_sigma(mesh, parameters, 0.0)
-}
-
-/// Sets the lights that a vertex sees, as the cuts of these datasets have it.
-pub(crate) fn trace_vertex(
-    mesh: &Mesh,
-    intersector: &Intersector,
-    lights: &DirectionSet,
-    vertex: u32,
-    seen: &mut [u8],
-) {
-    let (p, n) = (mesh.positions[vertex as usize], mesh.normals[vertex as usize]);
-    intersector.trace_batch(p + n * 1e-3, lights, |d| d.dot(n) > 0.0, seen);
-}
-
-pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f32) -> Dataset {
-    let tree = LightTree::geometric(LIGHTS).unwrap();
-    let directions = DirectionSet::new(tree.leaf_directions());
-    let intersector = Intersector::new(&mesh);
-    let criterion = CutCriterion { sigma, ..Default::default() };
-    let mut selector = CutSelector::new(tree.height(), criterion);
-    let mut cuts = PackedCuts::default();
-    for vertex in 0..mesh.positions.len() as u32 {
-        let mut visible = vec![0; LIGHTS];
-        trace_vertex(&mesh, &intersector, &directions, vertex, &mut visible);
-        let mut cut = Vec::new();
-        selector.select(&visible, &mut cut);
-        let offset = cuts.push_cut(&cut);
-        cuts.push_vertex(offset);
-    }
-    let settings = BakeSettings {
-        lights: LIGHTS,
-        tree: TreeKind::Geometric,
-        beta: 1.0,
-        criterion,
-        pilot_clusters: 1,
-        max_vertices: None,
-        shots: Vec::new(),
-        max_bytes: None,
-        mode: Default::default(),
-        indirect: Default::default(),
-        meshless: Default::default(),
-    };
-    Dataset {
-        indirect: None,
-        meshless: None,
-        two_sided: vec![false; mesh.triangles.len()],
-        vertex_valid: vec![true; mesh.positions.len()],
-        scene: Scene {
-            mesh,
-            materials: vec![Material { model: BrdfModel::Lambert, parameters, ..Default::default() }],
-            objects: vec![Object { name: "test".into() }],
-            ..Default::default()
-        },
-        tree,
-        cuts,
-        settings,
-        scene_hash: String::new(),
-        report: BakeReport::default(),
-    }
-}
-
-pub(crate) fn white() -> BrdfParameters {
-    BrdfParameters { base_color: Vec3::ONE, ..Default::default() }
-}
-
-pub(crate) fn glossy(roughness: f32) -> BrdfParameters {
-    BrdfParameters { base_color: Vec3::ZERO, roughness, ..Default::default() }
-}
-
-pub(crate) fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
-    let environment = Environment { name: "test".into(), map: Image::from_fn(size, f) };
-    Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 }
-}
-
-pub(crate) fn from_above(size: u32) -> View {
-    // Inside the floor on all sides; a hair off the vertical fixes which way is up in the picture.
-    let camera = Camera::look_at(Vec3::new(0.0, 6.0, 0.01), Vec3::ZERO, 30.0);
-    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
-}
-
-pub(crate) fn from_the_side(size: u32) -> View {
-    let camera = Camera::look_at(Vec3::new(0.0, 1.5, 3.5), Vec3::ZERO, 30.0);
-    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
-}
 
 fn ggx(mut dataset: Dataset) -> Dataset {
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     dataset
-}
-
-pub(crate) fn rel_rmse(test: &Image, reference: &Image) -> f64 {
-    compare(test, reference).unwrap().rel_rmse
 }
 
 #[test]

@@ -3,7 +3,6 @@
 //! The paper samples the BRDF once a merged node and names this its weak point (section 6). In dyadic form a node can be
 //! halved on the fly, since the means of its halves stand in the light tree: an implicit BRDF cut, merged with the others.
 
-use crate::light::environment::SceneLighting;
 use glam::Vec3;
 use lapidary_core::brdf::LobeWidth;
 
@@ -33,15 +32,9 @@ impl Refinement {
         Self { lobe: lobe.map(|l| l.narrow().max(NARROWEST)), wo }
     }
 
-    /// Whether the node of heap index `node`, whose local direction is `wi`, should be halved.
-    #[inline(always)]
-    pub fn wants_halves(&self, lighting: &SceneLighting, node: usize, wi: Vec3) -> bool {
-        self.is_too_wide(wi, lighting.cones.radius[node], || lighting.cones.tan_half_radius[node])
-    }
-
     /// Whether light from a cone of `radius` around the local direction `wi` is too wide to be one direction.
     #[inline(always)]
-    pub(crate) fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: impl FnOnce() -> f32) -> bool {
+    pub fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: impl FnOnce() -> f32) -> bool {
         if radius > WIDEST {
             return wi.z > -radius;
         }

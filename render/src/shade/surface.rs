@@ -6,7 +6,7 @@ use lapidary_core::{
     brdf::SurfaceBrdf,
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
-    ray::{Hit, Intersector},
+    ray::{Hit, Intersector, offset},
     simd::Vec3x8,
 };
 use wide::f32x8;
@@ -46,6 +46,63 @@ impl SurfacePoint {
     }
 }
 
+/// A place on a surface before its material: what maps are looked up by, and the frame that they tilt.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePlace {
+    /// In metres.
+    pub position: Vec3,
+    /// Unit normal before bump and normal map, on the side that is seen, and facing the eye.
+    pub smooth_normal: Vec3,
+    /// Direction along which u grows; of any length, and not necessarily in the tangent plane.
+    pub tangent: Vec3,
+    /// 1, or -1 where textures are mirrored: then v grows against `smooth_normal` x `tangent`.
+    pub handedness: f32,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Gradients of u and v along the surface, per metre, for bump maps; `None` where they have none.
+    pub slopes: Option<[Vec3; 2]>,
+}
+
+/// How a place looks from one direction.
+pub(crate) struct PlaceLook {
+    /// Tangent, bitangent and shading normal as columns.
+    pub world_from_local: Mat3,
+    /// Direction to the eye in this frame.
+    pub wo: Vec3,
+    /// The material's parameters after their textures, in their ranges.
+    pub parameters: BrdfParameters,
+    /// Reflectance with these parameters.
+    pub brdf: SurfaceBrdf,
+}
+
+impl SurfacePlace {
+    /// How it looks with `material`, whose maps are those of `appearance`, from the world direction `wo`.
+    pub(crate) fn under(&self, appearance: &Appearance, material: &Material, wo: Vec3) -> PlaceLook {
+        let normal = self.bumped_normal(appearance, material);
+        let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
+        let parameters = appearance.parameters(material, self.uv);
+        let brdf = SurfaceBrdf::new(material.model, parameters);
+        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, parameters, brdf }
+    }
+
+    /// The normal after normal map and bump map.
+    fn bumped_normal(&self, appearance: &Appearance, material: &Material) -> Vec3 {
+        let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
+        let mut normal = smooth.z_axis;
+        if let Some(slot) = &material.maps[MapKind::Normal] {
+            let texel = appearance.textures[slot.texture as usize].sample_slot(self.uv, slot).truncate();
+            let n = slot.tangent_normal(texel);
+            normal = (smooth * n).try_normalize().unwrap_or(normal);
+        }
+        if let (Some(slot), Some([per_u, per_v])) = (&material.maps[MapKind::Bump], self.slopes) {
+            let [du, dv] = appearance.textures[slot.texture as usize].height_slopes(self.uv, slot);
+            // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
+            normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
+        }
+        normal
+    }
+}
+
 /// The frame of a point, for eight directions of light at once.
 pub struct ReceiverX8 {
     axes: [Vec3x8; 3],
@@ -76,7 +133,7 @@ impl ReceiverX8 {
 
 /// A one-sided surface seen from behind reflects nothing.
 #[derive(Clone, Debug)]
-pub enum Seen {
+pub enum FirstHit {
     /// Nothing is there.
     Background,
     /// The back of a one-sided surface.
@@ -107,11 +164,11 @@ impl<'a> Surfaces<'a> {
     }
 
     /// What a ray meets first.
-    pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> Seen {
+    pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
         match self.intersector.closest_hit(origin, direction) {
-            None => Seen::Background,
-            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => Seen::Back,
-            Some(hit) => Seen::Surface(Box::new(self.point(&hit, -direction))),
+            None => FirstHit::Background,
+            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => FirstHit::Back,
+            Some(hit) => FirstHit::Surface(Box::new(self.point(&hit, -direction))),
         }
     }
 
@@ -129,15 +186,14 @@ impl<'a> Surfaces<'a> {
         let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.uvs[v as usize] * w).sum::<Vec2>();
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
-        let smooth = frame(smooth_normal, tangent, handedness);
         let material = &self.appearance.materials[mesh.triangle_material[triangle] as usize];
-        let slopes = || surface_slopes(mesh.corners(triangle), vertices.map(|v| mesh.uvs[v as usize]));
-        let normal = self.bumped_normal(material, uv, &smooth, slopes);
-        let world_from_local = frame(facing(normal, wo), tangent, handedness);
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
-        let offset = (0.02 * edge).clamp(0.02 * self.largest_offset, self.largest_offset);
-        let parameters = self.appearance.parameters(material, uv);
+        let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
+        let uvs = || vertices.map(|v| mesh.uvs[v as usize]);
+        let slopes = material.maps[MapKind::Bump].as_ref().and_then(|_| surface_slopes(mesh.corners(triangle), uvs()));
+        let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
+        let looks = place.under(self.appearance, material, wo);
         SurfacePoint {
             vertices,
             corners: [p0, p1, p2],
@@ -146,33 +202,11 @@ impl<'a> Surfaces<'a> {
             position,
             ray_origin: position + face_normal * offset,
             smooth_normal,
-            world_from_local,
-            wo: world_from_local.transpose() * wo,
-            brdf: SurfaceBrdf::new(material.model, parameters),
-            parameters,
+            world_from_local: looks.world_from_local,
+            wo: looks.wo,
+            parameters: looks.parameters,
+            brdf: looks.brdf,
         }
-    }
-
-    /// The normal after normal map and bump map.
-    fn bumped_normal(
-        &self,
-        material: &Material,
-        uv: Vec2,
-        smooth: &Mat3,
-        slopes: impl Fn() -> Option<[Vec3; 2]>,
-    ) -> Vec3 {
-        let mut normal = smooth.z_axis;
-        if let Some(slot) = &material.maps[MapKind::Normal] {
-            let texel = self.appearance.textures[slot.texture as usize].sample_slot(uv, slot).truncate();
-            let n = slot.tangent_normal(texel);
-            normal = (*smooth * n).try_normalize().unwrap_or(normal);
-        }
-        if let (Some(slot), Some([per_u, per_v])) = (&material.maps[MapKind::Bump], slopes()) {
-            let [du, dv] = self.appearance.textures[slot.texture as usize].height_slopes(uv, slot);
-            // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
-            normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
-        }
-        normal
     }
 }
 

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
-use lapidary_render::{Components, Look, PathSettings, Places, Renderer, Solution};
+use lapidary_render::{Components, Look, PathSettings, Renderer, SamplePositions, Solution};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -60,7 +60,7 @@ enum PlacesArg {
     Shifted,
 }
 
-impl From<PlacesArg> for Places {
+impl From<PlacesArg> for SamplePositions {
     fn from(places: PlacesArg) -> Self {
         match places {
             PlacesArg::Shared => Self::Shared,
@@ -152,6 +152,6 @@ fn path_settings(args: &ReferenceArgs, viewed: &ViewedScene) -> PathSettings {
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
     let first_pass = args.seed.unwrap_or(0) * spp.max(viewed.view.aa);
-    let places = args.places.map(Places::from).unwrap_or_default();
-    PathSettings { spp, first_pass, bounces, components, places }
+    let positions = args.places.map(SamplePositions::from).unwrap_or_default();
+    PathSettings { spp, first_pass, bounces, components, positions }
 }

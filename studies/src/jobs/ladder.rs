@@ -217,7 +217,7 @@ mod tests {
         ladder::SIZES,
     };
     use lapidary_core::test_scenes;
-    use lapidary_render::{Appearance, CpuBackend, test_scenes::plain_look};
+    use lapidary_render::{Appearance, CpuBackend, test_looks::plain_look};
 
     fn start(baked: Option<Baked>, look: Look) -> LadderJob {
         LadderJob::start(Arc::new(|| Ok(Box::new(CpuBackend::new()))), baked, look, silent())

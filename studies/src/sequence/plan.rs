@@ -166,7 +166,7 @@ impl Frame {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use lapidary_render::test_scenes::look;
+    use lapidary_render::test_looks::look;
 
     fn sweeps(texts: &[&str]) -> SequenceSettings {
         let sweeps = texts.iter().map(|text| text.parse().unwrap()).collect();

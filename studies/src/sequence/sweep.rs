@@ -170,7 +170,7 @@ impl Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::test_scenes::look;
+    use lapidary_render::test_looks::look;
 
     fn sweep(text: &str) -> Sweep {
         text.parse().unwrap()

@@ -74,7 +74,7 @@ impl Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::test_scenes::look;
+    use lapidary_render::test_looks::look;
 
     fn turned(turn: Turn, degrees: f32) -> Look {
         let mut look = look();

@@ -9,7 +9,7 @@ use glam::Vec3;
 use lapidary_core::{lights::Light, material::Material, test_scenes};
 use lapidary_render::{
     Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, Post, Renderer,
-    Solution, View, test_scenes::plain_look,
+    Solution, View, test_looks::plain_look,
 };
 use lapidary_studies::jobs::testing::{silent, wait_for};
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! What the strip asks for, and where regions lie.
 
 use super::*;
-use lapidary_render::test_scenes::plain_look;
+use lapidary_render::test_looks::plain_look;
 
 #[test]
 fn a_region_moves_out_to_the_grid_and_stays_inside() {

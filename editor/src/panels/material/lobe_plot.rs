@@ -50,7 +50,7 @@ pub struct Lobe {
 impl LobePlot {
     /// The lobe of a material without its maps.
     pub fn lobe(&self, material: &Material) -> Lobe {
-        let brdf = SurfaceBrdf::new(material.model, material.parameters);
+        let brdf = SurfaceBrdf::new(material.model, material.parameters.sanitized());
         let brdf = brdf.as_brdf();
         let light = self.light_degrees.to_radians();
         let wi = self.direction(-light);

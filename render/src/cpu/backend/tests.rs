@@ -4,7 +4,8 @@ use super::*;
 use crate::{
     Background, ViewMode,
     measure::compare::map::magma,
-    renderer::tests::{dataset, from_above, from_the_side, glossy, illumination, mesh, white},
+    shade::wireframe::{LINE_FADE, LINE_WIDTH},
+    test_scenes::{dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, white},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -13,6 +14,7 @@ use lapidary_core::{
     material::{BrdfParameters, MapKind, Material},
     texture::{Texels, Texture, TextureSlot},
 };
+use std::f32::consts::FRAC_1_SQRT_2;
 
 const ILLUM_CUT: u32 = 64;
 
@@ -150,13 +152,16 @@ fn wires_run_along_edges_and_change_neither_values_nor_the_rest() {
     let wired = View { wireframe: true, ..plain };
     assert!(picture(&mut backend, &wired, 64) == expected);
     let with = backend.display(&Post::default(), 1).unwrap();
-    // From above the edges of the four squares cross in the middle; halfway to the border there is none of them.
-    let at = |x: usize, y: usize| (without[y * 64 + x], with[y * 64 + x]);
-    assert_ne!(at(32, 10).0, at(32, 10).1);
-    assert_ne!(at(10, 32).0, at(10, 32).1);
-    assert_eq!(at(44, 12).0, at(44, 12).1);
-    let changed = with.iter().zip(&without).filter(|(a, b)| a != b).count();
-    assert!((64..64 * 64 / 4).contains(&changed), "{changed}");
+    // Edges of the eight triangles as seen from above, +X to the right and +Z down: x = 0, z = 0 and z = x + {-2, 0, 2}.
+    let metres_per_pixel = 2.0 * 6.0 * 15.0_f32.to_radians().tan() / 64.0;
+    let reach = 0.5 * LINE_WIDTH + LINE_FADE;
+    for (i, (a, b)) in with.iter().zip(&without).enumerate() {
+        let [x, z] = [i % 64, i / 64].map(|p| (p as f32 - 31.5) * metres_per_pixel);
+        let diagonal = [-2.0, 0.0, 2.0].map(|c| (z - x - c).abs() * FRAC_1_SQRT_2).into_iter().fold(f32::MAX, f32::min);
+        let distance = x.abs().min(z.abs()).min(diagonal) / metres_per_pixel;
+        assert!(distance > reach - 0.3 || a != b, "pixel {i} is {distance} pixels from an edge and has no line");
+        assert!(distance < reach + 0.1 || a == b, "pixel {i} is {distance} pixels from an edge and has a line");
+    }
 }
 
 #[test]
@@ -225,7 +230,7 @@ fn thousands_of_lights_are_shown_and_their_cost_is_said_once() {
     let lamp = |i: usize| {
         let turn = i as f32 * 2.4;
         let position = Vec3::new(turn.sin(), 0.5 + 1e-3 * i as f32, turn.cos());
-        crate::light::direct::tests::light(lapidary_core::lights::Emission::Point, position, Vec3::ZERO, 0.01)
+        point_light(position, 0.01)
     };
     let lights: Vec<Light> = (0..2000).map(lamp).collect();
     let mut show = |lights: &[Light]| {

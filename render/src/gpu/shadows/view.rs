@@ -18,7 +18,7 @@ const WIDEST_VIEW: f32 = 75.0;
 
 /// What views depend on besides the light.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings {
+pub struct ShadowViewSettings {
     /// Of all that casts shadows.
     pub bounds: Bounds,
     /// Distance from a light, in metres, nearer than which nothing casts a shadow.
@@ -46,19 +46,21 @@ pub fn view_count(light: &Light, grid: u32) -> u32 {
 }
 
 /// The views of a light, [`view_count`] of them, point by point; a light without a direction looks down.
-pub fn views(light: &Light, around: &Surroundings) -> Vec<ShadowView> {
+pub fn views(light: &Light, settings: &ShadowViewSettings) -> Vec<ShadowView> {
     let forward = light.forward().unwrap_or(Vec3::NEG_Y);
     match light.emission {
-        Emission::Point => cube(light.position, around),
-        Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => hemicube(light.position, forward, around),
+        Emission::Point => cube(light.position, settings),
+        Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => {
+            hemicube(light.position, forward, settings)
+        }
         Emission::Spot { cone_degrees, .. } => {
             let tan = cone_degrees.to_radians().tan();
-            vec![perspective(light.position, forward, forward.any_orthonormal_vector(), tan, around)]
+            vec![perspective(light.position, forward, forward.any_orthonormal_vector(), tan, settings)]
         }
-        Emission::Directional => vec![parallel(forward, around)],
+        Emission::Directional => vec![parallel(forward, settings)],
         Emission::Rectangle { .. } => {
-            let points = RectangleShape::of(light).map_or_else(Vec::new, |shape| grid_points(&shape, around.grid));
-            points.into_iter().flat_map(|p| hemicube(p, forward, around)).collect()
+            let points = RectangleShape::of(light).map_or_else(Vec::new, |shape| grid_points(&shape, settings.grid));
+            points.into_iter().flat_map(|p| hemicube(p, forward, settings)).collect()
         }
     }
 }
@@ -69,18 +71,18 @@ fn grid_points(shape: &RectangleShape, grid: u32) -> Vec<Vec3> {
     (0..grid * grid).map(|i| shape.point(Vec2::new(at(i % grid), at(i / grid)))).collect()
 }
 
-fn cube(origin: Vec3, around: &Surroundings) -> Vec<ShadowView> {
-    let mut views = hemicube(origin, Vec3::Y, around);
-    views.push(perspective(origin, Vec3::NEG_Y, Vec3::X, 1.0, around));
+fn cube(origin: Vec3, settings: &ShadowViewSettings) -> Vec<ShadowView> {
+    let mut views = hemicube(origin, Vec3::Y, settings);
+    views.push(perspective(origin, Vec3::NEG_Y, Vec3::X, 1.0, settings));
     views
 }
 
-fn hemicube(origin: Vec3, forward: Vec3, around: &Surroundings) -> Vec<ShadowView> {
+fn hemicube(origin: Vec3, forward: Vec3, settings: &ShadowViewSettings) -> Vec<ShadowView> {
     let right = forward.any_orthonormal_vector();
     let up = forward.cross(right);
     let sides = [right, -right, up, -up].map(|side| (side, forward));
     let faces = [(forward, right)].into_iter().chain(sides);
-    faces.map(|(face, up)| perspective(origin, face, up, 1.0, around)).collect()
+    faces.map(|(face, up)| perspective(origin, face, up, 1.0, settings)).collect()
 }
 
 /// How much larger a view is than what it has to show.
@@ -88,11 +90,11 @@ fn with_border(size: u32) -> f32 {
     size as f32 / (size - 2 * BORDER) as f32
 }
 
-fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &Surroundings) -> ShadowView {
-    let half = tan * with_border(around.size);
+fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, settings: &ShadowViewSettings) -> ShadowView {
+    let half = tan * with_border(settings.size);
     ShadowView {
         origin: origin.to_array(),
-        depth_scale: around.near,
+        depth_scale: settings.near,
         right: forward.cross(up).to_array(),
         half_width: half,
         up: up.to_array(),
@@ -102,14 +104,14 @@ fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, around: &Surroun
     }
 }
 
-fn parallel(forward: Vec3, around: &Surroundings) -> ShadowView {
+fn parallel(forward: Vec3, settings: &ShadowViewSettings) -> ShadowView {
     let up = forward.any_orthonormal_vector();
     let right = forward.cross(up);
-    let Bounds { min, max } = around.bounds;
+    let Bounds { min, max } = settings.bounds;
     let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
     // Half the extent of a box along a direction; a margin where the scene is flat.
-    let least = (1e-3 * half.length()).max(around.near);
-    let extent = |axis: Vec3| (axis.abs().dot(half) * with_border(around.size)).max(least);
+    let least = (1e-3 * half.length()).max(settings.near);
+    let extent = |axis: Vec3| (axis.abs().dot(half) * with_border(settings.size)).max(least);
     let depth = 1.01 * extent(forward);
     ShadowView {
         origin: (center - depth * forward).to_array(),

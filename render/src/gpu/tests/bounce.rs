@@ -6,9 +6,8 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, Renderer, SceneLighting,
     SourceLighting, SourceRig, View, ViewMode,
     gpu::GpuBackend,
-    light::bounce::tests::{floor_and_wall, point_light},
-    renderer::tests::illumination,
     shade::painter::PictureLight,
+    test_scenes::{floor_and_wall, illumination, point_light},
 };
 use glam::Vec3;
 use lapidary_core::{

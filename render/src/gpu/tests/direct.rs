@@ -8,8 +8,8 @@ use super::twin::{agrees, appearance, backend, difference, in_bands, maps, param
 use crate::{
     Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
-    renderer::tests::{dataset, mesh, white},
     shade::surface::SurfacePoint,
+    test_scenes::{dataset, mesh, white},
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{

@@ -5,8 +5,8 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
-    renderer::tests::{dataset, mesh},
     shade::painter::{Painter, PictureLight},
+    test_scenes::{dataset, mesh},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{

@@ -9,11 +9,9 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post, Renderer,
     SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
-    light::bounce::{
-        VertexIrradiance, meshless_tests,
-        tests::{floor_and_wall, point_light},
-    },
+    light::bounce::VertexIrradiance,
     shade::painter::PictureLight,
+    test_scenes::{floor_and_wall, linked_floor_and_wall, point_light},
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
@@ -208,7 +206,7 @@ fn wall_view() -> View {
 #[test]
 fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
     let Some((_one, mut gpu)) = backend() else { return };
-    let renderer = Renderer::new(meshless_tests::dataset());
+    let renderer = Renderer::new(linked_floor_and_wall());
     let baked = renderer.dataset().clone().into();
     gpu.set_scene(&baked).unwrap();
     let mut rig = LocalRig::new(&baked);
@@ -240,7 +238,7 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
 #[test]
 fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     let Some((_one, mut gpu)) = backend() else { return };
-    let mut dataset = meshless_tests::dataset();
+    let mut dataset = linked_floor_and_wall();
     // The floor lights the wall too, so that its sources have more to send.
     let rows = [vec![(1, Vec3::new(0.3, -0.2, 0.0))], vec![(0, Vec3::new(-0.3, 0.2, 0.05))]];
     dataset.meshless.as_mut().unwrap().transport = Transport::from_rows(&rows, 2);

@@ -6,14 +6,11 @@ use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
     dataset::Dataset,
     lights::Light,
-    ray::Intersector,
+    ray::{Intersector, offset},
     sources::Source,
     surfel::Surfel,
 };
 use rayon::prelude::*;
-
-/// Fraction of the distance to a light where nothing hides it any more.
-const NEAR_THE_LIGHT: f32 = 1e-3;
 
 /// How shadow rays are cast.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +58,7 @@ fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersecto
     }
     let origin = position + point.normal * offset;
     // A light may lie on a surface, which does not hide it.
-    let blocked = intersector.occluded_before(origin, sample.direction, (1.0 - NEAR_THE_LIGHT) * sample.distance);
+    let blocked = intersector.occluded_before(origin, sample.direction, offset::REACH_OF_BOUNCE * sample.distance);
     if blocked { Vec3::ZERO } else { received }
 }
 

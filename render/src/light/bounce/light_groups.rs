@@ -104,7 +104,7 @@ fn key(light: &Light) -> LightKey {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::bounce::tests::point_light;
+    use crate::test_scenes::point_light;
     use std::cell::Cell;
 
     /// Irradiance of a point that every light gives its x and a count of one.

@@ -6,7 +6,12 @@ use super::{
 };
 use crate::{appearance::Appearance, baked::Baked};
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector, surfel::Surfel};
+use lapidary_core::{
+    dataset::Dataset,
+    lights::Light,
+    ray::{Intersector, offset},
+    surfel::Surfel,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -71,6 +76,6 @@ impl LitPoints {
 
     /// Distance in metres that shadow rays start off a surface.
     fn ray_offset(&self) -> f32 {
-        1e-4 * self.dataset.scene.mesh.bounds().diagonal()
+        offset::BOUNCE * self.dataset.scene.mesh.bounds().diagonal()
     }
 }

@@ -12,7 +12,8 @@ use lapidary_core::{
     dataset::Dataset,
     lights::Light,
     meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
-    surfel::{OFFSET, Surfel},
+    ray::offset,
+    surfel::Surfel,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -42,7 +43,7 @@ impl MeshlessRig {
         let bake = dataset.meshless.as_ref()?;
         let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
         let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
-        let offset = OFFSET * dataset.scene.mesh.bounds().diagonal();
+        let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
         let is_free = |point: &Surfel, direction: Vec3, within: f32| {
             !baked.intersector().occluded_before(point.position + point.normal * offset, direction, within)
         };
@@ -99,7 +100,7 @@ impl MeshlessRig {
         Some(vectors.par_iter().zip(sources).map(received).collect())
     }
 
-    /// How the light of the last solution fades; `None` after a change that was not solved for.
+    /// Energy of each bounce of the last solution; `None` after a change that was not solved for.
     pub fn energy(&self) -> Option<BounceEnergy> {
         self.solved.as_ref().map(Solution::energy)
     }
@@ -118,14 +119,12 @@ impl MeshlessRig {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::{
         Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer, View,
-        light::bounce::tests::floor_and_wall,
-        renderer::tests::{from_above, illumination},
+        test_scenes::{LINK, from_above, illumination, linked, linked_floor_and_wall},
     };
-    use glam::Vec2;
     use lapidary_core::{
         camera::Camera,
         lights::Emission,
@@ -135,27 +134,6 @@ pub(crate) mod tests {
     };
     use std::f32::consts::FRAC_1_PI;
 
-    /// Vector irradiance of the floor from a wall that sends a radiance of one.
-    const LINK: Vec3 = Vec3::new(-0.3, 0.2, 0.05);
-
-    /// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
-    pub(crate) fn dataset() -> Dataset {
-        linked(Vec3::Y, LINK)
-    }
-
-    /// The same with the floor's function on the side of `normal`.
-    fn linked(normal: Vec3, link: Vec3) -> Dataset {
-        let mut dataset = floor_and_wall(4);
-        let sources = &dataset.indirect.as_ref().unwrap().sources;
-        let on_wall = sources[sources.len() / 2].surfel;
-        let place = MeshPlace { triangle: 0, barycentric: Vec2::splat(0.3) };
-        let on_floor = Surfel { position: Vec3::ZERO, normal, place };
-        let basis = Basis::new(&[vec![on_wall, on_floor]], 20.0, 1).unwrap();
-        let transport = Transport::from_rows(&[Vec::new(), vec![(0, link)]], 2);
-        dataset.meshless = Some(MeshlessBake { basis, transport });
-        dataset
-    }
-
     fn lamp(intensity: f32) -> Arc<[Light]> {
         let (position, target) = (Vec3::new(-1.0, 1.2, 0.1), Vec3::ZERO);
         let intensity = Vec3::splat(intensity);
@@ -164,7 +142,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_linked_wall_gives_the_floor_s_vertices_its_radiosity() {
-        let baked = Baked::from(dataset());
+        let baked = Baked::from(linked_floor_and_wall());
         let mut rig = MeshlessRig::new(&baked).unwrap();
         rig.set_lights(&lamp(3.0));
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
@@ -189,7 +167,7 @@ pub(crate) mod tests {
 
     #[test]
     fn senders_have_the_light_of_the_finer_points_under_them() {
-        let mut dataset = dataset();
+        let mut dataset = linked_floor_and_wall();
         let meshless = dataset.meshless.as_mut().unwrap();
         let [wall, floor] = [0, 1].map(|i| meshless.basis.points()[i]);
         let aside = |z: f32| Surfel { position: wall.position + Vec3::Z * z, ..wall };
@@ -225,7 +203,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_environment_lights_the_senders() {
-        let baked = Baked::from(dataset());
+        let baked = Baked::from(linked_floor_and_wall());
         let mut rig = MeshlessRig::new(&baked).unwrap();
         let radiance = Vec3::new(1.0, 2.0, 0.5);
         let mesh = &baked.dataset.scene.mesh;
@@ -308,7 +286,7 @@ pub(crate) mod tests {
 
     #[test]
     fn pictures_show_it_times_the_albedo_and_only_changes_solve_again() {
-        let baked = Baked::from(dataset());
+        let baked = Baked::from(linked_floor_and_wall());
         let mut rig = LocalRig::new(&baked);
         let picture = |rig: &mut LocalRig| {
             let indirect = Components { indirect: true, ..Components::NONE };

@@ -48,7 +48,7 @@ pub(super) fn means(parts: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::bounce::tests::floor_and_wall;
+    use crate::test_scenes::floor_and_wall;
     use lapidary_core::scene::Mesh;
 
     #[test]

@@ -4,109 +4,21 @@
 use super::*;
 use crate::{
     Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
-    light::direct::tests::light,
-    renderer::tests::{LIGHTS, dataset, from_above, from_the_side, illumination, mesh, white},
-};
-use glam::{Vec2, Vec3, Vec4};
-use lapidary_core::{
-    cut::{
-        CutCriterion, CutSelector,
-        packed::{PackedCuts, pack_node},
-        solid_angle, solid_angle_code,
+    test_scenes::{
+        LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light, point_light,
+        seen,
     },
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    cut::{solid_angle, solid_angle_code},
     dataset::BakeMode,
     image::Image,
     lights::Emission,
     material::{BrdfModel, BrdfParameters, Material},
-    scene::Mesh,
-    sources::{IndirectBake, Source},
-    surfel::{MeshPlace, Surfel},
+    sources::Source,
 };
 use std::f32::consts::PI;
-
-/// Sources along each side of the wall, as a power of two.
-const SIDE_LOG2: u32 = 5;
-const SOURCES: usize = 1 << (2 * SIDE_LOG2);
-/// The wall beside the floor, counter-clockwise seen from it.
-const WALL: [Vec3; 4] =
-    [Vec3::new(-2.2, 0.2, 1.0), Vec3::new(-2.2, 0.2, -1.0), Vec3::new(-2.2, 2.2, -1.0), Vec3::new(-2.2, 2.2, 1.0)];
-
-/// Which nodes the cuts of the floor's vertices have: all at one depth below the root.
-pub(crate) fn floor_and_wall(depth: u32) -> Dataset {
-    let mut mesh = mesh(32, false);
-    add_wall(&mut mesh);
-    let wall = (mesh.triangles.len() - 2) as u32;
-    let mut dataset = dataset(mesh, white());
-    let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..Default::default() };
-    dataset.scene.materials.push(Material { model: BrdfModel::Lambert, parameters, ..Default::default() });
-    let sources = wall_sources(wall);
-    let environment_cuts = environment_cuts(&dataset, &sources);
-    let cuts = source_cuts(&dataset, &sources, depth);
-    dataset.indirect = Some(IndirectBake { sources, cuts, environment_cuts });
-    dataset
-}
-
-fn add_wall(mesh: &mut Mesh) {
-    let first = mesh.positions.len() as u32;
-    mesh.positions.extend(WALL);
-    mesh.normals.extend([Vec3::X; 4]);
-    mesh.tangents.extend([Vec4::new(0.0, 0.0, -1.0, 1.0); 4]);
-    mesh.uvs.extend([Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
-    mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    mesh.triangle_material.extend([1, 1]);
-    mesh.triangle_object.extend([0, 0]);
-}
-
-/// A grid over the wall in Morton order, so that nodes are squares and oblongs.
-fn wall_sources(triangle: u32) -> Vec<Source> {
-    let coordinate = |code: u32| (0..SIDE_LOG2).fold(0, |c, bit| c | (code >> (2 * bit) & 1) << bit);
-    let cell = 2.0 / (1 << SIDE_LOG2) as f32;
-    let source = |i: u32| {
-        let at = |code: u32| cell * (coordinate(code) as f32 + 0.5);
-        let position = WALL[0] + Vec3::new(0.0, at(i), -at(i >> 1));
-        let place = MeshPlace { triangle, barycentric: Vec2::splat(1.0 / 3.0) };
-        Source { surfel: Surfel { position, normal: Vec3::X, place }, area: cell * cell, spacing: cell }
-    };
-    (0..SOURCES as u32).map(source).collect()
-}
-
-fn environment_cuts(dataset: &Dataset, sources: &[Source]) -> PackedCuts {
-    let criterion = CutCriterion { sigma: 0.0, ..Default::default() };
-    let mut selector = CutSelector::new(dataset.tree.height(), criterion);
-    let mut cuts = PackedCuts::default();
-    for source in sources {
-        let above = |d: &Vec3| u8::from(d.dot(source.surfel.normal) > 0.0);
-        let visible: Vec<u8> = dataset.tree.leaf_directions().iter().map(above).collect();
-        let mut cut = Vec::new();
-        selector.select(&visible, &mut cut);
-        let offset = cuts.push_cut(&cut);
-        cuts.push_vertex(offset);
-    }
-    cuts
-}
-
-/// Solid angle of a source; nothing is hidden.
-fn seen(source: &Source, from: Vec3) -> f32 {
-    let away = from - source.surfel.position;
-    source.area * away.dot(source.surfel.normal).max(0.0) / away.length().powi(3)
-}
-
-fn source_cuts(dataset: &Dataset, sources: &[Source], depth: u32) -> PackedCuts {
-    let mut cuts = PackedCuts::default();
-    let mesh = &dataset.scene.mesh;
-    for (&p, n) in mesh.positions.iter().zip(&mesh.normals) {
-        let value = |part: &[Source]| part.iter().map(|s| seen(s, p)).sum::<f32>() / part.len() as f32;
-        let node = |part: &[Source]| pack_node(depth, 0.0) | solid_angle_code(value(part));
-        let floor = *n == Vec3::Y;
-        let cut: Vec<u16> = match floor {
-            true => sources.chunks(SOURCES >> depth).map(node).collect(),
-            false => vec![pack_node(0, 0.0)],
-        };
-        let offset = cuts.push_cut(&cut);
-        cuts.push_vertex(offset);
-    }
-    cuts
-}
 
 /// Irradiance at a point of the floor under the wall at radiance 1 (Lambert's formula).
 fn form_factor(p: Vec3) -> f32 {
@@ -147,17 +59,6 @@ fn floor_image(view: &View, f: impl Fn(Vec3) -> Vec3) -> Image {
 fn uniform(rig: &mut SourceRig, irradiance: f32) -> SourceLighting {
     rig.set_further(Some(vec![Vec3::splat(irradiance); SOURCES]));
     rig.lighting(SOURCES as u32)
-}
-
-pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
-    Light {
-        name: String::new(),
-        enabled: true,
-        emission: Emission::Point,
-        position,
-        target: Vec3::ZERO,
-        intensity: Vec3::splat(intensity),
-    }
 }
 
 #[test]

@@ -76,11 +76,8 @@ mod tests {
     use super::*;
     use crate::{
         Renderer,
-        light::direct::{
-            arrives,
-            tests::{light, plates, surface_at},
-        },
-        renderer::tests::{dataset, from_above, white},
+        light::direct::arrives,
+        test_scenes::{dataset, from_above, light, plates, surface_at, white},
     };
     use lapidary_core::{camera::Camera, lights::Emission};
 

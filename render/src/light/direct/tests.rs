@@ -1,94 +1,12 @@
-//! Direct light of local lights against closed forms, and scenes that the tests of paths share.
+//! Direct light of local lights against closed forms.
 
 use super::*;
 use crate::{
-    Renderer, View,
-    renderer::tests::{dataset, from_above, mesh, white},
-    shade::surface::Seen,
+    Renderer,
+    test_scenes::{dataset, from_above, light, mean, mesh, polygon_irradiance, surface_at, white},
 };
-use glam::Vec4;
-use lapidary_core::{
-    image::Image,
-    lights::{Emission, RectangleShape},
-    scene::Mesh,
-};
+use lapidary_core::lights::{Emission, RectangleShape};
 use std::f32::consts::{FRAC_1_PI, PI};
-
-pub(crate) fn light(emission: Emission, position: Vec3, target: Vec3, intensity: f32) -> Light {
-    let intensity = Vec3::splat(intensity);
-    Light { name: String::new(), enabled: true, emission, position, target, intensity }
-}
-
-pub(crate) fn mean(image: &Image) -> f32 {
-    image.pixels.iter().map(|p| p.x).sum::<f32>() / image.pixels.len() as f32
-}
-
-/// The surface at the middle of a view.
-pub(crate) fn surface_at(renderer: &Renderer, view: &View) -> SurfacePoint {
-    let direction = view.camera.direction_through(0.5 * Vec2::new(view.size[0] as f32, view.size[1] as f32), view.size);
-    match renderer.surfaces().seen_along(view.camera.eye, direction) {
-        Seen::Surface(point) => *point,
-        _ => panic!("the view looks at a surface"),
-    }
-}
-
-/// Adds a parallelogram; the normal is the cross product of its edges.
-fn add_quad(mesh: &mut Mesh, corner: Vec3, u: Vec3, v: Vec3) {
-    let first = mesh.positions.len() as u32;
-    mesh.positions.extend([corner, corner + u, corner + u + v, corner + v]);
-    mesh.normals.extend([u.cross(v).normalize(); 4]);
-    mesh.tangents.extend([u.normalize().extend(1.0); 4]);
-    mesh.uvs.extend([Vec2::ZERO; 4]);
-    mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    mesh.triangle_material.extend([0; 2]);
-    mesh.triangle_object.extend([0; 2]);
-}
-
-/// A floor over x in [0, 2] and z in [-1, 1], and a wall of height 1 over its edge at x = 0.
-pub(crate) fn plates() -> Mesh {
-    let mut mesh = Mesh::default();
-    add_quad(&mut mesh, Vec3::new(0.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X);
-    add_quad(&mut mesh, Vec3::new(0.0, 0.0, -1.0), Vec3::Y, 2.0 * Vec3::Z);
-    mesh
-}
-
-/// A unit sphere seen from inside, of `rows` from pole to pole.
-pub(crate) fn sphere(rows: u32) -> Mesh {
-    let mut mesh = Mesh::default();
-    let columns = 2 * rows;
-    for (row, column) in (0..=rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
-        let (theta, phi) = (PI * row as f32 / rows as f32, 2.0 * PI * column as f32 / columns as f32);
-        let p = Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos());
-        mesh.positions.push(p);
-        mesh.normals.push(-p);
-        mesh.tangents.push(Vec4::new(phi.cos(), 0.0, -phi.sin(), 1.0));
-        mesh.uvs.push(Vec2::ZERO);
-    }
-    for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
-        let at = |r: u32, c: u32| r * columns + c % columns;
-        let [a, b, c, d] = [at(row, column), at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)];
-        if row + 1 < rows {
-            mesh.triangles.push([a, c, b]);
-        }
-        if row > 0 {
-            mesh.triangles.push([a, d, c]);
-        }
-    }
-    mesh.triangle_material = vec![0; mesh.triangles.len()];
-    mesh.triangle_object = vec![0; mesh.triangles.len()];
-    mesh
-}
-
-/// Irradiance under a polygon of unit radiance that lies above the horizon (Lambert 1760).
-pub(crate) fn polygon_irradiance(corners: &[Vec3], point: Vec3, normal: Vec3) -> f64 {
-    let edge = |a: Vec3, b: Vec3| {
-        let (a, b) = ((a - point).normalize().as_dvec3(), (b - point).normalize().as_dvec3());
-        let across = a.cross(b).try_normalize();
-        across.map_or(0.0, |n| a.dot(b).clamp(-1.0, 1.0).acos() * n.dot(normal.as_dvec3()))
-    };
-    let around = (0..corners.len()).map(|i| edge(corners[i], corners[(i + 1) % corners.len()])).sum::<f64>();
-    (0.5 * around).abs()
-}
 
 /// Irradiance at the middle of a white floor.
 fn irradiance_below(lights: &[Light], blocker: bool) -> f32 {
@@ -149,7 +67,9 @@ fn shifts_of_pixels_fill_the_square_and_differ_between_samples() {
     let quarter = shifts.iter().filter(|s| s.max_element() < 0.5).count() as f32 / shifts.len() as f32;
     assert!((quarter - 0.25).abs() < 0.06, "{quarter}");
     assert!(shifts.iter().all(|s| s.min_element() >= 0.0 && s.max_element() < 1.0));
-    assert_ne!(pixel_shift(3, 5, 0), pixel_shift(3, 5, 1));
+    // The next sample of a pixel goes on where the cells of the one before end.
+    let next = (pixel_shift(3, 5, 0) + STEP * (CELLS * CELLS) as f32).fract();
+    assert!((pixel_shift(3, 5, 1) - next).abs().max_element() < 1e-5, "{next}");
 }
 
 #[test]

@@ -36,8 +36,8 @@ const FEATURE_EXPONENT: f32 = 0.5;
 /// If the sizes differ.
 pub fn flip(test: &Image, reference: &Image, pixels_per_degree: f32) -> Vec<f32> {
     assert_eq!(test.size, reference.size, "FLIP needs pictures of one size");
-    let test = Seen::through(test, pixels_per_degree);
-    let reference = Seen::through(reference, pixels_per_degree);
+    let test = Perceived::through(test, pixels_per_degree);
+    let reference = Perceived::through(reference, pixels_per_degree);
     let largest = color::largest_difference().powf(COLOR_EXPONENT);
     let colors = test.colors.par_iter().zip(&reference.colors).map(|(a, b)| color_error(*a, *b, largest));
     let features = test.features.par_iter().zip(&reference.features).map(|(a, b)| feature_error(*a, *b));
@@ -45,14 +45,14 @@ pub fn flip(test: &Image, reference: &Image, pixels_per_degree: f32) -> Vec<f32>
 }
 
 /// What an observer sees of a picture.
-struct Seen {
+struct Perceived {
     /// Hunt-adjusted CIELab after spatial filtering.
     colors: Vec<Vec3>,
     /// Strength of edges (x) and points (y) in the lightness.
     features: Vec<Vec2>,
 }
 
-impl Seen {
+impl Perceived {
     fn through(image: &Image, pixels_per_degree: f32) -> Self {
         let opponent: Vec<Vec3> =
             image.pixels.par_iter().map(|srgb| color::opponent_from_linear(srgb.map(linear_from_srgb))).collect();

@@ -3,8 +3,7 @@
 use super::{cut_map::CutMap, *};
 use crate::{
     Backend, Background, Components, CpuBackend, Illumination, LocalLighting, SceneLighting, SourceLighting,
-    light::bounce::tests::floor_and_wall,
-    renderer::tests::{LIGHTS, dataset, from_the_side, glossy, illumination, mesh, white},
+    test_scenes::{LIGHTS, dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, white},
 };
 use lapidary_core::{
     camera::Camera,

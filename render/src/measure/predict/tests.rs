@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Quiet,
-    renderer::tests::{LIGHTS, dataset, dataset_of_sigma, from_the_side, glossy, illumination, mesh, white},
+    test_scenes::{LIGHTS, dataset, dataset_of_sigma, from_the_side, glossy, illumination, mesh, white},
 };
 use lapidary_core::material::BrdfModel;
 

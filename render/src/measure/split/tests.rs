@@ -4,8 +4,9 @@
 use super::*;
 use crate::{
     Quiet,
-    light::bounce::tests::floor_and_wall,
-    renderer::tests::{LIGHTS, dataset, dataset_of_sigma, from_the_side, glossy, illumination, mesh, trace_vertex},
+    test_scenes::{
+        LIGHTS, dataset, dataset_of_sigma, floor_and_wall, from_the_side, glossy, illumination, mesh, trace_vertex,
+    },
 };
 use lapidary_core::{
     dataset::Dataset,

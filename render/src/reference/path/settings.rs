@@ -5,7 +5,7 @@ use crate::light::components::Components;
 /// What [`Renderer::path_reference`](crate::Renderer::path_reference) follows, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
-    /// Paths a pixel; noise falls with the square root.
+    /// Paths per pixel; noise falls with the square root.
     pub spp: u32,
     /// Number of the first path: pictures of other paths have other noise.
     pub first_pass: u32,
@@ -15,17 +15,17 @@ pub struct PathSettings {
     /// What of the light is in the picture.
     pub components: Components,
     /// Where in the pixels paths begin.
-    pub places: Places,
+    pub positions: SamplePositions,
 }
 
-/// Where in its pixel a path begins.
+/// Positions of samples in a pixel: where in it paths begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Places {
+pub enum SamplePositions {
     /// Where cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): pictures of the two differ by light alone.
     #[default]
     Shared,
     /// Anywhere: in each pixel, and for each first path, the pattern is shifted by another random vector (Cranley and
-    /// Patterson 1976), and no place comes twice. The mean is that over the whole pixel, as other renderers have it, and
+    /// Patterson 1976), and no position comes twice. The mean is that over the whole pixel, as other renderers have it, and
     /// what a pattern misses is noise.
     Shifted,
 }
@@ -33,6 +33,6 @@ pub enum Places {
 impl PathSettings {
     /// All direct light.
     pub fn direct(spp: u32) -> Self {
-        Self { spp, first_pass: 0, bounces: 0, components: Components::ALL, places: Places::Shared }
+        Self { spp, first_pass: 0, bounces: 0, components: Components::ALL, positions: SamplePositions::Shared }
     }
 }

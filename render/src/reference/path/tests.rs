@@ -3,8 +3,9 @@
 use super::*;
 use crate::{
     Quiet,
-    light::direct::tests::{light, mean, plates, polygon_irradiance, sphere, surface_at},
-    renderer::tests::{dataset, glossy, illumination, rel_rmse, white},
+    test_scenes::{
+        dataset, glossy, illumination, light, mean, plates, polygon_irradiance, rel_rmse, sphere, surface_at, white,
+    },
     view::Background,
 };
 use glam::Vec2;
@@ -157,30 +158,31 @@ fn one_of_many_lights_at_a_time_gives_the_mean_of_all() {
     assert!((fewer / expected - 1.0).abs() > 0.04, "negative control: {fewer}");
 }
 
-/// A sunlit sheet before black, whose edges four shared places a pixel place wrongly, in all pictures alike; shifted ones
+/// A sunlit sheet before black, whose edges four shared positions per pixel place wrongly, in all pictures alike; shifted ones
 /// find its share of the pixels, and pictures of other first paths say how well.
 #[test]
 fn shifted_places_see_whole_pixels_and_their_misses_are_noise() {
     let renderer = Renderer::new(dataset(plates(), grey(0.5)));
     let sun = [light(Emission::Directional, Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 0.0, 0.0), 2.0)];
     let view = view(Vec3::new(1.0, 40.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 5.0, 12);
-    let trace = |places, spp, first_pass, aa| {
-        let settings = PathSettings { places, first_pass, ..PathSettings::direct(spp) };
+    let trace = |positions, spp, first_pass, aa| {
+        let settings = PathSettings { positions, first_pass, ..PathSettings::direct(spp) };
         renderer.path_reference(&View { aa, ..view.clone() }, &dark(), &sun, settings, &Quiet)
     };
-    let truth = trace(Places::Shared, 16_384, 0, 16_384);
+    let truth = trace(SamplePositions::Shared, 16_384, 0, 16_384);
     let apart = rel_rmse;
-    let [shared, shifted] = [Places::Shared, Places::Shifted].map(|places| trace(places, 1024, 0, 4));
+    let [shared, shifted] =
+        [SamplePositions::Shared, SamplePositions::Shifted].map(|positions| trace(positions, 1024, 0, 4));
     let (of_shared, of_shifted) = (apart(&shared, &truth), apart(&shifted, &truth));
     assert!(
         of_shifted < 0.1 * of_shared,
-        "negative control: {of_shared} by shared places, {of_shifted} by shifted ones"
+        "negative control: {of_shared} by shared positions, {of_shifted} by shifted ones"
     );
-    let elsewhere = trace(Places::Shifted, 1024, 1024, 4);
+    let elsewhere = trace(SamplePositions::Shifted, 1024, 1024, 4);
     assert!(apart(&elsewhere, &shifted) > 0.7 * of_shifted, "what is missed differs from picture to picture");
     assert_eq!(
-        trace(Places::Shared, 1024, 1024, 4),
+        trace(SamplePositions::Shared, 1024, 1024, 4),
         shared,
-        "negative control: no other first path moves shared places"
+        "negative control: no other first path moves shared positions"
     );
 }

@@ -6,7 +6,7 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Sky,
-        surface::{Seen, SurfacePoint, Surfaces},
+        surface::{FirstHit, SurfacePoint, Surfaces},
     },
 };
 use glam::{Vec2, Vec3};
@@ -79,8 +79,8 @@ impl<'a> Tracer<'a> {
                 break;
             }
             match self.surfaces.seen_along(point.ray_origin, scattered.world) {
-                Seen::Surface(next) if leaves_face(point, scattered.world) => reflected = next,
-                Seen::Background => {
+                FirstHit::Surface(next) if leaves_face(point, scattered.world) => reflected = next,
+                FirstHit::Background => {
                     if gathered.environment {
                         sum += throughput * self.environment_along(&scattered);
                     }

@@ -11,10 +11,9 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::SegmentBatch,
+    ray::{SegmentBatch, offset},
     simd::Vec3x8,
     sources::{NearField, Origin},
-    surfel::OFFSET,
 };
 use std::array::from_fn;
 use wide::f32x8;
@@ -28,7 +27,7 @@ pub(crate) struct SourceSamples<'a> {
 
 impl<'a> SourceSamples<'a> {
     pub fn new(renderer: &Renderer, lighting: &'a SourceLighting) -> Self {
-        let off_surface = OFFSET * renderer.dataset.scene.mesh.bounds().diagonal();
+        let off_surface = offset::TRANSPORT * renderer.dataset.scene.mesh.bounds().diagonal();
         let sources = lighting.tree.sources();
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
         let near = NearField::new(sources);

@@ -4,7 +4,7 @@ use super::*;
 use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, test_scenes};
-use lapidary_render::{Appearance, CpuBackend, Post, compare::compare, test_scenes::plain_look};
+use lapidary_render::{Appearance, CpuBackend, Post, compare::compare, test_looks::plain_look};
 use std::time::Duration;
 
 fn start() -> ComparisonThread {

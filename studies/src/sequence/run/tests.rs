@@ -2,7 +2,7 @@ use super::*;
 use crate::sequence::{SequenceSettings, plan};
 use lapidary_core::test_scenes;
 use lapidary_render::{Appearance, Baked, CpuBackend, View};
-use lapidary_render::{Look, test_scenes::look};
+use lapidary_render::{Look, test_looks::look};
 use std::{
     fs,
     sync::{

@@ -1,8 +1,8 @@
 use super::*;
 use lapidary_core::{
     light_tree::LightTree,
-    material::{BrdfModel, MaterialMaps},
-    texture::Texels,
+    material::{BrdfModel, BrdfParameters, MapKind, MaterialMaps},
+    texture::{Texels, TextureSlot},
 };
 
 const LEAVES: usize = 4096;

@@ -3,7 +3,7 @@
 use super::*;
 use lapidary_core::sphere::fibonacci_directions;
 
-const AROUND: Surroundings = Surroundings {
+const SETTINGS: ShadowViewSettings = ShadowViewSettings {
     bounds: Bounds { min: Vec3::new(-1.0, 0.0, -2.0), max: Vec3::new(3.0, 1.0, 2.0) },
     near: 1e-4,
     size: 64,
@@ -27,7 +27,7 @@ fn projected(view: &ShadowView, world: Vec3) -> (Vec2, f32) {
     let [x, y, z] = [view.right, view.up, view.forward].map(|axis| Vec3::from(axis).dot(v));
     let (w, depth) = if view.is_parallel == 1 { (1.0, 1.0 - z * view.depth_scale) } else { (z, view.depth_scale / z) };
     let ndc = Vec2::new(x / view.half_width, y / view.half_height) / w;
-    ((0.5 + 0.5 * ndc) * AROUND.size as f32, depth)
+    ((0.5 + 0.5 * ndc) * SETTINGS.size as f32, depth)
 }
 
 /// The view that the shader chooses for a receiver.
@@ -38,7 +38,7 @@ fn chosen(views: &[ShadowView], world: Vec3) -> &ShadowView {
 
 fn is_shown(views: &[ShadowView], world: Vec3) -> bool {
     let (at, depth) = projected(chosen(views, world), world);
-    let inside = BORDER as f32 - 0.01..AROUND.size as f32 - BORDER as f32 + 0.01;
+    let inside = BORDER as f32 - 0.01..SETTINGS.size as f32 - BORDER as f32 + 0.01;
     depth > 0.0 && depth < 1.0 && inside.contains(&at.x) && inside.contains(&at.y)
 }
 
@@ -54,8 +54,8 @@ fn all_that_a_light_reaches_is_shown_inside_the_border() {
         (rectangle, 90.0, 20),
     ] {
         let light = light(emission);
-        let views = views(&light, &AROUND);
-        assert_eq!((views.len(), view_count(&light, AROUND.grid)), (count, count as u32));
+        let views = views(&light, &SETTINGS);
+        assert_eq!((views.len(), view_count(&light, SETTINGS.grid)), (count, count as u32));
         for point in views.chunks(views_per_point(&light) as usize) {
             let origin = Vec3::from(point[0].origin);
             let inside = |d: &Vec3| d.dot(light.forward().unwrap()) > cone.to_radians().cos();
@@ -73,8 +73,8 @@ fn all_that_a_light_reaches_is_shown_inside_the_border() {
 fn parallel_light_shows_the_whole_scene_with_depth_from_one_to_zero() {
     for target in [Vec3::new(1.0, 0.5, 0.2), Vec3::new(0.3, 0.0, -0.4), Vec3::new(9.0, 2.0, -0.4)] {
         let sun = Light { target, ..light(Emission::Directional) };
-        let views = views(&sun, &AROUND);
-        let Bounds { min, max } = AROUND.bounds;
+        let views = views(&sun, &SETTINGS);
+        let Bounds { min, max } = SETTINGS.bounds;
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { min[axis] } else { max[axis] };
             assert!(is_shown(&views, Vec3::from_array([0, 1, 2].map(pick))));
@@ -87,7 +87,7 @@ fn parallel_light_shows_the_whole_scene_with_depth_from_one_to_zero() {
 
 #[test]
 fn axes_are_right_handed_and_unit() {
-    for view in [Emission::Point, Emission::Directional].into_iter().flat_map(|e| views(&light(e), &AROUND)) {
+    for view in [Emission::Point, Emission::Directional].into_iter().flat_map(|e| views(&light(e), &SETTINGS)) {
         let [right, up, forward] = [view.right, view.up, view.forward].map(Vec3::from);
         assert!((forward.cross(up) - right).length() < 1e-5 && (right.cross(forward) - up).length() < 1e-5);
     }

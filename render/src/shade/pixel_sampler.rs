@@ -4,7 +4,7 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::Backdrop,
-        surface::{Seen, SurfacePoint, Surfaces},
+        surface::{FirstHit, SurfacePoint, Surfaces},
         wireframe::{self, Screen},
     },
     view::View,
@@ -12,8 +12,8 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
-/// A view of a renderer's scene.
-pub(crate) struct Frame<'a> {
+/// Casts camera rays through the samples of a view's pixels, and shades what they meet.
+pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     screen: Screen,
     backdrop: &'a Backdrop,
@@ -28,10 +28,10 @@ pub(crate) struct Sight {
     /// Unit direction from the eye.
     pub direction: Vec3,
     /// What is met first.
-    pub seen: Seen,
+    pub seen: FirstHit,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let screen = Screen::new(&view.camera, view.size);
         Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
@@ -51,10 +51,10 @@ impl<'a> Frame<'a> {
         self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
     }
 
-    /// What is seen at a place of the pixel's unit square.
-    fn sight_at(&self, x: u32, y: u32, place: Vec2) -> Sight {
+    /// What is seen at a position in the pixel's unit square.
+    fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
         let camera = &self.view.camera;
-        let position = Vec2::new(x as f32, y as f32) + place;
+        let position = Vec2::new(x as f32, y as f32) + in_pixel;
         let direction = camera.direction_through(position, self.view.size);
         Sight { position, direction, seen: self.surfaces.seen_along(camera.eye, direction) }
     }
@@ -75,16 +75,16 @@ impl<'a> Frame<'a> {
         self.radiance(self.sight(x, y, sample), shade)
     }
 
-    /// [`Self::sample`] at any place of the pixel's unit square.
-    pub fn sample_at(&self, x: u32, y: u32, place: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
-        self.radiance(self.sight_at(x, y, place), shade)
+    /// [`Self::sample`] at any position in the pixel's unit square.
+    pub fn sample_at(&self, x: u32, y: u32, in_pixel: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
+        self.radiance(self.sight_at(x, y, in_pixel), shade)
     }
 
     fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         match sight.seen {
-            Seen::Surface(point) => shade(&point),
-            Seen::Back => Vec3::ZERO,
-            Seen::Background => self.behind(sight.direction),
+            FirstHit::Surface(point) => shade(&point),
+            FirstHit::Back => Vec3::ZERO,
+            FirstHit::Background => self.behind(sight.direction),
         }
     }
 

@@ -1,0 +1,54 @@
+//! How far off surfaces rays start, and how far before a light they end.
+//!
+//! Positions are rounded in proportion to the size of a scene, so distances are shares of the diagonal of its bounds. Rays
+//! of a baked or shaded point start as far off as its triangles are coarse, since the rounding of a position on a triangle
+//! grows with its edges. Points that only send or receive bounced light need no such care.
+//!
+//! Shaded and baked points share one rule, [`of_shading`] and [`of_baking`]. The others are numbers of their own, since
+//! pictures and bakes would change with them; this is the only place that states them.
+
+/// Rays start this share of the mean edge of the triangles off a baked or shaded point.
+pub const OF_EDGE: f32 = 0.02;
+/// Rays of baked and shaded points start at most this share of the diagonal off a surface.
+pub const LARGEST: f32 = 2e-4;
+/// Rays of baked points start at least this share of the diagonal off a surface.
+pub const SMALLEST_BAKED: f32 = 4e-6;
+/// Shadow rays of the points that bounce light start this share of the diagonal off a surface.
+pub const BOUNCE: f32 = 1e-4;
+/// Rays of light transport start, and segments to sources end, this share of the diagonal off a surface: sources see
+/// into narrow gaps.
+pub const TRANSPORT: f32 = 1e-5;
+
+/// Shadow rays of a shaded point go this share of the way to a light: lights often lie in the surface of their lamp.
+pub const REACH_OF_SHADING: f32 = 1.0 - 1e-4;
+/// The same for points that bounce light.
+pub const REACH_OF_BOUNCE: f32 = 1.0 - 1e-3;
+
+/// Distance in metres that rays of a shaded point start off its triangle, whose mean edge has `edge` metres; `largest` is
+/// [`LARGEST`] times the diagonal of the scene.
+#[inline(always)]
+pub fn of_shading(edge: f32, largest: f32) -> f32 {
+    (OF_EDGE * edge).clamp(OF_EDGE * largest, largest)
+}
+
+/// The same for a baked vertex: `edge` is the mean edge around it and `height` what its offset may be at most for the
+/// triangles around it, in metres.
+pub fn of_baking(edge: f32, height: f32, diagonal: f32) -> f32 {
+    (OF_EDGE * edge).min(height).clamp(SMALLEST_BAKED * diagonal, LARGEST * diagonal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_follow_the_edges_between_their_bounds() {
+        let diagonal = 10.0;
+        let largest = LARGEST * diagonal;
+        assert_eq!(of_shading(0.05, largest), 0.02 * 0.05);
+        assert_eq!((of_shading(1.0, largest), of_shading(0.0, largest)), (largest, OF_EDGE * largest));
+        assert_eq!(of_baking(0.05, 1.0, diagonal), 0.02 * 0.05);
+        assert_eq!(of_baking(0.05, 1e-4, diagonal), 1e-4, "a sliver's height");
+        assert_eq!((of_baking(1.0, 1.0, diagonal), of_baking(0.0, 1.0, diagonal)), (largest, 4e-6 * diagonal));
+    }
+}

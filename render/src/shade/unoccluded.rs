@@ -1,0 +1,93 @@
+//! Shading where nothing hides the light: a convex surface that stands alone.
+//!
+//! The merge is the renderer's. Full visibility is a cut of one node, the root, which merges with the illumination cut to
+//! the illumination cut itself.
+
+use crate::{
+    appearance::Appearance,
+    light::environment::SceneLighting,
+    shade::{
+        merge::{BrdfSampling, Shader},
+        surface::{SurfacePlace, SurfacePoint},
+    },
+};
+use glam::Vec3;
+use lapidary_core::cut::packed::{PackedCuts, pack_node};
+use std::sync::LazyLock;
+
+/// One vertex that sees every light.
+static FULL_VISIBILITY: LazyLock<PackedCuts> = LazyLock::new(|| {
+    let mut cuts = PackedCuts::default();
+    let first = cuts.push_cut(&[pack_node(0, 1.0)]);
+    cuts.push_vertex(first);
+    cuts
+});
+
+/// Shades places from which every direction above their horizon is open, with BRDF refinement; keeps its buffers between
+/// them.
+pub struct UnoccludedShader<'a> {
+    appearance: &'a Appearance,
+    shader: Shader<'a, &'a SceneLighting>,
+}
+
+impl<'a> UnoccludedShader<'a> {
+    /// For places with the materials of `appearance`, whose maps must all be there ([`Appearance::fitted`]), under `lighting`.
+    pub fn new(appearance: &'a Appearance, lighting: &'a SceneLighting) -> Self {
+        Self { appearance, shader: Shader::new(lighting, &FULL_VISIBILITY, BrdfSampling::Refine) }
+    }
+
+    /// Radiance that a place of the material with this index reflects toward `wo`, a unit direction in world space.
+    ///
+    /// # Panics
+    /// If there is no such material.
+    pub fn shade(&mut self, place: &SurfacePlace, material: usize, wo: Vec3) -> Vec3 {
+        let looks = place.under(self.appearance, &self.appearance.materials[material], wo);
+        self.shader.shade(&SurfacePoint {
+            vertices: [0; 3],
+            corners: [place.position; 3],
+            weights: [1.0, 0.0, 0.0],
+            from_behind: false,
+            position: place.position,
+            ray_origin: place.position,
+            smooth_normal: place.smooth_normal,
+            world_from_local: looks.world_from_local,
+            wo: looks.wo,
+            parameters: looks.parameters,
+            brdf: looks.brdf,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use lapidary_core::{
+        light_tree::LightTree,
+        material::{BrdfModel, BrdfParameters, Material},
+    };
+
+    #[test]
+    fn a_white_place_in_a_white_furnace_is_white_and_a_lamp_below_its_horizon_is_not_seen() {
+        let tree = LightTree::geometric(4096).unwrap();
+        let parameters = BrdfParameters { base_color: Vec3::ONE, ..Default::default() };
+        let white = Material { model: BrdfModel::Lambert, parameters, ..Default::default() };
+        let appearance = Appearance { materials: vec![white], textures: Vec::new() };
+        let place = SurfacePlace {
+            position: Vec3::ZERO,
+            smooth_normal: Vec3::Y,
+            tangent: Vec3::X,
+            handedness: 1.0,
+            uv: Vec2::ZERO,
+            slopes: None,
+        };
+        let shaded = |radiance: &dyn Fn(Vec3) -> f32| {
+            let leaves: Vec<Vec3> = tree.leaf_directions().iter().map(|&d| Vec3::splat(radiance(d))).collect();
+            let lighting = SceneLighting::new(&tree, &leaves, 256);
+            UnoccludedShader::new(&appearance, &lighting).shade(&place, 0, Vec3::new(0.6, 0.8, 0.0)).x
+        };
+        assert!((shaded(&|_| 1.0) - 1.0).abs() < 5e-3, "{}", shaded(&|_| 1.0));
+        assert_eq!(shaded(&|d| if d.y < 0.0 { 1.0 } else { 0.0 }), 0.0);
+        assert!(shaded(&|d| if d.y > 0.0 { 0.98 } else { 0.0 }) < 0.99, "negative control: two percent less is seen");
+    }
+}

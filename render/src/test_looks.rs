@@ -1,0 +1,55 @@
+//! Looks that the tests of several crates share.
+
+use crate::{Appearance, Components, Illumination, Look, View};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    environment::Environment,
+    image::Image,
+    lights::{Emission, Light},
+    material::{MapKind, Material, MaterialMaps},
+    texture::TextureSlot,
+};
+
+/// A look with two materials with maps, a light and an environment.
+pub fn look() -> Look {
+    let maps = MaterialMaps::from([MapKind::Bump, MapKind::Normal].map(|kind| (kind, TextureSlot::default())));
+    let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
+    let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
+    let light = Light {
+        name: "key".into(),
+        enabled: true,
+        emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
+        position: Vec3::new(1.0, 2.0, 0.5),
+        target: Vec3::new(0.0, 0.2, 0.0),
+        intensity: Vec3::splat(5.0),
+    };
+    Look {
+        appearance: Appearance { materials: vec![material("gold"), material("wood")], textures: Vec::new() },
+        light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0 },
+        lights: [light].into(),
+        components: Components::ALL,
+        solution: Default::default(),
+        illum_cut: 256,
+        sampling: Default::default(),
+        view: View::new(Camera::look_at(Vec3::new(0.5, 1.0, 3.0), Vec3::new(0.1, 0.3, 0.0), 40.0), [8, 6]),
+        post: Default::default(),
+    }
+}
+
+/// A look without materials and lights under a white environment, in a small picture of `aa` samples per pixel.
+pub fn plain_look(aa: u32) -> Look {
+    let environment = Environment { name: "white".into(), map: Image::filled([8, 4], Vec3::ONE) };
+    let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
+    Look {
+        appearance: Appearance::default(),
+        light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+        lights: [].into(),
+        components: Components::ALL,
+        solution: Default::default(),
+        illum_cut: 16,
+        sampling: Default::default(),
+        view: View { aa, ..View::new(camera, [64, 48]) },
+        post: Default::default(),
+    }
+}
