@@ -4,6 +4,7 @@ mod bake;
 mod info;
 mod options;
 mod progress;
+mod setting_names;
 mod shot;
 mod verify;
 
@@ -11,6 +12,7 @@ pub use bake::{BakeArgs, place};
 pub use info::InfoArgs;
 pub use options::{ModeOption, PresetOption, TreeOption};
 pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
+pub use setting_names::{option_name, with_options};
 pub use shot::ShotOption;
 pub use verify::VerifyArgs;
 
@@ -29,10 +31,11 @@ pub fn print_out(text: &str) -> Result<()> {
     }
 }
 
-/// An error and its causes in one line. Most of our errors tell their cause themselves; it is not said twice.
+/// An error and its causes in one line, with the options that would help. Most of our errors tell their cause themselves; it is not said twice.
 pub fn error_text(error: &anyhow::Error) -> String {
-    let mut text = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
+    let mut causes = error.chain().map(with_options);
+    let mut text = causes.next().unwrap_or_default();
+    for cause in causes {
         if !text.contains(&cause) {
             text = format!("{text}: {cause}");
         }

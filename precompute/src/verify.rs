@@ -191,7 +191,10 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
 mod tests {
     use super::*;
     use crate::{
-        bake::{BakeJob, bake, settings::Preset},
+        bake::{
+            BakeJob, bake,
+            settings::{Preset, resolve},
+        },
         observer::Silent,
         test_scenes::{cuboid, floor, scene_of},
     };
@@ -205,7 +208,7 @@ mod tests {
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
         let job = BakeJob {
-            settings,
+            settings: resolve(settings).unwrap(),
             output: folder.path().join("a.cuts"),
             chunks: None,
             resume: false,

@@ -8,13 +8,13 @@ use crate::{
         bake::{BakeMessage, BakeProgress, BakeRun, BakeTask, draft_is_sooner},
         spawn,
     },
-    panels::bake::{BakeStatus, Draft, line, stale_reasons},
+    panels::bake::{BakeStatus, Draft, control_name, line, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeMode, Dataset},
     texture::Texture,
 };
-use lapidary_precompute::{BakeJob, Leftover, Phase, Preset, leftover, resolve};
+use lapidary_precompute::{BakeJob, Leftover, Phase, Preset, ResolvedBake, leftover, resolve};
 use lapidary_render::Baked;
 use std::{
     path::{Path, PathBuf},
@@ -41,7 +41,7 @@ pub struct Baking {
 struct Looked {
     output: PathBuf,
     scene_hash: String,
-    settings: BakeSettings,
+    settings: ResolvedBake,
     /// When the folder was last written to.
     written: SystemTime,
 }
@@ -107,7 +107,9 @@ impl EditorState {
         };
         let settings = match resolve(self.document.bake.clone()) {
             Ok(settings) => settings,
-            Err(error) => return self.messages.error(format!("The bake settings do not work: {error}")),
+            Err(error) => {
+                return self.messages.error(format!("The bake settings do not work: {}", error.text(control_name)));
+            }
         };
         if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
             && let Err(error) = std::fs::create_dir_all(folder)

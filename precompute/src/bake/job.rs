@@ -1,13 +1,13 @@
 //! What to bake, and how to go about it.
 
-use lapidary_core::dataset::BakeSettings;
+use super::settings::ResolvedBake;
 use std::path::PathBuf;
 
 /// What to bake, and how to go about it.
 #[derive(Clone, Debug)]
 pub struct BakeJob {
     /// What decides the result; see [`crate::resolve`].
-    pub settings: BakeSettings,
+    pub settings: ResolvedBake,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
     /// Number of chunks; `None` for a checkpoint every few seconds.

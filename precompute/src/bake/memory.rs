@@ -1,6 +1,6 @@
 //! Memory: an estimate before the start, and what was used in the end.
 
-use lapidary_core::dataset::{BakeMode, BakeSettings, MeshlessSettings};
+use lapidary_core::dataset::{BakeSettings, MeshlessSettings};
 
 /// Bytes that a bake of this size needs at its peak: mesh and hierarchy, the cuts and links that its mode asks for, and
 /// buffers of each thread.
@@ -20,15 +20,6 @@ pub fn estimate(vertices: usize, triangles: usize, settings: &BakeSettings, thre
         bytes += cuts(sources, environment_nodes(settings));
     }
     if mode.meshless() { bytes + basis_and_links(&settings.meshless) } else { bytes }
-}
-
-/// What makes a bake smaller.
-pub fn remedy(mode: BakeMode) -> &'static str {
-    match mode {
-        BakeMode::Environment | BakeMode::Indirect | BakeMode::Cuts => "lower --max-vertices or raise the sigmas",
-        BakeMode::Meshless => "lower --levels or --max-vertices",
-        BakeMode::All => "lower --max-vertices or --levels, raise the sigmas, or leave a part out with --mode",
-    }
 }
 
 /// Chunks, their concatenation, and what is packed of it.
@@ -81,6 +72,7 @@ fn kilobytes(file: &str, key: &str) -> Option<u64> {
 mod tests {
     use super::*;
     use crate::bake::settings::Preset;
+    use lapidary_core::dataset::BakeMode;
 
     #[test]
     fn estimate_of_the_armadillo_scene_is_near_what_it_takes() {

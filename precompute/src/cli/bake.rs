@@ -1,7 +1,7 @@
 //! The `bake` command.
 
 use super::{ModeOption, PresetOption, ProgressReporter, ProgressStyle, ShotOption, TreeOption, write_json};
-use crate::{BakeJob, Preset, bake, with_room};
+use crate::{BakeJob, Preset, bake};
 use anyhow::{Context, Result};
 use clap::Args;
 use glam::Vec3;
@@ -156,9 +156,10 @@ impl BakeArgs {
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
-            settings.max_vertices = settings.max_vertices.map(|most| with_room(most, vertices));
+            settings = settings.with_room_for(vertices);
         }
-        settings.shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
+        let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
+        let settings = settings.for_shots(shots)?;
         let job = BakeJob {
             settings,
             output: self.output.clone(),

@@ -59,7 +59,7 @@ struct Warnings(std::sync::Mutex<String>);
 impl Observer for Warnings {
     fn event(&self, event: Event) {
         if let Event::Warning { message } = event {
-            self.0.lock().unwrap().push_str(&message);
+            self.0.lock().unwrap().push_str(&message.to_string());
         }
     }
 }
@@ -121,7 +121,7 @@ fn a_level_that_is_cut_short_is_told() {
         warnings.0.into_inner().unwrap()
     };
     let text = told(300);
-    assert!(text.contains("300 points") && text.contains("--coarse-radius"), "{text}");
+    assert!(text.contains("300 points") && text.contains("coarse radius"), "{text}");
     assert_eq!(told(100_000), "");
 }
 

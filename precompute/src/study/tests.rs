@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    bake::{BakeJob, bake},
+    bake::{BakeJob, bake, settings::resolve},
     observer::Silent,
     test_scenes::{cuboid, floor, scene_of},
 };
@@ -25,7 +25,7 @@ fn each_variant_is_the_bake_with_its_settings() {
     let folder = tempfile::tempdir().unwrap();
     for (dataset, variant) in made.iter().zip(variants) {
         let job = BakeJob {
-            settings: dataset.settings.clone(),
+            settings: resolve(dataset.settings.clone()).unwrap(),
             output: folder.path().join("a.cuts"),
             chunks: None,
             resume: false,

@@ -108,7 +108,10 @@ fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: &(impl Fn(Vec3) -> f32 
 mod tests {
     use super::*;
     use crate::{
-        bake::{BakeJob, bake, settings::Preset},
+        bake::{
+            BakeJob, bake,
+            settings::{Preset, resolve},
+        },
         observer::Silent,
         test_scenes::{cuboid, room, scene_of},
         verify::verify,
@@ -125,7 +128,7 @@ mod tests {
         let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 128, ..Default::default() };
         let settings = BakeSettings { mode: BakeMode::Meshless, meshless, lights: 256, ..Preset::Draft.settings() };
         let job = BakeJob {
-            settings: BakeSettings { max_vertices: None, ..settings },
+            settings: resolve(BakeSettings { max_vertices: None, ..settings }).unwrap(),
             output: folder.path().join("a.cuts"),
             chunks: None,
             resume: false,

@@ -14,7 +14,7 @@ use lapidary_core::{
     lights::Light,
     material::Material,
 };
-use lapidary_precompute::{BakeJob, Preset, Silent, bake};
+use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use std::path::Path;
 
 const BOX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf");
@@ -26,7 +26,14 @@ fn opened(place: &Place) -> Window {
     let settings =
         BakeSettings { mode: BakeMode::Cuts, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
     let output = place.path("box.cuts");
-    let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+    let job = BakeJob {
+        settings: resolve(settings).unwrap(),
+        output,
+        chunks: None,
+        resume: false,
+        import_secs: 0.0,
+        warnings: vec![],
+    };
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
     let mut window = place.window_of(egui::vec2(700.0, 480.0));
     window.open(&place.path("box.cuts"));

@@ -7,6 +7,7 @@ use lapidary_core::{
     dataset::{BakeMode, Dataset},
     import::import,
 };
+use lapidary_precompute::{ResolvedBake, SettingsError};
 
 const LIGHTS: usize = 256;
 /// More than a draft has.
@@ -18,7 +19,14 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     std::fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
     let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
     let output = folder.join("a.cuts");
-    let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
+    let job = BakeJob {
+        settings: resolve(settings).unwrap(),
+        output,
+        chunks: None,
+        resume: false,
+        import_secs: 0.0,
+        warnings: Vec::new(),
+    };
     BakeTask {
         scene: import(&obj).unwrap().scene.into(),
         job,
@@ -27,6 +35,11 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
         turn: Arc::default(),
         cache: folder.join("cache"),
     }
+}
+
+/// The settings of a task with another number of lights.
+fn with_lights(task: &BakeTask, lights: usize) -> Result<ResolvedBake, SettingsError> {
+    resolve(BakeSettings { lights, ..task.job.settings.clone().into_settings() })
 }
 
 /// All messages up to the one that ends the bake.
@@ -44,7 +57,7 @@ fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
 fn a_draft_comes_first_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let mut task = task(folder.path(), true);
-    task.job.settings.lights = MANY_LIGHTS;
+    task.job.settings = with_lights(&task, MANY_LIGHTS).unwrap();
     let (output, cache) = (task.job.output.clone(), task.cache.clone());
     let mut run = BakeRun::start(task, silent());
     let messages = all(&mut run);
@@ -74,7 +87,8 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         let viewpoint = Some(Vec3::new(0.6, 0.5, 0.5));
         let indirect = IndirectSettings { viewpoint, sources: 4096, ..normal.indirect };
         let meshless = MeshlessSettings { levels: 1, sender_levels: 1, ..normal.meshless };
-        task.job.settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
+        let settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
+        task.job.settings = resolve(settings).unwrap();
         let mut messages = all(&mut BakeRun::start(task.clone(), silent()));
         messages.retain(|m| !matches!(m, BakeMessage::Warning(_))); // two walls are no closed space
         let [BakeMessage::Draft(draft), BakeMessage::Done(whole)] = &messages[..] else { panic!("{messages:?}") };
@@ -174,9 +188,12 @@ fn a_bake_waits_for_one_that_was_left() {
 fn what_cannot_be_baked_or_written_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut odd = task(folder.path(), false);
-    odd.job.settings.lights = 1000;
+    assert!(with_lights(&odd, 1000).is_err_and(|error| error.to_string().contains("1000")));
+    let meshless = MeshlessSettings { coarse_radius: Some(1e-6), ..Default::default() };
+    let tiny = BakeSettings { mode: BakeMode::Meshless, meshless, ..odd.job.settings.into_settings() };
+    odd.job.settings = resolve(tiny).unwrap();
     let messages = all(&mut BakeRun::start(odd, silent()));
-    assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("1000")), "{messages:?}");
+    assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("coarse radius")), "{messages:?}");
     let mut nowhere = task(folder.path(), true);
     std::fs::write(folder.path().join("file"), "").unwrap();
     nowhere.cache = folder.path().join("file");

@@ -2,16 +2,17 @@
 
 use super::{geometry::Geometry, meshless::bake_meshless, sources::Stage};
 use crate::{
-    bake::{checkpoint::Checkpoint, clock::Clock},
+    bake::{checkpoint::Checkpoint, clock::Clock, settings::ResolvedBake},
     errors::BakeError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
     sources::viewpoint::{Surroundings, find_viewpoint},
+    warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeSettings, IndirectReport, MeshlessReport},
+    dataset::{IndirectReport, MeshlessReport},
     indirect::IndirectBake,
     light_tree::LightTree,
     meshless::MeshlessBake,
@@ -38,7 +39,7 @@ pub struct Bounces {
 pub fn bake_bounces(
     geometry: &Geometry,
     tree: &LightTree,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
@@ -66,7 +67,7 @@ pub fn bake_bounces(
 fn viewpoint(
     surface: &MeshSurface,
     scene: &Scene,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     observer: &dyn Observer,
 ) -> Result<Vec3, BakeError> {
     let shots = settings.shots.iter().map(|shot| &shot.camera);
@@ -74,20 +75,10 @@ fn viewpoint(
     let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &cameras, &scene.lights)?;
     let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
     if open > MOST_OPEN {
-        let Vec3 { x, y, z } = viewpoint;
-        let message = format!(
-            "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced light \
-             leaves the scene; if there is a closed space that should be lit, give a place in it with --viewpoint x,y,z",
-            100.0 * open
-        );
-        observer.event(Event::Warning { message });
+        observer.event(Event::Warning { message: Warning::OpenViewpoint { viewpoint, open } });
     }
     if closed && mean_reflectance(scene, &seen) > MOST_REFLECTANCE {
-        let message =
-            "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not fade, and \
-                       solutions end after their last one; lower the base colors to 0.9 or less"
-                .into();
-        observer.event(Event::Warning { message });
+        observer.event(Event::Warning { message: Warning::EndlessBounces });
     }
     Ok(viewpoint)
 }

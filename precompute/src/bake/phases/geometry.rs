@@ -9,6 +9,7 @@ use crate::{
         sidedness::{Sidedness, classify},
         tessellate::{Stored, Wanted, tessellate},
     },
+    warning::Warning,
 };
 use lapidary_core::{dataset::BakeMode, ray::Intersector, scene::Scene, shot::Shot};
 
@@ -52,11 +53,7 @@ impl Geometry {
 /// Tells of a mesh that has as many vertices already as it may get.
 fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
     if budget <= vertices {
-        let message = format!(
-            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
-             --max-vertices {} or more",
-            with_room(0, vertices)
-        );
+        let message = Warning::NoRoomForVertices { vertices, enough: with_room(0, vertices) };
         observer.event(Event::Warning { message });
     }
 }

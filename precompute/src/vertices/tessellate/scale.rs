@@ -7,6 +7,7 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     vertices::spread::on_triangle,
+    warning::Warning,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -51,8 +52,7 @@ impl<'a> Scale<'a> {
                 frames.push(shot.frame());
                 in_pictures += filled * shot.aspect;
             } else {
-                let message = format!("shot {} sees no surface and is left out; check its camera", i + 1);
-                observer.event(Event::Warning { message });
+                observer.event(Event::Warning { message: Warning::BlindShot(i + 1) });
             }
         }
         let (unseen, seen) = if frames.is_empty() {
