@@ -74,9 +74,9 @@ impl<'a> Pilot<'a> {
     fn seen(&self, point: &BakePoint) -> Result<Seen, BakeError> {
         cancelled(self.observer)?;
         let mut seen = Seen { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] };
-        for upper in [true, false].into_iter().filter(|&upper| upper || point.two_sided) {
-            let origin = point.origin(upper);
-            let traced = |d: Vec3| point.is_upper(d) == upper;
+        for &side in point.sides() {
+            let origin = point.origin(side);
+            let traced = |d: Vec3| point.side_of(d) == side;
             if !self.stored.bounces {
                 self.scene.trace_batch(origin, &self.directions, traced, &mut seen.open);
                 continue;
