@@ -35,12 +35,14 @@ mod error;
 mod indirect;
 mod meshless;
 mod modes;
+mod parts;
 mod read;
 mod write;
 
 pub use error::DatasetError;
 pub use meshless::{MeshlessReport, MeshlessSettings};
-pub use modes::{BakeMode, IndirectReport, IndirectSettings, sigma_text};
+pub use modes::{IndirectReport, IndirectSettings, sigma_text};
+pub use parts::{BakeParts, PartsError};
 
 use crate::{
     camera::Camera,
@@ -131,7 +133,7 @@ pub struct BakeSettings {
     pub max_bytes: Option<u64>,
     /// Which parts are baked.
     #[serde(default)]
-    pub mode: BakeMode,
+    pub mode: BakeParts,
     /// How the parts that bounce light are baked, if they are.
     #[serde(default)]
     pub indirect: IndirectSettings,
@@ -175,7 +177,7 @@ pub struct BakeReport {
     /// Greatest resident memory of the process.
     pub peak_memory_bytes: u64,
     /// Which parts were baked.
-    pub mode: BakeMode,
+    pub mode: BakeParts,
     /// The part of the surface sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub indirect: Option<IndirectReport>,

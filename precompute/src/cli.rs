@@ -10,7 +10,7 @@ mod verify;
 
 pub use bake::{BakeArgs, place};
 pub use info::InfoArgs;
-pub use options::{ModeOption, PresetOption, TreeOption};
+pub use options::{PresetOption, TreeOption};
 pub use progress::{ProgressReporter, ProgressStyle, phase_bar};
 pub use setting_names::{option_name, with_options};
 pub use shot::ShotOption;

@@ -200,7 +200,7 @@ mod tests {
     };
     use lapidary_core::{
         cut::{SourceCriterion, packed::PackedCuts},
-        dataset::{BakeMode, BakeSettings, IndirectSettings},
+        dataset::{BakeParts, BakeSettings, IndirectSettings},
     };
 
     fn box_over_floor(settings: BakeSettings) -> Dataset {
@@ -256,7 +256,7 @@ mod tests {
     fn source_cuts_that_were_coarsened_to_fit_agree() {
         let criterion = SourceCriterion { sigma: 0.25, contrast: 0.05, ..Default::default() };
         let indirect = IndirectSettings { sources: 256, criterion, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Indirect, indirect, lights: 256, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeParts::INDIRECT, indirect, lights: 256, ..Preset::Draft.settings() };
         let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
         let coarser = dataset.settings.indirect.criterion.coarser(8.0);
         let baked = dataset.indirect.as_mut().unwrap();
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn what_sources_see_of_the_environment_is_traced_again() {
         let indirect = IndirectSettings { sources: 256, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Cuts, indirect, lights: 256, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeParts::CUTS, indirect, lights: 256, ..Preset::Draft.settings() };
         let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
         let good = verify(&dataset, 64);
         assert!(good.passed && good.sources == 64, "{good:?}");

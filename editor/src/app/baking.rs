@@ -11,7 +11,7 @@ use crate::{
     panels::bake::{BakeStatus, Draft, control_name, line, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Phase, Preset, ResolvedBake, leftover, resolve};
@@ -48,7 +48,7 @@ struct Looked {
 
 struct Run {
     job: BakeRun,
-    mode: BakeMode,
+    mode: BakeParts,
     since: Instant,
     phase: Option<Phase>,
     phase_since: Instant,
@@ -139,11 +139,11 @@ impl EditorState {
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
     pub(super) fn wants_draft(&self) -> bool {
         let wanted = &self.document.bake;
-        let has = |part: fn(BakeMode) -> bool| {
+        let has = |part: fn(BakeParts) -> bool| {
             !part(wanted.mode) || self.scene.shown().is_some_and(|baked| part(baked.dataset.settings.mode))
         };
-        let has_all = [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has);
-        let bounces = wanted.mode.indirect() || wanted.mode.meshless();
+        let has_all = [BakeParts::environment, BakeParts::sources, BakeParts::meshless].into_iter().all(has);
+        let bounces = wanted.mode.sources() || wanted.mode.meshless();
         !has_all && (bounces || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
     }
 

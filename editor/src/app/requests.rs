@@ -147,7 +147,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 mod tests {
     use super::*;
     use crate::document::{TextureEntry, test_data};
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake, texture::Texture};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, indirect::IndirectBake, texture::Texture};
 
     #[test]
     fn lights_stay_where_they_are_until_what_shines_changes() {
@@ -168,7 +168,7 @@ mod tests {
         let mut dataset = test_data::dataset(&["a"], &[]);
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { indirect: false, ..Components::ALL }, "no bounces were baked");
-        dataset.settings.mode = BakeMode::Indirect;
+        dataset.settings.mode = BakeParts::INDIRECT;
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { direct: true, ..Components::NONE });
         let [cuts, environment_cuts] = [PackedCuts::default(), PackedCuts::default()];

@@ -128,7 +128,7 @@ impl Bounces {
 mod tests {
     use super::*;
     use crate::document::test_data;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, indirect::IndirectBake};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, indirect::IndirectBake};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(unlit(&dataset, &[], shows(None)), None, "by the environment");
         assert_eq!(unlit(&dataset, &[], shows(Some(Component::Direct))), Some(Unlit::SwitchedOff));
         assert_eq!(unlit(&dataset, &[], off), Some(Unlit::SwitchedOff));
-        dataset.settings.mode = BakeMode::Meshless;
+        dataset.settings.mode = BakeParts::MESHLESS;
         assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
         let lamp = test_data::light();
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);

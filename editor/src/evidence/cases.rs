@@ -7,7 +7,7 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     cut::CutCriterion,
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     import::{Imported, import},
     light_tree::TreeKind,
     scene::Scene,
@@ -148,7 +148,7 @@ impl Measurement<'_> {
             settings: precompute::resolve(BakeSettings {
                 lights: self.scale.lights,
                 max_vertices: Some(room_in(&plan.scene, self.scale.bounce_vertices)),
-                mode: BakeMode::Indirect,
+                mode: BakeParts::INDIRECT,
                 indirect: lapidary_core::dataset::IndirectSettings { sources: self.scale.sources, ..normal.indirect },
                 pilot_clusters: self.scale.pilot_clusters,
                 ..normal

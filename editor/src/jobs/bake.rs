@@ -4,7 +4,7 @@ use super::{Wake, guarded, spawn};
 use crate::panels::bake::control_name;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     scene::Scene,
 };
 use lapidary_precompute::{
@@ -172,7 +172,7 @@ pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings 
     let sigma = (0.5 * draft.criterion.sigma).max(of_wanted);
     let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
     // Bounced light is smooth; the shadows of an environment alone want more vertices.
-    let bounces = wanted.mode != BakeMode::Environment;
+    let bounces = wanted.mode != BakeParts::ENVIRONMENT;
     let most = if bounces { Some(15_000) } else { draft.max_vertices }.map(|most| with_room(most, mesh_vertices));
     // A mesh that is to stay as it is does so in the draft.
     let max_vertices = most.min(wanted.max_vertices);
@@ -209,7 +209,7 @@ pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
     let (draft, mode) = (first_draft(wanted, 0), wanted.mode);
     let (few, many) = (draft.meshless, wanted.meshless);
     (mode.environment() && draft.lights < wanted.lights)
-        || (mode.indirect() && draft.indirect.sources < wanted.indirect.sources)
+        || (mode.sources() && draft.indirect.sources < wanted.indirect.sources)
         || (mode.meshless() && (few.levels < many.levels || few.rays < many.rays))
 }
 

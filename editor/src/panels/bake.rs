@@ -23,7 +23,7 @@ use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
-use lapidary_core::dataset::{BakeMode, Dataset};
+use lapidary_core::dataset::{BakeParts, Dataset};
 use lapidary_precompute::{Leftover, Phase, resolve};
 
 /// What the panel shows.
@@ -76,7 +76,7 @@ pub enum BakeStatus {
     /// A bake is under way.
     Running {
         /// What is baked.
-        mode: BakeMode,
+        mode: BakeParts,
         /// Whether a draft comes first.
         draft: Draft,
         /// What it does.

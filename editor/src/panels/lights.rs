@@ -16,7 +16,7 @@ use crate::{
     document::{Bounces, Document},
 };
 use egui::{RichText, Ui};
-use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
 use lapidary_render::Baked;
 
 /// What the panel shows.
@@ -28,7 +28,7 @@ pub struct LightsContext<'a> {
     /// What the bake that is shown has for bounced light; `None` without a bake.
     pub bounces: Option<Bounces>,
     /// What that bake is of.
-    pub baked: Option<BakeMode>,
+    pub baked: Option<BakeParts>,
     /// How the bounces in the picture fade, if that is known.
     pub energy: Option<BounceEnergy>,
     /// What lights may be buried in.

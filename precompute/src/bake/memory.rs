@@ -13,10 +13,10 @@ pub fn estimate(vertices: usize, triangles: usize, settings: &BakeSettings, thre
     if mode.environment() {
         bytes += cuts(v, environment_nodes(settings)) + buffers(lights, settings, threads);
     }
-    if mode.indirect() {
+    if mode.sources() {
         bytes += cuts(v, source_nodes(settings)) + buffers(sources, settings, threads);
     }
-    if mode.indirect() && mode.environment() {
+    if mode.sources() && mode.environment() {
         bytes += cuts(sources, environment_nodes(settings));
     }
     if mode.meshless() { bytes + basis_and_links(&settings.meshless) } else { bytes }
@@ -72,7 +72,7 @@ fn kilobytes(file: &str, key: &str) -> Option<u64> {
 mod tests {
     use super::*;
     use crate::bake::settings::Preset;
-    use lapidary_core::dataset::BakeMode;
+    use lapidary_core::dataset::BakeParts;
 
     #[test]
     fn estimate_of_the_armadillo_scene_is_near_what_it_takes() {
@@ -83,12 +83,12 @@ mod tests {
     #[test]
     fn each_part_of_a_mode_counts() {
         let of = |mode| estimate(100_000, 200_000, &BakeSettings { mode, ..Preset::Normal.settings() }, 2);
-        let mesh = estimate(100_000, 200_000, &BakeSettings { mode: BakeMode::Meshless, ..levels(1) }, 2);
-        assert!(of(BakeMode::Cuts) > of(BakeMode::Environment) + of(BakeMode::Indirect) - mesh);
-        assert!(of(BakeMode::Indirect) > of(BakeMode::Environment), "their cuts are longer");
-        assert!(of(BakeMode::All) > of(BakeMode::Cuts) + of(BakeMode::Meshless) - mesh);
+        let mesh = estimate(100_000, 200_000, &BakeSettings { mode: BakeParts::MESHLESS, ..levels(1) }, 2);
+        assert!(of(BakeParts::CUTS) > of(BakeParts::ENVIRONMENT) + of(BakeParts::INDIRECT) - mesh);
+        assert!(of(BakeParts::INDIRECT) > of(BakeParts::ENVIRONMENT), "their cuts are longer");
+        assert!(of(BakeParts::ALL) > of(BakeParts::CUTS) + of(BakeParts::MESHLESS) - mesh);
         // 100,000 cuts of 1,340 nodes of two bytes, once.
-        assert!(of(BakeMode::Indirect) > 268_000_000);
+        assert!(of(BakeParts::INDIRECT) > 268_000_000);
     }
 
     fn levels(levels: usize) -> BakeSettings {

@@ -3,7 +3,7 @@
 use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeMode, BakeSettings, IndirectSettings, MeshlessSettings},
+    dataset::{BakeParts, BakeSettings, IndirectSettings, MeshlessSettings},
     light_tree::{TreeKind, height_of},
     shot::Shot,
 };
@@ -50,7 +50,7 @@ impl Preset {
             max_vertices: Some(100_000),
             shots: Vec::new(),
             max_bytes: None,
-            mode: BakeMode::Environment,
+            mode: BakeParts::ENVIRONMENT,
             indirect: IndirectSettings::default(),
             meshless: MeshlessSettings::default(),
         };

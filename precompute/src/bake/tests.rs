@@ -14,7 +14,7 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     cut::packed::{VALUE_MAX, depth},
-    dataset::{BakeMode, BakeSettings, IndirectSettings, MeshlessSettings},
+    dataset::{BakeParts, BakeSettings, IndirectSettings, MeshlessSettings},
     indirect::{LARGEST_SOLID_ANGLE, Source, solid_angle},
     shot::Shot,
     source_tree::SourceTree,
@@ -190,7 +190,7 @@ fn interior() -> Scene {
     scene_of(&triangles)
 }
 
-fn indirect_job(folder: &Path, name: &str, mode: BakeMode) -> BakeJob {
+fn indirect_job(folder: &Path, name: &str, mode: BakeParts) -> BakeJob {
     let indirect = IndirectSettings { sources: 512, ..Default::default() };
     let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
     let settings = BakeSettings { mode, indirect, meshless, lights: 256, ..settings() };
@@ -206,7 +206,7 @@ fn indirect_contents(dataset: &Dataset) -> (Vec<Source>, Vec<u16>, Vec<u32>, Vec
 #[test]
 fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
     let dataset = bake(interior(), &job, &Silent).unwrap();
     let report = dataset.report.indirect.clone().unwrap();
     let expected = 2.0 * (2.0 * 1.4 + 2.0 * 1.6 + 1.4 * 1.6) + 4.0 * 0.16 + 2.0 * 0.16;
@@ -218,7 +218,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
         assert!(dataset.report.seconds.contains_key(phase), "{phase}");
     }
     assert_eq!(indirect_contents(&Dataset::read(&job.output).unwrap()), indirect_contents(&dataset));
-    let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeMode::Environment), &Silent).unwrap();
+    let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeParts::ENVIRONMENT), &Silent).unwrap();
     assert!(plain.indirect.is_none() && plain.report.indirect.is_none());
     // A closed room sees none of the environment; that is known because it was traced.
     assert!(plain.report.samples_resolved > 0);
@@ -227,7 +227,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
 #[test]
 fn a_closed_room_is_a_white_furnace_and_a_full_hemisphere_in_every_cut() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
     let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
     let dataset = bake(scene, &job, &Silent).unwrap();
     let indirect = dataset.indirect.as_ref().unwrap();
@@ -269,10 +269,10 @@ fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
         let dataset = pool.install(|| bake(interior(), &job, &Silent)).unwrap();
         (indirect_contents(&dataset), dataset.meshless.is_some())
     };
-    let (one, has_meshless) = run("a.cuts", BakeMode::All, Some(1), 1);
+    let (one, has_meshless) = run("a.cuts", BakeParts::ALL, Some(1), 1);
     assert!(has_meshless);
-    assert_eq!((one.clone(), false), run("b.cuts", BakeMode::Cuts, Some(4), 3), "all but the meshless basis");
-    let job = indirect_job(folder.path(), "c.cuts", BakeMode::All);
+    assert_eq!((one.clone(), false), run("b.cuts", BakeParts::CUTS, Some(4), 3), "all but the meshless basis");
+    let job = indirect_job(folder.path(), "c.cuts", BakeParts::ALL);
     let stop = CancelIn::phase(Phase::SourceVisibility);
     assert!(matches!(bake(interior(), &job, &stop), Err(BakeError::Cancelled)));
     assert!(Checkpoint::folder_of(&job.output).join("source-chunk-00000.bin").exists());
@@ -283,7 +283,7 @@ fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
 #[test]
 fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
     let eye = Vec3::new(-0.3, 0.1, -0.2);
     let camera = Camera::look_at(eye, Vec3::ZERO, 40.0);
     let reached_from = |job: &BakeJob| {
@@ -299,7 +299,7 @@ fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
 fn viewpoints_that_reach_nothing_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let from = |viewpoint| {
-        let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+        let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
         bake(interior(), &with(job, |settings| settings.indirect.viewpoint = Some(viewpoint)), &Silent).unwrap_err()
     };
     let inside = from(Vec3::new(0.3, -0.4, 0.2));
@@ -311,7 +311,7 @@ fn viewpoints_that_reach_nothing_are_named() {
 #[test]
 fn the_meshless_basis_is_baked_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Meshless);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::MESHLESS);
     let dataset = bake(interior(), &job, &Silent).unwrap();
     let (report, bake_of) = (dataset.report.meshless.clone().unwrap(), dataset.meshless.as_ref().unwrap());
     assert!(dataset.indirect.is_none() && report.links > 0 && report.functions.len() == 3, "{report:?}");
@@ -324,11 +324,28 @@ fn the_meshless_basis_is_baked_and_read_back() {
 }
 
 #[test]
+fn environment_and_meshless_basis_are_baked_without_sources_as_each_is_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let baked = |parts: BakeParts| {
+        let job = indirect_job(folder.path(), &format!("{parts}.cuts"), parts);
+        bake(interior(), &job, &Silent).unwrap();
+        Dataset::read(&job.output).unwrap()
+    };
+    let both = baked(BakeParts::ENVIRONMENT_MESHLESS);
+    assert_eq!(both.settings.mode, BakeParts::ENVIRONMENT_MESHLESS);
+    assert!(both.indirect.is_none() && both.report.samples_resolved > 0);
+    let transport = |dataset: &Dataset| dataset.meshless.as_ref().unwrap().transport.clone();
+    assert_eq!(transport(&both), transport(&baked(BakeParts::MESHLESS)));
+    let all = baked(BakeParts::ALL);
+    assert_eq!((contents(&both), transport(&both)), (contents(&all), transport(&all)), "all but the sources");
+}
+
+#[test]
 fn a_scene_without_a_closed_space_is_remarked_upon() {
     let folder = tempfile::tempdir().unwrap();
     let remarks = |scene, name| {
         let told = Told::default();
-        let dataset = bake(scene, &indirect_job(folder.path(), name, BakeMode::Meshless), &told).unwrap();
+        let dataset = bake(scene, &indirect_job(folder.path(), name, BakeParts::MESHLESS), &told).unwrap();
         assert_eq!(dataset.report.warnings, told.all(), "the report has them as well");
         told.all().join("\n")
     };
@@ -341,7 +358,7 @@ fn a_scene_without_a_closed_space_is_remarked_upon() {
 fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     let folder = tempfile::tempdir().unwrap();
     let remarks = |scene: Scene, name| {
-        let job = indirect_job(folder.path(), name, BakeMode::Indirect);
+        let job = indirect_job(folder.path(), name, BakeParts::INDIRECT);
         let job = with(job, |settings| settings.indirect.viewpoint = Some(Vec3::new(0.0, 0.1, -0.2)));
         bake(scene, &job, &Silent).unwrap().report.warnings.join("\n")
     };

@@ -1,12 +1,12 @@
 //! The `bake` command.
 
-use super::{ModeOption, PresetOption, ProgressReporter, ProgressStyle, ShotOption, TreeOption, write_json};
+use super::{PresetOption, ProgressReporter, ProgressStyle, ShotOption, TreeOption, write_json};
 use crate::{BakeJob, Preset, bake};
 use anyhow::{Context, Result};
 use clap::Args;
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings},
+    dataset::{BakeParts, BakeReport, BakeSettings},
     import::import,
 };
 use std::{path::PathBuf, time::Instant};
@@ -22,9 +22,11 @@ pub struct BakeArgs {
     /// Starting point for the options below
     #[arg(long, value_enum, default_value_t)]
     pub preset: PresetOption,
-    /// What to bake
-    #[arg(long, value_enum, default_value_t)]
-    pub mode: ModeOption,
+    /// Parts to bake, with commas between: environment (its visibility), indirect (surface sources, which gather a
+    /// bounce of local lights), meshless (the meshless basis and its transport); cuts stands for
+    /// environment,indirect, and all for all three
+    #[arg(long, value_name = "PARTS", default_value_t)]
+    pub mode: BakeParts,
     /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub sources: Option<usize>,
@@ -126,7 +128,7 @@ impl BakeArgs {
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
-        s.mode = self.mode.into();
+        s.mode = self.mode;
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
         s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
         s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);

@@ -6,7 +6,7 @@ use crate::{
     setting::{Naming, Setting},
 };
 use lapidary_core::{
-    dataset::{BakeMode, DatasetError},
+    dataset::{BakeParts, DatasetError},
     meshless::BasisError,
 };
 use std::fmt;
@@ -30,7 +30,7 @@ pub enum BakeError {
     /// More memory than there is.
     Memory {
         /// What was to be baked.
-        mode: BakeMode,
+        mode: BakeParts,
         /// Estimated need in MB.
         needed: u64,
         /// Free now, in MB.
@@ -100,13 +100,14 @@ impl CutsOf {
     }
 }
 
-/// What makes a bake smaller.
-fn memory_remedy(mode: BakeMode, name: Naming) -> String {
+/// What makes a bake of these parts smaller.
+fn memory_remedy(parts: BakeParts, name: Naming) -> String {
     let [vertices, levels] = [Setting::MaxVertices, Setting::Levels].map(name);
-    match mode {
-        BakeMode::Environment | BakeMode::Indirect | BakeMode::Cuts => format!("lower {vertices} or raise the sigmas"),
-        BakeMode::Meshless => format!("lower {levels} or {vertices}"),
-        BakeMode::All => {
+    let has_cuts = parts.environment() || parts.sources();
+    match (has_cuts, parts.meshless()) {
+        (_, false) => format!("lower {vertices} or raise the sigmas"),
+        (false, true) => format!("lower {levels} or {vertices}"),
+        (true, true) => {
             format!("lower {vertices} or {levels}, raise the sigmas, or leave a part out with {}", name(Setting::Mode))
         }
     }

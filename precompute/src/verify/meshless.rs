@@ -117,7 +117,7 @@ mod tests {
         verify::verify,
     };
     use lapidary_core::{
-        dataset::{BakeMode, BakeSettings, MeshlessSettings},
+        dataset::{BakeParts, BakeSettings, MeshlessSettings},
         meshless::PackedLink,
     };
 
@@ -126,7 +126,7 @@ mod tests {
         let mut triangles = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
         triangles.extend(cuboid(Vec3::new(0.3, -0.4, 0.2), Vec3::splat(0.2)));
         let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 128, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Meshless, meshless, lights: 256, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeParts::MESHLESS, meshless, lights: 256, ..Preset::Draft.settings() };
         let job = BakeJob {
             settings: resolve(BakeSettings { max_vertices: None, ..settings }).unwrap(),
             output: folder.path().join("a.cuts"),

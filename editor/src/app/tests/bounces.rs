@@ -9,7 +9,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, BakeSettings, IndirectSettings},
+    dataset::{BakeParts, BakeSettings, IndirectSettings},
     import::import,
     lights::Light,
     material::Material,
@@ -24,7 +24,7 @@ fn opened(place: &Place) -> Window {
     let normal = Preset::Draft.settings();
     let indirect = IndirectSettings { sources: 1024, ..normal.indirect };
     let settings =
-        BakeSettings { mode: BakeMode::Cuts, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
+        BakeSettings { mode: BakeParts::CUTS, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
     let output = place.path("box.cuts");
     let job = BakeJob {
         settings: resolve(settings).unwrap(),

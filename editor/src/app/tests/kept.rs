@@ -7,7 +7,7 @@ use crate::{
     document::{Document, TextureEntry, autosave, autosave::Autosave, session},
     panels::bake::BakeStatus,
 };
-use lapidary_core::{dataset::BakeMode, image::Image, texture::Texture, texture::TextureSlot};
+use lapidary_core::{dataset::BakeParts, image::Image, texture::Texture, texture::TextureSlot};
 use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake, resolve};
 use std::{
     path::{Path, PathBuf},
@@ -91,9 +91,9 @@ fn a_bundled_scene_with_lights_is_baked_for_their_bounce() {
     let place = Place::new();
     let scene = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf"));
     let ready = opened(bundled(&place, scene));
-    assert!(ready.bake_now && ready.document.bake.mode == BakeMode::Indirect && ready.document.lights.len() == 1);
+    assert!(ready.bake_now && ready.document.bake.mode == BakeParts::INDIRECT && ready.document.lights.len() == 1);
     let dark = opened(bundled(&place, &textured(&place)));
-    assert!(dark.bake_now && dark.document.bake.mode == BakeMode::Environment, "negative control");
+    assert!(dark.bake_now && dark.document.bake.mode == BakeParts::ENVIRONMENT, "negative control");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::*;
 use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
     import::import,
 };
 use lapidary_precompute::{ResolvedBake, SettingsError};
@@ -78,7 +78,7 @@ const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 0 1 1\nf 1 
 #[test]
 fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
     let folder = tempfile::tempdir().unwrap();
-    for (mode, parts) in [(BakeMode::Indirect, (true, false)), (BakeMode::Meshless, (false, true))] {
+    for (mode, parts) in [(BakeParts::INDIRECT, (true, false)), (BakeParts::MESHLESS, (false, true))] {
         let mut task = task(folder.path(), true);
         let obj = folder.path().join("corner.obj");
         std::fs::write(&obj, CORNER).unwrap();
@@ -112,7 +112,7 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
     };
     let meshless = MeshlessSettings { levels: 2, sender_levels: 1, rays: 32, ..normal.meshless };
     let few = BakeSettings {
-        mode: BakeMode::All,
+        mode: BakeParts::ALL,
         lights: 512,
         pilot_clusters: 3,
         max_vertices: Some(700),
@@ -127,10 +127,10 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
     assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.75, "negative control");
     assert!(!draft_is_sooner(&few));
     for (mode, [lights, sources, basis]) in [
-        (BakeMode::Environment, [true, false, false]),
-        (BakeMode::Indirect, [false, true, false]),
-        (BakeMode::Meshless, [false, false, true]),
-        (BakeMode::All, [true; 3]),
+        (BakeParts::ENVIRONMENT, [true, false, false]),
+        (BakeParts::INDIRECT, [false, true, false]),
+        (BakeParts::MESHLESS, [false, false, true]),
+        (BakeParts::ALL, [true; 3]),
     ] {
         let few = BakeSettings { mode, ..few.clone() };
         assert_eq!(draft_is_sooner(&BakeSettings { lights: 32_768, ..few.clone() }), lights, "{mode:?}");
@@ -190,7 +190,7 @@ fn what_cannot_be_baked_or_written_is_reported() {
     let mut odd = task(folder.path(), false);
     assert!(with_lights(&odd, 1000).is_err_and(|error| error.to_string().contains("1000")));
     let meshless = MeshlessSettings { coarse_radius: Some(1e-6), ..Default::default() };
-    let tiny = BakeSettings { mode: BakeMode::Meshless, meshless, ..odd.job.settings.into_settings() };
+    let tiny = BakeSettings { mode: BakeParts::MESHLESS, meshless, ..odd.job.settings.into_settings() };
     odd.job.settings = resolve(tiny).unwrap();
     let messages = all(&mut BakeRun::start(odd, silent()));
     assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("coarse radius")), "{messages:?}");

@@ -44,14 +44,14 @@ pub fn bake_bounces(
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
     let mut bounces = Bounces::default();
-    if !(settings.mode.indirect() || settings.mode.meshless()) {
+    if !(settings.mode.sources() || settings.mode.meshless()) {
         return Ok(bounces);
     }
     // Reflectance stays out of everything baked, so that materials remain free to change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
-    if settings.mode.indirect() {
+    if settings.mode.sources() {
         let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
         let (indirect, report) = stage.bake_indirect(clock)?;
         (bounces.indirect, bounces.report) = (Some(indirect), Some(report));

@@ -11,7 +11,7 @@ use crate::{
     },
     warning::Warning,
 };
-use lapidary_core::{dataset::BakeMode, ray::Intersector, scene::Scene, shot::Shot};
+use lapidary_core::{dataset::BakeParts, ray::Intersector, scene::Scene, shot::Shot};
 
 /// The tessellated scene with its bake points.
 pub struct Geometry {
@@ -26,7 +26,7 @@ pub struct Geometry {
 impl Geometry {
     pub fn new(
         mut scene: Scene,
-        mode: BakeMode,
+        mode: BakeParts,
         budget: Option<usize>,
         shots: &[Shot],
         observer: &dyn Observer,
@@ -37,7 +37,7 @@ impl Geometry {
         let intersector = match budget {
             Some(budget) => {
                 remark_on_budget(source_vertices, budget, observer);
-                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
+                let stored = Stored { environment: mode.environment(), bounces: mode.sources() || mode.meshless() };
                 let wanted = Wanted { stored, budget, shots };
                 tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
                 Intersector::new(&scene.mesh)

@@ -30,7 +30,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
         (bake.basis.points().to_vec(), bake.transport)
     };
     let job = |name| {
-        let job = indirect_job(folder.path(), name, BakeMode::Meshless);
+        let job = indirect_job(folder.path(), name, BakeParts::MESHLESS);
         with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
     };
     let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
@@ -68,7 +68,7 @@ fn chunks_about_another_room_are_not_used_when_the_camera_has_moved() {
     };
     let (first, second) = (Vec3::new(-0.3, 0.1, 0.0), Vec3::new(4.1, 0.1, 0.0));
     let job = |name| {
-        let job = indirect_job(folder.path(), name, BakeMode::All);
+        let job = indirect_job(folder.path(), name, BakeParts::ALL);
         with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
     };
     let parts = |dataset: &Dataset| {

@@ -126,7 +126,8 @@ mod tests {
             assert!(moved.iter().filter(in_valley).count() > 0);
             for point in moved.iter().filter(in_valley) {
                 assert!(point.two_sided);
-                let (inside, outside) = if point.normal.y > 0.0 { (Side::Front, Side::Back) } else { (Side::Back, Side::Front) };
+                let (inside, outside) =
+                    if point.normal.y > 0.0 { (Side::Front, Side::Back) } else { (Side::Back, Side::Front) };
                 assert!(point.place(inside) != point.position, "{point:?}");
                 assert_eq!(point.place(outside), point.position, "outside of the fold");
             }
