@@ -168,7 +168,7 @@ fn an_open_scene_still_gets_points() {
     assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
 }
 
-/// Most light from a box flies near by, and the ground is wide: how wide, few flights tell.
+/// Most paths from a box end near by, and the ground is wide: how wide, few of their segments tell.
 #[test]
 fn wide_ground_around_a_house_is_covered_by_its_points() {
     for half_width in [40.0, 400.0] {

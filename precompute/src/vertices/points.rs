@@ -98,7 +98,7 @@ impl BakePoint {
 impl BakePoints {
     /// One point for each distinct (position, normal, sides) of the mesh's vertices.
     pub fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
-        let around = Surroundings::new(mesh, sides);
+        let around = VertexTriangles::new(mesh, sides);
         let smallest = 4e-6 * mesh.bounds().diagonal();
         let largest = 2e-4 * mesh.bounds().diagonal();
         let mut result = Self::default();
@@ -188,7 +188,7 @@ impl BakePoints {
 }
 
 /// What the triangles around each vertex say.
-struct Surroundings {
+struct VertexTriangles {
     area: Vec<Vec3>,
     edge_length: Vec<f32>,
     /// Least height of the triangles, but of those without area.
@@ -196,7 +196,7 @@ struct Surroundings {
     two_sided: Vec<bool>,
 }
 
-impl Surroundings {
+impl VertexTriangles {
     fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
         let n = mesh.positions.len();
         let (mut area, mut length, mut uses) = (vec![Vec3::ZERO; n], vec![0.0_f32; n], vec![0.0_f32; n]);

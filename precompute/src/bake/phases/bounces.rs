@@ -1,12 +1,12 @@
 //! The parts of a bake that bounce light, from one viewpoint.
 
-use super::{geometry::Geometry, meshless::bake_meshless, sources::Stage};
+use super::{geometry::Geometry, meshless::bake_meshless, sources::SourcePhases};
 use crate::{
     bake::{checkpoint::Checkpoint, clock::Clock, settings::ResolvedBake},
     errors::BakeError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
-    sources::viewpoint::{Surroundings, find_viewpoint},
+    sources::viewpoint::{ViewpointSurroundings, find_viewpoint},
     warning::Warning,
 };
 use glam::Vec3;
@@ -52,8 +52,8 @@ pub fn bake_bounces(
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
     if settings.mode.sources() {
-        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
-        let (indirect, report) = stage.bake_indirect(clock)?;
+        let phases = SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let (indirect, report) = phases.bake_indirect(clock)?;
         (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
     }
     if settings.mode.meshless() {
@@ -73,7 +73,7 @@ fn viewpoint(
     let shots = settings.shots.iter().map(|shot| &shot.camera);
     let cameras: Vec<Camera> = shots.chain(&scene.cameras).cloned().collect();
     let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &cameras, &scene.lights)?;
-    let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
+    let ViewpointSurroundings { open, closed, seen } = ViewpointSurroundings::of(surface, viewpoint);
     if open > MOST_OPEN {
         observer.event(Event::Warning { message: Warning::OpenViewpoint { viewpoint, open } });
     }

@@ -30,7 +30,7 @@ use lapidary_core::{
 };
 
 /// What the phases work on.
-pub struct Stage<'a> {
+pub struct SourcePhases<'a> {
     pub geometry: &'a Geometry,
     pub surface: &'a MeshSurface<'a>,
     pub viewpoint: Vec3,
@@ -39,7 +39,7 @@ pub struct Stage<'a> {
     pub checkpoint: &'a Checkpoint,
 }
 
-impl Stage<'_> {
+impl SourcePhases<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;

@@ -27,7 +27,7 @@ const SHORT_OF: f32 = 1e-4;
 const ROWS: u32 = 96;
 
 /// Turns metres into units.
-pub(super) struct Scale<'a> {
+pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
     /// Of the shots that see any surface.
@@ -40,7 +40,7 @@ pub(super) struct Scale<'a> {
     seen: f32,
 }
 
-impl<'a> Scale<'a> {
+impl<'a> EdgeScale<'a> {
     /// For a mesh that gets `budget` vertices. Remarks on shots that see nothing.
     pub fn new(mesh: &Mesh, scene: &'a Intersector, shots: &[Shot], budget: usize, observer: &'a dyn Observer) -> Self {
         let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t)).sum();
