@@ -142,6 +142,25 @@ pub struct BakeSettings {
     pub meshless: MeshlessSettings,
 }
 
+impl Default for BakeSettings {
+    /// The paper's 32,768 lights and sigma 2, a mixed tree, visibility of the environment alone.
+    fn default() -> Self {
+        Self {
+            lights: 32_768,
+            tree: TreeKind::Mixed,
+            beta: 0.5,
+            criterion: CutCriterion::default(),
+            pilot_clusters: 1024,
+            max_vertices: Some(100_000),
+            shots: Vec::new(),
+            max_bytes: None,
+            mode: BakeParts::default(),
+            indirect: IndirectSettings::default(),
+            meshless: MeshlessSettings::default(),
+        }
+    }
+}
+
 /// What a bake did; the keys are those of `--report`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]

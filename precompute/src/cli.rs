@@ -31,7 +31,8 @@ pub fn print_out(text: &str) -> Result<()> {
     }
 }
 
-/// An error and its causes in one line, with the options that would help. Most of our errors tell their cause themselves; it is not said twice.
+/// An error and its causes in one line, with the options that would help. Most of our errors tell their cause themselves;
+/// it is not said twice.
 pub fn error_text(error: &anyhow::Error) -> String {
     let mut causes = error.chain().map(with_options);
     let mut text = causes.next().unwrap_or_default();

@@ -207,14 +207,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
-        let job = BakeJob {
-            settings: resolve(settings).unwrap(),
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
+        let job = BakeJob::new(resolve(settings).unwrap(), folder.path().join("a.cuts"));
         bake(scene_of(&triangles), &job, &Silent).unwrap()
     }
 

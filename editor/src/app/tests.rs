@@ -47,14 +47,7 @@ impl Place {
     fn bake(&self) {
         let scene = import(&self.path("scene.obj")).unwrap().scene;
         let output = self.path("scene.cuts");
-        let job = BakeJob {
-            settings: resolve(few_lights()).unwrap(),
-            output,
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: vec![],
-        };
+        let job = BakeJob::new(resolve(few_lights()).unwrap(), output);
         bake(scene, &job, &Silent).unwrap();
     }
 

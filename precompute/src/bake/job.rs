@@ -19,3 +19,10 @@ pub struct BakeJob {
     /// What the import remarked, for the report.
     pub warnings: Vec<String>,
 }
+
+impl BakeJob {
+    /// A bake from the beginning, of a scene whose import is not told of.
+    pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
+        Self { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() }
+    }
+}

@@ -71,18 +71,17 @@ fn kilobytes(file: &str, key: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::settings::Preset;
     use lapidary_core::dataset::BakeParts;
 
     #[test]
     fn estimate_of_the_armadillo_scene_is_near_what_it_takes() {
-        let bytes = estimate(57_884, 115_282, &Preset::Normal.settings(), 2);
+        let bytes = estimate(57_884, 115_282, &BakeSettings::default(), 2);
         assert!((100_000_000..1_000_000_000).contains(&bytes), "{bytes}");
     }
 
     #[test]
     fn each_part_of_a_mode_counts() {
-        let of = |mode| estimate(100_000, 200_000, &BakeSettings { mode, ..Preset::Normal.settings() }, 2);
+        let of = |mode| estimate(100_000, 200_000, &BakeSettings { mode, ..Default::default() }, 2);
         let mesh = estimate(100_000, 200_000, &BakeSettings { mode: BakeParts::MESHLESS, ..levels(1) }, 2);
         assert!(of(BakeParts::CUTS) > of(BakeParts::ENVIRONMENT) + of(BakeParts::INDIRECT) - mesh);
         assert!(of(BakeParts::INDIRECT) > of(BakeParts::ENVIRONMENT), "their cuts are longer");
@@ -92,7 +91,7 @@ mod tests {
     }
 
     fn levels(levels: usize) -> BakeSettings {
-        let normal = Preset::Normal.settings();
+        let normal = BakeSettings::default();
         BakeSettings { meshless: MeshlessSettings { levels, ..normal.meshless }, ..normal }
     }
 

@@ -3,8 +3,8 @@
 use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeParts, BakeSettings, IndirectSettings, MeshlessSettings},
-    light_tree::{TreeKind, height_of},
+    dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
+    light_tree::height_of,
     shot::Shot,
 };
 use serde::{Deserialize, Serialize};
@@ -41,19 +41,7 @@ impl Preset {
 
     /// The settings behind the name.
     pub fn settings(self) -> BakeSettings {
-        let normal = BakeSettings {
-            lights: 32_768,
-            tree: TreeKind::Mixed,
-            beta: 0.5,
-            criterion: CutCriterion::default(),
-            pilot_clusters: 1024,
-            max_vertices: Some(100_000),
-            shots: Vec::new(),
-            max_bytes: None,
-            mode: BakeParts::ENVIRONMENT,
-            indirect: IndirectSettings::default(),
-            meshless: MeshlessSettings::default(),
-        };
+        let normal = BakeSettings::default();
         let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
         match self {
             // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma is the same error in solid angle.
@@ -171,7 +159,7 @@ mod tests {
         for preset in [Preset::Draft, Preset::Normal, Preset::High] {
             assert!(resolve(preset.settings()).is_ok());
         }
-        let normal = Preset::Normal.settings();
+        let normal = BakeSettings::default();
         assert!(matches!(resolve(BakeSettings { lights: 1000, ..normal.clone() }), Err(SettingsError::Lights(_))));
         let sources = IndirectSettings { sources: 1000, ..Default::default() };
         let odd = resolve(BakeSettings { indirect: sources, ..normal.clone() });

@@ -127,14 +127,10 @@ mod tests {
         triangles.extend(cuboid(Vec3::new(0.3, -0.4, 0.2), Vec3::splat(0.2)));
         let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 128, ..Default::default() };
         let settings = BakeSettings { mode: BakeParts::MESHLESS, meshless, lights: 256, ..Preset::Draft.settings() };
-        let job = BakeJob {
-            settings: resolve(BakeSettings { max_vertices: None, ..settings }).unwrap(),
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
+        let job = BakeJob::new(
+            resolve(BakeSettings { max_vertices: None, ..settings }).unwrap(),
+            folder.path().join("a.cuts"),
+        );
         bake(scene_of(&triangles), &job, &Silent).unwrap();
         Dataset::read(&job.output).unwrap()
     }

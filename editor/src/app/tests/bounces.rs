@@ -26,14 +26,7 @@ fn opened(place: &Place) -> Window {
     let settings =
         BakeSettings { mode: BakeParts::CUTS, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
     let output = place.path("box.cuts");
-    let job = BakeJob {
-        settings: resolve(settings).unwrap(),
-        output,
-        chunks: None,
-        resume: false,
-        import_secs: 0.0,
-        warnings: vec![],
-    };
+    let job = BakeJob::new(resolve(settings).unwrap(), output);
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
     let mut window = place.window_of(egui::vec2(700.0, 480.0));
     window.open(&place.path("box.cuts"));

@@ -38,14 +38,7 @@ fn bundled(place: &Place, scene: &Path) -> Target {
 fn bake_into(ready: &Ready) {
     let output = ready.bake_output.clone().unwrap();
     std::fs::create_dir_all(output.parent().unwrap()).unwrap();
-    let job = BakeJob {
-        settings: resolve(few_lights()).unwrap(),
-        output,
-        chunks: None,
-        resume: false,
-        import_secs: 0.0,
-        warnings: vec![],
-    };
+    let job = BakeJob::new(resolve(few_lights()).unwrap(), output);
     bake((*ready.source.as_ref().unwrap().scene).clone(), &job, &Silent).unwrap();
 }
 
@@ -149,14 +142,7 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     let place = Place::new();
     let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
     let output = place.path("scene.cuts");
-    let job = BakeJob {
-        settings: resolve(few_lights()).unwrap(),
-        output,
-        chunks: Some(4),
-        resume: false,
-        import_secs: 0.0,
-        warnings: vec![],
-    };
+    let job = BakeJob { chunks: Some(4), ..BakeJob::new(resolve(few_lights()).unwrap(), output) };
     assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
     let mut window = place.window();
     window.open(&place.path("scene.obj"));

@@ -19,14 +19,7 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     std::fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
     let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
     let output = folder.join("a.cuts");
-    let job = BakeJob {
-        settings: resolve(settings).unwrap(),
-        output,
-        chunks: None,
-        resume: false,
-        import_secs: 0.0,
-        warnings: Vec::new(),
-    };
+    let job = BakeJob::new(resolve(settings).unwrap(), output);
     BakeTask {
         scene: import(&obj).unwrap().scene.into(),
         job,
