@@ -175,3 +175,18 @@ fn a_solution_that_was_not_baked_is_refused_with_the_bake_that_has_it() {
     assert!(!stage.path("a.exr").exists());
     stage.succeed(&format!("render box.cuts {VIEW} --solution cuts --out a.exr"));
 }
+
+#[test]
+fn environment_and_meshless_basis_without_sources_light_a_picture_together() {
+    let stage = Stage::new();
+    stage.bake("a.cuts", "--mode environment,meshless --levels 3 --sender-levels 2 --gather-rays 64");
+    let dataset = stage.dataset("a.cuts");
+    assert!(dataset.settings.mode.to_string() == "environment,meshless" && dataset.indirect.is_none());
+    let [environment, bounces, both] = ["environment", "indirect", "environment,indirect"].map(|components| {
+        let options = format!("--env studio --solution meshless --components {components} --size 24x24");
+        stage.succeed(&format!("render a.cuts {options} --out a.exr"));
+        squares(&stage, "a.exr").iter().sum::<DVec3>()
+    });
+    assert!(environment.min_element() > 0.0 && bounces.min_element() > 0.0, "{environment} {bounces}");
+    assert!((both / (environment + bounces) - 1.0).abs().max_element() < 1e-3, "{both} of {environment} and {bounces}");
+}

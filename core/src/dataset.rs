@@ -36,13 +36,15 @@ mod header;
 mod indirect;
 mod meshless;
 mod modes;
+mod parts;
 mod read;
 mod tensors;
 mod write;
 
 pub use error::DatasetError;
 pub use meshless::{MeshlessReport, MeshlessSettings};
-pub use modes::{BakeMode, IndirectReport, IndirectSettings, sigma_text};
+pub use modes::{IndirectReport, IndirectSettings, sigma_text};
+pub use parts::{BakeParts, PartsError};
 
 use crate::{
     camera::Camera,
@@ -133,13 +135,32 @@ pub struct BakeSettings {
     pub max_bytes: Option<u64>,
     /// Which parts are baked.
     #[serde(default)]
-    pub mode: BakeMode,
+    pub mode: BakeParts,
     /// How the parts that bounce light are baked, if they are.
     #[serde(default)]
     pub indirect: IndirectSettings,
     /// How the meshless basis is baked, if it is.
     #[serde(default)]
     pub meshless: MeshlessSettings,
+}
+
+impl Default for BakeSettings {
+    /// The paper's 32,768 lights and sigma 2, a mixed tree, visibility of the environment alone.
+    fn default() -> Self {
+        Self {
+            lights: 32_768,
+            tree: TreeKind::Mixed,
+            beta: 0.5,
+            criterion: CutCriterion::default(),
+            pilot_clusters: 1024,
+            max_vertices: Some(100_000),
+            shots: Vec::new(),
+            max_bytes: None,
+            mode: BakeParts::default(),
+            indirect: IndirectSettings::default(),
+            meshless: MeshlessSettings::default(),
+        }
+    }
 }
 
 /// What a bake did; the keys are those of `--report`.
@@ -177,7 +198,7 @@ pub struct BakeReport {
     /// Greatest resident memory of the process.
     pub peak_memory_bytes: u64,
     /// Which parts were baked.
-    pub mode: BakeMode,
+    pub mode: BakeParts,
     /// The part of the surface sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub indirect: Option<IndirectReport>,

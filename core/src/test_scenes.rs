@@ -6,7 +6,7 @@ use crate::{
         CutCriterion,
         packed::{PackedCuts, pack_node},
     },
-    dataset::{BakeMode, BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
+    dataset::{BakeParts, BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
     image::Image,
     light_tree::{LightTree, TreeKind},
     lights::{Emission, Light},
@@ -64,7 +64,7 @@ fn settings() -> BakeSettings {
         max_vertices: Some(30_000),
         shots: Vec::new(),
         max_bytes: None,
-        mode: BakeMode::Environment,
+        mode: BakeParts::ENVIRONMENT,
         indirect: IndirectSettings { sources: 8192, ..IndirectSettings::default() },
         meshless: MeshlessSettings { levels: 4, sender_levels: 3, rays: 256, ..MeshlessSettings::default() },
     }

@@ -2,7 +2,7 @@
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeMode, material::MapKind};
+use lapidary_core::{camera::Camera, dataset::BakeParts, material::MapKind};
 use std::path::PathBuf;
 
 /// Something to be done after the interface of a frame has run. A path of `None` is asked for by a dialog.
@@ -100,7 +100,7 @@ pub enum Action {
     /// Write the lights to a lights file.
     SaveLights(Option<PathBuf>),
     /// Choose what the next bake is of, and show its settings.
-    ChooseBake(BakeMode),
+    ChooseBake(BakeParts),
     /// Choose the views that the next bake is for, as large as the viewport is now; none for all alike.
     BakeForViews(Vec<Camera>),
     /// Put the camera on the clipboard as text.

@@ -20,7 +20,7 @@ pub use relative::{absolute, folder_of};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     lights::Light,
     material::Material,
     scene::Scene,
@@ -263,7 +263,7 @@ impl Document {
 /// What gives light soonest: a scene with lights of its own is gathered from its surfaces, other scenes are lit by the
 /// environment. More can be chosen.
 pub fn proposed_bake(scene: &Scene) -> BakeSettings {
-    let mode = if scene.lights.is_empty() { BakeMode::Environment } else { BakeMode::Indirect };
+    let mode = if scene.lights.is_empty() { BakeParts::ENVIRONMENT } else { BakeParts::INDIRECT };
     BakeSettings { mode, ..Preset::Normal.settings_for(scene.mesh.positions.len()) }
 }
 
@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(Document::of_scene(&scene, None).bake, Preset::Normal.settings());
         scene.lights = vec![test_scenes::light()];
         let bake = Document::of_scene(&scene, None).bake;
-        assert_eq!(bake, BakeSettings { mode: BakeMode::Indirect, ..Preset::Normal.settings() });
+        assert_eq!(bake, BakeSettings { mode: BakeParts::INDIRECT, ..Preset::Normal.settings() });
     }
 
     #[test]

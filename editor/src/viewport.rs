@@ -27,7 +27,7 @@ pub mod pick;
 
 use crate::{actions::Action, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
-use lapidary_core::{bounds::Bounds, dataset::BakeMode, ray::Intersector, scene::Mesh};
+use lapidary_core::{bounds::Bounds, dataset::BakeParts, ray::Intersector, scene::Mesh};
 use lapidary_render::{SourceLighting, ViewMode};
 use std::{sync::Arc, time::Duration};
 
@@ -81,7 +81,7 @@ pub struct ViewportContext<'a> {
     /// Whether the next click says what the selected light is aimed at.
     pub aiming: bool,
     /// What the bake that is shown is of.
-    pub baked: Option<BakeMode>,
+    pub baked: Option<BakeParts>,
     /// Surface sources under the light of the picture, if bounced light is gathered from them.
     pub sources: Option<&'a Arc<SourceLighting>>,
     /// Whether their clusters are drawn over the lit picture.

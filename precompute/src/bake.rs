@@ -18,22 +18,21 @@ pub(crate) use phases::{
 pub(crate) use report::report;
 
 use self::{
-    checkpoint::Series,
     clock::Clock,
     phases::{
         bounces::bake_bounces, environment::bake_environment, fit::fit_environment, light_tree::checkpoint_and_tree,
     },
     remarks::Remarks,
     report::finish_report,
-    settings::resolve,
+    settings::ResolvedBake,
 };
 use crate::{
-    errors::{BakeError, cancelled},
+    errors::{BakeError, CutsOf, cancelled},
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
 };
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings, Dataset, scene_hash},
+    dataset::{BakeReport, Dataset, scene_hash},
     scene::Scene,
 };
 use std::time::Instant;
@@ -43,10 +42,10 @@ use std::time::Instant;
 /// # Errors
 /// See [`BakeError`]. Whatever stood at the output is kept unless the bake succeeds.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    let settings = resolve(job.settings.clone())?;
+    let settings = &job.settings;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;
-    check_memory(&scene, &settings)?;
+    check_memory(&scene, settings)?;
     if settings.mode.meshless() {
         check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
     }
@@ -57,14 +56,14 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
         Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
     })?;
     cancelled(observer)?;
-    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &settings, &hash, &mut clock)?;
-    let chunks = bake_environment(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
-    let bounces = bake_bounces(&geometry, &tree, &settings, &checkpoint, &mut clock)?;
+    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &hash, &mut clock)?;
+    let chunks = bake_environment(&geometry, &tree, settings, &checkpoint, &mut clock)?;
+    let bounces = bake_bounces(&geometry, &tree, settings, &checkpoint, &mut clock)?;
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
     let packing = Instant::now();
-    let (cuts, sigma) = fit_environment(concatenate(&chunks), tree.height(), &settings, observer);
-    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), Series::Environment)?;
-    let report = report(&geometry, &settings, &packed, job.warnings.clone());
+    let (cuts, sigma) = fit_environment(concatenate(&chunks), tree.height(), settings, observer);
+    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
+    let report = report(&geometry, settings, &packed, job.warnings.clone());
     let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
     let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
     let two_sided = geometry.sides.two_sided;
@@ -76,7 +75,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
         cuts: packed.cuts,
         indirect: bounces.indirect,
         meshless: bounces.meshless,
-        settings,
+        settings: settings.clone().into_settings(),
         scene_hash: hash,
         report,
     };
@@ -88,15 +87,14 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     Ok(dataset)
 }
 
-fn check_memory(scene: &Scene, settings: &BakeSettings) -> Result<(), BakeError> {
+fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<(), BakeError> {
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0));
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
     let needed = memory::estimate(vertices, triangles, settings, threads);
     match memory::available() {
         Some(available) if needed > available => {
-            let remedy = memory::remedy(settings.mode);
-            Err(BakeError::Memory { remedy, needed: needed >> 20, available: available >> 20 })
+            Err(BakeError::Memory { mode: settings.mode, needed: needed >> 20, available: available >> 20 })
         }
         _ => Ok(()),
     }

@@ -5,7 +5,7 @@ mod checkpoint;
 mod points;
 mod settings;
 
-pub use bake::{BakeError, cancelled};
+pub use bake::{BakeError, CutsOf, cancelled};
 pub use checkpoint::CheckpointError;
 pub use points::{LEAST_COARSE_RADIUS, PointsError};
 pub use settings::SettingsError;

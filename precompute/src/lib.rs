@@ -12,6 +12,7 @@ mod errors;
 mod mesh_surface;
 mod meshless;
 mod observer;
+mod setting;
 mod sources;
 mod study;
 #[cfg(test)]
@@ -19,17 +20,19 @@ mod test_scenes;
 mod threads;
 mod verify;
 mod vertices;
+mod warning;
 
 pub use bake::{
     BakeJob, bake,
     checkpoint::{Leftover, leftover},
     memory::available as available_memory,
-    settings::{Preset, resolve, with_room},
+    settings::{Preset, ResolvedBake, resolve, with_room},
 };
-pub use errors::{BakeError, CheckpointError, PointsError, SettingsError};
+pub use errors::{BakeError, CheckpointError, CutsOf, PointsError, SettingsError};
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
+pub use setting::{Naming, Setting};
 pub use sources::{
     candidates::Candidates,
     disk::{Darts, poisson_disk},
@@ -42,3 +45,4 @@ pub use vertices::{
     sampler::VertexSampler,
     sidedness::{Sidedness, classify},
 };
+pub use warning::Warning;

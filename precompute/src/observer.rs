@@ -1,5 +1,6 @@
 //! The stream of messages from a long job, for a window or a command line alike.
 
+use crate::warning::Warning;
 use serde::Serialize;
 
 /// A phase of a bake, in order.
@@ -89,7 +90,7 @@ pub enum Event {
     /// Something was repaired or left out.
     Warning {
         /// What, and what to do about it.
-        message: String,
+        message: Warning,
     },
 }
 

@@ -15,7 +15,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeMode, scene_hash},
+    dataset::{BakeParts, scene_hash},
     light_tree::{PilotVisibility, TreeKind},
     ray::Intersector,
     scene::Scene,
@@ -58,7 +58,7 @@ impl Study {
         observer.event(Event::Started { phase: Phase::Tessellate, total: vertices, unit: "vertices" });
         let start = Instant::now();
         let hash = scene_hash(&scene);
-        let geometry = Geometry::new(scene, BakeMode::Environment, max_vertices, &[], observer)?;
+        let geometry = Geometry::new(scene, BakeParts::ENVIRONMENT, max_vertices, &[], observer)?;
         Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
     }
 

@@ -191,27 +191,23 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
 mod tests {
     use super::*;
     use crate::{
-        bake::{BakeJob, bake, settings::Preset},
+        bake::{
+            BakeJob, bake,
+            settings::{Preset, resolve},
+        },
         observer::Silent,
         test_scenes::{cuboid, floor, scene_of},
     };
     use lapidary_core::{
         cut::{SourceCriterion, packed::PackedCuts},
-        dataset::{BakeMode, BakeSettings, IndirectSettings},
+        dataset::{BakeParts, BakeSettings, IndirectSettings},
     };
 
     fn box_over_floor(settings: BakeSettings) -> Dataset {
         let folder = tempfile::tempdir().unwrap();
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
-        let job = BakeJob {
-            settings,
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
+        let job = BakeJob::new(resolve(settings).unwrap(), folder.path().join("a.cuts"));
         bake(scene_of(&triangles), &job, &Silent).unwrap()
     }
 
@@ -253,7 +249,7 @@ mod tests {
     fn source_cuts_that_were_coarsened_to_fit_agree() {
         let criterion = SourceCriterion { sigma: 0.25, contrast: 0.05, ..Default::default() };
         let indirect = IndirectSettings { sources: 256, criterion, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Indirect, indirect, lights: 256, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeParts::INDIRECT, indirect, lights: 256, ..Preset::Draft.settings() };
         let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
         let coarser = dataset.settings.indirect.criterion.coarser(8.0);
         let baked = dataset.indirect.as_mut().unwrap();
@@ -273,7 +269,7 @@ mod tests {
     #[test]
     fn what_sources_see_of_the_environment_is_traced_again() {
         let indirect = IndirectSettings { sources: 256, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Cuts, indirect, lights: 256, ..Preset::Draft.settings() };
+        let settings = BakeSettings { mode: BakeParts::CUTS, indirect, lights: 256, ..Preset::Draft.settings() };
         let mut dataset = box_over_floor(BakeSettings { max_vertices: None, pilot_clusters: 16, ..settings });
         let good = verify(&dataset, 64);
         assert!(good.passed && good.sources == 64, "{good:?}");

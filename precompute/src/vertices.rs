@@ -3,6 +3,7 @@
 pub mod pilot;
 pub mod points;
 pub mod sampler;
+pub mod side;
 pub mod sidedness;
 mod spread;
 pub mod tessellate;

@@ -2,7 +2,7 @@
 
 use lapidary_core::{
     cut::packed::PackedCuts,
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
 };
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +77,6 @@ pub fn visibility_cuts(dataset: &Dataset) -> (u32, &PackedCuts) {
 }
 
 /// Whether these are cuts over the surface sources in a bake of this mode.
-pub fn shows_source_cuts(mode: BakeMode) -> bool {
-    mode.indirect() && !mode.environment()
+pub fn shows_source_cuts(mode: BakeParts) -> bool {
+    mode.sources() && !mode.environment()
 }

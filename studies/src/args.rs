@@ -9,7 +9,7 @@ pub mod values;
 mod view;
 
 pub use backend::{BackendOption, shader_source};
-pub use bake::{ModeOption, PresetOption, TreeOption};
+pub use bake::{PresetOption, TreeOption};
 pub use light::{LocalLightArgs, warn_of_buried};
 pub use picture::{BrdfOption, PictureArgs};
 pub use shot::ShotOption;

@@ -1,42 +1,8 @@
-//! Which parts of light transport a dataset holds, and how the indirect part was made.
+//! How the surface sources were made.
 
 use crate::cut::SourceCriterion;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-
-/// What a bake prepares. Parts that are not baked are dark: their cuts are one node that sees nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BakeMode {
-    /// Visibility of distant light.
-    #[default]
-    Environment,
-    /// Surface sources, and what the vertices see of them.
-    Indirect,
-    /// Both, and what the sources see of the environment: all that is gathered by cuts.
-    Cuts,
-    /// The meshless basis and its transport operator.
-    Meshless,
-    /// All of these.
-    All,
-}
-
-impl BakeMode {
-    /// Whether visibility of distant light is baked.
-    pub fn environment(self) -> bool {
-        matches!(self, Self::Environment | Self::Cuts | Self::All)
-    }
-
-    /// Whether surface sources are baked.
-    pub fn indirect(self) -> bool {
-        matches!(self, Self::Indirect | Self::Cuts | Self::All)
-    }
-
-    /// Whether the meshless basis is baked.
-    pub fn meshless(self) -> bool {
-        matches!(self, Self::Meshless | Self::All)
-    }
-}
 
 /// Settings of the parts that bounce light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -52,7 +52,7 @@ fn dataset() -> Dataset {
             max_vertices: None,
             shots: Vec::new(),
             max_bytes: None,
-            mode: BakeMode::Environment,
+            mode: BakeParts::ENVIRONMENT,
             indirect: IndirectSettings::default(),
             meshless: MeshlessSettings::default(),
         },
@@ -208,7 +208,7 @@ fn with_sources() -> Dataset {
         environment_cuts.push_vertex(offset);
     }
     dataset.indirect = Some(IndirectBake { sources: (0..4).map(source).collect(), cuts, environment_cuts });
-    dataset.settings.mode = BakeMode::All;
+    dataset.settings.mode = BakeParts::ALL;
     dataset.report.indirect = Some(IndirectReport { sources: 4, area: 8.0, ..Default::default() });
     dataset
 }

@@ -13,10 +13,10 @@ use crate::{
         Imported,
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
     },
-    panels::bake::{BakeStatus, stale_reasons},
+    panels::bake::{BakeStatus, control_name, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
@@ -53,7 +53,9 @@ impl EditorState {
         };
         let settings = match resolve(self.document.bake.clone()) {
             Ok(settings) => settings,
-            Err(error) => return self.messages.error(format!("The bake settings do not work: {error}")),
+            Err(error) => {
+                return self.messages.error(format!("The bake settings do not work: {}", error.text(control_name)));
+            }
         };
         if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
             && let Err(error) = std::fs::create_dir_all(folder)
@@ -83,11 +85,11 @@ impl EditorState {
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
     pub(super) fn wants_draft(&self) -> bool {
         let wanted = &self.document.bake;
-        let has = |part: fn(BakeMode) -> bool| {
+        let has = |part: fn(BakeParts) -> bool| {
             !part(wanted.mode) || self.scene.shown().is_some_and(|baked| part(baked.dataset.settings.mode))
         };
-        let has_all = [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has);
-        let bounces = wanted.mode.indirect() || wanted.mode.meshless();
+        let has_all = [BakeParts::environment, BakeParts::sources, BakeParts::meshless].into_iter().all(has);
+        let bounces = wanted.mode.sources() || wanted.mode.meshless();
         !has_all && (bounces || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
     }
 

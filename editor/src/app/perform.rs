@@ -15,7 +15,7 @@ use crate::{
 use egui::{Context, ViewportCommand};
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeMode, BakeSettings},
+    dataset::{BakeParts, BakeSettings},
     shot::Shot,
 };
 use std::path::{Path, PathBuf};
@@ -97,7 +97,7 @@ impl EditorState {
         }
     }
 
-    fn choose_bake(&mut self, mode: BakeMode) {
+    fn choose_bake(&mut self, mode: BakeParts) {
         self.interface.inspector = Inspector::Bake;
         self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
     }

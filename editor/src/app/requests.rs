@@ -92,7 +92,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 mod tests {
     use super::*;
 
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, sources::IndirectBake, test_scenes};
 
     #[test]
     fn light_that_was_not_baked_is_not_shown() {
@@ -100,7 +100,7 @@ mod tests {
         let mut dataset = test_scenes::dataset(&["a"], &[]);
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { indirect: false, ..Components::ALL }, "no bounces were baked");
-        dataset.settings.mode = BakeMode::Indirect;
+        dataset.settings.mode = BakeParts::INDIRECT;
         let shown = shown_components(&document, Some(&dataset.clone().into()));
         assert_eq!(shown, Components { direct: true, ..Components::NONE });
         let [cuts, environment_cuts] = [PackedCuts::default(), PackedCuts::default()];

@@ -16,7 +16,7 @@ use crate::{actions::Action, paths::Folders};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use lapidary_core::{dataset::BakeSettings, import::import, material::MapKind};
-use lapidary_precompute::{BakeJob, Preset, Silent, bake};
+use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use lapidary_render::CpuBackend;
 use std::{
     cell::Cell,
@@ -48,8 +48,7 @@ impl Place {
     fn bake(&self) {
         let scene = import(&self.path("scene.obj")).unwrap().scene;
         let output = self.path("scene.cuts");
-        let job =
-            BakeJob { settings: few_lights(), output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+        let job = BakeJob::new(resolve(few_lights()).unwrap(), output);
         bake(scene, &job, &Silent).unwrap();
     }
 

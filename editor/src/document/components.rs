@@ -90,7 +90,7 @@ impl Unlit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeMode, sources::IndirectBake, test_scenes};
+    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, sources::IndirectBake, test_scenes};
 
     #[test]
     fn solo_shows_one_component_even_if_it_is_switched_off() {
@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(unlit(&dataset, &[], shows(None)), None, "by the environment");
         assert_eq!(unlit(&dataset, &[], shows(Some(Component::Direct))), Some(Unlit::SwitchedOff));
         assert_eq!(unlit(&dataset, &[], off), Some(Unlit::SwitchedOff));
-        dataset.settings.mode = BakeMode::Meshless;
+        dataset.settings.mode = BakeParts::MESHLESS;
         assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
         let lamp = test_scenes::light();
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);

@@ -1,12 +1,13 @@
 //! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
 
+use crate::panels::bake::control_name;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeMode, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     scene::Scene,
 };
 use lapidary_precompute::{
-    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads, with_room,
+    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads, resolve, with_room,
 };
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};
@@ -148,7 +149,7 @@ impl Observer for Teller {
             Event::Advanced { done } => progress.done = progress.done.max(done),
             Event::Warning { message } => {
                 drop(progress);
-                return self.tell(BakeMessage::Warning(message));
+                return self.tell(BakeMessage::Warning(message.text(control_name)));
             }
         }
         drop(progress);
@@ -171,7 +172,7 @@ pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings 
     let sigma = (0.5 * draft.criterion.sigma).max(of_wanted);
     let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
     // Bounced light is smooth; the shadows of an environment alone want more vertices.
-    let bounces = wanted.mode != BakeMode::Environment;
+    let bounces = wanted.mode != BakeParts::ENVIRONMENT;
     let most = if bounces { Some(15_000) } else { draft.max_vertices }.map(|most| with_room(most, mesh_vertices));
     // A mesh that is to stay as it is does so in the draft.
     let max_vertices = most.min(wanted.max_vertices);
@@ -208,7 +209,7 @@ pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
     let (draft, mode) = (first_draft(wanted, 0), wanted.mode);
     let (few, many) = (draft.meshless, wanted.meshless);
     (mode.environment() && draft.lights < wanted.lights)
-        || (mode.indirect() && draft.indirect.sources < wanted.indirect.sources)
+        || (mode.sources() && draft.indirect.sources < wanted.indirect.sources)
         || (mode.meshless() && (few.levels < many.levels || few.rays < many.rays))
 }
 
@@ -219,22 +220,25 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
-    if task.progressive && !task.job.resume && task.job.settings != draft_settings {
+    if task.progressive && !task.job.resume && *task.job.settings != draft_settings {
         let scratch = Scratch::new(&task.cache);
-        let job = BakeJob { settings: draft_settings, output: scratch.0.join("draft.cuts"), ..task.job.clone() };
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
         // There is nothing to render yet: it may have all cores.
-        match on_threads(cores, || bake((*task.scene).clone(), &job, &teller_of_draft)) {
+        let draft = || {
+            let (settings, output) = (resolve(draft_settings)?, scratch.0.join("draft.cuts"));
+            bake((*task.scene).clone(), &BakeJob { settings, output, ..task.job.clone() }, &teller_of_draft)
+        };
+        match on_threads(cores, draft) {
             Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::begun(dataset))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
-            Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {error}"))),
+            Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {}", error.text(control_name)))),
         }
     }
     // One core is left to the window.
     match on_threads(cores.saturating_sub(1).max(1), || bake_whole(task, teller)) {
         Ok(dataset) => BakeMessage::Done(Baked::begun(dataset)),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
-        Err(error) => BakeMessage::Failed(error.to_string()),
+        Err(error) => BakeMessage::Failed(error.text(control_name)),
     }
 }
 

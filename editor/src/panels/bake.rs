@@ -5,6 +5,7 @@ mod estimate;
 mod mode;
 mod progress;
 mod report;
+mod setting_names;
 mod settings;
 mod stale;
 #[cfg(test)]
@@ -13,6 +14,7 @@ mod views;
 
 pub use estimate::SceneStats;
 pub use progress::line;
+pub use setting_names::control_name;
 pub use stale::stale_reasons;
 #[cfg(test)]
 pub use tests::test_dataset;
@@ -21,7 +23,7 @@ use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
-use lapidary_core::dataset::{BakeMode, Dataset};
+use lapidary_core::dataset::{BakeParts, Dataset};
 use lapidary_precompute::{Leftover, Phase, resolve};
 
 /// What the panel shows.
@@ -74,7 +76,7 @@ pub enum BakeStatus {
     /// A bake is under way.
     Running {
         /// What is baked.
-        mode: BakeMode,
+        mode: BakeParts,
         /// Whether a draft comes first.
         draft: Draft,
         /// What it does.
@@ -196,5 +198,5 @@ fn obstacle(document: &Document) -> Option<String> {
     if document.scene.is_none() {
         return Some("Open the scene file to bake it; a dataset alone cannot be baked again.".into());
     }
-    resolve(document.bake.clone()).err().map(|error| settings::error_text(&error))
+    resolve(document.bake.clone()).err().map(|error| setting_names::error_text(&error))
 }

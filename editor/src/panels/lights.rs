@@ -13,7 +13,7 @@ pub use list::{add_menu, display_color};
 use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
-use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
 use lapidary_render::{Baked, Bounces};
 
 /// What the panel shows.
@@ -25,7 +25,7 @@ pub struct LightsContext<'a> {
     /// What the bake that is shown has for bounced light; `None` without a bake.
     pub bounces: Option<Bounces>,
     /// What that bake is of.
-    pub baked: Option<BakeMode>,
+    pub baked: Option<BakeParts>,
     /// How much light the bounces in the picture carry, if that is known.
     pub energy: Option<BounceEnergy>,
     /// What lights may be buried in.

@@ -7,7 +7,7 @@ use super::ViewportContext;
 use crate::{document::Component, panels::units::grouped};
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::{Mat3, Vec3};
-use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeMode};
+use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeParts};
 use lapidary_render::{
     ViewMode,
     compare::map::{ErrorField, ErrorMap, magma},
@@ -75,7 +75,7 @@ impl Gathered {
     }
 
     /// Where the sizes of cuts are from.
-    fn baked(mode: BakeMode) -> Self {
+    fn baked(mode: BakeParts) -> Self {
         Self { environment: mode.environment(), bounce: shows_source_cuts(mode) }
     }
 
@@ -231,11 +231,11 @@ mod tests {
     fn counts_say_what_they_are_of_and_other_views_do_not() {
         let title = |mode, baked| ColorScale::of(mode, 256, Gathered::baked(baked)).title;
         let of_cuts = |baked| title(ViewMode::VisibilityCut, baked);
-        assert_eq!(of_cuts(BakeMode::Environment), "Visibility cut size, environment");
-        assert_eq!(of_cuts(BakeMode::Indirect), "Visibility cut size, bounce light");
-        assert_eq!(of_cuts(BakeMode::All), of_cuts(BakeMode::Environment));
-        assert_eq!(of_cuts(BakeMode::Meshless), "Visibility cut size: no light is gathered by cuts");
-        assert_eq!(title(ViewMode::Roughness, BakeMode::Indirect), "Roughness");
+        assert_eq!(of_cuts(BakeParts::ENVIRONMENT), "Visibility cut size, environment");
+        assert_eq!(of_cuts(BakeParts::INDIRECT), "Visibility cut size, bounce light");
+        assert_eq!(of_cuts(BakeParts::ALL), of_cuts(BakeParts::ENVIRONMENT));
+        assert_eq!(of_cuts(BakeParts::MESHLESS), "Visibility cut size: no light is gathered by cuts");
+        assert_eq!(title(ViewMode::Roughness, BakeParts::INDIRECT), "Roughness");
     }
 
     #[test]

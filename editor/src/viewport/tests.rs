@@ -73,7 +73,7 @@ impl App {
             selected_light: self.selected_light,
             shows_lights: true,
             aiming: self.aiming,
-            baked: Some(BakeMode::Environment),
+            baked: Some(BakeParts::ENVIRONMENT),
             sources: self.sources.as_ref(),
             shows_clusters: self.shows_clusters,
             accent: Color32::ORANGE,

@@ -10,6 +10,7 @@ mod rows;
 
 pub use places::Part;
 
+use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
 use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
 use serde::{Deserialize, Serialize};
@@ -66,9 +67,9 @@ pub enum Leftover {
     Fitting,
 }
 
-/// What an interrupted bake has left that a bake of this scene with these settings, as [`crate::resolve`] gives them,
+/// What an interrupted bake has left that a bake of this scene with these settings
 /// would write to `output`.
-pub fn leftover(output: &Path, scene_hash: &str, settings: &BakeSettings) -> Leftover {
+pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Leftover {
     match Checkpoint::open(output, scene_hash, settings) {
         Ok(Some(_)) => Leftover::Fitting,
         Ok(None) => Leftover::Nothing,
@@ -235,13 +236,13 @@ fn decode(bytes: &[u8]) -> Option<Chunk> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::settings::Preset;
+    use crate::bake::settings::resolve;
 
     #[test]
     fn chunks_survive_and_damaged_ones_do_not_count() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
-        let settings = Preset::Draft.settings();
+        let settings = BakeSettings::default();
         let checkpoint = Checkpoint::create(&output, "hash", &settings, 10, 3, &[0, 1]).unwrap();
         let chunk = Chunk { nodes: vec![7, 8, 9], lengths: vec![1, 1, 1], squared_error: 0.25, rays: 99 };
         checkpoint.store(Series::Environment, 0, &chunk).unwrap();
@@ -263,12 +264,12 @@ mod tests {
     fn a_checkpoint_of_another_bake_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
-        let settings = Preset::Draft.settings();
+        let settings = resolve(BakeSettings::default()).unwrap();
         assert!(Checkpoint::open(&output, "hash", &settings).unwrap().is_none());
         assert_eq!(leftover(&output, "hash", &settings), Leftover::Nothing);
         Checkpoint::create(&output, "hash", &settings, 10, 3, &[]).unwrap();
         assert!(matches!(Checkpoint::open(&output, "other", &settings), Err(CheckpointError::Mismatch { .. })));
-        let other = BakeSettings { beta: 0.4, ..settings.clone() };
+        let other = resolve(BakeSettings { beta: 0.4, ..Default::default() }).unwrap();
         assert!(matches!(Checkpoint::open(&output, "hash", &other), Err(CheckpointError::Mismatch { .. })));
         assert_eq!(leftover(&output, "hash", &other), Leftover::OfAnother);
         assert_eq!(leftover(&output, "hash", &settings), Leftover::Fitting);

@@ -1,13 +1,13 @@
 //! What to bake, and how to go about it.
 
-use lapidary_core::dataset::BakeSettings;
+use super::settings::ResolvedBake;
 use std::path::PathBuf;
 
 /// What to bake, and how to go about it.
 #[derive(Clone, Debug)]
 pub struct BakeJob {
     /// What decides the result; see [`crate::resolve`].
-    pub settings: BakeSettings,
+    pub settings: ResolvedBake,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
     /// Number of chunks; `None` for a checkpoint every few seconds.
@@ -18,4 +18,11 @@ pub struct BakeJob {
     pub import_secs: f64,
     /// What the import remarked, for the report.
     pub warnings: Vec<String>,
+}
+
+impl BakeJob {
+    /// A bake from the beginning, of a scene whose import is not told of.
+    pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
+        Self { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() }
+    }
 }

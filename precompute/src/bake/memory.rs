@@ -1,6 +1,6 @@
 //! Memory: an estimate before the start, and what was used in the end.
 
-use lapidary_core::dataset::{BakeMode, BakeSettings, MeshlessSettings};
+use lapidary_core::dataset::{BakeSettings, MeshlessSettings};
 
 /// Bytes that a bake of this size needs at its peak: mesh and hierarchy, the cuts and links that its mode asks for, and
 /// buffers of each thread.
@@ -13,22 +13,13 @@ pub fn estimate(vertices: usize, triangles: usize, settings: &BakeSettings, thre
     if mode.environment() {
         bytes += cuts(v, environment_nodes(settings)) + buffers(lights, settings, threads);
     }
-    if mode.indirect() {
+    if mode.sources() {
         bytes += cuts(v, source_nodes(settings)) + buffers(sources, settings, threads);
     }
-    if mode.indirect() && mode.environment() {
+    if mode.sources() && mode.environment() {
         bytes += cuts(sources, environment_nodes(settings));
     }
     if mode.meshless() { bytes + basis_and_links(&settings.meshless) } else { bytes }
-}
-
-/// What makes a bake smaller.
-pub fn remedy(mode: BakeMode) -> &'static str {
-    match mode {
-        BakeMode::Environment | BakeMode::Indirect | BakeMode::Cuts => "lower --max-vertices or raise the sigmas",
-        BakeMode::Meshless => "lower --levels or --max-vertices",
-        BakeMode::All => "lower --max-vertices or --levels, raise the sigmas, or leave a part out with --mode",
-    }
 }
 
 /// Chunks, their concatenation, and what is packed of it.
@@ -80,27 +71,27 @@ fn kilobytes(file: &str, key: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::settings::Preset;
+    use lapidary_core::dataset::BakeParts;
 
     #[test]
     fn estimate_of_the_armadillo_scene_is_near_what_it_takes() {
-        let bytes = estimate(57_884, 115_282, &Preset::Normal.settings(), 2);
+        let bytes = estimate(57_884, 115_282, &BakeSettings::default(), 2);
         assert!((100_000_000..1_000_000_000).contains(&bytes), "{bytes}");
     }
 
     #[test]
     fn each_part_of_a_mode_counts() {
-        let of = |mode| estimate(100_000, 200_000, &BakeSettings { mode, ..Preset::Normal.settings() }, 2);
-        let mesh = estimate(100_000, 200_000, &BakeSettings { mode: BakeMode::Meshless, ..levels(1) }, 2);
-        assert!(of(BakeMode::Cuts) > of(BakeMode::Environment) + of(BakeMode::Indirect) - mesh);
-        assert!(of(BakeMode::Indirect) > of(BakeMode::Environment), "their cuts are longer");
-        assert!(of(BakeMode::All) > of(BakeMode::Cuts) + of(BakeMode::Meshless) - mesh);
+        let of = |mode| estimate(100_000, 200_000, &BakeSettings { mode, ..Default::default() }, 2);
+        let mesh = estimate(100_000, 200_000, &BakeSettings { mode: BakeParts::MESHLESS, ..levels(1) }, 2);
+        assert!(of(BakeParts::CUTS) > of(BakeParts::ENVIRONMENT) + of(BakeParts::INDIRECT) - mesh);
+        assert!(of(BakeParts::INDIRECT) > of(BakeParts::ENVIRONMENT), "their cuts are longer");
+        assert!(of(BakeParts::ALL) > of(BakeParts::CUTS) + of(BakeParts::MESHLESS) - mesh);
         // 100,000 cuts of 1,340 nodes of two bytes, once.
-        assert!(of(BakeMode::Indirect) > 268_000_000);
+        assert!(of(BakeParts::INDIRECT) > 268_000_000);
     }
 
     fn levels(levels: usize) -> BakeSettings {
-        let normal = Preset::Normal.settings();
+        let normal = BakeSettings::default();
         BakeSettings { meshless: MeshlessSettings { levels, ..normal.meshless }, ..normal }
     }
 

@@ -23,7 +23,7 @@ impl<'a> Remarks<'a> {
 impl Observer for Remarks<'_> {
     fn event(&self, event: Event) {
         if let Event::Warning { message } = &event {
-            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.clone());
+            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_string());
         }
         self.observer.event(event);
     }

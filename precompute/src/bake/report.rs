@@ -4,14 +4,15 @@ use super::{
     clock::Clock,
     memory,
     phases::{geometry::Geometry, pack::Packed},
+    settings::ResolvedBake,
 };
 use crate::observer::Phase;
-use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset};
+use lapidary_core::dataset::{BakeReport, Dataset};
 
 /// What a bake did, but for what only its phases know. `import_warnings` are the remarks of the import.
 pub fn report(
     geometry: &Geometry,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     packed: &Packed,
     import_warnings: Vec<String>,
 ) -> BakeReport {

@@ -1,12 +1,14 @@
 //! Presets along quality and time, and the check that turns options into settings.
 
-use crate::errors::SettingsError;
+use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeMode, BakeSettings, IndirectSettings, MeshlessSettings},
-    light_tree::{TreeKind, height_of},
+    dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
+    light_tree::height_of,
+    shot::Shot,
 };
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 
 /// A named set of bake settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,19 +41,7 @@ impl Preset {
 
     /// The settings behind the name.
     pub fn settings(self) -> BakeSettings {
-        let normal = BakeSettings {
-            lights: 32_768,
-            tree: TreeKind::Mixed,
-            beta: 0.5,
-            criterion: CutCriterion::default(),
-            pilot_clusters: 1024,
-            max_vertices: Some(100_000),
-            shots: Vec::new(),
-            max_bytes: None,
-            mode: BakeMode::Environment,
-            indirect: IndirectSettings::default(),
-            meshless: MeshlessSettings::default(),
-        };
+        let normal = BakeSettings::default();
         let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
         match self {
             // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma is the same error in solid angle.
@@ -70,46 +60,92 @@ impl Preset {
     }
 }
 
-/// Checks settings once; nothing validates them again.
+/// Settings that were checked: whatever holds them may rely on their ranges. Only [`resolve`] makes them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedBake(BakeSettings);
+
+impl Deref for ResolvedBake {
+    type Target = BakeSettings;
+
+    fn deref(&self) -> &BakeSettings {
+        &self.0
+    }
+}
+
+impl ResolvedBake {
+    /// The settings, free to be changed.
+    pub fn into_settings(self) -> BakeSettings {
+        self.0
+    }
+
+    /// The same for a mesh of so many vertices, which gets room for some more; see [`with_room`].
+    pub fn with_room_for(mut self, mesh_vertices: usize) -> Self {
+        self.0.max_vertices = self.0.max_vertices.map(|most| with_room(most, mesh_vertices));
+        self
+    }
+
+    /// The same for these pictures, which are checked.
+    ///
+    /// # Errors
+    /// The first shot that looks nowhere.
+    pub fn for_shots(mut self, shots: Vec<Shot>) -> Result<Self, SettingsError> {
+        check_shots(&shots)?;
+        self.0.shots = shots;
+        Ok(self)
+    }
+}
+
+/// Checks settings once; nothing checks them again.
 ///
 /// # Errors
 /// The first setting out of range.
-pub fn resolve(settings: BakeSettings) -> Result<BakeSettings, SettingsError> {
+pub fn resolve(settings: BakeSettings) -> Result<ResolvedBake, SettingsError> {
     height_of(settings.lights)?;
     height_of(settings.indirect.sources).map_err(|_| SettingsError::Sources(settings.indirect.sources))?;
-    if let Some(bad) = settings.shots.iter().position(|shot| !shot.is_valid()) {
-        return Err(SettingsError::Shot(bad + 1));
-    }
-    let optional = |value: Option<f64>, low| value.unwrap_or(low);
-    for (name, value, low, high) in [
-        ("--beta", f64::from(settings.beta), 0.0, 1.0),
-        ("--sigma", f64::from(settings.criterion.sigma), 0.0, 1e3),
-        ("--source-sigma", f64::from(settings.indirect.criterion.sigma), 0.0, 1e3),
-        ("source contrast", f64::from(settings.indirect.criterion.contrast), 0.0, 1e3),
-        ("largest solid angle", f64::from(settings.indirect.criterion.max_solid_angle), 1e-4, 10.0),
-        ("--levels", settings.meshless.levels as f64, 1.0, 8.0),
-        ("--sender-levels", settings.meshless.sender_levels as f64, 1.0, settings.meshless.levels as f64),
-        ("--gather-rays", settings.meshless.rays as f64, 16.0, 65_536.0),
-        ("--epsilon", f64::from(settings.meshless.epsilon), 0.0, 1.0),
-        ("--coarse-radius", optional(settings.meshless.coarse_radius.map(f64::from), 1.0), 1e-6, 1e9),
-        ("--max-cut", f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
-        ("--total-error", optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
-        ("--pilot-clusters", settings.pilot_clusters as f64, 1.0, 65_536.0),
-        ("--max-vertices", optional(settings.max_vertices.map(|v| v as f64), 3.0), 3.0, 1e8),
-        ("--max-bytes", optional(settings.max_bytes.map(|v| v as f64), 1024.0), 1024.0, 1e12),
-    ] {
+    check_shots(&settings.shots)?;
+    for (setting, value, low, high) in ranges(&settings) {
         if !(value >= low && value <= high) {
-            return Err(SettingsError::Range { name, value, low, high });
+            return Err(SettingsError::Range { setting, value, low, high });
         }
     }
-    Ok(settings)
+    Ok(ResolvedBake(settings))
+}
+
+fn check_shots(shots: &[Shot]) -> Result<(), SettingsError> {
+    match shots.iter().position(|shot| !shot.is_valid()) {
+        Some(bad) => Err(SettingsError::Shot(bad + 1)),
+        None => Ok(()),
+    }
+}
+
+/// Each number, and the least and the greatest that it may be; of what is left out, the least.
+fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 15] {
+    let (sources, meshless) = (&settings.indirect.criterion, &settings.meshless);
+    let optional = |value: Option<f64>, low| value.unwrap_or(low);
+    [
+        (Setting::Beta, f64::from(settings.beta), 0.0, 1.0),
+        (Setting::Sigma, f64::from(settings.criterion.sigma), 0.0, 1e3),
+        (Setting::SourceSigma, f64::from(sources.sigma), 0.0, 1e3),
+        (Setting::SourceContrast, f64::from(sources.contrast), 0.0, 1e3),
+        (Setting::LargestSolidAngle, f64::from(sources.max_solid_angle), 1e-4, 10.0),
+        (Setting::Levels, meshless.levels as f64, 1.0, 8.0),
+        (Setting::SenderLevels, meshless.sender_levels as f64, 1.0, meshless.levels as f64),
+        (Setting::GatherRays, meshless.rays as f64, 16.0, 65_536.0),
+        (Setting::Epsilon, f64::from(meshless.epsilon), 0.0, 1.0),
+        (Setting::CoarseRadius, optional(meshless.coarse_radius.map(f64::from), 1.0), 1e-6, 1e9),
+        (Setting::MaxCut, f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
+        (Setting::TotalError, optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
+        (Setting::PilotClusters, settings.pilot_clusters as f64, 1.0, 65_536.0),
+        (Setting::MaxVertices, optional(settings.max_vertices.map(|v| v as f64), 3.0), 3.0, 1e8),
+        (Setting::MaxBytes, optional(settings.max_bytes.map(|v| v as f64), 1024.0), 1024.0, 1e12),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec3;
-    use lapidary_core::{camera::Camera, shot::Shot};
+    use lapidary_core::camera::Camera;
 
     #[test]
     fn a_dense_mesh_gets_room_for_more_vertices() {
@@ -123,7 +159,7 @@ mod tests {
         for preset in [Preset::Draft, Preset::Normal, Preset::High] {
             assert!(resolve(preset.settings()).is_ok());
         }
-        let normal = Preset::Normal.settings();
+        let normal = BakeSettings::default();
         assert!(matches!(resolve(BakeSettings { lights: 1000, ..normal.clone() }), Err(SettingsError::Lights(_))));
         let sources = IndirectSettings { sources: 1000, ..Default::default() };
         let odd = resolve(BakeSettings { indirect: sources, ..normal.clone() });
@@ -131,8 +167,9 @@ mod tests {
         let toward = |target| Shot { camera: Camera::look_at(Vec3::ONE, target, 40.0), aspect: 1.0 };
         let shots = vec![toward(Vec3::ZERO), toward(Vec3::ONE)];
         assert!(resolve(BakeSettings { shots: shots[..1].to_vec(), ..normal.clone() }).is_ok());
-        assert_eq!(resolve(BakeSettings { shots, ..normal.clone() }), Err(SettingsError::Shot(2)));
+        assert_eq!(resolve(BakeSettings { shots: shots.clone(), ..normal.clone() }), Err(SettingsError::Shot(2)));
+        assert_eq!(resolve(normal.clone()).unwrap().for_shots(shots), Err(SettingsError::Shot(2)));
         let beta = resolve(BakeSettings { beta: f32::NAN, ..normal });
-        assert!(matches!(beta, Err(SettingsError::Range { name: "--beta", .. })));
+        assert!(matches!(beta, Err(SettingsError::Range { setting: Setting::Beta, .. })));
     }
 }

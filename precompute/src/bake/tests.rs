@@ -2,21 +2,22 @@
 
 use super::*;
 use crate::{
-    bake::{checkpoint::Checkpoint, settings::Preset},
-    errors::{CheckpointError, PointsError},
+    bake::{
+        checkpoint::Checkpoint,
+        settings::{Preset, resolve},
+    },
+    errors::CheckpointError,
     observer::Silent,
     test_scenes::{cuboid, floor, room, scene_of},
 };
 use glam::Vec3;
 use lapidary_core::{
-    camera::Camera,
     cut::{
         LARGEST_SOLID_ANGLE,
         packed::{VALUE_MAX, depth},
         solid_angle,
     },
-    dataset::{BakeMode, IndirectSettings, MeshlessSettings},
-    shot::Shot,
+    dataset::{BakeParts, BakeSettings, IndirectSettings, MeshlessSettings},
     sources::{Source, SourceTree},
 };
 use std::{
@@ -29,6 +30,7 @@ use std::{
 };
 
 mod resumed;
+mod viewpoint;
 
 fn scene() -> Scene {
     let mut triangles = floor(2.0, 0.0).to_vec();
@@ -41,14 +43,14 @@ fn settings() -> BakeSettings {
 }
 
 fn job(folder: &Path, name: &str) -> BakeJob {
-    BakeJob {
-        settings: settings(),
-        output: folder.join(name),
-        chunks: None,
-        resume: false,
-        import_secs: 0.0,
-        warnings: Vec::new(),
-    }
+    BakeJob::new(resolve(settings()).unwrap(), folder.join(name))
+}
+
+/// The job with other settings.
+fn with(job: BakeJob, change: impl FnOnce(&mut BakeSettings)) -> BakeJob {
+    let mut settings = job.settings.into_settings();
+    change(&mut settings);
+    BakeJob { settings: resolve(settings).unwrap(), ..job }
 }
 
 /// The tensors of a written dataset, without the report, which holds times.
@@ -104,7 +106,7 @@ impl Told {
 impl Observer for Told {
     fn event(&self, event: Event) {
         if let Event::Warning { message } = event {
-            self.0.lock().unwrap().push(message);
+            self.0.lock().unwrap().push(message.to_string());
         }
     }
 }
@@ -120,7 +122,7 @@ fn chunks_and_threads_do_not_change_a_bit() {
     let one = run("a.cuts", Some(1), 1);
     assert_eq!(one, run("b.cuts", Some(7), 3));
     assert_eq!(one, run("c.cuts", None, 2));
-    let other = BakeJob { settings: BakeSettings { beta: 0.1, ..settings() }, ..job(folder.path(), "d.cuts") };
+    let other = with(job(folder.path(), "d.cuts"), |settings| settings.beta = 0.1);
     assert_ne!(one, contents(&bake(scene(), &other, &Silent).unwrap()), "negative control");
 }
 
@@ -163,8 +165,8 @@ fn a_byte_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let free = bake(scene(), &job(folder.path(), "a.cuts"), &Silent).unwrap();
     let half = (2 * free.cuts.nodes().len() as u64) / 2;
-    let settings = BakeSettings { max_bytes: Some(half), ..settings() };
-    let tight = bake(scene(), &BakeJob { settings, ..job(folder.path(), "b.cuts") }, &Silent).unwrap();
+    let job = with(job(folder.path(), "b.cuts"), |settings| settings.max_bytes = Some(half));
+    let tight = bake(scene(), &job, &Silent).unwrap();
     assert!(2 * tight.cuts.nodes().len() as u64 <= half);
     assert!(tight.report.sigma > free.report.sigma && tight.report.mean_cut < free.report.mean_cut);
 }
@@ -183,11 +185,11 @@ fn interior() -> Scene {
     scene_of(&triangles)
 }
 
-fn indirect_job(folder: &Path, name: &str, mode: BakeMode) -> BakeJob {
+fn indirect_job(folder: &Path, name: &str, mode: BakeParts) -> BakeJob {
     let indirect = IndirectSettings { sources: 512, ..Default::default() };
     let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
     let settings = BakeSettings { mode, indirect, meshless, lights: 256, ..settings() };
-    BakeJob { settings, chunks: Some(3), ..job(folder, name) }
+    BakeJob { settings: resolve(settings).unwrap(), chunks: Some(3), ..job(folder, name) }
 }
 
 fn indirect_contents(dataset: &Dataset) -> (Vec<Source>, Vec<u16>, Vec<u32>, Vec<u16>) {
@@ -199,7 +201,7 @@ fn indirect_contents(dataset: &Dataset) -> (Vec<Source>, Vec<u16>, Vec<u32>, Vec
 #[test]
 fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
     let dataset = bake(interior(), &job, &Silent).unwrap();
     let report = dataset.report.indirect.clone().unwrap();
     let expected = 2.0 * (2.0 * 1.4 + 2.0 * 1.6 + 1.4 * 1.6) + 4.0 * 0.16 + 2.0 * 0.16;
@@ -211,7 +213,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
         assert!(dataset.report.seconds.contains_key(phase), "{phase}");
     }
     assert_eq!(indirect_contents(&Dataset::read(&job.output).unwrap()), indirect_contents(&dataset));
-    let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeMode::Environment), &Silent).unwrap();
+    let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeParts::ENVIRONMENT), &Silent).unwrap();
     assert!(plain.indirect.is_none() && plain.report.indirect.is_none());
     // A closed room sees none of the environment; that is known because it was traced.
     assert!(plain.report.samples_resolved > 0);
@@ -220,7 +222,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
 #[test]
 fn a_closed_room_is_a_white_furnace_and_a_full_hemisphere_in_every_cut() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
     let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
     let dataset = bake(scene, &job, &Silent).unwrap();
     let indirect = dataset.indirect.as_ref().unwrap();
@@ -262,10 +264,10 @@ fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
         let dataset = pool.install(|| bake(interior(), &job, &Silent)).unwrap();
         (indirect_contents(&dataset), dataset.meshless.is_some())
     };
-    let (one, has_meshless) = run("a.cuts", BakeMode::All, Some(1), 1);
+    let (one, has_meshless) = run("a.cuts", BakeParts::ALL, Some(1), 1);
     assert!(has_meshless);
-    assert_eq!((one.clone(), false), run("b.cuts", BakeMode::Cuts, Some(4), 3), "all but the meshless basis");
-    let job = indirect_job(folder.path(), "c.cuts", BakeMode::All);
+    assert_eq!((one.clone(), false), run("b.cuts", BakeParts::CUTS, Some(4), 3), "all but the meshless basis");
+    let job = indirect_job(folder.path(), "c.cuts", BakeParts::ALL);
     let stop = CancelIn::phase(Phase::SourceVisibility);
     assert!(matches!(bake(interior(), &job, &stop), Err(BakeError::Cancelled)));
     assert!(Checkpoint::folder_of(&job.output).join("source-chunk-00000.bin").exists());
@@ -274,36 +276,9 @@ fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
 }
 
 #[test]
-fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
-    let eye = Vec3::new(-0.3, 0.1, -0.2);
-    let camera = Camera::look_at(eye, Vec3::ZERO, 40.0);
-    let reached_from = |job: &BakeJob| {
-        bake(interior(), job, &Silent).unwrap();
-        Vec3::from(Dataset::read(&job.output).unwrap().report.indirect.unwrap().viewpoint)
-    };
-    assert!(reached_from(&job) != eye, "negative control");
-    job.settings.shots = vec![Shot { camera, aspect: 1.0 }];
-    assert_eq!(reached_from(&job), eye);
-}
-
-#[test]
-fn viewpoints_that_reach_nothing_are_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut job = indirect_job(folder.path(), "a.cuts", BakeMode::Indirect);
-    job.settings.indirect.viewpoint = Some(Vec3::new(0.3, -0.4, 0.2));
-    let inside = bake(interior(), &job, &Silent).unwrap_err();
-    assert!(matches!(inside, BakeError::Points(PointsError::InsideSolid(_))), "{inside}");
-    job.settings.indirect.viewpoint = Some(Vec3::new(0.0, 9.0, 0.0));
-    let outside = bake(interior(), &job, &Silent).unwrap_err();
-    assert!(outside.to_string().contains("--viewpoint"), "{outside}");
-}
-
-#[test]
 fn the_meshless_basis_is_baked_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeMode::Meshless);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::MESHLESS);
     let dataset = bake(interior(), &job, &Silent).unwrap();
     let (report, bake_of) = (dataset.report.meshless.clone().unwrap(), dataset.meshless.as_ref().unwrap());
     assert!(dataset.indirect.is_none() && report.links > 0 && report.functions.len() == 3, "{report:?}");
@@ -316,42 +291,16 @@ fn the_meshless_basis_is_baked_and_read_back() {
 }
 
 #[test]
-fn a_scene_without_a_closed_space_is_remarked_upon() {
+fn environment_and_meshless_basis_are_baked_without_sources_as_they_are_with_them() {
     let folder = tempfile::tempdir().unwrap();
-    let remarks = |scene, name| {
-        let told = Told::default();
-        let dataset = bake(scene, &indirect_job(folder.path(), name, BakeMode::Meshless), &told).unwrap();
-        assert_eq!(dataset.report.warnings, told.all(), "the report has them as well");
-        told.all().join("\n")
+    let baked = |parts: BakeParts| {
+        let job = indirect_job(folder.path(), &format!("{parts}.cuts"), parts);
+        bake(interior(), &job, &Silent).unwrap();
+        Dataset::read(&job.output).unwrap()
     };
-    let open = remarks(scene(), "a.cuts");
-    assert!(open.contains("meet no surface") && open.contains("--viewpoint"), "{open}");
-    assert_eq!(remarks(interior(), "b.cuts"), "");
-}
-
-#[test]
-fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
-    let folder = tempfile::tempdir().unwrap();
-    let remarks = |scene: Scene, name| {
-        let mut job = indirect_job(folder.path(), name, BakeMode::Indirect);
-        job.settings.indirect.viewpoint = Some(Vec3::new(0.0, 0.1, -0.2));
-        bake(scene, &job, &Silent).unwrap().report.warnings.join("\n")
-    };
-    // Half of the walls are turned about: their backs are seen, and nothing of the outside.
-    let mut turned = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
-    turned.iter_mut().filter(|t| t.iter().all(|p| p.x > 0.9 || p.y > 0.6)).for_each(|t| t.swap(1, 2));
-    let mut scene = scene_of(&turned);
-    scene.materials[0].parameters.base_color = Vec3::ONE;
-    assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so it fades");
-    // A white room beside a large grey one.
-    let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
-    scene.materials.push(scene.materials[0].clone());
-    let grey = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);
-    scene.mesh.triangle_material = scene.mesh.triangles.iter().map(|t| grey(&scene.mesh.positions, t)).collect();
-    scene.materials[0].parameters.base_color = Vec3::ONE;
-    scene.materials[1].parameters.base_color = Vec3::splat(0.3);
-    let white = remarks(scene.clone(), "b.cuts");
-    assert!(white.contains("do not fade"), "{white}");
-    scene.materials[0].parameters.base_color = Vec3::splat(0.9);
-    assert_eq!(remarks(scene, "c.cuts"), "");
+    let both = baked(BakeParts::ENVIRONMENT_MESHLESS);
+    assert_eq!(both.settings.mode, BakeParts::ENVIRONMENT_MESHLESS);
+    assert!(both.indirect.is_none() && both.report.samples_resolved > 0);
+    let parts = |dataset: &Dataset| (contents(dataset), dataset.meshless.as_ref().unwrap().transport.clone());
+    assert_eq!(parts(&both), parts(&baked(BakeParts::ALL)), "all but the sources");
 }

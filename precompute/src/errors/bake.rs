@@ -1,53 +1,122 @@
 //! Why a bake did not finish.
 
 use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError};
-use crate::observer::Observer;
-use lapidary_core::{dataset::DatasetError, meshless::BasisError};
+use crate::{
+    observer::Observer,
+    setting::{Naming, Setting},
+};
+use lapidary_core::{
+    dataset::{BakeParts, DatasetError},
+    meshless::BasisError,
+};
+use std::fmt;
 use thiserror::Error;
 
 /// Why a bake did not finish.
 #[derive(Debug, Error)]
 pub enum BakeError {
     /// The observer asked for it.
-    #[error("the bake was cancelled; run the same command with --resume to go on from the last finished chunk")]
     Cancelled,
     /// No surface for sources, or no viewpoint to find it from.
-    #[error(transparent)]
-    Points(PointsError),
+    Points(#[source] PointsError),
     /// The points that were placed make no meshless basis.
-    #[error("the points on the surfaces make no meshless basis: {0}")]
     Basis(#[from] BasisError),
     /// Settings out of range.
-    #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The checkpoint cannot be used or written.
-    #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The dataset cannot be written.
-    #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// More memory than there is.
-    #[error("the bake needs about {needed} MB of memory, {available} MB are free; {remedy}, or close other programs")]
     Memory {
-        /// What to do.
-        remedy: &'static str,
-        /// Estimated need.
+        /// What was to be baked.
+        mode: BakeParts,
+        /// Estimated need in MB.
         needed: u64,
-        /// Free now.
+        /// Free now, in MB.
         available: u64,
     },
     /// More texels than a texture holds.
-    #[error("{cuts} take {texels} texels, a texture holds {limit}; {remedy}")]
     TooManyTexels {
         /// Which cuts.
-        cuts: &'static str,
-        /// What to do.
-        remedy: &'static str,
+        cuts: CutsOf,
         /// Texels needed.
         texels: usize,
         /// Texels of an 8192 x 8192 texture.
         limit: usize,
     },
+}
+
+/// Cuts that may be more than a texture holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutsOf {
+    /// Of the vertices over the environment.
+    Environment,
+    /// Of the vertices over the surface sources.
+    Sources,
+    /// Of the surface sources over the environment.
+    SourceEnvironment,
+}
+
+impl BakeError {
+    /// In words, with settings called by `name`.
+    pub fn text(&self, name: Naming) -> String {
+        match self {
+            Self::Cancelled => format!(
+                "the bake was cancelled; bake again with {} to go on from the last finished chunk",
+                name(Setting::Resume)
+            ),
+            Self::Points(error) => error.text(name),
+            Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
+            Self::Settings(error) => error.text(name),
+            Self::Checkpoint(error) => error.text(name),
+            Self::Dataset(error) => error.to_string(),
+            Self::Memory { mode, needed, available } => format!(
+                "the bake needs about {needed} MB of memory, {available} MB are free; {}, or close other programs",
+                memory_remedy(*mode, name)
+            ),
+            Self::TooManyTexels { cuts, texels, limit } => {
+                let (cuts, remedy) = cuts.told(name);
+                format!("{cuts} take {texels} texels, a texture holds {limit}; {remedy}")
+            }
+        }
+    }
+}
+
+impl CutsOf {
+    /// Which cuts these are, and what makes them smaller.
+    fn told(self, name: Naming) -> (&'static str, String) {
+        let [sigma, source_sigma] = [Setting::Sigma, Setting::SourceSigma].map(name);
+        let [max_cut, vertices, sources] = [Setting::MaxCut, Setting::MaxVertices, Setting::Sources].map(name);
+        match self {
+            Self::Environment => {
+                ("the cuts over the environment", format!("raise {sigma}, set {max_cut} or lower {vertices}"))
+            }
+            Self::Sources => ("the cuts over the surface sources", format!("raise {source_sigma} or lower {vertices}")),
+            Self::SourceEnvironment => {
+                ("the sources' cuts over the environment", format!("raise {sigma}, set {max_cut} or lower {sources}"))
+            }
+        }
+    }
+}
+
+/// What makes a bake of these parts smaller.
+fn memory_remedy(parts: BakeParts, name: Naming) -> String {
+    let [vertices, levels] = [Setting::MaxVertices, Setting::Levels].map(name);
+    let has_cuts = parts.environment() || parts.sources();
+    match (has_cuts, parts.meshless()) {
+        (_, false) => format!("lower {vertices} or raise the sigmas"),
+        (false, true) => format!("lower {levels} or {vertices}"),
+        (true, true) => {
+            format!("lower {vertices} or {levels}, raise the sigmas, or leave a part out with {}", name(Setting::Mode))
+        }
+    }
+}
+
+impl fmt::Display for BakeError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text(Setting::name))
+    }
 }
 
 impl From<PointsError> for BakeError {
@@ -62,4 +131,21 @@ impl From<PointsError> for BakeError {
 /// An error if the job should stop.
 pub fn cancelled(observer: &dyn Observer) -> Result<(), BakeError> {
     if observer.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_texels_are_told_with_the_settings_of_their_cuts() {
+        for (cuts, setting, foreign) in [
+            (CutsOf::Environment, "max cut", "source sigma"),
+            (CutsOf::Sources, "source sigma", "max cut"),
+            (CutsOf::SourceEnvironment, "lower sources", "source sigma"),
+        ] {
+            let text = BakeError::TooManyTexels { cuts, texels: 2, limit: 1 }.to_string();
+            assert!(text.contains(setting) && !text.contains(foreign), "{text}");
+        }
+    }
 }

@@ -1,28 +1,23 @@
 //! Why no bake can be made with some settings.
 
+use crate::setting::{Naming, Setting};
 use lapidary_core::light_tree::LightCountError;
+use std::fmt;
 use thiserror::Error;
 
 /// Settings that no bake can be made with.
 #[derive(Debug, Error, PartialEq)]
 pub enum SettingsError {
     /// Number of lights.
-    #[error(transparent)]
     Lights(#[from] LightCountError),
     /// Number of surface sources.
-    #[error("{0} surface sources make no complete binary tree; use a power of two from 2 to 32768 for --sources")]
     Sources(usize),
-    /// A shot of a camera that looks nowhere.
-    #[error(
-        "shot {0} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 degrees and a \
-         width over height above 0"
-    )]
+    /// A shot of a camera that looks nowhere, counted from 1.
     Shot(usize),
     /// A number outside its range.
-    #[error("{name} is {value}, but must lie between {low} and {high}")]
     Range {
-        /// Which option.
-        name: &'static str,
+        /// Which setting.
+        setting: Setting,
         /// Its value.
         value: f64,
         /// Least value.
@@ -30,4 +25,30 @@ pub enum SettingsError {
         /// Greatest value.
         high: f64,
     },
+}
+
+impl SettingsError {
+    /// In words, with settings called by `name`.
+    pub fn text(&self, name: Naming) -> String {
+        match self {
+            Self::Lights(error) => error.to_string(),
+            Self::Sources(count) => format!(
+                "{count} surface sources make no complete binary tree; use a power of two from 2 to 32768 for {}",
+                name(Setting::Sources)
+            ),
+            Self::Shot(number) => format!(
+                "shot {number} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 \
+                 degrees and a width over height above 0"
+            ),
+            Self::Range { setting, value, low, high } => {
+                format!("{} is {value}, but must lie between {low} and {high}", name(*setting))
+            }
+        }
+    }
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text(Setting::name))
+    }
 }

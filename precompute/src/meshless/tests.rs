@@ -71,7 +71,7 @@ fn settings_that_no_basis_can_have_are_named_at_once() {
         assert!(matches!(tiny, BakeError::Points(PointsError::RadiusTooSmall { .. })), "{tiny}");
     }
     let text = error(MeshlessSettings { coarse_radius: Some(1e-6), ..settings() }).to_string();
-    assert!(text.contains("0.000001") && text.contains("3.46") && text.contains("--coarse-radius"), "{text}");
+    assert!(text.contains("0.000001") && text.contains("3.46") && text.contains("coarse radius"), "{text}");
     let senders = error(MeshlessSettings { sender_levels: 4, coarse_radius: Some(0.5), ..settings() });
     assert!(matches!(senders, BakeError::Basis(_)) && !senders.to_string().contains("viewpoint"), "{senders}");
 }

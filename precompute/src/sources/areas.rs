@@ -5,6 +5,7 @@ use crate::{
     errors::PointsError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
+    warning::Warning,
 };
 use lapidary_core::{
     sources::OWNED_WITHIN,
@@ -121,18 +122,10 @@ fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
     let (samples, without) = (points_of.len(), points_of.iter().filter(|&&n| n == 0).count());
     let warn = |message| observer.event(Event::Warning { message });
     if owned < FEW * samples {
-        let each = owned as f32 / samples as f32;
-        warn(format!(
-            "light reaches so small a part of the scene that the areas of the surface sources are known by {each:.1} points \
-             each and bounced light is uneven; leave out what is out of reach, or give a place in a larger space with \
-             --viewpoint x,y,z"
-        ));
+        warn(Warning::UnevenAreas { points: owned as f32 / samples as f32 });
     }
     if without as f32 > WITHOUT_AREA * samples as f32 {
-        warn(format!(
-            "{without} of {samples} surface sources have no area, so nothing bounces off them; lower --sources, or check the \
-             scene for faces that lie in one another"
-        ));
+        warn(Warning::WithoutArea { without, sources: samples });
     }
 }
 

@@ -4,7 +4,7 @@
 //! do not count, so that the density does not depend on where the viewpoint is. Where most particles escape before that, as
 //! over an open plane, all landings count.
 //!
-//! Where pictures are given, most candidates are what lights these: ends of flights from the surfaces that they show.
+//! Where pictures are given, most candidates are what lights these: ends of segments from the surfaces that they show.
 
 use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
@@ -32,7 +32,7 @@ const EMPTY_BATCHES: usize = 16;
 const ENOUGH: f64 = 0.1;
 /// Candidates that pictures have for each other one: four fifths are theirs.
 const PICTURED: usize = 4;
-/// Rows of a picture among whose places flights are spread; any number would do.
+/// Rows of a picture among whose places segments are spread; any number would do.
 const ROWS: f32 = 1024.0;
 
 /// An endless supply of points on surfaces from which light reaches the viewpoint; the same ones for the same seed.
@@ -44,7 +44,7 @@ pub struct Candidates<'a> {
     dropped: usize,
     shots: &'a [Shot],
     next_particle: u64,
-    ready: VecDeque<Flight>,
+    ready: VecDeque<Segment>,
 }
 
 impl<'a> Candidates<'a> {
@@ -78,11 +78,11 @@ impl<'a> Candidates<'a> {
     /// # Errors
     /// [`PointsError::Cancelled`].
     pub fn draw(&mut self) -> Result<Option<Surfel>, PointsError> {
-        Ok(self.draw_flight()?.map(|flight| flight.end))
+        Ok(self.draw_segment()?.map(|segment| segment.end))
     }
 
-    /// [`Self::draw`], and how long the flight was that ends there.
-    pub(super) fn draw_flight(&mut self) -> Result<Option<Flight>, PointsError> {
+    /// [`Self::draw`], and how long the segment is that ends there.
+    pub(super) fn draw_segment(&mut self) -> Result<Option<Segment>, PointsError> {
         for _ in 0..EMPTY_BATCHES {
             if let Some(candidate) = self.ready.pop_front() {
                 return Ok(Some(candidate));
@@ -92,17 +92,17 @@ impl<'a> Candidates<'a> {
             }
             let particles = self.next_particle..self.next_particle + BATCH;
             self.next_particle = particles.end;
-            let landed: Vec<Vec<Flight>> = particles.into_par_iter().map(|p| self.flights(p)).collect();
+            let landed: Vec<Vec<Segment>> = particles.into_par_iter().map(|p| self.segments(p)).collect();
             self.ready.extend(landed.into_iter().flatten());
         }
         Ok(self.ready.pop_front())
     }
 
-    /// At least `count` flights of particles whatever the pictures, spread evenly over the surface; fewer if they escape.
+    /// At least `count` segments of particles whatever the pictures, spread evenly over the surface; fewer if they escape.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
-    pub(super) fn strays(&self, count: usize) -> Result<Vec<Flight>, PointsError> {
+    pub(super) fn particle_segments(&self, count: usize) -> Result<Vec<Segment>, PointsError> {
         if self.observer.cancelled() {
             return Err(PointsError::Cancelled);
         }
@@ -115,29 +115,29 @@ impl<'a> Candidates<'a> {
     }
 
     /// Those of a particle, and [`PICTURED`] times as many from what the shots see.
-    fn flights(&self, index: u64) -> Vec<Flight> {
-        let mut flights = self.particle(index);
+    fn segments(&self, index: u64) -> Vec<Segment> {
+        let mut segments = self.particle(index);
         if !self.shots.is_empty() {
             let mut rng = fastrand::Rng::with_seed(!self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let wanted = PICTURED * flights.len();
-            flights.extend((0..wanted).filter_map(|_| self.flight_in_picture(&mut rng)));
+            let wanted = PICTURED * segments.len();
+            segments.extend((0..wanted).filter_map(|_| self.segment_in_picture(&mut rng)));
         }
-        flights
+        segments
     }
 
-    /// Where a particle flies.
-    fn particle(&self, index: u64) -> Vec<Flight> {
+    /// The segments of the path of a particle.
+    fn particle(&self, index: u64) -> Vec<Segment> {
         let mut rng = fastrand::Rng::with_seed(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let direction = uniform_direction(rng.f32(), rng.f32());
-        flights(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
+        segments(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
     }
 
     /// From a random place of one of the pictures, cosine-distributed about its normal.
-    fn flight_in_picture(&self, rng: &mut fastrand::Rng) -> Option<Flight> {
+    fn segment_in_picture(&self, rng: &mut fastrand::Rng) -> Option<Segment> {
         let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
         let pixel = Vec2::new(rng.f32() * size[0] as f32, rng.f32() * size[1] as f32);
-        flights(self.surface, camera.eye, camera.direction_through(pixel, size), 2, rng).nth(1)
+        segments(self.surface, camera.eye, camera.direction_through(pixel, size), 2, rng).nth(1)
     }
 }
 
@@ -154,13 +154,13 @@ pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), Poi
     }
 }
 
-/// A straight way of a particle.
+/// A segment of the path of a particle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight {
+pub(super) struct Segment {
     /// Where it lands.
     pub end: Surfel,
-    /// How long the way was, in metres.
-    pub flown: f32,
+    /// Its length in metres.
+    pub length: f32,
 }
 
 /// Where a particle lands that is sent along a direction and reflected about, at most `most` times.
@@ -171,23 +171,23 @@ pub(super) fn landings<'a>(
     most: usize,
     rng: &'a mut fastrand::Rng,
 ) -> impl Iterator<Item = Surfel> + 'a {
-    flights(surface, origin, direction, most, rng).map(|flight| flight.end)
+    segments(surface, origin, direction, most, rng).map(|segment| segment.end)
 }
 
-fn flights<'a>(
+fn segments<'a>(
     surface: &'a dyn Surface,
     mut origin: Vec3,
     mut direction: Vec3,
     most: usize,
     rng: &'a mut fastrand::Rng,
-) -> impl Iterator<Item = Flight> + 'a {
+) -> impl Iterator<Item = Segment> + 'a {
     let offset = surface.offset();
     let next = move || {
         let hit = surface.first_hit(origin, direction)?;
-        let flown = hit.position.distance(origin);
+        let length = hit.position.distance(origin);
         origin = step_back(origin, direction, &hit, offset);
         direction = frame_around(hit.normal) * cosine_direction(rng.f32(), rng.f32());
-        Some(Flight { end: hit, flown })
+        Some(Segment { end: hit, length })
     };
     std::iter::from_fn(next).take(most)
 }

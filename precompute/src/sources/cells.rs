@@ -9,7 +9,7 @@ const LEAST_LANDINGS: usize = 8;
 /// Ways along the axes that surfaces may face most; their places are divided apart.
 const SIDES: usize = 6;
 
-/// Where a flight lands.
+/// Where a segment lands.
 pub(super) struct Landing {
     position: Vec3,
     side: usize,
@@ -18,9 +18,9 @@ pub(super) struct Landing {
 }
 
 impl Landing {
-    /// Of a flight of so many metres, more than none.
-    pub fn new(end: &Surfel, flown: f32) -> Self {
-        Self { position: end.position, side: side_of(end.normal), weight: flown.powi(-2) }
+    /// Of a segment of so many metres, more than none.
+    pub fn new(end: &Surfel, length: f32) -> Self {
+        Self { position: end.position, side: side_of(end.normal), weight: length.powi(-2) }
     }
 }
 
@@ -85,7 +85,7 @@ fn side_of(normal: Vec3) -> usize {
 }
 
 /// Brings those to the front that lie below a coordinate on an axis, and returns it and how many they are: their mean, or where
-/// that leaves too few on a side, as a few short flights at an edge may, their median. None if that does, too.
+/// that leaves too few on a side, as a few short segments at an edge may, their median. None if that does, too.
 fn split(members: &mut [Landing], axis: usize, mean: f32) -> Option<(f32, usize)> {
     let mut at = mean;
     for _ in 0..2 {
@@ -163,16 +163,16 @@ mod tests {
         Surfel { position, normal, place: Default::default() }
     }
 
-    /// Landings spread over a square of two metres, by flights of `flown`.
-    fn landings(normal: Vec3, flown: impl Fn(Vec3) -> f32) -> Vec<Landing> {
+    /// Landings spread over a square of two metres, by segments of `length`.
+    fn landings(normal: Vec3, length: impl Fn(Vec3) -> f32) -> Vec<Landing> {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places = std::iter::repeat_with(|| Vec3::new(coordinate(), 0.0, coordinate())).take(40_000);
-        places.map(|p| Landing::new(&surfel(p, normal), flown(p))).collect()
+        places.map(|p| Landing::new(&surfel(p, normal), length(p))).collect()
     }
 
     #[test]
-    fn cells_of_even_error_are_alike_and_those_of_short_flights_small() {
+    fn cells_of_even_error_are_alike_and_those_of_short_segments_small() {
         let width = |cells: &Cells, x: f32| {
             let at = |i: i32, j: i32| Vec3::new(x + 0.02 * i as f32, 0.0, 0.04 * j as f32);
             let places = (-10..=10).flat_map(|i| (-20..=20).map(move |j| at(i, j)));
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_short_flights_at_an_edge_do_not_keep_a_cell_whole() {
+    fn a_few_short_segments_at_an_edge_do_not_keep_a_cell_whole() {
         let at_edge = (0..4).map(|i| Landing::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
         let cells = Cells::new(landings(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
         let width = cells.width_at(&surfel(Vec3::ZERO, Vec3::Y));

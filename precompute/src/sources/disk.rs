@@ -4,6 +4,7 @@ use super::candidates::Candidates;
 use crate::{
     errors::PointsError,
     observer::{Event, Observer},
+    warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -114,11 +115,7 @@ pub(super) fn levels_of_at_most(
     let set = |level: usize| {
         let points = poisson_disk(&mut candidates, darts(level))?;
         if points.len() >= most {
-            let message = format!(
-                "level {} of the meshless basis ends at {most} points, before they cover all surfaces, and light is missing; \
-                 give a larger --coarse-radius or fewer --levels",
-                level + 1
-            );
+            let message = Warning::UncoveredLevel { level: level + 1, points: most };
             observer.event(Event::Warning { message });
         }
         Ok(points)

@@ -2,11 +2,11 @@
 //!
 //! A receiver takes the light of a source to come from one place. What it receives is wrong by how far that is from where light
 //! does come from, in units of how far away the receiver is: the rim of a table over a ledge of a centimetre wants sources of
-//! millimetres, the ceiling does with decimetres. So rays fly from receivers, where they end is divided into cells whose
+//! millimetres, the ceiling does with decimetres. So rays go from receivers, where they end is divided into cells whose
 //! sum of these squared errors is small ([`Cells`]), and the widths of these tell how far apart sources are.
 
 use super::{
-    candidates::{Candidates, Flight},
+    candidates::{Candidates, Segment},
     cells::{Cells, Landing},
     disk::DENSITY,
 };
@@ -14,14 +14,14 @@ use crate::errors::PointsError;
 use lapidary_core::surfel::Surfel;
 use rayon::prelude::*;
 
-/// Flights of a cell, on average.
-const FLIGHTS: usize = 128;
-/// Flights count as no shorter than this share of the median: what is nearer lies in the same fold.
+/// Segments of a cell, on average.
+const SEGMENTS: usize = 128;
+/// Segments count as no shorter than this share of the median: what is nearer lies in the same fold.
 const SHORTEST: f32 = 0.02;
-/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the flights that land there.
+/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the segments that land there.
 /// But light from either side of a source cancels, so that what a receiver gets is wrong by the second order of the distance
 /// over that length: for a least sum of its squares the spacing goes with the length to the power of 2/3 (best density of
-/// centres on a surface for errors to the fourth). Cells divided by that measure themselves are worse, for few flights
+/// centres on a surface for errors to the fourth). Cells divided by that measure themselves are worse, for few segments
 /// decide then.
 const OF_WIDTH: f32 = 4.0 / 3.0;
 /// Sources are no farther apart than so many times as they are in an even set ([`even_spacing`]): little is seen of a lamp's
@@ -46,14 +46,14 @@ impl Spacing {
     /// # Errors
     /// [`PointsError::Cancelled`].
     pub fn new(candidates: &mut Candidates, count: usize) -> Result<Self, PointsError> {
-        let strays = candidates.strays(2 * count)?;
-        let widest = WIDEST * even_spacing(&strays, count);
-        let mut lengths: Vec<f32> = strays.iter().map(|flight| flight.flown).collect();
+        let segments = candidates.particle_segments(2 * count)?;
+        let widest = WIDEST * even_spacing(&segments, count);
+        let mut lengths: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
         let shortest = SHORTEST * median(&mut lengths);
-        let mut landings = Vec::with_capacity(FLIGHTS * count);
-        while landings.len() < FLIGHTS * count {
-            let Some(Flight { end, flown }) = candidates.draw_flight()? else { break };
-            landings.push(Landing::new(&end, flown.max(shortest)));
+        let mut landings = Vec::with_capacity(SEGMENTS * count);
+        while landings.len() < SEGMENTS * count {
+            let Some(Segment { end, length }) = candidates.draw_segment()? else { break };
+            landings.push(Landing::new(&end, length.max(shortest)));
         }
         Ok(Self::of(Cells::new(landings, count), widest))
     }
@@ -81,9 +81,9 @@ fn median(values: &mut [f32]) -> f32 {
 
 /// Radius of a Poisson-disk set of `count` points spread evenly over all surface that places lie on: each stands for so much of it
 /// as the nearest others leave it, however unevenly they lie.
-fn even_spacing(places: &[Flight], count: usize) -> f32 {
-    let area_of = |place: &Flight| {
-        let distance_sq = |other: &Flight| other.end.position.distance_squared(place.end.position);
+fn even_spacing(places: &[Segment], count: usize) -> f32 {
+    let area_of = |place: &Segment| {
+        let distance_sq = |other: &Segment| other.end.position.distance_squared(place.end.position);
         let mut distances: Vec<f32> = places.iter().map(distance_sq).collect();
         let nearest = NEIGHBOURS.min(places.len() - 1);
         std::f32::consts::PI * *distances.select_nth_unstable_by(nearest, f32::total_cmp).1 / nearest.max(1) as f32
@@ -100,15 +100,15 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Flights of a quarter of a metre to the places of negative x, and of a metre to the others.
+    /// Segments of a quarter of a metre to the places of negative x, and of a metre to the others.
     #[test]
-    fn spacing_goes_with_the_length_of_flights_to_the_power_of_two_thirds() {
+    fn spacing_goes_with_the_length_of_segments_to_the_power_of_two_thirds() {
         let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: Default::default() };
         let mut rng = fastrand::Rng::with_seed(11);
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places: Vec<Surfel> = (0..60_000).map(|_| surfel(coordinate(), coordinate())).collect();
-        let flown = |place: &Surfel| if place.position.x < 0.0 { 0.25 } else { 1.0 };
-        let cells = |count| Cells::new(places.iter().map(|p| Landing::new(p, flown(p))).collect(), count);
+        let length = |place: &Surfel| if place.position.x < 0.0 { 0.25 } else { 1.0 };
+        let cells = |count| Cells::new(places.iter().map(|p| Landing::new(p, length(p))).collect(), count);
         let ratio = |at: &dyn Fn(&Surfel) -> f32| {
             let mean = |side: f32| {
                 let of_side = places.iter().filter(|p| p.position.x * side > 0.1);

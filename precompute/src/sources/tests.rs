@@ -59,7 +59,7 @@ struct Warnings(std::sync::Mutex<String>);
 impl Observer for Warnings {
     fn event(&self, event: Event) {
         if let Event::Warning { message } = event {
-            self.0.lock().unwrap().push_str(&message);
+            self.0.lock().unwrap().push_str(&message.to_string());
         }
     }
 }
@@ -121,7 +121,7 @@ fn a_level_that_is_cut_short_is_told() {
         warnings.0.into_inner().unwrap()
     };
     let text = told(300);
-    assert!(text.contains("300 points") && text.contains("--coarse-radius"), "{text}");
+    assert!(text.contains("300 points") && text.contains("coarse radius"), "{text}");
     assert_eq!(told(100_000), "");
 }
 
@@ -168,7 +168,7 @@ fn an_open_scene_still_gets_points() {
     assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
 }
 
-/// Most light from a box flies near by, and the ground is wide: how wide, few flights tell.
+/// Most paths from a box end near by, and the ground is wide: how wide, few of their segments tell.
 #[test]
 fn wide_ground_around_a_house_is_covered_by_its_points() {
     for half_width in [40.0, 400.0] {

@@ -42,7 +42,7 @@ const BACKS_ONLY: f32 = 0.01;
 const SEED: u64 = 0x7669_6577_706f_696e;
 
 /// What lies around a place.
-pub struct Surroundings {
+pub struct ViewpointSurroundings {
     /// Share of all directions that meet no surface, not even the back of one: 0 in a closed space, about a half over a
     /// plane.
     pub open: f32,
@@ -52,7 +52,7 @@ pub struct Surroundings {
     pub seen: Vec<Surfel>,
 }
 
-impl Surroundings {
+impl ViewpointSurroundings {
     /// Of a place.
     pub fn of(surface: &MeshSurface, place: Vec3) -> Self {
         let View { hits, seen } = View::from(surface, place);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    bake::{BakeJob, bake},
+    bake::{BakeJob, bake, settings::resolve},
     observer::Silent,
     test_scenes::{cuboid, floor, scene_of},
 };
@@ -24,14 +24,7 @@ fn each_variant_is_the_bake_with_its_settings() {
     let made = study.bake(512, 16, &variants, &all, &Silent).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (dataset, variant) in made.iter().zip(variants) {
-        let job = BakeJob {
-            settings: dataset.settings.clone(),
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
+        let job = BakeJob::new(resolve(dataset.settings.clone()).unwrap(), folder.path().join("a.cuts"));
         let baked = bake(scene(), &job, &Silent).unwrap();
         assert_eq!(dataset.cuts, baked.cuts, "{variant:?}");
         assert_eq!((&dataset.tree, &dataset.scene_hash), (&baked.tree, &baked.scene_hash));

@@ -4,11 +4,11 @@ use super::{Study, Variant};
 use crate::{
     bake::{
         Packed,
-        checkpoint::{Chunk, Series},
+        checkpoint::Chunk,
         concatenate, pack, report,
-        settings::{Preset, resolve},
+        settings::{Preset, ResolvedBake, resolve},
     },
-    errors::{BakeError, SettingsError, cancelled},
+    errors::{BakeError, CutsOf, SettingsError, cancelled},
     observer::{Event, Observer, Phase},
     vertices::{pilot::sample_pilot, visibility::VisibilitySampler},
 };
@@ -44,7 +44,7 @@ impl Study {
         made.map(|((settings, tree), chunk)| self.dataset(settings, tree, &chunk, points, visibility_secs)).collect()
     }
 
-    fn settings(&self, lights: usize, pilot_clusters: usize, variant: Variant) -> Result<BakeSettings, BakeError> {
+    fn settings(&self, lights: usize, pilot_clusters: usize, variant: Variant) -> Result<ResolvedBake, BakeError> {
         let Variant { tree, beta, criterion } = variant;
         let normal = Preset::Normal.settings();
         let max_vertices = self.max_vertices;
@@ -52,7 +52,7 @@ impl Study {
     }
 
     /// The tree of each settings; equal ones are clustered once.
-    fn trees(&self, settings: &[BakeSettings], observer: &dyn Observer) -> Result<Vec<TimedTree>, BakeError> {
+    fn trees(&self, settings: &[ResolvedBake], observer: &dyn Observer) -> Result<Vec<TimedTree>, BakeError> {
         let Some(first) = settings.first() else { return Ok(Vec::new()) };
         let directions = fibonacci_directions(first.lights);
         let mut pilot = PilotVisibility { lights: first.lights, fractions: Vec::new() };
@@ -77,14 +77,14 @@ impl Study {
             let pilot_secs = if s.tree == TreeKind::Geometric { 0.0 } else { pilot_secs };
             known.push((s.tree, s.beta, TimedTree { tree, pilot_secs, tree_secs: start.elapsed().as_secs_f64() }));
         }
-        let of = |s: &BakeSettings| known.iter().find(|(kind, beta, _)| (*kind, *beta) == (s.tree, s.beta));
+        let of = |s: &ResolvedBake| known.iter().find(|(kind, beta, _)| (*kind, *beta) == (s.tree, s.beta));
         Ok(settings.iter().filter_map(|s| of(s).map(|(.., tree)| tree.clone())).collect())
     }
 
     /// The cuts of the points, one chunk for each settings.
     fn chunks(
         &self,
-        settings: &[BakeSettings],
+        settings: &[ResolvedBake],
         trees: &[TimedTree],
         points: &[u32],
         observer: &dyn Observer,
@@ -120,7 +120,7 @@ impl Study {
 
     fn dataset(
         &self,
-        settings: BakeSettings,
+        settings: ResolvedBake,
         tree: TimedTree,
         chunk: &Chunk,
         points: &[u32],
@@ -135,7 +135,7 @@ impl Study {
             cuts.push(vec![0]);
         }
         let of_vertex = geometry.points.of_vertex.iter().map(|&p| cut_of_point[p as usize]);
-        let packed = pack(cuts, std::slice::from_ref(chunk), of_vertex, Series::Environment)?;
+        let packed = pack(cuts, std::slice::from_ref(chunk), of_vertex, CutsOf::Environment)?;
         let report = self.report(&settings, &tree, &packed, chunk, visibility_secs);
         let mut dataset = Dataset {
             scene: geometry.scene.clone(),
@@ -145,7 +145,7 @@ impl Study {
             cuts: packed.cuts,
             indirect: None,
             meshless: None,
-            settings,
+            settings: settings.into_settings(),
             scene_hash: self.hash.clone(),
             report,
         };
@@ -155,7 +155,7 @@ impl Study {
 
     fn report(
         &self,
-        settings: &BakeSettings,
+        settings: &ResolvedBake,
         tree: &TimedTree,
         packed: &Packed,
         chunk: &Chunk,

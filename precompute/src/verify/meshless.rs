@@ -108,13 +108,16 @@ fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: &(impl Fn(Vec3) -> f32 
 mod tests {
     use super::*;
     use crate::{
-        bake::{BakeJob, bake, settings::Preset},
+        bake::{
+            BakeJob, bake,
+            settings::{Preset, resolve},
+        },
         observer::Silent,
         test_scenes::{cuboid, room, scene_of},
         verify::verify,
     };
     use lapidary_core::{
-        dataset::{BakeMode, BakeSettings, MeshlessSettings},
+        dataset::{BakeParts, BakeSettings, MeshlessSettings},
         meshless::PackedLink,
     };
 
@@ -123,15 +126,11 @@ mod tests {
         let mut triangles = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
         triangles.extend(cuboid(Vec3::new(0.3, -0.4, 0.2), Vec3::splat(0.2)));
         let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 128, ..Default::default() };
-        let settings = BakeSettings { mode: BakeMode::Meshless, meshless, lights: 256, ..Preset::Draft.settings() };
-        let job = BakeJob {
-            settings: BakeSettings { max_vertices: None, ..settings },
-            output: folder.path().join("a.cuts"),
-            chunks: None,
-            resume: false,
-            import_secs: 0.0,
-            warnings: Vec::new(),
-        };
+        let settings = BakeSettings { mode: BakeParts::MESHLESS, meshless, lights: 256, ..Preset::Draft.settings() };
+        let job = BakeJob::new(
+            resolve(BakeSettings { max_vertices: None, ..settings }).unwrap(),
+            folder.path().join("a.cuts"),
+        );
         bake(scene_of(&triangles), &job, &Silent).unwrap();
         Dataset::read(&job.output).unwrap()
     }

@@ -6,7 +6,10 @@ mod sight;
 use crate::{
     errors::{BakeError, cancelled},
     observer::Observer,
-    vertices::sidedness::{Sidedness, exact_key},
+    vertices::{
+        side::Side,
+        sidedness::{Sidedness, exact_key},
+    },
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -42,7 +45,7 @@ pub struct BakePoint {
     pub horizon: f32,
     /// Sampled over the whole sphere, the lower half from the other side.
     pub two_sided: bool,
-    /// Place in metres that the upper and that the lower side sample at: the position, but in a crease.
+    /// Place in metres that the front and that the back sample at: the position, but in a crease.
     pub places: [Vec3; 2],
 }
 
@@ -62,14 +65,19 @@ impl BakePoint {
         Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
     }
 
-    /// Where rays of the upper (true) or lower side start.
-    pub fn origin(&self, upper: bool) -> Vec3 {
-        self.place(upper) + self.normal * if upper { self.offset } else { -self.offset }
+    /// The sides that it samples from.
+    pub fn sides(&self) -> &'static [Side] {
+        if self.two_sided { &Side::BOTH } else { &[Side::Front] }
     }
 
-    /// The place on the surface that the upper (true) or lower side samples at.
-    pub fn place(&self, upper: bool) -> Vec3 {
-        self.places[usize::from(!upper)]
+    /// Where rays of a side start.
+    pub fn origin(&self, side: Side) -> Vec3 {
+        self.place(side) + side.normal(self.normal) * self.offset
+    }
+
+    /// The place on the surface that a side samples at.
+    pub fn place(&self, side: Side) -> Vec3 {
+        self.places[side as usize]
     }
 
     /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::own_cosine`].
@@ -79,17 +87,18 @@ impl BakePoint {
         Origin::OWN_COSINE.min(0.99 * tilted)
     }
 
-    /// Whether a direction is sampled from the upper side.
-    pub fn is_upper(&self, direction: Vec3) -> bool {
+    /// The side that a direction is sampled from. What a one-sided point has at its back is not sampled.
+    pub fn side_of(&self, direction: Vec3) -> Side {
         let height = direction.dot(self.normal);
-        if self.two_sided { height >= 0.0 } else { height > self.horizon }
+        let is_front = if self.two_sided { height >= 0.0 } else { height > self.horizon };
+        if is_front { Side::Front } else { Side::Back }
     }
 }
 
 impl BakePoints {
     /// One point for each distinct (position, normal, sides) of the mesh's vertices.
     pub fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
-        let around = Surroundings::new(mesh, sides);
+        let around = VertexTriangles::new(mesh, sides);
         let diagonal = mesh.bounds().diagonal();
         let mut result = Self::default();
         let mut known = HashMap::new();
@@ -136,11 +145,10 @@ impl BakePoints {
         let mut points = self.off_creases(mesh, scene);
         let sight = Sight::new(mesh, scene, shots, points.len(), &self.of_vertex);
         points.par_iter_mut().enumerate().for_each(|(i, point)| {
-            for (side, normal) in
-                [point.normal, -point.normal].into_iter().enumerate().take(1 + usize::from(point.two_sided))
-            {
+            for &side in point.sides() {
+                let normal = side.normal(point.normal);
                 if let Some(place) = sight.better_place(i, point.position, normal, point.offset) {
-                    point.places[side] = place;
+                    point.places[side as usize] = place;
                 }
             }
         });
@@ -158,11 +166,11 @@ impl BakePoints {
         observer: &dyn Observer,
     ) -> Result<Vec<bool>, BakeError> {
         let sphere = fibonacci_directions(2 * BURIAL_RAYS);
-        let sees_insides = |point: &BakePoint, upper: bool| {
-            let frame = frame_around(point.normal * if upper { 1.0 } else { -1.0 });
+        let sees_insides = |point: &BakePoint, side: Side| {
+            let frame = frame_around(side.normal(point.normal));
             let (mut back, mut rays) = (0, 0);
             for d in sphere.iter().filter(|d| d.z > 0.05) {
-                let hit = scene.closest_hit(point.origin(upper), frame * *d);
+                let hit = scene.closest_hit(point.origin(side), frame * *d);
                 rays += 1;
                 back += usize::from(hit.is_some_and(|h| h.back_face && sides.closed[h.triangle as usize]));
             }
@@ -170,14 +178,14 @@ impl BakePoints {
         };
         let buried = |p: &BakePoint| {
             cancelled(observer)?;
-            Ok(sees_insides(p, true) && (!p.two_sided || sees_insides(p, false)))
+            Ok(p.sides().iter().all(|&side| sees_insides(p, side)))
         };
         self.points.par_iter().map(buried).collect()
     }
 }
 
 /// What the triangles around each vertex say.
-struct Surroundings {
+struct VertexTriangles {
     area: Vec<Vec3>,
     edge_length: Vec<f32>,
     /// Least height of the triangles, but of those without area.
@@ -185,7 +193,7 @@ struct Surroundings {
     two_sided: Vec<bool>,
 }
 
-impl Surroundings {
+impl VertexTriangles {
     fn new(mesh: &Mesh, sides: &Sidedness) -> Self {
         let n = mesh.positions.len();
         let (mut area, mut length, mut uses) = (vec![Vec3::ZERO; n], vec![0.0_f32; n], vec![0.0_f32; n]);
@@ -240,8 +248,8 @@ mod tests {
         let places = |shots: &[Shot]| points.for_sources(&scene.mesh, &intersector, shots);
         let corner = points.points.iter().position(|p| p.position == Vec3::new(-2.0, 0.0, -2.0)).unwrap();
         let [moved, still] = [places(&shots), places(&[])].map(|points| points[corner]);
-        assert!(moved.place(true).distance(Vec3::new(-2.0, 0.0, -2.0)) > 0.5, "{moved:?}");
-        assert_eq!(still.place(true), still.position, "negative control: no shot");
+        assert!(moved.place(Side::Front).distance(Vec3::new(-2.0, 0.0, -2.0)) > 0.5, "{moved:?}");
+        assert_eq!(still.place(Side::Front), still.position, "negative control: no shot");
         let seen = points.points.iter().position(|p| p.position == Vec3::new(2.0, 0.0, -2.0)).unwrap();
         assert_eq!(places(&shots)[seen], places(&[])[seen]);
     }

@@ -20,7 +20,7 @@ use edges::Edges;
 use lapidary_core::{ray::Intersector, scene::Mesh, shot::Shot};
 use pilot::Pilot;
 pub use pilot::Stored;
-use scale::Scale;
+use scale::EdgeScale;
 use split::split_edges;
 
 /// Part of the sphere that must be wrong at an edge's midpoint for the edge to be split, or how wrong nearness must be.
@@ -61,7 +61,7 @@ pub fn tessellate(
     if mesh.positions.len() >= budget {
         return Ok(());
     }
-    let scale = Scale::new(mesh, scene, shots, budget, observer);
+    let scale = EdgeScale::new(mesh, scene, shots, budget, observer);
     let mut pilot = Pilot::new(scene, stored, scale.unit, observer);
     for round in 1..=ROUNDS {
         cancelled(observer)?;
@@ -92,7 +92,7 @@ fn wanted_edges(
     sides: &Sidedness,
     edges: &Edges,
     pilot: &mut Pilot,
-    scale: &Scale,
+    scale: &EdgeScale,
 ) -> Result<Vec<u32>, BakeError> {
     let of_triangles = scale.of_triangles(mesh)?;
     let lengths: Vec<f32> = edges

@@ -1,6 +1,6 @@
 //! Visibility of all light samples from one bake point: one batch behind one function.
 
-use crate::vertices::points::BakePoint;
+use crate::vertices::{points::BakePoint, side::Side};
 use glam::Vec3;
 use lapidary_core::{
     light_tree::LightTree,
@@ -27,19 +27,18 @@ impl<'a> VisibilitySampler<'a> {
     /// Sets `visible[leaf]` to 1 for every light that the point sees and to 0 for all others. Returns the rays traced.
     pub fn sample(&self, point: &BakePoint, visible: &mut [u8]) -> u64 {
         visible.fill(0);
-        let upper = self.scene.trace_batch(point.origin(true), &self.directions, |d| point.is_upper(d), visible);
-        if !point.two_sided {
-            return upper;
-        }
-        upper + self.scene.trace_batch(point.origin(false), &self.directions, |d| !point.is_upper(d), visible)
+        let trace = |&side: &Side| {
+            self.scene.trace_batch(point.origin(side), &self.directions, |d| point.side_of(d) == side, &mut *visible)
+        };
+        point.sides().iter().map(trace).sum()
     }
 
     /// [`Self::sample`] ray by ray and without packets, for verification.
     pub fn sample_singly(&self, tree: &LightTree, point: &BakePoint, visible: &mut [u8]) {
         for (v, &d) in visible.iter_mut().zip(tree.leaf_directions()) {
-            let upper = point.is_upper(d);
-            let traced = upper || point.two_sided;
-            *v = u8::from(traced && !self.scene.occluded(point.origin(upper), d));
+            let side = point.side_of(d);
+            let traced = point.sides().contains(&side);
+            *v = u8::from(traced && !self.scene.occluded(point.origin(side), d));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Choices with names, as options.
 
 use clap::ValueEnum;
-use lapidary_core::{dataset::BakeMode, light_tree::TreeKind};
+use lapidary_core::light_tree::TreeKind;
 use lapidary_precompute::Preset;
 
 /// Clustering metric of the light tree, as an option.
@@ -44,34 +44,6 @@ impl From<PresetOption> for Preset {
             PresetOption::Draft => Self::Draft,
             PresetOption::Normal => Self::Normal,
             PresetOption::High => Self::High,
-        }
-    }
-}
-
-/// What is baked, as an option.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ModeOption {
-    /// Visibility of the environment.
-    #[default]
-    Environment,
-    /// Surface sources, which gather a bounce of local lights.
-    Indirect,
-    /// Both, and what the sources see of the environment.
-    Cuts,
-    /// The meshless basis and its transport.
-    Meshless,
-    /// All of these.
-    All,
-}
-
-impl From<ModeOption> for BakeMode {
-    fn from(option: ModeOption) -> Self {
-        match option {
-            ModeOption::Environment => Self::Environment,
-            ModeOption::Indirect => Self::Indirect,
-            ModeOption::Cuts => Self::Cuts,
-            ModeOption::Meshless => Self::Meshless,
-            ModeOption::All => Self::All,
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::terminal::Console;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::{
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
     environment::Environment,
     lights::{Light, LightsFile},
 };
@@ -104,7 +104,7 @@ impl EnvironmentArgs {
     }
 
     /// No environment where none was baked, unless one is named: it would light nothing, but a reference would have its light.
-    pub fn of_bake(&self, light: Illumination, mode: BakeMode, console: Console) -> Illumination {
+    pub fn of_bake(&self, light: Illumination, mode: BakeParts, console: Console) -> Illumination {
         let dark = || Environment::from_spec(DARK).map(|(environment, _)| environment.into());
         match self.env.as_deref() {
             _ if mode.environment() => light,
@@ -221,14 +221,14 @@ mod tests {
         };
         assert!(dark("--lights a.json") && dark("--env none") && dark("--env none --lights a.json"));
         assert!(!dark("") && !dark("--lights a.json --env studio") && !dark("--lights none"));
-        let dark = |text: &str, mode: BakeMode| {
+        let dark = |text: &str, mode: BakeParts| {
             let Options { environment, local } = options(text).unwrap();
             let quiet = Console { quiet: true };
             let light = environment.of_bake(environment.resolve(&local, quiet).unwrap(), mode, quiet);
             light.environment.map.pixels.iter().all(|p| *p == glam::Vec3::ZERO)
         };
-        assert!(dark("", BakeMode::Indirect) && dark("", BakeMode::Meshless) && !dark("", BakeMode::Cuts));
-        assert!(!dark("--env studio", BakeMode::Indirect) && dark("--env none", BakeMode::All));
+        assert!(dark("", BakeParts::INDIRECT) && dark("", BakeParts::MESHLESS) && !dark("", BakeParts::CUTS));
+        assert!(!dark("--env studio", BakeParts::INDIRECT) && dark("--env none", BakeParts::ALL));
     }
 
     #[test]

@@ -44,14 +44,14 @@ fn parts(report: &BakeReport) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeMode, IndirectReport};
+    use lapidary_core::dataset::{BakeParts, IndirectReport};
 
     #[test]
     fn the_summary_tells_only_what_was_baked() {
         let environment = BakeReport { mean_cut: 170.0, ..Default::default() };
         assert_eq!(parts(&environment), ["170 nodes a cut, visibility RMS 0.000"]);
         let sources = IndirectReport { sources: 512, mean_cut: 87.0, relative_error: 0.05, ..Default::default() };
-        let bounces = BakeReport { mode: BakeMode::Indirect, indirect: Some(sources), ..environment };
+        let bounces = BakeReport { mode: BakeParts::INDIRECT, indirect: Some(sources), ..environment };
         assert_eq!(parts(&bounces), ["512 sources, 87 nodes a cut, error 5.0 %"]);
     }
 }

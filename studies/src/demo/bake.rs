@@ -6,7 +6,7 @@ use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     import::{Imported, import},
 };
-use lapidary_precompute::{BakeError, BakeJob, Preset, bake};
+use lapidary_precompute::{BakeError, BakeJob, Preset, bake, resolve};
 use std::{path::Path, time::Instant};
 
 /// Most vertices: the scene's own, and some for the shadows on the backdrop.
@@ -21,7 +21,7 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
     let start = Instant::now();
     let Imported { scene, report } = import(&data.still_life())?;
     let job = BakeJob {
-        settings: BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() },
+        settings: resolve(BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() })?,
         output: out.join("still-life.cuts"),
         chunks: None,
         resume: true,

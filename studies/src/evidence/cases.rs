@@ -6,7 +6,7 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     cut::CutCriterion,
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     import::{Imported, import},
     light_tree::TreeKind,
     scene::Scene,
@@ -144,14 +144,14 @@ impl Measurement<'_> {
     fn bounce_bake(&self, plan: &Plan) -> Result<Arc<Dataset>> {
         let normal = Preset::Normal.settings();
         let job = BakeJob {
-            settings: BakeSettings {
+            settings: precompute::resolve(BakeSettings {
                 lights: self.scale.lights,
                 max_vertices: Some(room_in(&plan.scene, self.scale.bounce_vertices)),
-                mode: BakeMode::Indirect,
+                mode: BakeParts::INDIRECT,
                 indirect: lapidary_core::dataset::IndirectSettings { sources: self.scale.sources, ..normal.indirect },
                 pilot_clusters: self.scale.pilot_clusters,
                 ..normal
-            },
+            })?,
             output: self.out.join(format!("{}-bounces.cuts", plan.name)),
             chunks: None,
             resume: false,

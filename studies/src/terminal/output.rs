@@ -1,5 +1,6 @@
 //! What commands print and write: text, errors in one line, JSON.
 
+use super::with_options;
 use anyhow::{Context, Result};
 use std::io::Write;
 
@@ -15,10 +16,12 @@ pub fn print_out(text: &str) -> Result<()> {
     }
 }
 
-/// An error and its causes in one line. Most of our errors tell their cause themselves; it is not said twice.
+/// An error and its causes in one line, with the options that would help. Most of our errors tell their cause themselves;
+/// it is not said twice.
 pub fn error_text(error: &anyhow::Error) -> String {
-    let mut text = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
+    let mut causes = error.chain().map(with_options);
+    let mut text = causes.next().unwrap_or_default();
+    for cause in causes {
         if !text.contains(&cause) {
             text = format!("{text}: {cause}");
         }

@@ -1,8 +1,9 @@
 //! Progress on standard error: a bar with rate and time left, JSON lines, or nothing.
 
+use super::option_name;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle as BarStyle};
-use lapidary_precompute::{Event, Observer, Phase};
+use lapidary_precompute::{Event, Observer, Phase, Warning};
 use std::{
     sync::{
         Arc, Mutex, PoisonError,
@@ -52,7 +53,7 @@ impl ProgressReporter {
     /// Shows a warning above the bar.
     pub fn warn(&self, message: &str) {
         match self.style {
-            ProgressStyle::Json => self.print_json(&Event::Warning { message: message.to_owned() }),
+            ProgressStyle::Json => self.print_json(&Event::Warning { message: Warning::Text(message.to_owned()) }),
             ProgressStyle::Bar => self.bar().suspend(|| eprintln!("warning: {message}")),
             ProgressStyle::None => {}
         }
@@ -102,10 +103,10 @@ impl Observer for ProgressReporter {
     fn event(&self, event: Event) {
         match (self.style, event) {
             (ProgressStyle::None, _) => {}
+            (_, Event::Warning { message }) => self.warn(&message.text(option_name)),
             (ProgressStyle::Json, event) => self.print_json(&event),
             (ProgressStyle::Bar, Event::Started { phase, total, unit }) => self.start_bar(phase, total, unit),
             (ProgressStyle::Bar, Event::Advanced { done }) => self.bar().set_position(done),
-            (ProgressStyle::Bar, Event::Warning { message }) => self.warn(&message),
         }
     }
 

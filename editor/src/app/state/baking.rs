@@ -4,8 +4,8 @@ use crate::{
     jobs::bake::{BakeProgress, BakeRun},
     panels::bake::{BakeStatus, Draft, line},
 };
-use lapidary_core::dataset::{BakeMode, BakeSettings};
-use lapidary_precompute::{Leftover, Phase};
+use lapidary_core::dataset::BakeParts;
+use lapidary_precompute::{Leftover, Phase, ResolvedBake};
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex},
@@ -28,7 +28,7 @@ pub struct Baking {
 pub struct Looked {
     pub(in crate::app) output: PathBuf,
     pub(in crate::app) scene_hash: String,
-    pub(in crate::app) settings: BakeSettings,
+    pub(in crate::app) settings: ResolvedBake,
     /// When the folder was last written to.
     pub(in crate::app) written: SystemTime,
 }
@@ -36,7 +36,7 @@ pub struct Looked {
 /// A bake at work.
 pub struct Run {
     pub(in crate::app) job: BakeRun,
-    pub(in crate::app) mode: BakeMode,
+    pub(in crate::app) mode: BakeParts,
     pub(in crate::app) since: Instant,
     pub(in crate::app) phase: Option<Phase>,
     pub(in crate::app) phase_since: Instant,

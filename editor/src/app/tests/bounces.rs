@@ -9,12 +9,12 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, BakeSettings, IndirectSettings},
+    dataset::{BakeParts, BakeSettings, IndirectSettings},
     import::import,
     lights::Light,
     material::Material,
 };
-use lapidary_precompute::{BakeJob, Preset, Silent, bake};
+use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use std::path::Path;
 
 const BOX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf");
@@ -24,9 +24,9 @@ fn opened(place: &Place) -> Window {
     let normal = Preset::Draft.settings();
     let indirect = IndirectSettings { sources: 1024, ..normal.indirect };
     let settings =
-        BakeSettings { mode: BakeMode::Cuts, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
+        BakeSettings { mode: BakeParts::CUTS, lights: 256, pilot_clusters: 8, max_vertices: None, indirect, ..normal };
     let output = place.path("box.cuts");
-    let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+    let job = BakeJob::new(resolve(settings).unwrap(), output);
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
     let mut window = place.window_of(egui::vec2(700.0, 480.0));
     window.open(&place.path("box.cuts"));

@@ -8,12 +8,12 @@ use crate::{
     panels::bake::BakeStatus,
 };
 use lapidary_core::{
-    dataset::BakeMode,
+    dataset::BakeParts,
     image::Image,
     material::MapKind,
     texture::{Texture, TextureSlot},
 };
-use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake};
+use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake, resolve};
 use std::{
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, Ordering},
@@ -43,8 +43,7 @@ fn bundled(place: &Place, scene: &Path) -> Target {
 fn bake_into(ready: &Ready) {
     let output = ready.bake_output.clone().unwrap();
     std::fs::create_dir_all(output.parent().unwrap()).unwrap();
-    let job =
-        BakeJob { settings: few_lights(), output, chunks: None, resume: false, import_secs: 0.0, warnings: vec![] };
+    let job = BakeJob::new(resolve(few_lights()).unwrap(), output);
     bake((*ready.source.as_ref().unwrap().scene).clone(), &job, &Silent).unwrap();
 }
 
@@ -90,9 +89,9 @@ fn a_bundled_scene_with_lights_is_baked_for_their_bounce() {
     let place = Place::new();
     let scene = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf"));
     let ready = opened(bundled(&place, scene));
-    assert!(ready.bake_now && ready.document.bake.mode == BakeMode::Indirect && ready.document.lights.len() == 1);
+    assert!(ready.bake_now && ready.document.bake.mode == BakeParts::INDIRECT && ready.document.lights.len() == 1);
     let dark = opened(bundled(&place, &textured(&place)));
-    assert!(dark.bake_now && dark.document.bake.mode == BakeMode::Environment, "negative control");
+    assert!(dark.bake_now && dark.document.bake.mode == BakeParts::ENVIRONMENT, "negative control");
 }
 
 #[test]
@@ -148,8 +147,7 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     let place = Place::new();
     let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
     let output = place.path("scene.cuts");
-    let job =
-        BakeJob { settings: few_lights(), output, chunks: Some(4), resume: false, import_secs: 0.0, warnings: vec![] };
+    let job = BakeJob { chunks: Some(4), ..BakeJob::new(resolve(few_lights()).unwrap(), output) };
     assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
     let mut window = place.window();
     window.open(&place.path("scene.obj"));

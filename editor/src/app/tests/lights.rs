@@ -9,7 +9,7 @@ use crate::{
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use lapidary_core::{dataset::BakeMode, lights::Light};
+use lapidary_core::{dataset::BakeParts, lights::Light};
 
 fn opened(place: &Place) -> Window {
     place.bake();
@@ -147,7 +147,7 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     window.0.get_by_label("Lights").click();
     window.0.run_steps(3);
     window.click("Bake with bounce light");
-    assert_eq!(window.0.state().document.bake.mode, BakeMode::Cuts);
+    assert_eq!(window.0.state().document.bake.mode, BakeParts::CUTS);
     assert_eq!(window.0.state().interface.inspector, Inspector::Bake);
 }
 
@@ -167,7 +167,7 @@ fn a_black_picture_says_why_and_leads_to_light() {
     assert!(!window.shows("All light is switched off"));
     let baked = window.0.state().scene.baked.as_ref().unwrap();
     let mut dataset = (*baked.dataset).clone();
-    dataset.settings.mode = BakeMode::Meshless;
+    dataset.settings.mode = BakeParts::MESHLESS;
     window.0.state_mut().scene.baked = Some(dataset.into());
     window.0.run_steps(2);
     assert!(window.shows("Nothing gives light"));

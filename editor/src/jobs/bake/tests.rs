@@ -3,9 +3,10 @@
 use super::*;
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, Dataset},
+    dataset::{BakeParts, Dataset},
     import::import,
 };
+use lapidary_precompute::{ResolvedBake, SettingsError};
 use lapidary_studies::jobs::testing::{silent, wait_for};
 
 const LIGHTS: usize = 256;
@@ -18,7 +19,7 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
     std::fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
     let settings = BakeSettings { lights: LIGHTS, pilot_clusters: 2, ..Preset::Normal.settings() };
     let output = folder.join("a.cuts");
-    let job = BakeJob { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() };
+    let job = BakeJob::new(resolve(settings).unwrap(), output);
     BakeTask {
         scene: import(&obj).unwrap().scene.into(),
         job,
@@ -27,6 +28,11 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
         turn: Arc::default(),
         cache: folder.join("cache"),
     }
+}
+
+/// The settings of a task with another number of lights.
+fn with_lights(task: &BakeTask, lights: usize) -> Result<ResolvedBake, SettingsError> {
+    resolve(BakeSettings { lights, ..task.job.settings.clone().into_settings() })
 }
 
 /// All messages up to the one that ends the bake.
@@ -44,7 +50,7 @@ fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
 fn a_draft_comes_first_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let mut task = task(folder.path(), true);
-    task.job.settings.lights = MANY_LIGHTS;
+    task.job.settings = with_lights(&task, MANY_LIGHTS).unwrap();
     let (output, cache) = (task.job.output.clone(), task.cache.clone());
     let mut run = BakeRun::start(task, silent());
     let messages = all(&mut run);
@@ -65,7 +71,7 @@ const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 0 1 1\nf 1 
 #[test]
 fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
     let folder = tempfile::tempdir().unwrap();
-    for (mode, parts) in [(BakeMode::Indirect, (true, false)), (BakeMode::Meshless, (false, true))] {
+    for (mode, parts) in [(BakeParts::INDIRECT, (true, false)), (BakeParts::MESHLESS, (false, true))] {
         let mut task = task(folder.path(), true);
         let obj = folder.path().join("corner.obj");
         std::fs::write(&obj, CORNER).unwrap();
@@ -74,7 +80,8 @@ fn a_draft_has_the_parts_of_the_light_that_are_wanted() {
         let viewpoint = Some(Vec3::new(0.6, 0.5, 0.5));
         let indirect = IndirectSettings { viewpoint, sources: 4096, ..normal.indirect };
         let meshless = MeshlessSettings { levels: 1, sender_levels: 1, ..normal.meshless };
-        task.job.settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
+        let settings = BakeSettings { mode, indirect, meshless, lights: LIGHTS, max_vertices: None, ..normal };
+        task.job.settings = resolve(settings).unwrap();
         let mut messages = all(&mut BakeRun::start(task.clone(), silent()));
         messages.retain(|m| !matches!(m, BakeMessage::Warning(_))); // two walls are no closed space
         let [BakeMessage::Draft(draft), BakeMessage::Done(whole)] = &messages[..] else { panic!("{messages:?}") };
@@ -98,7 +105,7 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
     };
     let meshless = MeshlessSettings { levels: 2, sender_levels: 1, rays: 32, ..normal.meshless };
     let few = BakeSettings {
-        mode: BakeMode::All,
+        mode: BakeParts::ALL,
         lights: 512,
         pilot_clusters: 3,
         max_vertices: Some(700),
@@ -113,10 +120,10 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
     assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.75, "negative control");
     assert!(!draft_is_sooner(&few));
     for (mode, [lights, sources, basis]) in [
-        (BakeMode::Environment, [true, false, false]),
-        (BakeMode::Indirect, [false, true, false]),
-        (BakeMode::Meshless, [false, false, true]),
-        (BakeMode::All, [true; 3]),
+        (BakeParts::ENVIRONMENT, [true, false, false]),
+        (BakeParts::INDIRECT, [false, true, false]),
+        (BakeParts::MESHLESS, [false, false, true]),
+        (BakeParts::ALL, [true; 3]),
     ] {
         let few = BakeSettings { mode, ..few.clone() };
         assert_eq!(draft_is_sooner(&BakeSettings { lights: 32_768, ..few.clone() }), lights, "{mode:?}");
@@ -174,9 +181,12 @@ fn a_bake_waits_for_one_that_was_left() {
 fn what_cannot_be_baked_or_written_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut odd = task(folder.path(), false);
-    odd.job.settings.lights = 1000;
+    assert!(with_lights(&odd, 1000).is_err_and(|error| error.to_string().contains("1000")));
+    let meshless = MeshlessSettings { coarse_radius: Some(1e-6), ..Default::default() };
+    let tiny = BakeSettings { mode: BakeParts::MESHLESS, meshless, ..odd.job.settings.into_settings() };
+    odd.job.settings = resolve(tiny).unwrap();
     let messages = all(&mut BakeRun::start(odd, silent()));
-    assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("1000")), "{messages:?}");
+    assert!(matches!(&messages[..], [BakeMessage::Failed(text)] if text.contains("coarse radius")), "{messages:?}");
     let mut nowhere = task(folder.path(), true);
     std::fs::write(folder.path().join("file"), "").unwrap();
     nowhere.cache = folder.path().join("file");

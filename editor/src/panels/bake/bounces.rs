@@ -23,7 +23,7 @@ const MOST_LEVELS: usize = 8;
 
 /// Rows of what the bake has.
 pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    if bake.mode.indirect() {
+    if bake.mode.sources() {
         sources(ui, bake, actions);
     }
     if bake.mode.meshless() {

@@ -103,7 +103,7 @@ impl Speed {
         let mode = settings.mode;
         let parts = [
             (mode.environment(), self.environment(settings, vertices as f64)),
-            (mode.indirect(), self.sources(settings, vertices as f64)),
+            (mode.sources(), self.sources(settings, vertices as f64)),
             (mode.meshless(), self.meshless(settings.meshless.levels)),
         ];
         let wanted = || parts.iter().filter(|(wanted, _)| *wanted).map(|(_, cost)| cost);
@@ -171,7 +171,7 @@ fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeMode, IndirectReport, MeshlessSettings};
+    use lapidary_core::dataset::{BakeParts, IndirectReport, MeshlessSettings};
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -197,14 +197,14 @@ mod tests {
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
         assert!((estimate.secs - 5000.0 * 0.032768).abs() < 1e-6);
         assert_eq!(speed(None).estimate(&settings).unwrap().bytes, 1_700_000, "without a report");
-        let dark = BakeReport { mode: BakeMode::Indirect, mean_cut: 1.0, ..report };
+        let dark = BakeReport { mode: BakeParts::INDIRECT, mean_cut: 1.0, ..report };
         let estimate = speed(Some(&dark)).estimate(&settings).unwrap();
         assert_eq!(estimate.bytes, speed(None).estimate(&settings).unwrap().bytes, "its cuts are of nothing");
     }
 
     /// Of a bounce: what its segments take, and its size.
     fn bounce(speed: &Speed, sources: usize, sigma: f32) -> Estimate {
-        let mut settings = BakeSettings { mode: BakeMode::Indirect, max_vertices: None, ..Preset::Normal.settings() };
+        let mut settings = BakeSettings { mode: BakeParts::INDIRECT, max_vertices: None, ..Preset::Normal.settings() };
         (settings.indirect.sources, settings.indirect.criterion.sigma) = (sources, sigma);
         speed.estimate(&settings).unwrap()
     }
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_level_more_of_the_basis_takes_four_times_as_long() {
-        let settings = BakeSettings { mode: BakeMode::Meshless, ..Preset::Normal.settings() };
+        let settings = BakeSettings { mode: BakeParts::MESHLESS, ..Preset::Normal.settings() };
         let finer = MeshlessSettings { levels: settings.meshless.levels + 1, ..settings.meshless };
         let secs = |s: &BakeSettings| speed(None).estimate(s).unwrap().secs;
         assert!((secs(&settings) - 55.0).abs() < 1e-6, "on two cores");
@@ -272,12 +272,12 @@ mod tests {
     fn both_cost_what_their_parts_cost() {
         let settings = Preset::Normal.settings();
         let cost = |mode| speed(None).estimate(&BakeSettings { mode, ..settings.clone() }).unwrap();
-        let parts = [BakeMode::Cuts, BakeMode::Meshless].map(cost);
-        let all = cost(BakeMode::All);
+        let parts = [BakeParts::CUTS, BakeParts::MESHLESS].map(cost);
+        let all = cost(BakeParts::ALL);
         assert!((all.secs - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);
         assert!(all.bytes.abs_diff(parts.iter().map(|p| p.bytes).sum()) < 4);
         assert!(parts.iter().all(|part| part.secs < all.secs && part.bytes < all.bytes && part.bytes > 0));
-        let [environment, indirect] = [BakeMode::Environment, BakeMode::Indirect].map(cost);
+        let [environment, indirect] = [BakeParts::ENVIRONMENT, BakeParts::INDIRECT].map(cost);
         let on_sources = 32_768.0 * 32_768.0 / 15e6;
         assert!(
             (parts[0].secs - environment.secs - indirect.secs - on_sources).abs() < 1e-6,

@@ -6,13 +6,19 @@ use crate::{
     panels::{entries::combo_row, units::duration, widgets::check_row},
 };
 use egui::{RichText, Ui};
-use lapidary_core::dataset::{BakeMode, BakeSettings};
+use lapidary_core::dataset::{BakeParts, BakeSettings};
 
 /// The choice for most bakes, and what the chosen one gives and costs.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {
     let mode = bake.mode;
-    let mut modes = vec![BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::All];
-    if mode == BakeMode::Meshless {
+    let mut modes = vec![
+        BakeParts::ENVIRONMENT,
+        BakeParts::INDIRECT,
+        BakeParts::CUTS,
+        BakeParts::ENVIRONMENT_MESHLESS,
+        BakeParts::ALL,
+    ];
+    if !modes.contains(&mode) {
         modes.push(mode);
     }
     let costs: Vec<String> =
@@ -26,27 +32,37 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
 }
 
 /// Name for people.
-pub fn name(mode: BakeMode) -> &'static str {
-    match mode {
-        BakeMode::Environment => "Environment",
-        BakeMode::Indirect => "Bounce light",
-        BakeMode::Cuts => "Environment and bounce light",
-        BakeMode::Meshless => "Many soft bounces only",
-        BakeMode::All => "All, with many bounces",
+pub fn name(mode: BakeParts) -> &'static str {
+    match (mode.environment(), mode.sources(), mode.meshless()) {
+        (_, false, false) => "Environment",
+        (false, true, false) => "Bounce light",
+        (true, true, false) => "Environment and bounce light",
+        (false, false, true) => "Many soft bounces only",
+        (true, false, true) => "Environment and many soft bounces",
+        (false, true, true) => "Bounce light, with many bounces",
+        (true, true, true) => "All, with many bounces",
     }
 }
 
-fn gives(mode: BakeMode) -> &'static str {
-    match mode {
-        BakeMode::Environment => "Environment light without bounces. For objects lit from outside.",
-        BakeMode::Indirect => {
+fn gives(mode: BakeParts) -> &'static str {
+    match (mode.environment(), mode.sources(), mode.meshless()) {
+        (_, false, false) => "Environment light without bounces. For objects lit from outside.",
+        (false, true, false) => {
             "One bounce of the local lights, sharp in glossy surfaces. No environment light. Fastest for a room with lamps."
         }
-        BakeMode::Cuts => "Environment light, and one bounce of it and of the local lights. For a room with windows.",
-        BakeMode::Meshless => {
+        (true, true, false) => {
+            "Environment light, and one bounce of it and of the local lights. For a room with windows."
+        }
+        (false, false, true) => {
             "Many soft bounces of the local lights, none sharp in glossy surfaces. No environment light."
         }
-        BakeMode::All => {
+        (true, false, true) => {
+            "Environment light, and many soft bounces of it and of the local lights, none sharp in glossy surfaces."
+        }
+        (false, true, true) => {
+            "Many bounces of the local lights: the first is sharp in glossy surfaces, later ones are soft. No environment light."
+        }
+        (true, true, true) => {
             "Environment light, and many bounces: the first is sharp in glossy surfaces, later ones are soft. Takes longest."
         }
     }
@@ -58,9 +74,9 @@ fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
 }
 
 /// The choice for few: many bounces without the cuts.
-pub fn advanced(ui: &mut Ui, mode: BakeMode, actions: &mut Vec<Action>) {
-    let mut is_meshless = mode == BakeMode::Meshless;
-    if check_row(ui, "Many soft bounces only", gives(BakeMode::Meshless), &mut is_meshless).changed {
-        actions.push(Action::ChooseBake(if is_meshless { BakeMode::Meshless } else { BakeMode::Indirect }));
+pub fn advanced(ui: &mut Ui, mode: BakeParts, actions: &mut Vec<Action>) {
+    let mut is_meshless = mode == BakeParts::MESHLESS;
+    if check_row(ui, "Many soft bounces only", gives(BakeParts::MESHLESS), &mut is_meshless).changed {
+        actions.push(Action::ChooseBake(if is_meshless { BakeParts::MESHLESS } else { BakeParts::INDIRECT }));
     }
 }

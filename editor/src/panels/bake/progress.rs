@@ -6,7 +6,7 @@ use crate::{
     panels::units::{duration, grouped},
 };
 use egui::{Button, Grid, ProgressBar, RichText, Ui};
-use lapidary_core::dataset::BakeMode;
+use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::Phase;
 
 /// Shows a running bake, with a button to stop it.
@@ -90,17 +90,17 @@ pub fn line(status: &BakeStatus) -> Option<String> {
 }
 
 /// The phases of a bake of this mode, and the present one in any case.
-fn steps(phase: Phase, mode: BakeMode) -> Vec<Phase> {
+fn steps(phase: Phase, mode: BakeParts) -> Vec<Phase> {
     Phase::ALL.into_iter().filter(|p| *p == phase || runs_in(*p, mode)).collect()
 }
 
 /// Whether a bake of this mode goes through a phase; the light tree is made for any.
-fn runs_in(phase: Phase, mode: BakeMode) -> bool {
+fn runs_in(phase: Phase, mode: BakeParts) -> bool {
     match phase {
         Phase::Import | Phase::Tessellate | Phase::Tree | Phase::Pack => true,
         Phase::Pilot | Phase::Visibility => mode.environment(),
-        Phase::Points | Phase::SourceTree | Phase::SourceVisibility => mode.indirect(),
-        Phase::SourceEnvironment => mode.indirect() && mode.environment(),
+        Phase::Points | Phase::SourceTree | Phase::SourceVisibility => mode.sources(),
+        Phase::SourceEnvironment => mode.sources() && mode.environment(),
         Phase::Basis | Phase::Transport => mode.meshless(),
     }
 }
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn the_line_says_what_is_a_draft_and_what_comes() {
         let running = |draft, phase, done| BakeStatus::Running {
-            mode: BakeMode::Indirect,
+            mode: BakeParts::INDIRECT,
             draft,
             phase,
             done,
@@ -170,10 +170,10 @@ mod tests {
     #[test]
     fn each_mode_shows_its_phases_under_names_of_their_own() {
         let phases = |mode| Phase::ALL.into_iter().filter(|p| runs_in(*p, mode)).count();
-        let modes = [BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::Meshless, BakeMode::All];
+        let modes = [BakeParts::ENVIRONMENT, BakeParts::INDIRECT, BakeParts::CUTS, BakeParts::MESHLESS, BakeParts::ALL];
         assert_eq!(modes.map(phases), [6, 7, 10, 6, 12]);
         let names: std::collections::BTreeSet<_> = Phase::ALL.map(|p| described(p).0).into();
         assert_eq!(names.len(), Phase::ALL.len());
-        assert!(!runs_in(Phase::Points, BakeMode::Environment) && !runs_in(Phase::Visibility, BakeMode::Indirect));
+        assert!(!runs_in(Phase::Points, BakeParts::ENVIRONMENT) && !runs_in(Phase::Visibility, BakeParts::INDIRECT));
     }
 }

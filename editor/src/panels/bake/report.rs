@@ -127,7 +127,7 @@ fn bar_text(index: usize, points: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeMode, IndirectReport};
+    use lapidary_core::dataset::{BakeParts, IndirectReport};
     use lapidary_precompute::Preset;
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
     fn bounces_have_rows_of_their_own_and_the_environment_none_without_a_bake_of_it() {
         let indirect = IndirectReport { sources: 4096, mean_cut: 87.5, relative_error: 0.042, ..Default::default() };
         let seconds = [("source-visibility".to_owned(), 6.0)].into();
-        let mode = BakeMode::Indirect;
+        let mode = BakeParts::INDIRECT;
         let report = BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() };
         let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());

@@ -3,6 +3,7 @@
 use super::{
     BakeContext,
     estimate::{Estimate, Speed},
+    setting_names::error_text,
     stale::tree_name,
 };
 use crate::{
@@ -20,7 +21,7 @@ use lapidary_core::{
     dataset::{BakeSettings, IndirectSettings},
     light_tree::{MAX_HEIGHT, TreeKind},
 };
-use lapidary_precompute::{Preset, SettingsError, resolve};
+use lapidary_precompute::{Preset, resolve};
 
 /// Height of the smallest tree in the list: 256 lights. Fewer are for tests.
 const LEAST_HEIGHT: u32 = 8;
@@ -145,12 +146,4 @@ fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     let help = "A cut is refined until the root of its summed squared errors is below this, in lights.";
     let error = Decades { decimals: 1, ..Decades::count("Total error", help, 0.0..=1e4, 16.0) };
     edit_row(actions, "Total error", bake, wrap, |b| limit_row(ui, &error, &mut b.criterion.total_error));
-}
-
-/// What is wrong with settings, with the names of the panel instead of those of the command line.
-pub fn error_text(error: &SettingsError) -> String {
-    let SettingsError::Range { name, value, low, high } = error else { return error.to_string() };
-    let name = name.trim_start_matches("--").replace('-', " ");
-    let (first, rest) = name.split_at(name.len().min(1));
-    format!("{}{rest} is {value}, but must lie between {low} and {high}", first.to_uppercase())
 }

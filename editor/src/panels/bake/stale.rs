@@ -4,7 +4,7 @@ use super::mode::name as mode_name;
 use crate::{document::Document, panels::units::grouped};
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeMode, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     light_tree::TreeKind,
     shot::Shot,
 };
@@ -58,8 +58,8 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         indirect,
         meshless,
     } = settings;
-    let of_sources = |text: String| if mode.indirect() { text } else { "unused".into() };
-    let of_bounces = |text: String| if *mode == BakeMode::Environment { "unused".into() } else { text };
+    let of_sources = |text: String| if mode.sources() { text } else { "unused".into() };
+    let of_bounces = |text: String| if *mode == BakeParts::ENVIRONMENT { "unused".into() } else { text };
     let of_meshless = |text: String| if mode.meshless() { text } else { "unused".into() };
     let limit = |limit: Option<u64>| limit.map_or("no limit".into(), grouped);
     let beta = if *tree == TreeKind::Mixed { beta.to_string() } else { "unused".into() };

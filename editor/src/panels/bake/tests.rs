@@ -11,7 +11,7 @@ use egui_kittest::{
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeMode, BakeReport, BakeSettings},
+    dataset::{BakeParts, BakeReport, BakeSettings},
     light_tree::TreeKind,
     shot::Shot,
     test_scenes,
@@ -106,7 +106,7 @@ fn bake_resume_and_cancel_ask_for_what_they_say() {
 #[test]
 fn a_running_bake_shows_progress_and_can_be_cancelled() {
     let running = BakeStatus::Running {
-        mode: BakeMode::Environment,
+        mode: BakeParts::ENVIRONMENT,
         draft: Draft::None,
         phase: Phase::Visibility,
         done: 250,
@@ -138,7 +138,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
 #[test]
 fn a_bake_of_bounces_shows_its_own_phases() {
     let running = BakeStatus::Running {
-        mode: BakeMode::Indirect,
+        mode: BakeParts::INDIRECT,
         draft: Draft::Shown,
         phase: Phase::SourceVisibility,
         done: 300,
@@ -235,7 +235,7 @@ fn advanced_settings_are_typed_ticked_and_chosen() {
 
 #[test]
 fn advanced_settings_of_bounces_are_those_that_the_bake_has() {
-    let open = |mode: BakeMode| {
+    let open = |mode: BakeParts| {
         let mut document = document();
         document.bake.mode = mode;
         let mut panel = panel(BakeStatus::None, document, None);
@@ -245,13 +245,13 @@ fn advanced_settings_of_bounces_are_those_that_the_bake_has() {
         panel
     };
     let shown =
-        |mode: BakeMode| ["Source sigma value", "Epsilon value"].map(|l| open(mode).query_by_label(l).is_some());
-    assert_eq!(shown(BakeMode::Environment), [false, false]);
-    assert_eq!(shown(BakeMode::Cuts), [true, false]);
-    assert_eq!(shown(BakeMode::Meshless), [false, true]);
-    assert_eq!(shown(BakeMode::All), [true, true]);
+        |mode: BakeParts| ["Source sigma value", "Epsilon value"].map(|l| open(mode).query_by_label(l).is_some());
+    assert_eq!(shown(BakeParts::ENVIRONMENT), [false, false]);
+    assert_eq!(shown(BakeParts::CUTS), [true, false]);
+    assert_eq!(shown(BakeParts::MESHLESS), [false, true]);
+    assert_eq!(shown(BakeParts::ALL), [true, true]);
 
-    let mut panel = open(BakeMode::All);
+    let mut panel = open(BakeParts::ALL);
     clicked(&mut panel, "Sources");
     assert_eq!(bake_asked(&clicked(&mut panel, "4,096")).expect("an edit").indirect.sources, 4096);
     clicked(&mut panel, "Gather rays");
@@ -317,7 +317,7 @@ fn the_report_shows_its_table_and_warnings() {
 #[test]
 fn what_is_baked_is_chosen_and_presets_keep_it() {
     let mut document = document();
-    document.bake.mode = BakeMode::All;
+    document.bake.mode = BakeParts::ALL;
     let mut both = panel(BakeStatus::None, document, None);
     both.get_by_label("Draft").click();
     both.run();
@@ -325,12 +325,12 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
         Action::Edit { edit: Edit::Bake(bake), .. } => Some((bake.mode, bake.lights)),
         _ => None,
     });
-    assert_eq!(preset, Some((BakeMode::All, Preset::Draft.settings().lights)));
+    assert_eq!(preset, Some((BakeParts::ALL, Preset::Draft.settings().lights)));
     both.state_mut().actions.clear();
     both.get_by_label("Bake of").click();
     both.run();
     assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
     both.get_by_label("Bounce light").click();
     both.run();
-    assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeMode::Indirect)]));
+    assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeParts::INDIRECT)]));
 }

@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use egui::{Button, RichText, Ui};
-use lapidary_core::{dataset::BakeMode, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
 use lapidary_render::{Bounces, Solution, ViewMode};
 use lapidary_studies::fading;
 
@@ -64,13 +64,13 @@ fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'stat
 /// Says that there is no light of the environment in a bake without it, and leads to one with it.
 pub fn environment_hint(
     ui: &mut Ui,
-    baked: Option<BakeMode>,
-    wanted: BakeMode,
+    baked: Option<BakeParts>,
+    wanted: BakeParts,
     can_bake: bool,
     actions: &mut Vec<Action>,
 ) {
     let Some(baked) = baked.filter(|mode| !mode.environment()) else { return };
-    let mode = union(&[baked, wanted, BakeMode::Environment]);
+    let mode = baked.with(wanted).with(BakeParts::ENVIRONMENT);
     let text = "This bake has no light of the environment.";
     hint(ui, text, "Bake with the environment", mode, can_bake, actions);
 }
@@ -147,27 +147,16 @@ fn meaning(solution: Solution) -> &'static str {
     }
 }
 
-/// The least bake with all parts of these.
-fn union(modes: &[BakeMode]) -> BakeMode {
-    let any = |part: fn(BakeMode) -> bool| modes.iter().any(|&mode| part(mode));
-    match [BakeMode::environment, BakeMode::indirect, BakeMode::meshless].map(any) {
-        [true, false, false] => BakeMode::Environment,
-        [true, _, false] => BakeMode::Cuts,
-        [false, _, false] => BakeMode::Indirect,
-        [false, false, true] => BakeMode::Meshless,
-        [_, _, true] => BakeMode::All,
-    }
-}
-
 /// Leads to a bake of bounce light that loses nothing of what is baked.
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
-    let wanted = union(&[context.document.bake.mode, context.baked.unwrap_or(context.document.bake.mode)]);
-    let has_bounces = wanted.indirect() || wanted.meshless();
-    let mode = if has_bounces { wanted } else { union(&[wanted, BakeMode::Indirect]) };
+    let asked = context.document.bake.mode;
+    let wanted = context.baked.map_or(asked, |baked| asked.with(baked));
+    let has_bounces = wanted.sources() || wanted.meshless();
+    let mode = if has_bounces { wanted } else { wanted.with(BakeParts::INDIRECT) };
     hint(ui, text, "Bake with bounce light", mode, context.can_bake, actions);
 }
 
-fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeMode, can_bake: bool, actions: &mut Vec<Action>) {
+fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeParts, can_bake: bool, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(text);
         let button = ui.add_enabled(can_bake, Button::new(button));
@@ -176,25 +165,4 @@ fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeMode, can_bake: bool, a
             actions.push(Action::ChooseBake(mode));
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_union_has_all_parts_and_no_more_than_a_bake_must() {
-        const MODES: [BakeMode; 5] =
-            [BakeMode::Environment, BakeMode::Indirect, BakeMode::Cuts, BakeMode::Meshless, BakeMode::All];
-        for mode in MODES {
-            assert_eq!((union(&[mode]), union(&[mode, mode])), (mode, mode));
-            for other in MODES {
-                let both = union(&[mode, other]);
-                let has = |part: fn(BakeMode) -> bool| part(both) || !(part(mode) || part(other));
-                assert!([BakeMode::environment, BakeMode::indirect, BakeMode::meshless].into_iter().all(has));
-            }
-        }
-        assert_eq!(union(&[BakeMode::Environment, BakeMode::Indirect]), BakeMode::Cuts);
-        assert_eq!(union(&[BakeMode::Meshless, BakeMode::Indirect]), BakeMode::All);
-    }
 }

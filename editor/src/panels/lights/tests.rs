@@ -10,7 +10,7 @@ use egui_kittest::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::BakeMode,
+    dataset::BakeParts,
     lights::{Emission, Light},
     meshless::BounceEnergy,
     test_scenes,
@@ -21,7 +21,7 @@ struct Probe {
     document: Document,
     selected: Option<usize>,
     bounces: Option<Bounces>,
-    baked: Option<BakeMode>,
+    baked: Option<BakeParts>,
     energy: Option<BounceEnergy>,
     scene: Option<Baked>,
     panel: LightsPanel,
@@ -256,15 +256,15 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     assert!(none.query_by_label("Bounce by").is_none());
     let mut none = none;
     let asked = click(&mut none, "Bake with bounce light");
-    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Cuts)]), "the environment stays baked");
-    none.state_mut().document.bake.mode = BakeMode::Indirect;
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeParts::CUTS)]), "the environment stays baked");
+    none.state_mut().document.bake.mode = BakeParts::INDIRECT;
     none.run();
     let asked = click(&mut none, "Bake with bounce light");
-    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Indirect)]), "there is nothing to lose");
-    none.state_mut().baked = Some(BakeMode::Environment);
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeParts::INDIRECT)]), "there is nothing to lose");
+    none.state_mut().baked = Some(BakeParts::ENVIRONMENT);
     none.run();
     let asked = click(&mut none, "Bake with bounce light");
-    assert!(matches!(asked[..], [Action::ChooseBake(BakeMode::Cuts)]), "the environment is baked");
+    assert!(matches!(asked[..], [Action::ChooseBake(BakeParts::CUTS)]), "the environment is baked");
     let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
     assert!(both.query_by_label("Bake with bounce light").is_none());
     click(&mut both, "Bounce by");
@@ -281,10 +281,10 @@ fn a_bake_without_the_environment_says_so_while_it_is_wanted() {
     let mut panel = panel(None, Some(Bounces { cuts: true, meshless: false }));
     let offers = |panel: &Harness<Probe>| panel.query_by_label("Bake with the environment").is_some();
     assert!(!offers(&panel), "negative control: no bake");
-    panel.state_mut().baked = Some(BakeMode::Indirect);
+    panel.state_mut().baked = Some(BakeParts::INDIRECT);
     panel.run();
     assert_fits(&panel, WIDTH);
-    assert!(matches!(click(&mut panel, "Bake with the environment")[..], [Action::ChooseBake(BakeMode::Cuts)]));
+    assert!(matches!(click(&mut panel, "Bake with the environment")[..], [Action::ChooseBake(BakeParts::CUTS)]));
     panel.state_mut().document.components.environment = false;
     panel.run();
     assert!(!offers(&panel));

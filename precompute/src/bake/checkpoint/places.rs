@@ -80,18 +80,15 @@ fn fingerprint(places: &[Surfel], numbers: &[f32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::{
-        checkpoint::{Chunk, Series},
-        settings::Preset,
-    };
+    use crate::bake::checkpoint::{Chunk, Series};
     use glam::Vec3;
-    use lapidary_core::surfel::MeshPlace;
+    use lapidary_core::{dataset::BakeSettings, surfel::MeshPlace};
 
     #[test]
     fn chunks_about_other_places_are_removed_and_the_rest_is_kept() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
-        let checkpoint = Checkpoint::create(&output, "hash", &Preset::Draft.settings(), 1, 1, &[0]).unwrap();
+        let checkpoint = Checkpoint::create(&output, "hash", &BakeSettings::default(), 1, 1, &[0]).unwrap();
         let all = [Series::Environment, Series::Sources, Series::SourceEnvironment];
         let chunk = Chunk { nodes: vec![7], lengths: vec![1], squared_error: 0.0, rays: 1 };
         let kept = || all.map(|series| checkpoint.load(series, 0, 1).is_some());

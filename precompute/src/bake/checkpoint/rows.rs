@@ -46,13 +46,13 @@ fn decode(bytes: &[u8]) -> Option<Vec<Row>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::settings::Preset;
+    use lapidary_core::dataset::BakeSettings;
 
     #[test]
     fn rows_survive_and_damaged_ones_do_not_count() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
-        let checkpoint = Checkpoint::create(&output, "hash", &Preset::Draft.settings(), 1, 1, &[0]).unwrap();
+        let checkpoint = Checkpoint::create(&output, "hash", &BakeSettings::default(), 1, 1, &[0]).unwrap();
         let rows = vec![vec![(3, Vec3::new(0.1, -2.0, 1e-9)), (7, Vec3::ONE)], Row::new(), vec![(0, Vec3::Z)]];
         checkpoint.store_rows(4, &rows).unwrap();
         assert_eq!(checkpoint.load_rows(4, 3), Some(rows));

@@ -1,17 +1,18 @@
 //! The parts of a bake that bounce light, from one viewpoint.
 
-use super::{geometry::Geometry, meshless::bake_meshless, sources::Stage};
+use super::{geometry::Geometry, meshless::bake_meshless, sources::SourcePhases};
 use crate::{
-    bake::{checkpoint::Checkpoint, clock::Clock},
+    bake::{checkpoint::Checkpoint, clock::Clock, settings::ResolvedBake},
     errors::BakeError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
-    sources::viewpoint::{Surroundings, find_viewpoint},
+    sources::viewpoint::{ViewpointSurroundings, find_viewpoint},
+    warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeSettings, IndirectReport, MeshlessReport},
+    dataset::{IndirectReport, MeshlessReport},
     light_tree::LightTree,
     meshless::MeshlessBake,
     scene::Scene,
@@ -38,21 +39,21 @@ pub struct Bounces {
 pub fn bake_bounces(
     geometry: &Geometry,
     tree: &LightTree,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
     let mut bounces = Bounces::default();
-    if !(settings.mode.indirect() || settings.mode.meshless()) {
+    if !(settings.mode.sources() || settings.mode.meshless()) {
         return Ok(bounces);
     }
     // Reflectance stays out of everything baked, so that materials remain free to change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
-    if settings.mode.indirect() {
-        let stage = Stage { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
-        let (indirect, report) = stage.bake_indirect(clock)?;
+    if settings.mode.sources() {
+        let phases = SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let (indirect, report) = phases.bake_indirect(clock)?;
         (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
     }
     if settings.mode.meshless() {
@@ -66,28 +67,18 @@ pub fn bake_bounces(
 fn viewpoint(
     surface: &MeshSurface,
     scene: &Scene,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     observer: &dyn Observer,
 ) -> Result<Vec3, BakeError> {
     let shots = settings.shots.iter().map(|shot| &shot.camera);
     let cameras: Vec<Camera> = shots.chain(&scene.cameras).cloned().collect();
     let viewpoint = find_viewpoint(surface, settings.indirect.viewpoint, &cameras, &scene.lights)?;
-    let Surroundings { open, closed, seen } = Surroundings::of(surface, viewpoint);
+    let ViewpointSurroundings { open, closed, seen } = ViewpointSurroundings::of(surface, viewpoint);
     if open > MOST_OPEN {
-        let Vec3 { x, y, z } = viewpoint;
-        let message = format!(
-            "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced light \
-             leaves the scene; if there is a closed space that should be lit, give a place in it with --viewpoint x,y,z",
-            100.0 * open
-        );
-        observer.event(Event::Warning { message });
+        observer.event(Event::Warning { message: Warning::OpenViewpoint { viewpoint, open } });
     }
     if closed && mean_reflectance(scene, &seen) > MOST_REFLECTANCE {
-        let message =
-            "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not fade, and \
-                       solutions end after their last one; lower the base colors to 0.9 or less"
-                .into();
-        observer.event(Event::Warning { message });
+        observer.event(Event::Warning { message: Warning::EndlessBounces });
     }
     Ok(viewpoint)
 }

@@ -9,18 +9,19 @@ use crate::{
     bake::{
         checkpoint::{Checkpoint, Chunk, Series},
         clock::Clock,
+        settings::ResolvedBake,
     },
     errors::BakeError,
     observer::Phase,
     vertices::visibility::VisibilitySampler,
 };
-use lapidary_core::{dataset::BakeSettings, light_tree::LightTree};
+use lapidary_core::light_tree::LightTree;
 
 /// What the bake points see of distant light, or nothing if that is not asked for.
 pub fn bake_environment(
     geometry: &Geometry,
     tree: &LightTree,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<Vec<Chunk>, BakeError> {

@@ -1,13 +1,15 @@
 //! Cuts coarsened to what a texture holds, and those over the environment to the byte budget.
 
-use crate::observer::{Event, Observer};
-use lapidary_core::{
-    cut::{
-        SourceCriterion,
-        packed::{NODES_PER_TEXEL, TEXEL_BYTES, TEXTURE_WIDTH},
-        prune, prune_sources,
-    },
-    dataset::BakeSettings,
+use crate::{
+    bake::settings::ResolvedBake,
+    observer::{Event, Observer},
+    setting::Setting,
+    warning::Warning,
+};
+use lapidary_core::cut::{
+    SourceCriterion,
+    packed::{NODES_PER_TEXEL, TEXEL_BYTES, TEXTURE_WIDTH},
+    prune, prune_sources,
 };
 use rayon::prelude::*;
 
@@ -18,7 +20,7 @@ pub const TEXTURE_BYTES: u64 = (TEXTURE_WIDTH * TEXTURE_WIDTH * TEXEL_BYTES) as 
 pub fn fit_environment(
     cuts: Vec<Vec<u16>>,
     height: u32,
-    settings: &BakeSettings,
+    settings: &ResolvedBake,
     observer: &dyn Observer,
 ) -> (Vec<Vec<u16>>, f32) {
     let (asked, least) = (settings.criterion.sigma, settings.criterion.sigma.max(0.25));
@@ -26,7 +28,8 @@ pub fn fit_environment(
     let (cuts, factor) = fit(cuts, budget, |factor, cut| prune(height, factor * least, cut));
     let sigma = factor.map_or(asked, |factor| factor * least);
     if factor.is_some() && budget == TEXTURE_BYTES {
-        warn_of_coarsening("environment", "--sigma", asked, sigma, observer);
+        let message = Warning::Coarsened { leaves: "environment", bound: Setting::Sigma, asked, fitted: sigma };
+        observer.event(Event::Warning { message });
     }
     (cuts, sigma)
 }
@@ -41,8 +44,9 @@ pub fn fit_sources(
 ) -> (Vec<Vec<u16>>, Option<f32>) {
     let (cuts, factor) = fit(cuts, most, |factor, cut| prune_sources(height, asked.coarser(factor), cut));
     if let Some(factor) = factor {
-        let sigma = asked.coarser(factor).sigma;
-        warn_of_coarsening("surface sources", "--source-sigma", asked.sigma, sigma, observer);
+        let (bound, fitted) = (Setting::SourceSigma, asked.coarser(factor).sigma);
+        let message = Warning::Coarsened { leaves: "surface sources", bound, asked: asked.sigma, fitted };
+        observer.event(Event::Warning { message });
     }
     (cuts, factor)
 }
@@ -72,14 +76,6 @@ fn fit(
 /// Of whole texels.
 fn bytes(cuts: &[Vec<u16>]) -> u64 {
     cuts.iter().map(|c| (c.len().div_ceil(NODES_PER_TEXEL) * TEXEL_BYTES) as u64).sum()
-}
-
-fn warn_of_coarsening(leaves: &str, option: &str, asked: f32, fitted: f32, observer: &dyn Observer) {
-    let message = format!(
-        "the cuts over the {leaves} are more than a texture holds and were coarsened until they fit, to a {option} of {fitted:.2} \
-         where {asked} was asked for; lower --max-vertices to keep that"
-    );
-    observer.event(Event::Warning { message });
 }
 
 #[cfg(test)]
@@ -117,6 +113,6 @@ mod tests {
         let (fitted, factor) = fit_sources(cuts, 6, criterion, whole / 2, &remarks);
         assert!((1..=whole / 2).contains(&bytes(&fitted)) && factor.is_some_and(|f| f > 1.0));
         let said = remarks.warnings().concat();
-        assert!(said.contains("a --source-sigma of ") && said.contains(" where 2 was asked for"), "{said}");
+        assert!(said.contains("a source sigma of ") && said.contains(" where 2 was asked for"), "{said}");
     }
 }

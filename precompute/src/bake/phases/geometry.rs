@@ -9,8 +9,9 @@ use crate::{
         sidedness::{Sidedness, classify},
         tessellate::{Stored, Wanted, tessellate},
     },
+    warning::Warning,
 };
-use lapidary_core::{dataset::BakeMode, ray::Intersector, scene::Scene, shot::Shot};
+use lapidary_core::{dataset::BakeParts, ray::Intersector, scene::Scene, shot::Shot};
 
 /// The tessellated scene with its bake points.
 pub struct Geometry {
@@ -25,7 +26,7 @@ pub struct Geometry {
 impl Geometry {
     pub fn new(
         mut scene: Scene,
-        mode: BakeMode,
+        mode: BakeParts,
         budget: Option<usize>,
         shots: &[Shot],
         observer: &dyn Observer,
@@ -36,7 +37,7 @@ impl Geometry {
         let intersector = match budget {
             Some(budget) => {
                 remark_on_budget(source_vertices, budget, observer);
-                let stored = Stored { environment: mode.environment(), bounces: mode.indirect() || mode.meshless() };
+                let stored = Stored { environment: mode.environment(), bounces: mode.sources() || mode.meshless() };
                 let wanted = Wanted { stored, budget, shots };
                 tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
                 Intersector::new(&scene.mesh)
@@ -52,11 +53,7 @@ impl Geometry {
 /// Tells of a mesh that has as many vertices already as it may get.
 fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
     if budget <= vertices {
-        let message = format!(
-            "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; give \
-             --max-vertices {} or more",
-            with_room(0, vertices)
-        );
+        let message = Warning::NoRoomForVertices { vertices, enough: with_room(0, vertices) };
         observer.event(Event::Warning { message });
     }
 }

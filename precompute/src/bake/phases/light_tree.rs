@@ -2,13 +2,13 @@
 
 use super::geometry::Geometry;
 use crate::{
-    bake::{checkpoint::Checkpoint, clock::Clock, job::BakeJob},
+    bake::{checkpoint::Checkpoint, clock::Clock, job::BakeJob, settings::ResolvedBake},
     errors::{BakeError, SettingsError},
     observer::{Event, Phase},
     vertices::pilot::sample_pilot,
+    warning::Warning,
 };
 use lapidary_core::{
-    dataset::BakeSettings,
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     sphere::fibonacci_directions,
 };
@@ -20,11 +20,10 @@ const POINTS_PER_CHUNK: usize = 4096;
 pub fn checkpoint_and_tree(
     geometry: &Geometry,
     job: &BakeJob,
-    settings: &BakeSettings,
     hash: &str,
     clock: &mut Clock,
 ) -> Result<(Checkpoint, LightTree), BakeError> {
-    let points = geometry.points.points.len();
+    let (settings, points) = (&job.settings, geometry.points.points.len());
     if job.resume
         && let Some(checkpoint) = Checkpoint::open(&job.output, hash, settings)?
     {
@@ -33,13 +32,10 @@ pub fn checkpoint_and_tree(
         {
             return Ok((checkpoint, tree));
         }
-        let message = "the checkpoint has other bake points or another light tree than this bake and is discarded: all is \
-                       baked again";
-        clock.observer.event(Event::Warning { message: message.into() });
+        clock.observer.event(Event::Warning { message: Warning::OtherCheckpoint });
     }
     if !job.resume && Checkpoint::folder_of(&job.output).exists() {
-        let message = "an unfinished bake of this output is discarded; pass --resume to go on with it instead".into();
-        clock.observer.event(Event::Warning { message });
+        clock.observer.event(Event::Warning { message: Warning::Discarded });
     }
     let tree = build_tree(geometry, settings, clock)?;
     let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
@@ -47,7 +43,7 @@ pub fn checkpoint_and_tree(
     Ok((checkpoint, tree))
 }
 
-fn build_tree(geometry: &Geometry, settings: &BakeSettings, clock: &mut Clock) -> Result<LightTree, BakeError> {
+fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
     // A tree that nothing is baked over needs no pilot.
     let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };

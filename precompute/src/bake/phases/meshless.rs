@@ -8,6 +8,7 @@ use crate::{
     errors::BakeError,
     meshless::{points::place_basis, transport::resumable_operator},
     observer::{Event, Phase},
+    warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -29,16 +30,10 @@ pub fn bake_meshless(
     let (basis, radius) =
         clock.time(Phase::Basis, 0, "points", || place_basis(surface, viewpoint, settings, observer))?;
     if basis.level(0).len() < 2 {
-        let message =
-            "the meshless basis has almost no functions: light reaches hardly any surface; give a place inside \
-                       the scene with --viewpoint x,y,z"
-                .into();
-        observer.event(Event::Warning { message });
+        observer.event(Event::Warning { message: Warning::FewFunctions });
     }
     if checkpoint.bind(Part::Transport, basis.points(), basis.radii())? {
-        let message = "the points of the meshless basis lie elsewhere than in the interrupted bake, for cameras, lights or \
-                       objects have changed: what was finished of its links is made again";
-        observer.event(Event::Warning { message: message.into() });
+        observer.event(Event::Warning { message: Warning::OtherBasis });
     }
     let (transport, report) = clock.time(Phase::Transport, basis.len() as u64, "functions", || {
         resumable_operator(surface, &basis, settings, checkpoint, observer)

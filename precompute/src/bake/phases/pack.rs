@@ -1,8 +1,8 @@
 //! Chunks to packed cuts.
 
 use crate::{
-    bake::checkpoint::{Chunk, Series},
-    errors::BakeError,
+    bake::checkpoint::Chunk,
+    errors::{BakeError, CutsOf},
 };
 use lapidary_core::cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXTURE_WIDTH};
 
@@ -54,10 +54,10 @@ pub fn pack(
     cuts: Vec<Vec<u16>>,
     chunks: &[Chunk],
     of_vertex: impl Iterator<Item = u32>,
-    series: Series,
+    of: CutsOf,
 ) -> Result<Packed, BakeError> {
     let texels: usize = cuts.iter().map(|c| c.len().div_ceil(NODES_PER_TEXEL)).sum();
-    check_texels(texels, series)?;
+    check_texels(texels, of)?;
     let mut packed = PackedCuts::default();
     let offsets: Vec<u32> = cuts.iter().map(|cut| packed.push_cut(cut)).collect();
     of_vertex.for_each(|p| packed.push_vertex(offsets[p as usize]));
@@ -73,19 +73,9 @@ pub fn pack(
     })
 }
 
-/// An error that names the options which make these cuts smaller.
-fn check_texels(texels: usize, series: Series) -> Result<(), BakeError> {
+fn check_texels(texels: usize, cuts: CutsOf) -> Result<(), BakeError> {
     let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
-    let (cuts, remedy) = match series {
-        Series::Environment => {
-            ("the cuts over the environment", "raise --sigma, set --max-cut or lower --max-vertices")
-        }
-        Series::Sources => ("the cuts over the surface sources", "raise --source-sigma or lower --max-vertices"),
-        Series::SourceEnvironment => {
-            ("the sources' cuts over the environment", "raise --sigma, set --max-cut or lower --sources")
-        }
-    };
-    if texels > limit { Err(BakeError::TooManyTexels { cuts, remedy, texels, limit }) } else { Ok(()) }
+    if texels > limit { Err(BakeError::TooManyTexels { cuts, texels, limit }) } else { Ok(()) }
 }
 
 fn histogram(cuts: &[Vec<u16>]) -> Vec<u64> {
@@ -100,16 +90,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn too_many_texels_are_told_with_the_options_of_their_series() {
+    fn a_texture_holds_so_many_texels_and_no_more() {
         let limit = TEXTURE_WIDTH * TEXTURE_WIDTH;
-        for (series, option, foreign) in [
-            (Series::Environment, "--max-cut", "--source-sigma"),
-            (Series::Sources, "--source-sigma", "--max-cut"),
-            (Series::SourceEnvironment, "--sources", "--source-sigma"),
-        ] {
-            assert!(check_texels(limit, series).is_ok());
-            let text = check_texels(limit + 1, series).unwrap_err().to_string();
-            assert!(text.contains(option) && !text.contains(foreign), "{text}");
-        }
+        assert!(check_texels(limit, CutsOf::Sources).is_ok());
+        let error = check_texels(limit + 1, CutsOf::Sources).unwrap_err();
+        assert!(matches!(error, BakeError::TooManyTexels { cuts: CutsOf::Sources, .. }), "{error}");
     }
 }

@@ -12,32 +12,34 @@ use crate::{
     bake::{
         checkpoint::{Checkpoint, Part, Series},
         clock::Clock,
+        settings::ResolvedBake,
     },
-    errors::BakeError,
+    errors::{BakeError, CutsOf},
     mesh_surface::MeshSurface,
     observer::{Event, Phase},
     sources::{order::order_sources, placement::place_sources, sampler::SourceSampler},
     vertices::{points::BakePoint, visibility::VisibilitySampler},
+    warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeSettings, IndirectReport},
+    dataset::IndirectReport,
     light_tree::LightTree,
     sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
 };
 
 /// What the phases work on.
-pub struct Stage<'a> {
+pub struct SourcePhases<'a> {
     pub geometry: &'a Geometry,
     pub surface: &'a MeshSurface<'a>,
     pub viewpoint: Vec3,
     pub tree: &'a LightTree,
-    pub settings: &'a BakeSettings,
+    pub settings: &'a ResolvedBake,
     pub checkpoint: &'a Checkpoint,
 }
 
-impl Stage<'_> {
+impl SourcePhases<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
@@ -88,9 +90,7 @@ impl Stage<'_> {
         let places: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
         let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
         if self.checkpoint.bind(Part::Sources, &places, &sizes)? {
-            let message = "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or objects have \
-                           changed: what was finished of their cuts is baked again";
-            clock.observer.event(Event::Warning { message: message.into() });
+            clock.observer.event(Event::Warning { message: Warning::OtherSources });
         }
         Ok(())
     }
@@ -111,7 +111,7 @@ impl Stage<'_> {
         let criterion = self.settings.indirect.criterion;
         let (cuts, coarsened) =
             fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
-        Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), Series::Sources)?, coarsened))
+        Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), CutsOf::Sources)?, coarsened))
     }
 
     fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
@@ -131,6 +131,6 @@ impl Stage<'_> {
         } else {
             unbaked(sources.len())
         };
-        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, Series::SourceEnvironment)
+        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, CutsOf::SourceEnvironment)
     }
 }

@@ -30,9 +30,8 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
         (bake.basis.points().to_vec(), bake.transport)
     };
     let job = |name| {
-        let mut job = indirect_job(folder.path(), name, BakeMode::Meshless);
-        job.settings.meshless.coarse_radius = Some(0.6);
-        job
+        let job = indirect_job(folder.path(), name, BakeParts::MESHLESS);
+        with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
     };
     let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
     let job = job("b.cuts");
@@ -47,8 +46,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
 
     // Negative control: what was kept is used.
     interrupted();
-    let settings = crate::bake::settings::resolve(job.settings.clone()).unwrap();
-    let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &settings).unwrap().unwrap();
+    let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &job.settings).unwrap().unwrap();
     let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
     let mut rows = checkpoint.load_rows(0, coarsest).unwrap();
     rows[0].clear();
@@ -70,9 +68,8 @@ fn chunks_about_another_room_are_not_used_when_the_camera_has_moved() {
     };
     let (first, second) = (Vec3::new(-0.3, 0.1, 0.0), Vec3::new(4.1, 0.1, 0.0));
     let job = |name| {
-        let mut job = indirect_job(folder.path(), name, BakeMode::All);
-        job.settings.meshless.coarse_radius = Some(0.6);
-        job
+        let job = indirect_job(folder.path(), name, BakeParts::ALL);
+        with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
     };
     let parts = |dataset: &Dataset| {
         let meshless = dataset.meshless.clone().unwrap();

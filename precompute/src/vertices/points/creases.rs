@@ -4,6 +4,7 @@
 //! Interpolation between vertices takes such a point for the strip of wall around it, so it samples in that strip.
 
 use super::{BakePoint, BakePoints};
+use crate::vertices::side::Side;
 use glam::Vec3;
 use lapidary_core::{ray::Intersector, scene::Mesh};
 use rayon::prelude::*;
@@ -21,8 +22,12 @@ impl BakePoints {
         let rises = self.rises(mesh, &centroids);
         let moved = |((point, &centroid), &[above, below]): ((&BakePoint, &Vec3), &[f32; 2])| {
             let inside = BakePoint { places: [above, -below].map(|rise| centroid + point.normal * rise), ..*point };
-            let side = |upper| if is_in_crease(point, &inside, scene, upper) { inside } else { *point }.place(upper);
-            BakePoint { places: [side(true), if point.two_sided { side(false) } else { point.position }], ..*point }
+            let mut places = [point.position; 2];
+            for &side in point.sides() {
+                let from = if is_in_crease(point, &inside, scene, side) { &inside } else { point };
+                places[side as usize] = from.place(side);
+            }
+            BakePoint { places, ..*point }
         };
         self.points.par_iter().zip(&centroids).zip(&rises).map(moved).collect()
     }
@@ -69,9 +74,9 @@ impl BakePoints {
 }
 
 /// Whether another surface rises just behind a side of the point, seen from further inside its own.
-fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector, upper: bool) -> bool {
-    let back = point.position - inside.place(upper);
-    let origin = inside.origin(upper);
+fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector, side: Side) -> bool {
+    let back = point.position - inside.place(side);
+    let origin = inside.origin(side);
     back.length() > LEAST_SHIFT * point.offset && scene.occluded_between(origin, origin + 2.0 * back)
 }
 
@@ -93,11 +98,11 @@ mod tests {
         let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
         for (before, after) in points.points.iter().zip(&moved) {
             let at_foot = before.position.y == 0.0 && before.normal.y == 0.0;
-            assert_eq!(before.position != after.place(true), at_foot, "{before:?} {after:?}");
+            assert_eq!(before.position != after.place(Side::Front), at_foot, "{before:?} {after:?}");
             // A square of two triangles: a corner of one has its centroid at a quarter of the side, of two at three eighths.
-            let height = after.place(true).y;
+            let height = after.place(Side::Front).y;
             assert!(!at_foot || (0.24..0.38).contains(&height), "{height}");
-            assert!((after.place(true) - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
+            assert!((after.place(Side::Front) - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
         }
     }
 
@@ -121,9 +126,10 @@ mod tests {
             assert!(moved.iter().filter(in_valley).count() > 0);
             for point in moved.iter().filter(in_valley) {
                 assert!(point.two_sided);
-                let from_above = point.normal.y > 0.0;
-                assert!(point.place(from_above) != point.position, "{point:?}");
-                assert_eq!(point.place(!from_above), point.position, "outside of the fold");
+                let (inside, outside) =
+                    if point.normal.y > 0.0 { (Side::Front, Side::Back) } else { (Side::Back, Side::Front) };
+                assert!(point.place(inside) != point.position, "{point:?}");
+                assert_eq!(point.place(outside), point.position, "outside of the fold");
             }
         }
     }
@@ -140,7 +146,7 @@ mod tests {
         let intersector = Intersector::new(&scene.mesh);
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         for point in points.off_creases(&scene.mesh, &intersector) {
-            let (upper, lower) = (point.origin(true), point.origin(false));
+            let (upper, lower) = (point.origin(Side::Front), point.origin(Side::Back));
             assert!(!intersector.occluded(upper, Vec3::Y), "{point:?}");
             assert!(!intersector.occluded(lower, Vec3::NEG_Y), "{point:?}");
         }
@@ -167,8 +173,8 @@ mod tests {
         let moved = points.off_creases(&scene.mesh, &Intersector::new(&scene.mesh));
         assert!(points.points.len() > 80);
         for (before, after) in points.points.iter().zip(&moved) {
-            assert_eq!(before.origin(true), after.origin(true));
-            assert!(after.origin(false).length() < 1.0 || !after.two_sided, "{after:?}");
+            assert_eq!(before.origin(Side::Front), after.origin(Side::Front));
+            assert!(after.origin(Side::Back).length() < 1.0 || !after.two_sided, "{after:?}");
         }
     }
 }

@@ -50,7 +50,7 @@ pub(super) struct Pilot<'a> {
 }
 
 /// For each direction, of 255: whether light comes from far away, and how near a surface is.
-struct Seen {
+struct PilotSample {
     open: [u8; DIRECTIONS],
     nearness: [u8; DIRECTIONS],
 }
@@ -71,12 +71,12 @@ impl<'a> Pilot<'a> {
         }
     }
 
-    fn seen(&self, point: &BakePoint) -> Result<Seen, BakeError> {
+    fn seen(&self, point: &BakePoint) -> Result<PilotSample, BakeError> {
         cancelled(self.observer)?;
-        let mut seen = Seen { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] };
-        for upper in [true, false].into_iter().filter(|&upper| upper || point.two_sided) {
-            let origin = point.origin(upper);
-            let traced = |d: Vec3| point.is_upper(d) == upper;
+        let mut seen = PilotSample { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] };
+        for &side in point.sides() {
+            let origin = point.origin(side);
+            let traced = |d: Vec3| point.side_of(d) == side;
             if !self.stored.bounces {
                 self.scene.trace_batch(origin, &self.directions, traced, &mut seen.open);
                 continue;
@@ -105,7 +105,7 @@ impl<'a> Pilot<'a> {
         let ends = |e: u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
         let needed: HashSet<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
         let seen_from = |p: u32| Ok((p, self.seen(&points.points[p as usize])?));
-        let seen = needed.into_par_iter().map(seen_from).collect::<Result<HashMap<u32, Seen>, BakeError>>()?;
+        let seen = needed.into_par_iter().map(seen_from).collect::<Result<HashMap<u32, PilotSample>, BakeError>>()?;
         let error = |&e: &u32| {
             let [a, b] = ends(e);
             let middle = self.seen(&midpoint(&points.points[a as usize], &points.points[b as usize]))?;
@@ -130,8 +130,8 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
 }
 
 /// Mean over directions of how far the midpoint is from the mean of the ends, for what is further.
-fn midpoint_error(middle: &Seen, a: &Seen, b: &Seen) -> f32 {
-    let mean = |of: fn(&Seen) -> &[u8; DIRECTIONS]| {
+fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
+    let mean = |of: fn(&PilotSample) -> &[u8; DIRECTIONS]| {
         let [middle, a, b] = [of(middle), of(a), of(b)].map(|values| values.map(u32::from));
         let twice: u32 = (0..DIRECTIONS).map(|i| (2 * middle[i]).abs_diff(a[i] + b[i])).sum();
         twice as f32 / (2 * 255 * DIRECTIONS) as f32

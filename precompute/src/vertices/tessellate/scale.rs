@@ -7,6 +7,7 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     vertices::spread::on_triangle,
+    warning::Warning,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -26,7 +27,7 @@ const SHORT_OF: f32 = 1e-4;
 const ROWS: u32 = 96;
 
 /// Turns metres into units.
-pub(super) struct Scale<'a> {
+pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
     /// Of the shots that see any surface.
@@ -39,7 +40,7 @@ pub(super) struct Scale<'a> {
     seen: f32,
 }
 
-impl<'a> Scale<'a> {
+impl<'a> EdgeScale<'a> {
     /// For a mesh that gets `budget` vertices. Remarks on shots that see nothing.
     pub fn new(mesh: &Mesh, scene: &'a Intersector, shots: &[Shot], budget: usize, observer: &'a dyn Observer) -> Self {
         let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t)).sum();
@@ -51,8 +52,7 @@ impl<'a> Scale<'a> {
                 frames.push(shot.frame());
                 in_pictures += filled * shot.aspect;
             } else {
-                let message = format!("shot {} sees no surface and is left out; check its camera", i + 1);
-                observer.event(Event::Warning { message });
+                observer.event(Event::Warning { message: Warning::BlindShot(i + 1) });
             }
         }
         let (unseen, seen) = if frames.is_empty() {

@@ -148,7 +148,7 @@ struct Remarks(Mutex<Vec<String>>);
 impl Observer for Remarks {
     fn event(&self, event: Event) {
         if let Event::Warning { message } = event {
-            self.0.lock().unwrap().push(message);
+            self.0.lock().unwrap().push(message.to_string());
         }
     }
 }

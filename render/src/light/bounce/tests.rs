@@ -12,7 +12,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{solid_angle, solid_angle_code},
-    dataset::BakeMode,
+    dataset::BakeParts,
     image::Image,
     lights::Emission,
     material::{BrdfModel, BrdfParameters, Material},
@@ -287,7 +287,7 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
 fn the_view_of_visibility_cuts_shows_those_over_sources_where_the_environment_was_not_baked() {
     let depth = 4;
     let mut dataset = floor_and_wall(depth);
-    for (mode, is_over_sources) in [(BakeMode::Indirect, true), (BakeMode::All, false)] {
+    for (mode, is_over_sources) in [(BakeParts::INDIRECT, true), (BakeParts::ALL, false)] {
         dataset.settings.mode = mode;
         let mut backend = CpuBackend::new();
         backend.set_scene(&dataset.clone().into()).unwrap();

@@ -103,7 +103,7 @@ fn a_cancelled_prediction_is_none_and_a_dataset_without_cuts_is_refused() {
     let (view, lighting) = (from_the_side(SIZE), renderer.lighting(&uneven_sky(), 16));
     assert!(predicted_error(&renderer, &view, &lighting, BrdfSampling::Once, &Stop).unwrap().is_none());
     let mut dark = dataset(mesh(2, false), white());
-    dark.settings.mode = lapidary_core::dataset::BakeMode::Indirect;
+    dark.settings.mode = lapidary_core::dataset::BakeParts::INDIRECT;
     let refused = predicted_error(&Renderer::new(dark), &view, &lighting, BrdfSampling::Once, &Quiet).unwrap_err();
     assert_eq!(refused, NoCuts::Environment);
 }

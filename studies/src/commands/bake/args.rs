@@ -1,17 +1,17 @@
 //! The `bake` command.
 
 use crate::{
-    args::{ModeOption, PresetOption, ShotOption, TreeOption, values::vector},
+    args::{PresetOption, ShotOption, TreeOption, values::vector},
     terminal::{ProgressReporter, ProgressStyle, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeSettings},
+    dataset::{BakeParts, BakeReport, BakeSettings},
     import::import,
 };
-use lapidary_precompute::{BakeJob, Preset, bake, resolve, with_room};
+use lapidary_precompute::{BakeJob, Preset, bake, resolve};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `bake`.
@@ -25,9 +25,11 @@ pub struct BakeArgs {
     /// Starting point for the options below
     #[arg(long, value_enum, default_value_t)]
     pub preset: PresetOption,
-    /// What to bake
-    #[arg(long, value_enum, default_value_t)]
-    pub mode: ModeOption,
+    /// Parts to bake, with commas between: environment (its visibility), indirect (surface sources, which gather a
+    /// bounce of local lights), meshless (the meshless basis and its transport); cuts stands for
+    /// environment,indirect, and all for all three
+    #[arg(long, value_name = "PARTS", default_value_t)]
+    pub mode: BakeParts,
     /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub sources: Option<usize>,
@@ -129,7 +131,7 @@ impl BakeArgs {
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
-        s.mode = self.mode.into();
+        s.mode = self.mode;
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
         s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
         s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);
@@ -159,9 +161,10 @@ impl BakeArgs {
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
-            settings.max_vertices = settings.max_vertices.map(|most| with_room(most, vertices));
+            settings = settings.with_room_for(vertices);
         }
-        settings.shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
+        let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
+        let settings = settings.for_shots(shots)?;
         let job = BakeJob {
             settings,
             output: self.output.clone(),

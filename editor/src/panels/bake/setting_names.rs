@@ -1,0 +1,37 @@
+//! What the window calls the settings of a bake.
+
+use lapidary_precompute::{Setting, SettingsError};
+
+/// The label of the control that sets it, or its plain name where none does.
+pub fn control_name(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Lights => "Lights",
+        Setting::Beta => "Beta",
+        Setting::Sigma => "Sigma",
+        Setting::TotalError => "Total error",
+        Setting::MaxVertices => "Max vertices",
+        Setting::MaxBytes => "Byte budget",
+        Setting::Shots => "For",
+        Setting::Mode => "Bake of",
+        Setting::Sources => "Sources",
+        Setting::SourceSigma => "Source sigma",
+        Setting::Levels => "Basis levels",
+        Setting::SenderLevels => "Sender levels",
+        Setting::GatherRays => "Gather rays",
+        Setting::Epsilon => "Epsilon",
+        Setting::Resume => "Resume",
+        Setting::MaxCut
+        | Setting::PilotClusters
+        | Setting::SourceContrast
+        | Setting::LargestSolidAngle
+        | Setting::Viewpoint
+        | Setting::CoarseRadius => setting.name(),
+    }
+}
+
+/// What is wrong with settings, as a sentence that begins with the control.
+pub fn error_text(error: &SettingsError) -> String {
+    let text = error.text(control_name);
+    let (first, rest) = text.split_at(text.chars().next().map_or(0, char::len_utf8));
+    first.to_uppercase() + rest
+}

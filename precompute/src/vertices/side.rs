@@ -1,0 +1,25 @@
+//! The two sides of a surface.
+
+use glam::Vec3;
+
+/// A side of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The one that the normal rises from.
+    Front,
+    /// The other.
+    Back,
+}
+
+impl Side {
+    /// Both, in the order of what is stored for each.
+    pub const BOTH: [Self; 2] = [Self::Front, Self::Back];
+
+    /// The normal of this side, of a surface with this normal.
+    pub fn normal(self, of_surface: Vec3) -> Vec3 {
+        match self {
+            Self::Front => of_surface,
+            Self::Back => -of_surface,
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! What a bake repaired, left out or did otherwise than it was asked to.
+
+use crate::setting::{Naming, Setting};
+use glam::Vec3;
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// Something that was repaired or left out, and what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// In words already: what an import remarked.
+    Text(String),
+    /// The mesh has as many vertices as it may get.
+    NoRoomForVertices {
+        /// How many it has.
+        vertices: usize,
+        /// A limit that leaves room for further ones.
+        enough: usize,
+    },
+    /// A shot, counted from 1, sees no surface.
+    BlindShot(usize),
+    /// The checkpoint is of other bake points or another light tree.
+    OtherCheckpoint,
+    /// An unfinished bake was discarded, for going on with it was not asked for.
+    Discarded,
+    /// The surface sources lie elsewhere than those of the checkpoint.
+    OtherSources,
+    /// The points of the meshless basis lie elsewhere than those of the checkpoint.
+    OtherBasis,
+    /// Cuts were coarsened until they fit a texture.
+    Coarsened {
+        /// What they are cuts over.
+        leaves: &'static str,
+        /// What bounds their error.
+        bound: Setting,
+        /// The bound that was asked for.
+        asked: f32,
+        /// The bound that they keep.
+        fitted: f32,
+    },
+    /// Much light leaves the scene.
+    OpenViewpoint {
+        /// Place in metres.
+        viewpoint: Vec3,
+        /// Share of the directions around it that meet no surface.
+        open: f32,
+    },
+    /// A closed space reflects nearly all light.
+    EndlessBounces,
+    /// The meshless basis has almost no functions.
+    FewFunctions,
+    /// A level of the meshless basis ends before it covers all surfaces.
+    UncoveredLevel {
+        /// Which, from 1.
+        level: usize,
+        /// Its points.
+        points: usize,
+    },
+    /// Areas of surface sources are noise.
+    UnevenAreas {
+        /// Points that tell each area, on average.
+        points: f32,
+    },
+    /// Many surface sources have no area.
+    WithoutArea {
+        /// How many.
+        without: usize,
+        /// Of how many.
+        sources: usize,
+    },
+}
+
+impl Warning {
+    /// In words, with settings called by `name`.
+    pub fn text(&self, name: Naming) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::NoRoomForVertices { vertices, enough } => format!(
+                "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; \
+                 give {} {enough} or more",
+                name(Setting::MaxVertices)
+            ),
+            Self::BlindShot(number) => format!("shot {number} sees no surface and is left out; check its camera"),
+            Self::OtherCheckpoint => {
+                "the checkpoint has other bake points or another light tree than this bake and is \
+                                      discarded: all is baked again"
+                    .into()
+            }
+            Self::Discarded => format!(
+                "an unfinished bake of this output is discarded; bake with {} to go on with it instead",
+                name(Setting::Resume)
+            ),
+            Self::OtherSources => {
+                "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or \
+                                   objects have changed: what was finished of their cuts is baked again"
+                    .into()
+            }
+            Self::OtherBasis => {
+                "the points of the meshless basis lie elsewhere than in the interrupted bake, for cameras, \
+                                 lights or objects have changed: what was finished of its links is made again"
+                    .into()
+            }
+            Self::Coarsened { leaves, bound, asked, fitted } => format!(
+                "the cuts over the {leaves} are more than a texture holds and were coarsened until they fit, to a {} of \
+                 {fitted:.2} where {asked} was asked for; lower {} to keep that",
+                name(*bound),
+                name(Setting::MaxVertices)
+            ),
+            Self::OpenViewpoint { viewpoint: Vec3 { x, y, z }, open } => format!(
+                "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced \
+                 light leaves the scene; if there is a closed space that should be lit, give a place in it as {}",
+                100.0 * open,
+                name(Setting::Viewpoint)
+            ),
+            Self::EndlessBounces => {
+                "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not \
+                                     fade, and solutions end after their last one; lower the base colors to 0.9 or less"
+                    .into()
+            }
+            Self::FewFunctions => format!(
+                "the meshless basis has almost no functions: light reaches hardly any surface; give a place inside the scene \
+                 as {}",
+                name(Setting::Viewpoint)
+            ),
+            Self::UncoveredLevel { level, points } => format!(
+                "level {level} of the meshless basis ends at {points} points, before they cover all surfaces, and light is \
+                 missing; give a larger {} or fewer {}",
+                name(Setting::CoarseRadius),
+                name(Setting::Levels)
+            ),
+            Self::UnevenAreas { points } => format!(
+                "light reaches so small a part of the scene that the areas of the surface sources are known by {points:.1} \
+                 points each and bounced light is uneven; leave out what is out of reach, or give a place in a larger space \
+                 as {}",
+                name(Setting::Viewpoint)
+            ),
+            Self::WithoutArea { without, sources } => format!(
+                "{without} of {sources} surface sources have no area, so nothing bounces off them; lower {}, or check the \
+                 scene for faces that lie in one another",
+                name(Setting::Sources)
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text(Setting::name))
+    }
+}
+
+impl Serialize for Warning {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}

@@ -1,0 +1,55 @@
+//! What the command line calls the settings of a bake.
+
+use lapidary_precompute::{BakeError, CheckpointError, PointsError, Setting, SettingsError};
+use std::error::Error;
+
+/// The option that sets it, or its plain name where none does.
+pub fn option_name(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Lights => "--lights",
+        Setting::Beta => "--beta",
+        Setting::Sigma => "--sigma",
+        Setting::MaxCut => "--max-cut",
+        Setting::TotalError => "--total-error",
+        Setting::PilotClusters => "--pilot-clusters",
+        Setting::MaxVertices => "--max-vertices",
+        Setting::MaxBytes => "--max-bytes",
+        Setting::Shots => "--shot",
+        Setting::Mode => "--mode",
+        Setting::Sources => "--sources",
+        Setting::SourceSigma => "--source-sigma",
+        Setting::SourceContrast | Setting::LargestSolidAngle => setting.name(),
+        Setting::Viewpoint => "--viewpoint x,y,z",
+        Setting::Levels => "--levels",
+        Setting::SenderLevels => "--sender-levels",
+        Setting::CoarseRadius => "--coarse-radius",
+        Setting::GatherRays => "--gather-rays",
+        Setting::Epsilon => "--epsilon",
+        Setting::Resume => "--resume",
+    }
+}
+
+/// An error in words, with the options that would help.
+pub fn with_options(error: &(dyn Error + 'static)) -> String {
+    let bake = error.downcast_ref().map(|e: &BakeError| e.text(option_name));
+    let settings = || error.downcast_ref().map(|e: &SettingsError| e.text(option_name));
+    let points = || error.downcast_ref().map(|e: &PointsError| e.text(option_name));
+    let checkpoint = || error.downcast_ref().map(|e: &CheckpointError| e.text(option_name));
+    bake.or_else(settings).or_else(points).or_else(checkpoint).unwrap_or_else(|| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_tells_the_option_to_change() {
+        let error = SettingsError::Range { setting: Setting::Beta, value: 2.0, low: 0.0, high: 1.0 };
+        assert_eq!(with_options(&error), "--beta is 2, but must lie between 0 and 1");
+        assert_eq!(error.to_string(), "beta is 2, but must lie between 0 and 1");
+        let told = with_options(&BakeError::from(error));
+        assert!(told.starts_with("--beta"), "{told}");
+        assert!(with_options(&PointsError::NoViewpoint).ends_with("--viewpoint x,y,z"));
+        assert!(with_options(&BakeError::Cancelled).contains("--resume"));
+    }
+}
