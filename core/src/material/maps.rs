@@ -2,7 +2,7 @@
 
 use crate::texture::{ColorSpace, TextureSlot};
 use enum_map::{Enum, EnumMap};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::{
     collections::BTreeMap,
     ops::{Index, IndexMut},
@@ -11,8 +11,8 @@ use std::{
 /// What a texture of a material modulates: a map for every parameter, and two for the normal. A map multiplies its
 /// parameter, as in glTF; only the index of refraction is scaled above 1, the value of no refraction. The model and the
 /// sides that reflect have no map: they are choices, not values, and the sides are baked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Enum, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Enum, Deserialize)]
+#[serde(field_identifier, rename_all = "snake_case")]
 pub enum MapKind {
     /// Multiplies the base colour.
     BaseColor,
@@ -69,6 +69,12 @@ impl MapKind {
     /// How its 8-bit texels are meant unless something says otherwise.
     pub fn color_space(self) -> ColorSpace {
         if self == Self::BaseColor { ColorSpace::Srgb } else { ColorSpace::Linear }
+    }
+}
+
+impl Serialize for MapKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
     }
 }
 
@@ -156,7 +162,8 @@ mod tests {
         let pairs: Vec<String> = MapKind::all().map(|kind| format!("\"{}\":null", kind.key())).collect();
         assert_eq!(text, format!("{{{}}}", pairs.join(",")));
         assert_eq!(serde_json::from_str::<MaterialMaps>("{}").unwrap(), MaterialMaps::default());
-        assert!(serde_json::from_str::<MaterialMaps>(r#"{"iro": null}"#).is_err());
+        let misspelt = serde_json::from_str::<MaterialMaps>(r#"{"iro": null}"#).unwrap_err().to_string();
+        assert!(misspelt.starts_with("unknown field `iro`, expected one of `base_color`"), "{misspelt}");
     }
 
     #[test]
