@@ -11,6 +11,7 @@ mod layout;
 mod light;
 mod materials;
 mod passes;
+mod pipeline;
 mod pool;
 mod readback;
 mod scene;

@@ -3,7 +3,7 @@
 
 use super::{
     device::GpuDevice,
-    passes::{Passes, bind},
+    pipeline::{Layouts, bind},
     scene::GpuScene,
     targets::{Target, Targets, format, target},
 };
@@ -14,7 +14,7 @@ use wgpu::BindingResource::TextureView as View;
 #[derive(Clone, Copy)]
 pub struct PictureInputs<'a> {
     pub gpu: &'a GpuDevice,
-    pub passes: &'a Passes,
+    pub layouts: &'a Layouts,
     pub scene: &'a GpuScene,
     pub frame: &'a wgpu::Buffer,
     pub targets: &'a Targets,
@@ -23,13 +23,13 @@ pub struct PictureInputs<'a> {
 impl PictureInputs<'_> {
     /// The group of the frame.
     pub fn frame_group(&self) -> wgpu::BindGroup {
-        bind(self.gpu, "frame", &self.passes.layouts.frame, &[self.frame.as_entire_binding()])
+        bind(self.gpu, "frame", &self.layouts.frame, &[self.frame.as_entire_binding()])
     }
 
     /// The group of the scene.
     pub fn scene_group(&self) -> wgpu::BindGroup {
         let geometry = [self.scene.vertices.as_entire_binding(), self.scene.triangles.as_entire_binding()];
-        bind(self.gpu, "scene", &self.passes.layouts.scene, &geometry)
+        bind(self.gpu, "scene", &self.layouts.scene, &geometry)
     }
 
     /// The sums of the samples before, by which of them is complete.
@@ -64,7 +64,7 @@ impl Addition {
         let inputs = |previous: &wgpu::TextureView| {
             let [geometry, rotation, color, others] = [geometry, rotation, color_roughness, others].map(|t| &t.view);
             let inputs = [geometry, rotation, color, others, previous].map(View);
-            bind(picture.gpu, label, &picture.passes.layouts.addition, &inputs)
+            bind(picture.gpu, label, &picture.layouts.addition, &inputs)
         };
         Self {
             sum: sum.of_size(picture.gpu, *size),

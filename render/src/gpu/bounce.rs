@@ -5,7 +5,7 @@ use super::{
     addition::{Addition, PictureInputs, SumTexture},
     device::GpuDevice,
     layout,
-    passes::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
+    pipeline::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
     scene::storage,
     shaders::{BOUNCE, ShaderSource},
     targets::format,
@@ -48,13 +48,13 @@ impl VertexBounce {
     pub fn prepare(
         &mut self,
         picture: &PictureInputs,
+        pass: &BouncePass,
         vertices: &Arc<VertexIrradiance>,
         previous: [&wgpu::TextureView; 2],
     ) -> Addition {
         let known = self.uploaded.take().filter(|(known, _)| Arc::ptr_eq(known, vertices));
         let make = || (vertices.clone(), [&vertices.front, &vertices.back].map(|side| upload(picture.gpu, side)));
         let (_, buffers) = self.uploaded.insert(known.unwrap_or_else(make));
-        let pass = &picture.passes.bounce;
         let sides = buffers.each_ref().map(|side| side.as_entire_binding());
         let light = bind(picture.gpu, "vertex irradiance", &pass.irradiance, &sides);
         Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)

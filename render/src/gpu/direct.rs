@@ -4,7 +4,7 @@ use super::{
     addition::{Addition, PictureInputs, SumTexture},
     device::GpuDevice,
     layout::{LocalLight, ShadowView, constants},
-    passes::{Binding, Layouts, Pipeline, bind, layout, module},
+    pipeline::{Binding, Layouts, Pipeline, bind, layout, module},
     scene::{GpuScene, storage},
     shaders::{DIRECT, SHADOW, ShaderSource},
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
@@ -95,11 +95,11 @@ impl DirectLights {
     }
 
     /// Renders shadow maps that are not as they should be, and binds what a picture needs; `None` without lights.
-    pub fn prepare(&mut self, picture: &PictureInputs) -> Option<Addition> {
+    pub fn prepare(&mut self, picture: &PictureInputs, passes: &DirectPasses) -> Option<Addition> {
         if self.lights.is_empty() {
             return None;
         }
-        let PictureInputs { gpu, passes, scene, .. } = *picture;
+        let PictureInputs { gpu, scene, .. } = *picture;
         let views = self.views(scene);
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
@@ -107,18 +107,18 @@ impl DirectLights {
         let lights_buffer = storage(gpu, "local lights", bytemuck::cast_slice(&self.packed()));
         self.make_room(gpu);
         let maps = self.maps.as_mut()?;
-        let group = bind(gpu, "shadow views", &passes.direct.views, &[views_buffer.as_entire_binding()]);
+        let group = bind(gpu, "shadow views", &passes.views, &[views_buffer.as_entire_binding()]);
         let (frame, geometry) = (picture.frame_group(), picture.scene_group());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for layer in maps.stale(&views) {
             let groups = [&frame, &geometry, &group];
             let view = (layer, views[layer as usize]);
-            maps.encode(&mut encoder, &passes.direct.shadow, groups, 3 * scene.triangle_count, view);
+            maps.encode(&mut encoder, &passes.shadow, groups, 3 * scene.triangle_count, view);
         }
         gpu.queue.submit([encoder.finish()]);
         let lights = [views_buffer.as_entire_binding(), lights_buffer.as_entire_binding(), View(&maps.array)];
-        let lights = bind(gpu, "local lights", &passes.direct.lights, &lights);
-        Some(Addition::new(picture, ("direct", &passes.direct.direct), lights, picture.sums(), &mut self.sum))
+        let lights = bind(gpu, "local lights", &passes.lights, &lights);
+        Some(Addition::new(picture, ("direct", &passes.direct), lights, picture.sums(), &mut self.sum))
     }
 
     /// Whether there are textures of lights.

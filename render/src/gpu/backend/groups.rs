@@ -4,7 +4,7 @@ use super::{GpuBackend, Loaded};
 use crate::gpu::{
     addition::Addition,
     light::GpuLight,
-    passes::bind,
+    pipeline::bind,
     targets::{Sums, Targets},
 };
 

@@ -86,11 +86,12 @@ impl GpuBackend {
     /// Local lights and bounced light at the vertices, as far as they are shown.
     fn additions(&mut self) -> Vec<Addition> {
         let (Some(Loaded { scene, .. }), Some(targets)) = (&self.scene, &self.targets) else { return Vec::new() };
-        let picture = PictureInputs { gpu: &self.gpu, passes: &self.passes, scene, frame: &self.frame, targets };
-        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&picture));
+        let picture =
+            PictureInputs { gpu: &self.gpu, layouts: &self.passes.layouts, scene, frame: &self.frame, targets };
+        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&picture, &self.passes.direct));
         let previous = direct.as_ref().map_or(picture.sums(), |direct| [&direct.sum; 2]);
         let vertices = self.local.shown_vertex_irradiance();
-        let bounce = vertices.map(|vertices| self.bounce.prepare(&picture, vertices, previous));
+        let bounce = vertices.map(|vertices| self.bounce.prepare(&picture, &self.passes.bounce, vertices, previous));
         direct.into_iter().chain(bounce).collect()
     }
 }
