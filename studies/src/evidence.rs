@@ -11,6 +11,7 @@ mod notebook;
 mod scale;
 mod sweeps;
 mod table;
+mod variants;
 mod wavelets;
 
 use crate::{
