@@ -1,4 +1,4 @@
-//! `lapidary ladder`: which size of the illumination cut is enough for a viewed.
+//! `lapidary ladder`: which size of the illumination cut is enough for a picture.
 
 use crate::{
     args::{BackendOption, BrdfOption, LocalLightArgs, ViewArgs, warn_of_buried},

@@ -139,7 +139,7 @@ fn trace(args: &ReferenceArgs, viewed: &ViewedScene, interrupt: &ProgressReporte
     }
 }
 
-/// The viewed without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+/// The look without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
 fn unbounced(viewed: &ViewedScene) -> Result<Look> {
     let components = viewed.local.components.unwrap_or(Components::UNBOUNCED);
     Ok(Look { components, ..viewed.look()? })
