@@ -204,8 +204,8 @@ impl CameraArgs {
                 ..base.clone()
             },
             (None, None, None) => {
-                let bounds = scene.mesh.bounds();
-                let camera = Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
+                // Without a camera it is all of the scene.
+                let camera = scene.first_view();
                 Camera { fov_y: fov(camera.fov_y.to_degrees()).to_radians(), ..camera }
             }
             (Some(_), None, None) => bail!("the scene has no camera to take the target from; give --target with --eye"),

@@ -7,7 +7,6 @@ use super::{
 use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
-    camera::Camera,
     cut::CutCriterion,
     dataset::{BakeParts, BakeSettings, Dataset},
     import::{Imported, import},
@@ -184,10 +183,7 @@ impl Measurement<'_> {
 
 /// The scene's first camera, or all of it. The background is black: errors are on surfaces alone.
 pub fn view(scene: &Scene, size: [u32; 2]) -> View {
-    let bounds = scene.mesh.bounds();
-    let all = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
-    let camera = scene.cameras.first().cloned().unwrap_or_else(all);
-    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, size) }
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(scene.first_view(), size) }
 }
 
 #[cfg(test)]
