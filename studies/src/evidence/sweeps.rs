@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     args::BackendOption,
-    commands::bounces::against_paths,
+    bounces::light_paths::LightPaths,
     ladder::{Settings, Truth, climb},
     report::{
         chart::{self, Chart, Line},
@@ -140,7 +140,7 @@ impl Sweeper<'_> {
         let progress = steps.progress("light paths", "passes");
         let settings = PathSettings::direct(scale.spp);
         let paths = renderer.path_picture(&look.view, &look.light, &[], settings, &progress);
-        let paths = against_paths::Truth::from(paths);
+        let paths = LightPaths::from(paths);
         progress.finish();
         steps.check()?;
         let mut points = Vec::new();
