@@ -15,10 +15,9 @@ mod variants;
 mod wavelets;
 
 use crate::{
-    demo::{DataFolder, Steps},
+    bundled::DataFolder,
     export::create_folder,
-    terminal::Console,
-    terminal::Outcome,
+    terminal::{Console, Outcome, Steps},
 };
 use anyhow::{Result, bail};
 use cases::{Case, Plan};

@@ -8,6 +8,7 @@
 
 pub mod args;
 mod bounces;
+pub mod bundled;
 pub mod commands;
 pub mod demo;
 mod evidence;
