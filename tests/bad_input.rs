@@ -1,13 +1,11 @@
 //! Bad input gets a message that names the file and says what to do; nothing good is lost.
 
-mod common;
-
-use common::{SMALL, Stage, files_in};
+use crate::common::{Folder, SMALL, files_in};
 use std::fs;
 
 #[test]
 fn damaged_and_foreign_datasets_are_refused() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("good.cuts", "");
     let bytes = fs::read(stage.path("good.cuts")).expect("a dataset");
     for (name, contents) in [
@@ -30,7 +28,7 @@ fn damaged_and_foreign_datasets_are_refused() {
 
 #[test]
 fn damaged_scenes_are_refused_by_name() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     for (name, text) in [
         ("nan.obj", "v 0 0 0\nv nan 0 1\nv 1 0 0\nf 1 2 3\n"),
         ("index.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 9\n"),
@@ -52,7 +50,7 @@ fn damaged_scenes_are_refused_by_name() {
 
 #[test]
 fn missing_materials_and_zero_area_triangles_are_warnings() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let scene = fs::read_to_string(stage.path("scene.obj")).expect("the scene");
     stage.write("poor.obj", scene.replace("scene.mtl", "gone.mtl") + "f 1 1 2\n");
     let output = stage.run(&format!(
@@ -69,7 +67,7 @@ fn missing_materials_and_zero_area_triangles_are_warnings() {
 fn environments_that_are_no_radiance_are_repaired_aloud_or_refused() {
     use glam::Vec3;
     use lapidary_core::image::Image;
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let map = Image::from_fn([8, 4], |x, _| match x {
         0 => Vec3::splat(-1.0),
@@ -93,7 +91,7 @@ fn environments_that_are_no_radiance_are_repaired_aloud_or_refused() {
 
 #[test]
 fn impossible_options_are_refused_before_any_work() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     for (options, word) in [
         ("--lights 1000", "power of two"),
         ("--beta 2", "--beta"),
@@ -131,7 +129,7 @@ fn impossible_options_are_refused_before_any_work() {
 
 #[test]
 fn lights_that_cannot_shine_are_refused_by_name() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let one = |inner: &str| format!(r#"{{"lights": [{{{inner}, "position": [0, 1, 0], "intensity": [1, 1, 1]}}]}}"#);
     let many = vec![r#"{"kind": "point", "position": [0, 1, 0], "intensity": [1, 1, 1]}"#; 5000].join(",");
@@ -184,7 +182,7 @@ fn lights_that_cannot_shine_are_refused_by_name() {
 
 #[test]
 fn an_output_that_cannot_be_written_keeps_what_was_there() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     fs::create_dir(stage.path("folder")).expect("a writable folder");
     assert!(stage.fail("bake scene.obj -o gone/a.cuts --progress none").contains("gone"));
@@ -196,7 +194,7 @@ fn an_output_that_cannot_be_written_keeps_what_was_there() {
 
 #[test]
 fn outputs_are_checked_before_the_work() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.write("not-even-a-dataset.cuts", String::new());
     let early = stage.fail("render not-even-a-dataset.cuts --env studio --out a.gif");
     assert!(early.contains(".exr") && early.contains("a.gif"), "{early}");
@@ -208,7 +206,7 @@ fn outputs_are_checked_before_the_work() {
 fn pictures_that_cannot_be_compared_are_refused() {
     use glam::Vec3;
     use lapidary_core::image::Image;
-    let stage = Stage::new();
+    let stage = Folder::new();
     for (name, size) in [("a.exr", [8, 6]), ("b.exr", [6, 8])] {
         Image::filled(size, Vec3::ONE).write(&stage.path(name)).expect("a writable folder");
     }
@@ -221,7 +219,7 @@ fn pictures_that_cannot_be_compared_are_refused() {
 
 #[test]
 fn a_checkpoint_of_other_settings_is_not_resumed() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     fs::create_dir(stage.path("a.cuts.partial")).expect("a writable folder");
     stage.write("a.cuts.partial/bake.json", "{}".into());
     let message = stage.fail(&format!("bake scene.obj -o a.cuts {SMALL} --resume"));
@@ -231,7 +229,7 @@ fn a_checkpoint_of_other_settings_is_not_resumed() {
 
 #[test]
 fn the_demonstration_needs_its_data() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let message = stage.fail("demo --data nowhere");
     assert!(message.contains("LAPIDARY_DATA") && message.contains("nowhere"), "{message}");
     assert!(!stage.path("out").exists());
@@ -241,7 +239,7 @@ fn the_demonstration_needs_its_data() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_standard_output_is_an_error() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
     let output = stage.command("info a.cuts").stdout(full).output().expect("the program starts");
@@ -255,7 +253,7 @@ fn a_full_standard_output_is_an_error() {
 #[cfg(target_os = "linux")]
 fn a_full_disk_keeps_the_old_dataset_and_says_so() {
     use std::process::Command;
-    let stage = Stage::new();
+    let stage = Folder::new();
     let disk = stage.path("disk");
     fs::create_dir(&disk).expect("a writable folder");
     let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=512k", "tmpfs"]).arg(&disk).output();
@@ -278,7 +276,7 @@ fn a_full_disk_keeps_the_old_dataset_and_says_so() {
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_display_the_editor_says_what_to_do() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     for options in ["", "edit", "edit scene.obj"] {
         let mut command = stage.command(options);
         for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {

@@ -1,13 +1,11 @@
 //! `bake`, `info` and `verify` from end to end.
 
-mod common;
-
-use common::{SMALL, Stage, contents, keys};
+use crate::common::{Folder, SMALL, contents, keys};
 use lapidary_core::dataset::Dataset;
 
 #[test]
 fn the_report_has_the_keys_that_scripts_depend_on() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "--report report.json");
     let report = stage.json("report.json");
     for key in [
@@ -41,7 +39,7 @@ fn the_report_has_the_keys_that_scripts_depend_on() {
 
 #[test]
 fn info_and_verify_agree_with_the_bake() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     assert!(stage.succeed("info a.cuts").contains("light tree 1024 samples"));
     let info: serde_json::Value = serde_json::from_str(&stage.succeed("info a.cuts --json")).expect("JSON");
@@ -54,7 +52,7 @@ fn info_and_verify_agree_with_the_bake() {
 
 #[test]
 fn threads_and_chunks_do_not_change_a_bit_and_settings_do() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "--threads 1 --chunks 1");
     stage.bake("b.cuts", "--threads 4 --chunks 9");
     stage.bake("c.cuts", "--sigma 3");
@@ -64,7 +62,7 @@ fn threads_and_chunks_do_not_change_a_bit_and_settings_do() {
 
 #[test]
 fn a_two_triangle_floor_is_tessellated_only_if_asked() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let out = stage.run("bake scene.obj -o b.cuts --lights 256 --no-tessellate --progress none");
     assert!(out.status.success());
@@ -74,7 +72,7 @@ fn a_two_triangle_floor_is_tessellated_only_if_asked() {
 
 #[test]
 fn a_bake_for_a_shot_has_its_vertices_there_whatever_the_threads() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     // A corner of the floor from above.
     let shot = "--shot 1.2,1.5,1.2:1.2,0,1.1:40:1";
     stage.bake("all.cuts", "");
@@ -96,7 +94,7 @@ fn a_bake_for_a_shot_has_its_vertices_there_whatever_the_threads() {
 
 #[test]
 fn a_budget_below_the_mesh_is_remarked() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let bake = |vertices| stage.run(&format!("bake scene.obj -o a.cuts --lights 256 --max-vertices {vertices}"));
     let errors = |vertices| String::from_utf8_lossy(&bake(vertices).stderr).into_owned();
     assert!(errors(20).contains("no triangle is split"));
@@ -107,7 +105,7 @@ fn a_budget_below_the_mesh_is_remarked() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_bake_resumes_to_the_same_bits() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let options =
         "bake scene.obj -o a.cuts --lights 32768 --pilot-clusters 16 --max-vertices 3000 --chunks 200 --progress none";
     let mut child = stage.command(options).stderr(std::process::Stdio::null()).spawn().expect("the program starts");
@@ -128,14 +126,14 @@ fn an_interrupted_bake_resumes_to_the_same_bits() {
 
 #[test]
 fn quiet_bakes_print_nothing() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let output = stage.run("--quiet bake scene.obj -o a.cuts --lights 256 --no-tessellate");
     assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
 }
 
 #[test]
 fn help_teaches_every_command() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let help = stage.succeed("--help");
     for command in ["demo", "bake", "info", "verify", "render", "reference", "compare"] {
         assert!(help.contains(command), "{command}");

@@ -1,8 +1,6 @@
 //! Bounced light from end to end: the bundled colour box baked with few sources, against traced paths of one bounce.
 
-mod common;
-
-use common::Stage;
+use crate::common::Folder;
 use glam::{DVec3, Vec3};
 use lapidary_core::{cut::packed::PackedCuts, image::Image, meshless::Transport};
 use serde_json::Value;
@@ -15,15 +13,15 @@ const VIEW: &str = "--env none --components indirect --size 48x48";
 const SQUARE: usize = 8;
 
 /// The colour box, baked.
-fn colour_box() -> Stage {
-    let stage = Stage::new();
+fn colour_box() -> Folder {
+    let stage = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
     stage.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {BAKE}"));
     stage
 }
 
 /// Means over squares of a picture, row by row.
-fn squares(stage: &Stage, name: &str) -> Vec<DVec3> {
+fn squares(stage: &Folder, name: &str) -> Vec<DVec3> {
     let picture = Image::read(&stage.path(name)).expect("a picture");
     let [width, height] = picture.size.map(|n| n as usize / SQUARE);
     let pixel = |x: usize, y: usize| picture.pixels[y * width * SQUARE + x].as_dvec3();
@@ -74,7 +72,7 @@ const BASIS: &str = "--levels 5 --sender-levels 4 --gather-rays 128 --epsilon 0.
 
 #[test]
 fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
     let all = BAKE.replace("indirect", "all");
     stage.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {all} {BASIS}"));
@@ -178,7 +176,7 @@ fn a_solution_that_was_not_baked_is_refused_with_the_bake_that_has_it() {
 
 #[test]
 fn environment_and_meshless_basis_without_sources_light_a_picture_together() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "--mode environment,meshless --levels 3 --sender-levels 2 --gather-rays 64");
     let dataset = stage.dataset("a.cuts");
     assert!(dataset.settings.mode.to_string() == "environment,meshless" && dataset.indirect.is_none());

@@ -2,9 +2,7 @@
 //! `requirements.txt`, by the name in `LAPIDARY_PYTHON`; skipped aloud where it is not there, unless
 //! `LAPIDARY_REQUIRE_MITSUBA` is set.
 
-mod common;
-
-use common::{LAPIDARY, Stage};
+use crate::common::{Folder, LAPIDARY};
 use std::process::{Command, Output};
 
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/crosscheck");
@@ -61,7 +59,7 @@ fn a_missing_package_is_told_with_its_remedy() {
     if !has("sys") {
         return;
     }
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.write("mitsuba.py", "raise ImportError('no such package')\n".into());
     let output = python()
         .env("PYTHONPATH", stage.path(""))

@@ -1,8 +1,6 @@
 //! `ladder` and `evidence` from end to end.
 
-mod common;
-
-use common::{Stage, keys};
+use crate::common::{Folder, keys};
 use lapidary_core::image::Image;
 use std::fs;
 
@@ -11,7 +9,7 @@ const EYE: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --si
 
 #[test]
 fn the_ladder_shows_errors_and_times_of_every_size() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     // Metal, and the BRDF once a node: where visibility is coarse only the illumination cut tells where the sun is.
     let view = format!("{EYE} --roughness 0.3 --metalness 1 --background black");
@@ -47,7 +45,7 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
 
 #[test]
 fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.succeed("bake scene.obj -o a.cuts --mode cuts --lights 256 --sources 256 --pilot-clusters 16 --max-vertices 200 --progress none");
     stage.succeed(&format!("ladder a.cuts {EYE} --components indirect --backend cpu --illum-cuts 1,256 --out ladder"));
     let json = stage.json("ladder/ladder.json");
@@ -59,7 +57,7 @@ fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
 
 #[test]
 fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.write("file", "not a folder".into());
     for command in ["ladder missing.cuts --out file/ladder", "ladder missing.cuts --out file"] {
         let message = stage.fail(command);
@@ -71,7 +69,7 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
 
 #[test]
 fn the_evidence_of_a_small_scene_has_all_figures() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");
     let json = stage.json("proof/evidence.json");
     assert_eq!((&json["complete"], &json["scenes"][0]), (&true.into(), &"scene".into()));
@@ -115,7 +113,7 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
 
 #[test]
 fn evidence_refuses_what_it_cannot_measure_before_it_begins() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.write("file", "not a folder".into());
     assert!(stage.fail("evidence --quick --out file/proof").contains("folder"));
     stage.write("broken.obj", "v 0 0 0\n".into());

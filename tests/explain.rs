@@ -1,8 +1,6 @@
 //! `explain` and `predict` from end to end: what they say of a picture is true of the picture that `render` writes.
 
-mod common;
-
-use common::{SMALL, Stage, files_in};
+use crate::common::{Folder, SMALL, files_in};
 use glam::Vec3;
 use lapidary_core::image::Image;
 use serde_json::Value;
@@ -10,8 +8,8 @@ use serde_json::Value;
 const VIEW: &str = "--env sun-sky:40 --size 48x36 --eye 0.3,2.5,3.5 --target 0,0.2,0 --illum-cut 64";
 
 /// The box over the floor, baked.
-fn stage() -> Stage {
-    let stage = Stage::new();
+fn stage() -> Folder {
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     stage
 }

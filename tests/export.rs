@@ -1,8 +1,6 @@
 //! `render --layers`, `compare --layer` and `sequence` from end to end.
 
-mod common;
-
-use common::{Stage, files_in, keys};
+use crate::common::{Folder, files_in, keys};
 use glam::Vec3;
 use lapidary_core::image::Image;
 use std::{fs, path::Path, time::Duration};
@@ -12,14 +10,14 @@ const VIEW: &str = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 40x30 --backe
 const LAMP: &str =
     r#"{"lights": [{"kind": "point", "name": "lamp", "position": [0.6, 2, 0.8], "intensity": [9, 8, 6]}]}"#;
 
-fn baked(more: &str) -> Stage {
-    let stage = Stage::new();
+fn baked(more: &str) -> Folder {
+    let stage = Folder::new();
     stage.bake("a.cuts", more);
     stage.write("lamp.json", LAMP.into());
     stage
 }
 
-fn layer(stage: &Stage, name: &str) -> Image {
+fn layer(stage: &Folder, name: &str) -> Image {
     Image::read_layer(&stage.path("layers.exr"), name).expect("a layer")
 }
 

@@ -1,15 +1,13 @@
 //! The GPU renderer from end to end, on whatever adapter there is: `render --backend gpu`, and `bench`.
 
-mod common;
-
-use common::{Stage, keys};
+use crate::common::{Folder, keys};
 use lapidary_core::image::Image;
 
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72";
 
 /// A baked scene, or `None`, said aloud, where there is no adapter and none is required.
-fn baked() -> Option<Stage> {
-    let stage = Stage::new();
+fn baked() -> Option<Folder> {
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let output = stage.run(&format!("render a.cuts {VIEW} --backend gpu --out gpu.exr"));
     if output.status.success() {
@@ -22,7 +20,7 @@ fn baked() -> Option<Stage> {
     None
 }
 
-fn error(stage: &Stage, test: &str, reference: &str) -> f64 {
+fn error(stage: &Folder, test: &str, reference: &str) -> f64 {
     stage.succeed(&format!("compare {test} {reference} --json m.json"));
     stage.json("m.json")["rel_rmse"].as_f64().expect("a number")
 }

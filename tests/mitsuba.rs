@@ -1,12 +1,10 @@
 //! `export` from end to end, without Mitsuba: files, options, bad input.
 
-mod common;
-
-use common::Stage;
+use crate::common::Folder;
 use lapidary_core::{image::Image, import::import};
 use std::{fs, path::Path};
 
-fn scene_xml(stage: &Stage) -> String {
+fn scene_xml(stage: &Folder) -> String {
     fs::read_to_string(stage.path("m/scene.xml")).expect("a scene")
 }
 
@@ -30,7 +28,7 @@ fn triangles(path: &Path) -> usize {
 
 #[test]
 fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     let said = stage.succeed("export a.cuts --env studio --rotate 30 --intensity 2 --size 40x30 --mitsuba m");
     let mesh = stage.dataset("a.cuts").scene.mesh;
@@ -56,7 +54,7 @@ fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
 
 #[test]
 fn lights_bounces_and_background_follow_the_options() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     stage.write(
         "lamps.json",
@@ -84,7 +82,7 @@ fn lights_bounces_and_background_follow_the_options() {
 
 #[test]
 fn what_cannot_be_exported_is_told_before_anything_is_written() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     stage.write("file", String::new());
     for (options, words) in [

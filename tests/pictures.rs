@@ -1,15 +1,13 @@
 //! `render`, `reference` and `compare` from end to end.
 
-mod common;
-
-use common::{Stage, keys};
+use crate::common::{Folder, keys};
 use lapidary_core::image::Image;
 
 /// Looks down on box and floor.
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36";
 
-fn baked() -> Stage {
-    let stage = Stage::new();
+fn baked() -> Folder {
+    let stage = Folder::new();
     stage.bake("a.cuts", "");
     stage
 }
@@ -95,7 +93,7 @@ fn more_samples_a_pixel_smooth_edges_in_all_renderers_alike() {
 
 #[test]
 fn the_bundled_still_life_bakes_and_renders() {
-    let stage = Stage::new();
+    let stage = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
     stage.succeed(&format!("bake {data}/still-life/still-life.gltf -o s.cuts --lights 512 --pilot-clusters 32 --no-tessellate --progress none"));
     stage.succeed(&format!("render s.cuts --env {data}/environments/studio.hdr --size 64x48 --out s.exr"));
@@ -169,7 +167,7 @@ fn equal_pictures_have_no_error_and_infinity_becomes_null() {
 #[test]
 fn pixels_that_are_not_finite_are_told_and_left_out() {
     use glam::Vec3;
-    let stage = Stage::new();
+    let stage = Folder::new();
     let good = Image::filled([16, 16], Vec3::splat(0.5));
     let mut bad = good.clone();
     bad.pixels[7] = Vec3::splat(f32::NAN);

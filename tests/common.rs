@@ -1,5 +1,4 @@
 //! What the end-to-end tests share: running the binary, a small scene, comparing datasets.
-#![allow(dead_code, reason = "each test binary uses a part")]
 
 use lapidary_core::dataset::Dataset;
 use std::{
@@ -12,9 +11,9 @@ use std::{
 pub const LAPIDARY: &str = env!("CARGO_BIN_EXE_lapidary");
 
 /// A folder for one test, with a small scene in it: a box over a floor of two triangles.
-pub struct Stage(tempfile::TempDir);
+pub struct Folder(tempfile::TempDir);
 
-impl Stage {
+impl Folder {
     pub fn new() -> Self {
         let stage = Self(tempfile::tempdir().expect("a temporary folder"));
         stage.write("scene.obj", box_over_floor());

@@ -1,0 +1,13 @@
+//! End-to-end tests over the built program, a file a subject, in one binary, which is linked once.
+
+mod bad_input;
+mod baking;
+mod bounces;
+mod common;
+mod crosscheck;
+mod evidence;
+mod explain;
+mod export;
+mod gpu;
+mod mitsuba;
+mod pictures;
