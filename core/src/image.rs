@@ -117,6 +117,11 @@ impl Image {
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(sum, value)| *sum += *value);
     }
 
+    /// Every pixel times `factor`.
+    pub fn scaled(&self, factor: f32) -> Self {
+        Self { size: self.size, pixels: self.pixels.iter().map(|&p| p * factor).collect() }
+    }
+
     /// A part of it.
     ///
     /// # Panics

@@ -63,6 +63,13 @@ impl Scene {
     pub fn camera(&self, name: &str) -> Result<&Camera, NoSuchCamera> {
         camera_named(self.cameras.iter(), name)
     }
+
+    /// The first camera, or a view of all of the scene if it has none.
+    pub fn first_view(&self) -> Camera {
+        let bounds = self.mesh.bounds();
+        let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
+        self.cameras.first().cloned().unwrap_or_else(whole)
+    }
 }
 
 /// The first camera of a name.

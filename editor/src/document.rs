@@ -226,8 +226,6 @@ impl Document {
     /// A scene as it came: with what gives light soonest proposed for its bake, under its own lights, seen from its
     /// first camera or as a whole, all its cameras bookmarked.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
-        let bounds = scene.mesh.bounds();
-        let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
         let entry = |texture: &Arc<Texture>| TextureEntry { texture: texture.clone(), file: None };
         Self {
             scene: path,
@@ -235,7 +233,7 @@ impl Document {
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
             bake: proposed_bake(scene),
-            camera: scene.cameras.first().cloned().unwrap_or_else(whole),
+            camera: scene.first_view(),
             bookmarks: scene.cameras.clone(),
             ..Self::empty()
         }

@@ -8,22 +8,22 @@ mod phases;
 mod remarks;
 mod report;
 pub(crate) mod settings;
+mod variant;
 
 pub use job::BakeJob;
-
-pub(crate) use phases::{
-    geometry::Geometry,
-    pack::{Packed, concatenate, pack},
-};
-pub(crate) use report::report;
+pub use phases::geometry::Geometry;
 
 use self::{
     clock::Clock,
     phases::{
-        bounces::bake_bounces, environment::bake_environment, fit::fit_environment, light_tree::checkpoint_and_tree,
+        bounces::bake_bounces,
+        environment::bake_environment,
+        fit::fit_environment,
+        light_tree::checkpoint_and_tree,
+        pack::{concatenate, pack},
     },
     remarks::Remarks,
-    report::finish_report,
+    report::{finish_report, report},
     settings::ResolvedBake,
 };
 use crate::{
@@ -65,7 +65,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
     let report = report(&geometry, settings, &packed, job.warnings.clone());
     let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
-    let vertex_valid = geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect();
+    let vertex_valid = geometry.vertex_valid();
     let two_sided = geometry.sides.two_sided;
     let mut dataset = Dataset {
         scene: geometry.scene,

@@ -14,7 +14,6 @@ mod meshless;
 mod observer;
 mod setting;
 mod sources;
-mod study;
 #[cfg(test)]
 mod test_scenes;
 mod threads;
@@ -23,8 +22,8 @@ mod vertices;
 mod warning;
 
 pub use bake::{
-    BakeJob, bake,
-    checkpoint::{Leftover, leftover},
+    BakeJob, Geometry, bake,
+    checkpoint::{Chunk, Leftover, leftover},
     memory::available as available_memory,
     settings::{Preset, ResolvedBake, resolve, with_room},
 };
@@ -38,7 +37,6 @@ pub use sources::{
     disk::{Darts, poisson_disk},
     viewpoint::find_viewpoint,
 };
-pub use study::{Study, Variant};
 pub use threads::on_threads;
 pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{

@@ -1,21 +1,19 @@
 //! `lapidary demo`: the whole of it on bundled data, and a report to look at.
 
 mod bake;
-mod data;
 mod gallery;
 mod ladder;
 mod page;
 mod pictures;
 mod report;
-mod steps;
 
 use crate::{
+    bundled::DataFolder,
     export::create_folder,
-    terminal::{Console, Outcome, write_json},
+    terminal::{Console, Outcome, Steps, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
-pub use data::DataFolder;
 use lapidary_core::atomic::write_atomically;
 use lapidary_precompute::verify;
 use pictures::{Picture, StillLife};
@@ -25,7 +23,6 @@ use std::{
     sync::Arc,
     time::Instant,
 };
-pub use steps::Steps;
 
 /// Options of `demo`.
 #[derive(Args, Clone, Debug)]

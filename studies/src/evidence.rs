@@ -11,13 +11,13 @@ mod notebook;
 mod scale;
 mod sweeps;
 mod table;
+mod variants;
 mod wavelets;
 
 use crate::{
-    demo::{DataFolder, Steps},
+    bundled::DataFolder,
     export::create_folder,
-    terminal::Console,
-    terminal::Outcome,
+    terminal::{Console, Outcome, Steps},
 };
 use anyhow::{Result, bail};
 use cases::{Case, Plan};

@@ -3,16 +3,19 @@
 //!
 //! [`commands`] has a file for each command, [`args`] the options that several of them share, [`terminal`] what they say.
 //! Each study is a folder: [`ladder`] (which size of the illumination cut is enough), [`sequence`] (turntables and sweeps),
-//! evidence (the paper's figures measured anew), [`export`] (pictures with layers, scenes for Mitsuba), [`demo`].
+//! bounces (how far solutions of bounced light are from light paths), evidence (the paper's figures measured anew), [`export`]
+//! (pictures with layers, scenes for Mitsuba), [`demo`].
 
 pub mod args;
+mod bounces;
+pub mod bundled;
 pub mod commands;
 pub mod demo;
 mod evidence;
 pub mod export;
-pub mod fading;
 pub mod jobs;
 pub mod ladder;
+pub mod missing_light;
 pub mod report;
 pub mod sequence;
 pub mod sheet;

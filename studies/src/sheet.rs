@@ -1,8 +1,10 @@
-//! Contact sheets: pictures in a grid, each with lines of text below it.
+//! Contact sheets: pictures in a grid, each with lines of text below it; and strips of pictures against the truth.
 
 mod picture;
+mod strip;
 
 pub use picture::DisplayPicture;
+pub use strip::{GAP, exposure, side_by_side, strip};
 
 use lapidary_render::Lettering;
 

@@ -14,7 +14,7 @@ use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
 use lapidary_studies::jobs::Wake;
-use lapidary_studies::{args::BackendOption, demo::DataFolder};
+use lapidary_studies::{args::BackendOption, bundled::DataFolder};
 use std::{path::PathBuf, sync::Arc};
 
 /// How the window begins.

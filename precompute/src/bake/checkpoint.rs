@@ -33,6 +33,16 @@ pub struct Chunk {
     pub rays: u64,
 }
 
+impl Chunk {
+    /// Adds the cut of one more point, its squared error, and the rays that were traced for it.
+    pub fn push(&mut self, cut: &[u16], squared_error: f64, rays: u64) {
+        self.lengths.push(cut.len() as u32);
+        self.nodes.extend_from_slice(cut);
+        self.squared_error += squared_error;
+        self.rays += rays;
+    }
+}
+
 /// Which cuts a chunk holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Series {

@@ -4,7 +4,7 @@
 //! both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so all of them are not worth seven times the rays.
 
 use crate::{
-    errors::{BakeError, SettingsError},
+    errors::BakeError,
     observer::{Event, Observer},
     vertices::{
         points::{BakePoint, BakePoints},
@@ -13,7 +13,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    light_tree::{Features, LightTree, PilotVisibility, cluster_order},
+    light_tree::{Features, PilotVisibility, cluster_order},
     ray::Intersector,
 };
 use rayon::prelude::*;
@@ -24,22 +24,20 @@ const K: f32 = 30.0;
 /// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
-/// Clusters the points by position and normal and samples each cluster's visibility of the Fibonacci samples.
+/// Clusters the points by position and normal and samples each cluster's visibility of `directions`.
 pub fn sample_pilot(
     points: &BakePoints,
     scene: &Intersector,
     diagonal: f32,
-    lights: usize,
+    directions: &[Vec3],
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    // In sample order: the tree that the samples will be arranged by does not exist yet.
-    let samples = LightTree::from_order((0..lights as u32).collect()).map_err(SettingsError::from)?;
-    let sampler = VisibilitySampler::new(scene, &samples);
+    let sampler = VisibilitySampler::of_directions(scene, directions);
     let sample = |point: &BakePoint, visible: &mut [u8]| {
         sampler.sample(point, visible);
     };
-    pilot_of(points, diagonal, lights, clusters, observer, sample)
+    pilot_of(points, diagonal, directions.len(), clusters, observer, sample)
 }
 
 /// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
@@ -100,6 +98,7 @@ mod tests {
         test_scenes::{cuboid, floor, scene_of},
         vertices::sidedness::classify,
     };
+    use lapidary_core::sphere::fibonacci_directions;
 
     #[test]
     fn clusters_hold_points_that_see_alike() {
@@ -108,13 +107,14 @@ mod tests {
         let scene = scene_of(&triangles);
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
-        let pilot = sample_pilot(&points, &intersector, 4.0, 256, 4, &Silent).unwrap();
+        let directions = fibonacci_directions(256);
+        let pilot = sample_pilot(&points, &intersector, 4.0, &directions, 4, &Silent).unwrap();
         assert_eq!((pilot.clusters(), pilot.fractions.len()), (4, 1024));
         // Every cluster sees something and none sees everything; the floor's light comes from above.
         for row in pilot.fractions.chunks(256) {
             assert!(row.iter().any(|&f| f > 0) && row.contains(&0));
         }
-        let more = sample_pilot(&points, &intersector, 4.0, 256, 9999, &Silent).unwrap();
+        let more = sample_pilot(&points, &intersector, 4.0, &directions, 9999, &Silent).unwrap();
         assert_eq!(more.clusters(), points.points.len(), "never more clusters than points");
     }
 }

@@ -72,7 +72,7 @@ impl From<ToneMapOption> for ToneMap {
 }
 
 impl PictureArgs {
-    /// Everything that decides the picture of a viewed.
+    /// Everything that decides the picture of a viewed scene.
     ///
     /// # Errors
     /// Bounced light was asked for, and the dataset has none of that kind.

@@ -1,21 +1,20 @@
 //! `lapidary bounces`: how far each solution of bounced light is from light paths, side by side.
 
-pub mod against_paths;
-pub mod strip;
-
 use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
+    bounces::{
+        BouncedLight,
+        light_paths::{Figures, LightPaths},
+    },
     export::create_folder,
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
+    sheet::strip,
+    terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
-use against_paths::{Figures, Truth};
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
-use lapidary_render::{
-    Bounces, Components, CpuBackend, FinishedPicture, LitScene, Look, PathSettings, RenderStats, Renderer, Solution,
-};
+use lapidary_render::{Bounces, FinishedPicture, Look, RenderStats, Solution};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -64,9 +63,6 @@ struct Row {
     every_source: Option<Figures>,
 }
 
-/// Bounced light only: of what else is in a picture, other figures tell.
-const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
-
 /// Renders, traces, compares, and writes what was found.
 ///
 /// # Errors
@@ -75,17 +71,15 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
         bail!("bounces shows bounced light only; leave --components out");
     }
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     let solutions = solutions(&viewed)?;
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {
         bail!("--spp must be a multiple of {}: both of its halves sample all of a pixel", 2 * viewed.view.aa);
     }
     create_folder(&args.out)?;
-    let mut comparison = Comparison::new(args, viewed, &interrupt, console)?;
-    let mut report =
-        Report { size: comparison.viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
+    let mut report = Report { size: viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
+    let mut comparison = Comparison::new(args, &viewed, &interrupt, console)?;
     for solution in solutions {
         let Some(row) = comparison.measure(solution)? else { return Ok(Outcome::Interrupted) };
         console.summary(line(&row))?;
@@ -107,12 +101,10 @@ fn solutions(viewed: &ViewedScene) -> Result<Vec<Solution>> {
     Ok(solutions)
 }
 
-/// The bounced light of a scene, measured by one solution after another.
+/// Solutions measured one after another.
 struct Comparison<'a> {
     args: &'a BouncesArgs,
-    viewed: ViewedScene,
-    scene: LitScene<CpuBackend>,
-    renderer: Renderer,
+    bounced: BouncedLight,
     interrupt: &'a ProgressReporter,
     console: Console,
 }
@@ -120,31 +112,27 @@ struct Comparison<'a> {
 impl<'a> Comparison<'a> {
     fn new(
         args: &'a BouncesArgs,
-        viewed: ViewedScene,
+        viewed: &ViewedScene,
         interrupt: &'a ProgressReporter,
         console: Console,
     ) -> Result<Self> {
-        let renderer = Renderer::new(viewed.baked.clone());
-        warn_of_buried(&renderer, &viewed.local.lights, console);
-        let scene = LitScene::new(Box::new(CpuBackend::new()), viewed.baked.clone())?;
-        Ok(Self { args, viewed, scene, renderer, interrupt, console })
+        let ViewedScene { baked, view, light, local } = viewed;
+        let look = Look {
+            lights: local.lights.clone().into(),
+            illum_cut: args.illum_cut,
+            ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
+        };
+        let bounced = BouncedLight::new(baked.clone(), look)?;
+        warn_of_buried(&bounced.renderer, &local.lights, console);
+        Ok(Self { args, bounced, interrupt, console })
     }
 
     /// `None` if interrupted.
     fn measure(&mut self, solution: Solution) -> Result<Option<Row>> {
         let bounces = solution.bounces();
-        let look = self.look(solution);
-        // Light that is there already takes no part of the picture's time.
-        self.scene.light(&look)?;
-        let FinishedPicture { image, stats, .. } = self.scene.show_whole(&look)?;
-        let truth = self.truth(bounces);
-        let sources = self.scene.local().and_then(|local| local.indirect.clone());
-        let samples = sources.filter(|_| !self.args.no_samples).map(|sources| {
-            let progress = self.progress("every source", "pixels");
-            let image = self.renderer.sources_reference(&self.viewed.view, &sources, &progress);
-            progress.finish();
-            image
-        });
+        let FinishedPicture { image, stats, .. } = self.bounced.picture(solution)?;
+        let truth = self.light_paths(bounces);
+        let samples = if self.args.no_samples { None } else { self.every_source() };
         if self.interrupt.cancelled() {
             return Ok(None);
         }
@@ -155,24 +143,18 @@ impl<'a> Comparison<'a> {
         Ok(Some(Row { solution, bounces, figures, seconds, mean_merged_nodes, every_source }))
     }
 
-    fn look(&self, solution: Solution) -> Look {
-        let ViewedScene { baked, view, light, local } = &self.viewed;
-        Look {
-            lights: local.lights.clone().into(),
-            components: INDIRECT,
-            solution,
-            illum_cut: self.args.illum_cut,
-            ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
-        }
+    fn light_paths(&self, bounces: u32) -> LightPaths {
+        let progress = self.progress("light paths", "passes");
+        let paths = self.bounced.light_paths(self.args.spp, bounces, &progress);
+        progress.finish();
+        paths
     }
 
-    fn truth(&self, bounces: u32) -> Truth {
-        let progress = self.progress("light paths", "passes");
-        let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(self.args.spp) };
-        let ViewedScene { view, light, local, .. } = &self.viewed;
-        let picture = self.renderer.path_picture(view, light, &local.lights, settings, &progress);
+    fn every_source(&self) -> Option<Image> {
+        let progress = self.progress("every source", "pixels");
+        let image = self.bounced.every_source(&progress);
         progress.finish();
-        picture.into()
+        image
     }
 
     fn progress(&self, name: &str, unit: &str) -> StepProgress<'_> {
@@ -184,7 +166,7 @@ impl<'a> Comparison<'a> {
         truth.write(&file("-paths.exr"))?;
         image.write(&file(".exr"))?;
         samples.map_or(Ok(()), |samples| samples.write(&file("-every-source.exr")))?;
-        strip::strip(truth, &[Some(image), samples])?.write(&file(".png"))?;
+        strip(truth, &[Some(image), samples])?.write(&file(".png"))?;
         Ok(())
     }
 }

@@ -3,11 +3,10 @@
 mod report;
 mod sheet;
 
-use super::bounces::strip;
 use crate::{
     args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene, values},
     export::create_folder,
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
+    terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -86,8 +85,7 @@ pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
         bail!("explain is about one light at a time; choose it by --tree and leave --components out");
     }
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     if viewed.local.solution.is_some_and(|solution| solution != Solution::Cuts) {
         bail!("explain shows one bounce by cuts; leave --solution out");
@@ -170,12 +168,8 @@ impl<'a> Explainer<'a> {
         console.summary(report::of_pixel(&explanation))?;
         let map = self.renderer.cut_map(&explanation, light, MAP_WIDTH);
         let exposure = map.exposure();
-        let exposed = |image: &Image| {
-            let pixels = image.pixels.iter().map(|&p| p * exposure).collect();
-            Image { size: image.size, pixels }
-        };
         self.write("cut.png", &map.with_borders(exposure))?;
-        self.write("traced.png", &exposed(&map.traced))?;
+        self.write("traced.png", &map.traced.scaled(exposure))?;
         map.visibility.iter().try_for_each(|visibility| self.write("visibility.png", visibility))?;
         Ok(explanation)
     }

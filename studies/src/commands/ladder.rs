@@ -1,10 +1,10 @@
-//! `lapidary ladder`: which size of the illumination cut is enough for a viewed.
+//! `lapidary ladder`: which size of the illumination cut is enough for a picture.
 
 use crate::{
     args::{BackendOption, BrdfOption, LocalLightArgs, ViewArgs, warn_of_buried},
     export::create_folder,
     ladder::{self, Ladder, Settings, Summary, climb},
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
+    terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
@@ -40,8 +40,7 @@ pub struct LadderArgs {
 /// Files that cannot be read or written, options that contradict each other.
 pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.out)?;
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     let look = viewed.look()?;
     warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);

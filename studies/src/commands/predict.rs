@@ -3,7 +3,7 @@
 use crate::{
     args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene},
     export::{check_folder, check_pictures},
-    terminal::{Console, Interrupted, Outcome, ProgressReporter, ProgressStyle, StepProgress, write_json},
+    terminal::{Console, Interrupted, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -77,8 +77,7 @@ const BINS: usize = 10;
 pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
     check_pictures(&args.out)?;
     args.json.iter().try_for_each(|path| check_folder(path))?;
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&LocalLightArgs::default(), console)?;
     let renderer = Renderer::new(viewed.baked.clone());
     let lighting = renderer.lighting(&viewed.light, args.illum_cut);

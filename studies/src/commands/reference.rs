@@ -4,7 +4,7 @@ use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
     export::{check_pictures, write_pictures},
     ladder::every_sample,
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress},
+    terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -90,8 +90,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     if args.kind == Kind::Samples && args.places.is_some() {
         bail!("--places goes with --kind path; --kind samples takes those of `render`");
     }
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
@@ -139,7 +138,7 @@ fn trace(args: &ReferenceArgs, viewed: &ViewedScene, interrupt: &ProgressReporte
     }
 }
 
-/// The viewed without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+/// The look without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
 fn unbounced(viewed: &ViewedScene) -> Result<Look> {
     let components = viewed.local.components.unwrap_or(Components::UNBOUNCED);
     Ok(Look { components, ..viewed.look()? })

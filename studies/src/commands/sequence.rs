@@ -4,7 +4,7 @@ use crate::{
     args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
     export::{LayerList, Studio, has_extension, is_exr, wanted_layers},
     sequence::{Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan},
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, StepProgress},
+    terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
 use anyhow::{Result, bail};
 use clap::Args;
@@ -67,8 +67,7 @@ pub struct SequenceArgs {
 /// Files that cannot be read or written, options that contradict each other.
 pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let outputs = args.outputs()?;
-    let interrupt = ProgressReporter::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
-    interrupt.cancel_on_interrupt();
+    let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     let look = args.picture.look(&viewed)?;
     let task = SequenceTask {

@@ -1,6 +1,6 @@
 //! The bake of the still life, sized for two minutes in all.
 
-use super::{data::DataFolder, steps::Steps};
+use crate::{bundled::DataFolder, terminal::Steps};
 use anyhow::Result;
 use lapidary_core::{
     dataset::{BakeSettings, Dataset},

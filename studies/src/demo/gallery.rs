@@ -1,10 +1,7 @@
 //! Pictures to look at: the hero, environments, rotations and materials. All of one bake.
 
-use super::{
-    pictures::{Picture, StillLife},
-    steps::Steps,
-};
-use crate::args::replace_materials;
+use super::pictures::{Picture, StillLife};
+use crate::{args::replace_materials, terminal::Steps};
 use anyhow::Result;
 use glam::Vec3;
 use lapidary_core::material::{BrdfParameters, Material};

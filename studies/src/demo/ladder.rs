@@ -1,12 +1,9 @@
 //! The ladder of the still life, with the BRDF once and refined, and a close-up against light paths.
 
-use super::{
-    pictures::{Picture, StillLife},
-    steps::Steps,
-};
+use super::pictures::{Picture, StillLife};
 use crate::{
     ladder::{self, Settings, Step, Truth},
-    terminal::Interrupted,
+    terminal::{Interrupted, Steps},
 };
 use anyhow::Result;
 use lapidary_render::{

@@ -1,7 +1,6 @@
 //! Pictures of the still life: a look in, files and figures out.
 
-use super::data::Environments;
-use crate::{args::BackendOption, export::settings};
+use crate::{args::BackendOption, bundled::Environments, export::settings};
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{FinishedPicture, Illumination, LitScene, Look, RenderStats, Renderer, View};

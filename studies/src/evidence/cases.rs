@@ -1,10 +1,12 @@
 //! The scenes that are measured: read, tessellated and baked once for all figures.
 
-use super::Measurement;
+use super::{
+    Measurement,
+    variants::{Variant, VariantBaker},
+};
 use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
-    camera::Camera,
     cut::CutCriterion,
     dataset::{BakeParts, BakeSettings, Dataset},
     import::{Imported, import},
@@ -12,7 +14,7 @@ use lapidary_core::{
     scene::Scene,
     sphere::fibonacci_directions,
 };
-use lapidary_precompute::{self as precompute, BakeJob, Preset, Variant};
+use lapidary_precompute::{self as precompute, BakeJob, Preset};
 use lapidary_render::{Background, Components, Illumination, Look, Solution, View};
 use std::{
     collections::HashSet,
@@ -85,7 +87,7 @@ pub struct Case {
 /// Bakes of one scene over trees of different metrics.
 pub struct Bakes {
     /// The tessellated scene.
-    pub study: precompute::Study,
+    pub baker: VariantBaker,
     /// One for each of [`TREES`].
     pub datasets: [Arc<Dataset>; 3],
 }
@@ -119,21 +121,21 @@ impl Measurement<'_> {
 
     fn environment_bakes(&self, scene: &Scene) -> Result<Option<Bakes>> {
         let reporter = &self.steps.reporter;
-        let study = precompute::Study::new(scene.clone(), Some(room_in(scene, self.scale.max_vertices)), reporter)?;
+        let baker = VariantBaker::new(scene.clone(), Some(room_in(scene, self.scale.max_vertices)), reporter)?;
         let directions = fibonacci_directions(SKY_DIRECTIONS);
-        let some = study.some_points(SKY_POINTS);
+        let some = baker.some_points(SKY_POINTS);
         let seen = |visible: &[u8]| visible.iter().map(|&v| f64::from(v)).sum::<f64>();
-        let seen: f64 = study.visibility(&directions, &some, reporter, seen)?.iter().sum();
+        let seen: f64 = baker.visibility(&directions, &some, reporter, seen)?.iter().sum();
         if seen < LEAST_SKY * (some.len() * SKY_DIRECTIONS) as f64 {
             return Ok(None);
         }
         let variants = TREES.map(|(tree, beta)| Variant { tree, beta, criterion: self.criterion(self.scale.lights) });
-        let all = study.some_points(usize::MAX);
+        let all = baker.some_points(usize::MAX);
         let (lights, clusters) = (self.scale.lights, self.scale.pilot_clusters);
-        let datasets = study.bake(lights, clusters, &variants, &all, reporter)?;
+        let datasets = baker.bake(lights, clusters, &variants, &all, reporter)?;
         let datasets: Vec<Arc<Dataset>> = datasets.into_iter().map(Arc::new).collect();
         let datasets = datasets.try_into().map_err(|_| anyhow::anyhow!("a dataset for each tree"))?;
-        Ok(Some(Bakes { study, datasets }))
+        Ok(Some(Bakes { baker, datasets }))
     }
 
     /// The paper's sigma, whatever the number of lights.
@@ -181,10 +183,7 @@ impl Measurement<'_> {
 
 /// The scene's first camera, or all of it. The background is black: errors are on surfaces alone.
 pub fn view(scene: &Scene, size: [u32; 2]) -> View {
-    let bounds = scene.mesh.bounds();
-    let all = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
-    let camera = scene.cameras.first().cloned().unwrap_or_else(all);
-    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, size) }
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(scene.first_view(), size) }
 }
 
 #[cfg(test)]

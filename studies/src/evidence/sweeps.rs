@@ -5,10 +5,11 @@ use super::{
     Measurement,
     cases::{Bakes, Case, view},
     notebook::Notebook,
+    variants::{Variant, VariantBaker},
 };
 use crate::{
     args::BackendOption,
-    commands::bounces::against_paths,
+    bounces::light_paths::LightPaths,
     ladder::{Settings, Truth, climb},
     report::{
         chart::{self, Chart, Line},
@@ -21,7 +22,7 @@ use anyhow::Result;
 use lapidary_core::{
     cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector, scene::Scene,
 };
-use lapidary_precompute::{Study, Variant};
+use lapidary_precompute::Geometry;
 use lapidary_render::{LitScene, PathSettings, Quiet, Renderer, View};
 use maud::{Markup, html};
 use serde::Serialize;
@@ -108,7 +109,7 @@ impl Sweeper<'_> {
         let betas = scale.betas.iter().map(|&beta| Variant { criterion: usual, ..weighted(beta) });
         let sigma = |&sigma: &f32| Variant { criterion: CutCriterion { sigma, ..usual }, ..weighted(0.5) };
         let variants: Vec<Variant> = betas.chain(scale.sigmas.iter().map(sigma)).collect();
-        let made = self.bake(&bakes.study, scale.lights, &variants)?;
+        let made = self.bake(&bakes.baker, scale.lights, &variants)?;
         let (by_beta, by_sigma) = made.split_at(scale.betas.len());
         Ok([
             self.sweep("beta", self.points(scale.betas, by_beta)?),
@@ -123,8 +124,8 @@ impl Sweeper<'_> {
         for &budget in scale.vertex_budgets {
             let scene = self.case.scene.clone();
             let vertices = (budget * scene.mesh.positions.len() as f64) as usize;
-            let study = Study::new(scene, (budget > 1.0).then_some(vertices), &self.measurement.steps.reporter)?;
-            for dataset in self.bake(&study, scale.lights, &[usual])? {
+            let baker = VariantBaker::new(scene, (budget > 1.0).then_some(vertices), &self.measurement.steps.reporter)?;
+            for dataset in self.bake(&baker, scale.lights, &[usual])? {
                 let error = self.picture(&dataset, &traced(self.measurement, &dataset)?)?.1;
                 points.push(Point::new(dataset.report.vertices as f64, error, &dataset));
             }
@@ -139,13 +140,13 @@ impl Sweeper<'_> {
         let progress = steps.progress("light paths", "passes");
         let settings = PathSettings::direct(scale.spp);
         let paths = renderer.path_picture(&look.view, &look.light, &[], settings, &progress);
-        let paths = against_paths::Truth::from(paths);
+        let paths = LightPaths::from(paths);
         progress.finish();
         steps.check()?;
         let mut points = Vec::new();
         for &lights in scale.light_counts {
             let variant = Variant { criterion: self.measurement.criterion(lights), ..weighted(0.5) };
-            for dataset in self.bake(&bakes.study, lights, &[variant])? {
+            for dataset in self.bake(&bakes.baker, lights, &[variant])? {
                 let error = paths.against(&self.picture(&dataset, &self.truth)?.0)?.error;
                 points.push(Point::new(lights as f64, error, &dataset));
             }
@@ -160,11 +161,12 @@ impl Sweeper<'_> {
     }
 
     /// Datasets with cuts for what the picture shows.
-    fn bake(&self, study: &Study, lights: usize, variants: &[Variant]) -> Result<Vec<Arc<Dataset>>> {
+    fn bake(&self, baker: &VariantBaker, lights: usize, variants: &[Variant]) -> Result<Vec<Arc<Dataset>>> {
         let Measurement { scale, steps, .. } = self.measurement;
-        let shown = shown_vertices(study.scene(), study.intersector(), &view(study.scene(), scale.view));
-        let points = study.points_of(shown);
-        let made = study.bake(lights, scale.sweep_pilot_clusters, variants, &points, &steps.reporter)?;
+        let Geometry { scene, intersector, .. } = &baker.geometry;
+        let shown = shown_vertices(scene, intersector, &view(scene, scale.view));
+        let points = baker.points_of(shown);
+        let made = baker.bake(lights, scale.sweep_pilot_clusters, variants, &points, &steps.reporter)?;
         steps.reporter.finish();
         Ok(made.into_iter().map(Arc::new).collect())
     }

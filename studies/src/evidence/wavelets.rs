@@ -76,10 +76,10 @@ pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &
     let side = scale.cube_side;
     let directions = cube_map::directions(side);
     let clusters = (scale.pilot_clusters / PILOT_PART).max(1);
-    let pilot = bakes.study.pilot(&directions, clusters, reporter)?;
+    let pilot = bakes.baker.geometry.pilot(&directions, clusters, reporter)?;
     let forests = TREES.map(|(tree, beta)| forest(&directions, &pilot, tree, beta));
-    let some = bakes.study.some_points(scale.cube_points);
-    let seen = bakes.study.visibility(&directions, &some, reporter, |visible| {
+    let some = bakes.baker.some_points(scale.cube_points);
+    let seen = bakes.baker.visibility(&directions, &some, reporter, |visible| {
         let wavelets = wavelets(visible, side);
         forests.each_ref().map(|forest| scale.sigmas.iter().map(|&s| terms(visible, forest, &wavelets, s)).collect())
     })?;

@@ -1,6 +1,6 @@
 //! Takes finished pictures of one scene, one look after another, for files.
 
-use crate::{fading, sheet::DisplayPicture, terminal::Interrupted};
+use crate::{missing_light, sheet::DisplayPicture, terminal::Interrupted};
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
 use lapidary_render::{Backend, Baked, LitScene, Look, RenderStats, SurfaceLayers};
@@ -67,7 +67,7 @@ impl Studio {
 
     fn tell(&mut self, look: &Look) {
         let energy = self.scene.local().and_then(|local| local.energy);
-        let missing = energy.and_then(|energy| fading::remark(fading::in_picture(energy, look.solution)));
+        let missing = energy.and_then(|energy| missing_light::remark(missing_light::in_picture(energy, look.solution)));
         for remark in self.scene.remarks().into_iter().chain(missing) {
             if !self.told.contains(&remark) {
                 self.told.push(remark);

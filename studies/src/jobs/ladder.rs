@@ -1,12 +1,10 @@
 //! The ladder of cut sizes of the live picture, climbed on a thread of its own.
 
-use super::{
-    Wake, guarded,
-    hearing::Hearing,
-    measure::{ShownPixels, shown},
-    spawn,
+use super::{Wake, guarded, hearing::Hearing, spawn};
+use crate::{
+    ladder::{Found, Rung, Settings, climb},
+    sheet::DisplayPicture,
 };
-use crate::ladder::{Found, Rung, Settings, climb};
 use anyhow::{Context as _, Result};
 use lapidary_render::{
     BackendFactory, Baked, LitScene, Look, Post, Preview, Progress, RenderStats, View, ViewMode,
@@ -38,12 +36,12 @@ pub enum LadderEvent {
         /// Most nodes of its illumination cut.
         illum_cut: u32,
         /// As a display shows it.
-        shown: ShownPixels,
+        shown: DisplayPicture,
     },
     /// The reference.
     Truth {
         /// As a display shows it.
-        shown: ShownPixels,
+        shown: DisplayPicture,
         /// Seconds of tracing.
         seconds: f64,
         /// What was traced.
@@ -182,10 +180,14 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 fn event_of(found: Found, post: &Post) -> LadderEvent {
     match found {
-        Found::Picture(rung) => LadderEvent::Picture { illum_cut: rung.illum_cut, shown: shown(&rung.image, post) },
-        Found::Truth(truth) => {
-            LadderEvent::Truth { shown: shown(&truth.image, post), seconds: truth.seconds, what: truth.what.clone() }
+        Found::Picture(rung) => {
+            LadderEvent::Picture { illum_cut: rung.illum_cut, shown: DisplayPicture::shown(&rung.image, post) }
         }
+        Found::Truth(truth) => LadderEvent::Truth {
+            shown: DisplayPicture::shown(&truth.image, post),
+            seconds: truth.seconds,
+            what: truth.what.clone(),
+        },
         Found::Step(step) => LadderEvent::Step(StepFigures::new(&step.rung, step.metrics)),
     }
 }

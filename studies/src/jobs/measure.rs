@@ -6,6 +6,7 @@ use super::{
     comparison::{ReferencePicture, TestPicture},
     guarded, spawn,
 };
+use crate::sheet::DisplayPicture;
 use anyhow::{Result, bail};
 use glam::Vec3;
 use lapidary_core::image::{Image, Region};
@@ -68,15 +69,6 @@ impl ShownMap {
     }
 }
 
-/// Pixels to show.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ShownPixels {
-    /// Width and height.
-    pub size: [u32; 2],
-    /// sRGB-encoded, opaque.
-    pub pixels: Vec<[u8; 4]>,
-}
-
 /// What the pictures differ by.
 #[derive(Clone, Debug)]
 pub struct Measured {
@@ -85,7 +77,7 @@ pub struct Measured {
     /// Error of each of them.
     pub field: ErrorField,
     /// The errors in colours.
-    pub map: ShownPixels,
+    pub map: DisplayPicture,
     /// What of the picture the map shows, as shares of its width and height: left, top, right, bottom.
     pub part: [f32; 4],
     /// Relative RMSE of the reference by its own noise, of the same pixels.
@@ -100,7 +92,7 @@ pub struct Measured {
 #[derive(Debug)]
 pub enum MeasureEvent {
     /// The reference as a display shows it.
-    Shown(ShownPixels),
+    Shown(DisplayPicture),
     /// What it is measured by.
     Measured(Box<Measured>),
     /// The pictures cannot be compared, and why.
@@ -127,7 +119,7 @@ impl MeasureThread {
                     wake();
                 };
                 let traced = request.reference.image.every(request.reference.step);
-                tell(MeasureEvent::Shown(shown(&traced, &request.post)));
+                tell(MeasureEvent::Shown(DisplayPicture::shown(&traced, &request.post)));
                 tell(match guarded("the comparison", || measure(&request)) {
                     Ok(measured) => MeasureEvent::Measured(Box::new(measured)),
                     Err(text) => MeasureEvent::Failed(text),
@@ -147,17 +139,6 @@ impl MeasureThread {
     pub fn events(&self) -> Vec<(u64, MeasureEvent)> {
         self.events.try_iter().collect()
     }
-}
-
-/// What a display shows of a picture.
-pub fn shown(image: &Image, post: &Post) -> ShownPixels {
-    let pixels = image.pixels.iter().map(|&radiance| encoded(post.display(radiance))).collect();
-    ShownPixels { size: image.size, pixels }
-}
-
-fn encoded(display: Vec3) -> [u8; 4] {
-    let [r, g, b] = (display.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round().to_array().map(|v| v as u8);
-    [r, g, b, 255]
 }
 
 fn measure(request: &MeasureRequest) -> Result<Measured> {
@@ -185,7 +166,7 @@ fn measure(request: &MeasureRequest) -> Result<Measured> {
             bail!("only errors of the environment's light can be predicted; choose another map")
         }
     };
-    let map = ShownPixels { size: field.size, pixels: field.colors().into_iter().map(encoded).collect() };
+    let map = DisplayPicture::of_display(field.size, field.colors().into_iter());
     let whole = reference.image.size.map(|side| side.div_ceil(step));
     let part = region.map_or([0.0, 0.0, 1.0, 1.0], |region| shares(region, whole));
     let noise = reference.noise.map(|noise| noise * root_of_squares(&reference.image) / root_of_squares(&b).max(1e-30));

@@ -27,11 +27,16 @@ impl DisplayPicture {
 
     /// Scene-linear radiance after exposure and tone curve, opaque; NaN is magenta.
     pub fn shown(image: &Image, post: &Post) -> Self {
-        let pixel = |&radiance: &Vec3| {
-            let [r, g, b] = encoded(post.display(radiance));
+        Self::of_display(image.size, image.pixels.iter().map(|&radiance| post.display(radiance)))
+    }
+
+    /// An opaque picture of display values from 0 to 1.
+    pub fn of_display(size: [u32; 2], values: impl Iterator<Item = Vec3>) -> Self {
+        let pixel = |value| {
+            let [r, g, b] = encoded(value);
             [r, g, b, 255]
         };
-        Self { size: image.size, pixels: image.pixels.iter().map(pixel).collect() }
+        Self { size, pixels: values.map(pixel).collect() }
     }
 
     /// Lays `over` on this one with its top left corner at `at`, blended by its alpha; what lies outside is cut off.

@@ -1,6 +1,6 @@
 //! Progress on standard error: a bar with rate and time left, JSON lines, or nothing.
 
-use super::option_name;
+use super::{Console, option_name};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle as BarStyle};
 use lapidary_precompute::{Event, Observer, Phase, Warning};
@@ -35,6 +35,13 @@ impl ProgressReporter {
     /// Shows nothing until the first message.
     pub fn new(style: ProgressStyle) -> Self {
         Self { style, bar: Mutex::new(ProgressBar::hidden()), cancelled: Arc::default() }
+    }
+
+    /// A bar unless the console is quiet; cancels as [`Self::cancel_on_interrupt`].
+    pub fn interruptible(console: Console) -> Self {
+        let reporter = Self::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+        reporter.cancel_on_interrupt();
+        reporter
     }
 
     /// Cancels at Ctrl-C; a second one ends the process at once.

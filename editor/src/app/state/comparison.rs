@@ -7,10 +7,13 @@ use crate::{
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_core::image::Region;
 use lapidary_render::{BackendFactory, Post};
-use lapidary_studies::jobs::{
-    Wake,
-    comparison::{ComparisonThread, ReferencePicture, TestPicture},
-    measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap, ShownPixels},
+use lapidary_studies::{
+    jobs::{
+        Wake,
+        comparison::{ComparisonThread, ReferencePicture, TestPicture},
+        measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap},
+    },
+    sheet::DisplayPicture,
 };
 use std::sync::Arc;
 
@@ -184,7 +187,12 @@ impl Comparison {
     }
 }
 
-fn texture_of(ctx: &Context, known: Option<TextureHandle>, shown: &ShownPixels, how: TextureOptions) -> TextureHandle {
+fn texture_of(
+    ctx: &Context,
+    known: Option<TextureHandle>,
+    shown: &DisplayPicture,
+    how: TextureOptions,
+) -> TextureHandle {
     let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
     match known {
         Some(mut texture) => {

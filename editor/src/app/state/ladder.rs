@@ -2,9 +2,9 @@
 
 use crate::panels::ladder::{LadderResult, LadderTile, LadderTruth};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use lapidary_studies::jobs::{
-    ladder::{LadderEvent, LadderJob},
-    measure::ShownPixels,
+use lapidary_studies::{
+    jobs::ladder::{LadderEvent, LadderJob},
+    sheet::DisplayPicture,
 };
 
 /// The ladder, while its window is open.
@@ -42,7 +42,7 @@ impl LadderWindow {
     }
 }
 
-fn texture(ctx: &Context, shown: &ShownPixels) -> TextureHandle {
+fn texture(ctx: &Context, shown: &DisplayPicture) -> TextureHandle {
     let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
     ctx.load_texture("ladder", image, TextureOptions::LINEAR)
 }

@@ -82,9 +82,7 @@ fn pixels(map: &CutMap, picture: MapPicture) -> Image {
     let exposure = map.exposure();
     match (picture, &map.visibility) {
         (MapPicture::Visibility, Some(visibility)) => visibility.clone(),
-        (MapPicture::Traced, _) => {
-            Image { size: map.traced.size, pixels: map.traced.pixels.iter().map(|&p| p * exposure).collect() }
-        }
+        (MapPicture::Traced, _) => map.traced.scaled(exposure),
         _ => map.with_borders(exposure),
     }
 }

@@ -13,7 +13,7 @@ use crate::{
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
 use lapidary_render::{Bounces, Solution, ViewMode};
-use lapidary_studies::fading;
+use lapidary_studies::missing_light;
 
 /// Shows switches, solo buttons and the solution.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(bounces) if bounces.any() => {
             let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            bounce_energy(ui, context.energy.map(|energy| fading::in_picture(energy, now.unwrap_or_default())));
+            bounce_energy(ui, context.energy.map(|energy| missing_light::in_picture(energy, now.unwrap_or_default())));
             if bounces.cuts {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
@@ -79,9 +79,9 @@ pub fn environment_hint(
 fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
     let Some(energy) = energy else { return };
     let BounceEnergy { bounces, last_share, .. } = energy;
-    let text = format!("Bounces: {bounces}, the last carries {} of the light.", fading::percent(last_share));
+    let text = format!("Bounces: {bounces}, the last carries {} of the light.", missing_light::percent(last_share));
     ui.label(RichText::new(text).weak().small());
-    if let Some(remark) = fading::remark(energy) {
+    if let Some(remark) = missing_light::remark(energy) {
         ui.label(RichText::new(remark).color(ui.visuals().warn_fg_color));
     }
 }

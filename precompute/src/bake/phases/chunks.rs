@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Points between two looks at the observer.
-const POINTS_PER_STEP: usize = 256;
+pub(super) const POINTS_PER_STEP: usize = 256;
 
 /// Makes the cut of a point.
 pub trait CutMaker: Sync {
@@ -119,10 +119,7 @@ fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observ
         );
         // Collected in order: sums do not depend on which thread was first.
         for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
-            chunk.lengths.push(cut.len() as u32);
-            chunk.nodes.extend(cut);
-            chunk.squared_error += squared_error;
-            chunk.rays += rays;
+            chunk.push(&cut, squared_error, rays);
         }
         observer.event(Event::Advanced { done: (start + step.len()) as u64 });
     }

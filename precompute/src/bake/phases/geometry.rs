@@ -1,29 +1,43 @@
 //! The tessellated scene that a bake works on.
 
+use super::chunks::POINTS_PER_STEP;
 use crate::{
     bake::settings::with_room,
-    errors::BakeError,
-    observer::{Event, Observer},
+    errors::{BakeError, cancelled},
+    observer::{Event, Observer, Phase},
     vertices::{
-        points::BakePoints,
+        pilot::sample_pilot,
+        points::{BakePoint, BakePoints},
         sidedness::{Sidedness, classify},
         tessellate::{Stored, Wanted, tessellate},
+        visibility::VisibilitySampler,
     },
     warning::Warning,
 };
-use lapidary_core::{dataset::BakeParts, ray::Intersector, scene::Scene, shot::Shot};
+use glam::Vec3;
+use lapidary_core::{dataset::BakeParts, light_tree::PilotVisibility, ray::Intersector, scene::Scene, shot::Shot};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The tessellated scene with its bake points.
+/// The tessellated scene with its bake points. [`crate::bake()`] makes its own; bakes of one scene that differ in tree and error
+/// bound alone may share one, and what its points see: see [`Self::visibility`] and [`Self::environment_dataset`].
 pub struct Geometry {
+    /// The scene with its tessellated mesh.
     pub scene: Scene,
-    pub source_vertices: usize,
-    pub sides: Sidedness,
+    /// Casts rays on it.
     pub intersector: Intersector,
-    pub points: BakePoints,
-    pub buried: Vec<bool>,
+    pub(crate) source_vertices: usize,
+    pub(crate) sides: Sidedness,
+    pub(crate) points: BakePoints,
+    pub(crate) buried: Vec<bool>,
 }
 
 impl Geometry {
+    /// Tessellates for what `mode` stores within a budget of vertices, most finely where `shots` look; `None` leaves the mesh as
+    /// it is.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
     pub fn new(
         mut scene: Scene,
         mode: BakeParts,
@@ -46,7 +60,69 @@ impl Geometry {
         };
         let points = BakePoints::new(&scene.mesh, &sides);
         let buried = points.buried(&intersector, &sides, observer)?;
-        Ok(Self { scene, source_vertices, sides, intersector, points, buried })
+        Ok(Self { scene, intersector, source_vertices, sides, points, buried })
+    }
+
+    /// Number of bake points: vertices that agree in position and normal share one.
+    pub fn bake_points(&self) -> usize {
+        self.points.points.len()
+    }
+
+    /// The bake point of a vertex.
+    pub fn bake_point_of(&self, vertex: u32) -> u32 {
+        self.points.of_vertex[vertex as usize]
+    }
+
+    /// Whether each vertex lies outside all objects.
+    pub(crate) fn vertex_valid(&self) -> Vec<bool> {
+        self.points.of_vertex.iter().map(|&p| !self.buried[p as usize]).collect()
+    }
+
+    /// What `each` makes of the visibility (0 or 1) of `directions` from each of `points`, and of the number of rays that were
+    /// traced for it; on all cores, in the order of the points. `scratch` makes what is kept from point to point.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn visibility<S, T: Send>(
+        &self,
+        directions: &[Vec3],
+        points: &[u32],
+        observer: &dyn Observer,
+        scratch: impl Fn() -> S + Sync + Send,
+        each: impl Fn(&[u8], u64, &mut S) -> T + Sync,
+    ) -> Result<Vec<T>, BakeError> {
+        observer.event(Event::Started { phase: Phase::Visibility, total: points.len() as u64, unit: "points" });
+        let sampler = VisibilitySampler::of_directions(&self.intersector, directions);
+        let scratch = || (vec![0; directions.len()], scratch());
+        let done = AtomicU64::new(0);
+        let mut results = Vec::with_capacity(points.len());
+        for step in points.chunks(POINTS_PER_STEP) {
+            cancelled(observer)?;
+            let one = |(visible, scratch): &mut (Vec<u8>, S), &point: &u32| {
+                let point: &BakePoint = &self.points.points[point as usize];
+                let rays = sampler.sample(point, visible);
+                let result = each(visible, rays, scratch);
+                observer.event(Event::Advanced { done: done.fetch_add(1, Ordering::Relaxed) + 1 });
+                result
+            };
+            results.extend(step.par_iter().map_init(&scratch, one).collect::<Vec<T>>());
+        }
+        Ok(results)
+    }
+
+    /// Pilot visibility of `directions`, averaged over members of clusters of all bake points.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn pilot(
+        &self,
+        directions: &[Vec3],
+        clusters: usize,
+        observer: &dyn Observer,
+    ) -> Result<PilotVisibility, BakeError> {
+        observer.event(Event::Started { phase: Phase::Pilot, total: clusters as u64, unit: "clusters" });
+        let diagonal = self.scene.mesh.bounds().diagonal();
+        sample_pilot(&self.points, &self.intersector, diagonal, directions, clusters, observer)
     }
 }
 

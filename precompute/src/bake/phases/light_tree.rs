@@ -45,19 +45,19 @@ pub fn checkpoint_and_tree(
 
 fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
+    let directions = fibonacci_directions(settings.lights);
     // A tree that nothing is baked over needs no pilot.
     let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
     let pilot = if kind == TreeKind::Geometric {
         PilotVisibility { lights: settings.lights, fractions: Vec::new() }
     } else {
         let diagonal = geometry.scene.mesh.bounds().diagonal();
-        let (lights, clusters) = (settings.lights, settings.pilot_clusters);
+        let clusters = settings.pilot_clusters;
         clock.time(Phase::Pilot, clusters as u64, "clusters", || {
-            sample_pilot(&geometry.points, &geometry.intersector, diagonal, lights, clusters, observer)
+            sample_pilot(&geometry.points, &geometry.intersector, diagonal, &directions, clusters, observer)
         })?
     };
     clock.time(Phase::Tree, settings.lights as u64, "lights", || {
-        let directions = fibonacci_directions(settings.lights);
         let features = Features::of_kind(kind, settings.beta, &directions, &pilot);
         Ok(LightTree::build(&features).map_err(SettingsError::from)?)
     })

@@ -1,7 +1,7 @@
 //! The pictures of a split in one: above the chain from the rendered picture to light paths, below each what the step to the next
 //! one changes, and last the whole error with the legend of all.
 
-use super::strip::{GAP, exposure, side_by_side};
+use crate::sheet::{GAP, exposure, side_by_side};
 use anyhow::Result;
 use glam::Vec3;
 use lapidary_core::image::Image;

@@ -15,15 +15,11 @@ pub const GAP: u32 = 4;
 /// `truth`, then each of `tests` and its absolute error, all at one exposure and all errors in one range.
 pub fn strip(truth: &Image, tests: &[Option<&Image>]) -> Result<Image> {
     let exposure = exposure(truth);
-    let exposed = |image: &Image| {
-        let pixels = image.pixels.iter().map(|&p| p * exposure).collect();
-        Image { size: image.size, pixels }
-    };
-    let truth = exposed(truth);
+    let truth = truth.scaled(exposure);
     let mut pictures = vec![truth.clone()];
     let mut top = None;
     for test in tests.iter().flatten() {
-        let test = exposed(test);
+        let test = test.scaled(exposure);
         let map = error_map(&test, &truth, ErrorMap::Absolute, top)?;
         top = Some(map.range[1]);
         pictures.extend([test, map.image]);

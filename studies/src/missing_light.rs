@@ -1,4 +1,4 @@
-//! What bounces that end too early leave out, in sentences for the window and the command line.
+//! Light that is missing because bounces end too early, in sentences for the window and the command line.
 
 use lapidary_core::meshless::BounceEnergy;
 use lapidary_render::Solution;
@@ -6,8 +6,8 @@ use lapidary_render::Solution;
 /// Share of the light above which it is said that bounces are missing: a few percent are not seen.
 const MUCH_MISSING: f32 = 0.1;
 
-/// How the light of a picture fades whose solution rests on a basis that fades as `energy`: cuts gather one bounce more than the
-/// basis has, the next of the same series.
+/// Energy of the bounces in a picture, from that of the bounces in the meshless basis: cuts gather one bounce more than the basis
+/// has, the next of the same geometric series.
 pub fn in_picture(energy: BounceEnergy, solution: Solution) -> BounceEnergy {
     if solution == Solution::CutsMeshless { gathered(energy) } else { energy }
 }

@@ -6,7 +6,7 @@ use lapidary_render::{PathPicture, compare::compare};
 use serde::Serialize;
 
 /// A picture of light paths and its noise.
-pub struct Truth {
+pub struct LightPaths {
     /// The mean of all paths.
     pub image: Image,
     /// Relative RMSE of [`Self::image`] against one without noise, as far as its halves tell.
@@ -26,14 +26,14 @@ pub struct Figures {
     pub energy: f64,
 }
 
-impl From<PathPicture> for Truth {
+impl From<PathPicture> for LightPaths {
     /// Without noise if it was not found.
     fn from(picture: PathPicture) -> Self {
         Self { image: picture.image, noise: picture.noise.unwrap_or(0.0) }
     }
 }
 
-impl Truth {
+impl LightPaths {
     /// A picture of the same size against this one. The noise does not depend on the picture, so its square is part of the
     /// measured square.
     ///
@@ -65,7 +65,7 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(1);
         // The root mean square of the gradient is 1.521, and the noise adds to that of the picture.
         let noise = 0.2 / 1.521_f64.hypot(0.2);
-        let truth = Truth { image: noisy(&mut rng, 0.2), noise };
+        let truth = LightPaths { image: noisy(&mut rng, 0.2), noise };
         let exact = truth.against(&noisy(&mut rng, 0.0)).unwrap();
         assert!(exact.error < 0.03 && exact.rel_rmse > 0.13, "{exact:?}");
         let mut brighter = noisy(&mut rng, 0.0);

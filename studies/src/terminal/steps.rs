@@ -1,6 +1,6 @@
-//! What the demonstration is doing, on standard error, and whether it should stop.
+//! What a command of many steps is doing, on standard error, and whether it should stop.
 
-use crate::terminal::{Console, Interrupted, ProgressReporter, ProgressStyle, StepProgress};
+use super::{Console, Interrupted, ProgressReporter, StepProgress};
 use anyhow::Result;
 use lapidary_precompute::Observer;
 
@@ -14,10 +14,7 @@ pub struct Steps {
 impl Steps {
     /// Watches for Ctrl-C from here on.
     pub fn new(console: Console) -> Self {
-        let style = if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar };
-        let reporter = ProgressReporter::new(style);
-        reporter.cancel_on_interrupt();
-        Self { console, reporter }
+        Self { console, reporter: ProgressReporter::interruptible(console) }
     }
 
     /// Begins a step.

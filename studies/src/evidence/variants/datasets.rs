@@ -1,26 +1,16 @@
-//! Datasets of a study: trees, cuts of all of them from one tracing, reports.
+//! Datasets of the variants: trees, cuts of all of them from one tracing, reports.
 
-use super::{Study, Variant};
-use crate::{
-    bake::{
-        Packed,
-        checkpoint::Chunk,
-        concatenate, pack, report,
-        settings::{Preset, ResolvedBake, resolve},
-    },
-    errors::{BakeError, CutsOf, SettingsError, cancelled},
-    observer::{Event, Observer, Phase},
-    vertices::{pilot::sample_pilot, visibility::VisibilitySampler},
-};
+use super::{Variant, VariantBaker};
 use lapidary_core::{
     cut::CutSelector,
-    dataset::{BakeReport, BakeSettings, Dataset},
+    dataset::{BakeSettings, Dataset},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     sphere::fibonacci_directions,
 };
-use std::{collections::BTreeMap, time::Instant};
+use lapidary_precompute::{BakeError, Chunk, Observer, Phase, Preset, ResolvedBake, SettingsError, resolve};
+use std::time::Instant;
 
-impl Study {
+impl VariantBaker {
     /// A dataset for each of `variants`, with cuts for `points` and cuts that see nothing for all others. Reports are about
     /// `points` alone; seconds of tracing are those of all variants together, which each of them would take.
     ///
@@ -58,11 +48,8 @@ impl Study {
         let mut pilot = PilotVisibility { lights: first.lights, fractions: Vec::new() };
         let mut pilot_secs = 0.0;
         if settings.iter().any(|s| s.tree != TreeKind::Geometric) {
-            let clusters = first.pilot_clusters;
-            observer.event(Event::Started { phase: Phase::Pilot, total: clusters as u64, unit: "clusters" });
-            let (geometry, start) = (&self.geometry, Instant::now());
-            let (points, scene) = (&geometry.points, &geometry.intersector);
-            pilot = sample_pilot(points, scene, self.diagonal(), first.lights, clusters, observer)?;
+            let start = Instant::now();
+            pilot = self.geometry.pilot(&directions, first.pilot_clusters, observer)?;
             pilot_secs = start.elapsed().as_secs_f64();
         }
         let mut known: Vec<(TreeKind, f32, TimedTree)> = Vec::new();
@@ -70,7 +57,9 @@ impl Study {
             if known.iter().any(|(kind, beta, _)| (*kind, *beta) == (s.tree, s.beta)) {
                 continue;
             }
-            cancelled(observer)?;
+            if observer.cancelled() {
+                return Err(BakeError::Cancelled);
+            }
             let start = Instant::now();
             let features = Features::of_kind(s.tree, s.beta, &directions, &pilot);
             let tree = LightTree::build(&features).map_err(SettingsError::from)?;
@@ -90,14 +79,12 @@ impl Study {
         observer: &dyn Observer,
     ) -> Result<Vec<Chunk>, BakeError> {
         let Some(lights) = settings.first().map(|s| s.lights) else { return Ok(Vec::new()) };
-        let sampler = VisibilitySampler::of_directions(&self.geometry.intersector, &fibonacci_directions(lights));
         let height = lights.ilog2();
         let scratch = || {
             let selectors = settings.iter().map(|s| CutSelector::new(height, s.criterion)).collect::<Vec<_>>();
-            (vec![0; lights], vec![0; lights], selectors)
+            (vec![0; lights], selectors)
         };
-        let cuts = self.in_steps(points, observer, scratch, |point, (visible, leaves, selectors)| {
-            let rays = sampler.sample(point, visible);
+        let select = |visible: &[u8], rays, (leaves, selectors): &mut (Vec<u8>, Vec<CutSelector>)| {
             let select = |(selector, tree): (&mut CutSelector, &TimedTree)| {
                 leaves.iter_mut().zip(tree.tree.order()).for_each(|(leaf, &s)| *leaf = visible[s as usize]);
                 let mut cut = Vec::new();
@@ -105,14 +92,13 @@ impl Study {
                 (cut, squared_error)
             };
             (rays, selectors.iter_mut().zip(trees).map(select).collect::<Vec<_>>())
-        })?;
+        };
+        let directions = fibonacci_directions(lights);
+        let cuts = self.geometry.visibility(&directions, points, observer, scratch, select)?;
         let mut chunks = vec![Chunk::default(); settings.len()];
         for (rays, cuts) in cuts {
             for (chunk, (cut, squared_error)) in chunks.iter_mut().zip(cuts) {
-                chunk.lengths.push(cut.len() as u32);
-                chunk.nodes.extend(cut);
-                chunk.squared_error += squared_error;
-                chunk.rays += rays;
+                chunk.push(&cut, squared_error, rays);
             }
         }
         Ok(chunks)
@@ -126,61 +112,20 @@ impl Study {
         points: &[u32],
         visibility_secs: f64,
     ) -> Result<Dataset, BakeError> {
-        let geometry = &self.geometry;
-        // The last cut is that of all points that are not baked: one node that sees nothing.
-        let mut cuts = concatenate(std::slice::from_ref(chunk));
-        let mut cut_of_point = vec![cuts.len() as u32; self.points()];
-        points.iter().enumerate().for_each(|(i, &point)| cut_of_point[point as usize] = i as u32);
-        if points.len() < self.points() {
-            cuts.push(vec![0]);
-        }
-        let of_vertex = geometry.points.of_vertex.iter().map(|&p| cut_of_point[p as usize]);
-        let packed = pack(cuts, std::slice::from_ref(chunk), of_vertex, CutsOf::Environment)?;
-        let report = self.report(&settings, &tree, &packed, chunk, visibility_secs);
-        let mut dataset = Dataset {
-            scene: geometry.scene.clone(),
-            two_sided: geometry.sides.two_sided.clone(),
-            vertex_valid: geometry.points.of_vertex.iter().map(|&p| !geometry.buried[p as usize]).collect(),
-            tree: tree.tree,
-            cuts: packed.cuts,
-            indirect: None,
-            meshless: None,
-            settings: settings.into_settings(),
-            scene_hash: self.hash.clone(),
-            report,
-        };
-        dataset.report.bytes_total = dataset.tensor_bytes();
-        Ok(dataset)
-    }
-
-    fn report(
-        &self,
-        settings: &ResolvedBake,
-        tree: &TimedTree,
-        packed: &Packed,
-        chunk: &Chunk,
-        visibility_secs: f64,
-    ) -> BakeReport {
-        let points = chunk.lengths.len();
-        let pairs = points as u64 * settings.lights as u64;
+        let TimedTree { tree, pilot_secs, tree_secs } = tree;
+        let mut dataset = self.geometry.environment_dataset(settings, tree, points, chunk)?;
+        dataset.scene_hash.clone_from(&self.hash);
         let phases = [
             (Phase::Tessellate, self.tessellate_secs),
-            (Phase::Pilot, tree.pilot_secs),
-            (Phase::Tree, tree.tree_secs),
+            (Phase::Pilot, pilot_secs),
+            (Phase::Tree, tree_secs),
             (Phase::Visibility, visibility_secs),
         ];
-        let mut seconds: BTreeMap<String, f64> = phases.map(|(phase, secs)| (phase.name().into(), secs)).into();
-        seconds.insert("total".into(), phases.iter().map(|(_, secs)| secs).sum());
-        BakeReport {
-            mean_cut: chunk.nodes.len() as f64 / points.max(1) as f64,
-            sigma: settings.criterion.sigma,
-            rms_visibility: (chunk.squared_error / pairs.max(1) as f64).sqrt(),
-            samples_resolved: pairs,
-            samples_per_second: pairs as f64 / visibility_secs.max(1e-9),
-            bake_points: points,
-            seconds,
-            ..report(&self.geometry, settings, packed, Vec::new())
-        }
+        let report = &mut dataset.report;
+        report.seconds = phases.map(|(phase, secs)| (phase.name().into(), secs)).into();
+        report.seconds.insert("total".into(), phases.iter().map(|(_, secs)| secs).sum());
+        report.samples_per_second = report.samples_resolved as f64 / visibility_secs.max(1e-9);
+        Ok(dataset)
     }
 }
 

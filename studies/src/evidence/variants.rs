@@ -1,0 +1,84 @@
+//! Many bakes of one scene that share what they have in common, to compare trees, bounds and numbers of lights.
+//!
+//! A scene is tessellated once. Every point is traced once for a number of lights, whatever the number of trees and bounds: what
+//! it sees does not depend on how the lights are clustered; only rearranging and selecting are done for each.
+//! Some points alone may be baked, as those that a picture shows.
+
+mod datasets;
+
+use glam::Vec3;
+use lapidary_core::{
+    cut::CutCriterion,
+    dataset::{BakeParts, scene_hash},
+    light_tree::TreeKind,
+    scene::Scene,
+};
+use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase};
+use std::time::Instant;
+
+/// A tree and how fine its cuts are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variant {
+    /// Clustering metric.
+    pub tree: TreeKind,
+    /// Weight of the geometric metric in a mixed tree.
+    pub beta: f32,
+    /// When a node of a cut is fine enough.
+    pub criterion: CutCriterion,
+}
+
+/// A tessellated scene of which variants are baked.
+pub struct VariantBaker {
+    /// The scene and its bake points.
+    pub geometry: Geometry,
+    hash: String,
+    max_vertices: Option<usize>,
+    tessellate_secs: f64,
+}
+
+impl VariantBaker {
+    /// Tessellates for distant light within a budget of vertices; `None` leaves the mesh as it is.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn new(scene: Scene, max_vertices: Option<usize>, observer: &dyn Observer) -> Result<Self, BakeError> {
+        let vertices = scene.mesh.positions.len().max(max_vertices.unwrap_or(0)) as u64;
+        observer.event(Event::Started { phase: Phase::Tessellate, total: vertices, unit: "vertices" });
+        let start = Instant::now();
+        let hash = scene_hash(&scene);
+        let geometry = Geometry::new(scene, BakeParts::ENVIRONMENT, max_vertices, &[], observer)?;
+        Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
+    }
+
+    /// All bake points, or `count` of them evenly through the mesh if there are more.
+    pub fn some_points(&self, count: usize) -> Vec<u32> {
+        let all = self.geometry.bake_points();
+        let count = count.min(all);
+        (0..count).map(|i| ((2 * i + 1) * all / (2 * count)) as u32).collect()
+    }
+
+    /// The bake points of these vertices, each once.
+    pub fn points_of(&self, vertices: impl IntoIterator<Item = u32>) -> Vec<u32> {
+        let mut points: Vec<u32> = vertices.into_iter().map(|vertex| self.geometry.bake_point_of(vertex)).collect();
+        points.sort_unstable();
+        points.dedup();
+        points
+    }
+
+    /// What `each` makes of the visibility (0 or 1) of `directions` from each of `points`.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`].
+    pub fn visibility<T: Send>(
+        &self,
+        directions: &[Vec3],
+        points: &[u32],
+        observer: &dyn Observer,
+        each: impl Fn(&[u8]) -> T + Sync,
+    ) -> Result<Vec<T>, BakeError> {
+        self.geometry.visibility(directions, points, observer, || (), |visible, _, ()| each(visible))
+    }
+}
+
+#[cfg(test)]
+mod tests;
