@@ -30,8 +30,8 @@ impl Shot {
     }
 
     /// What it sees.
-    pub fn frame(&self) -> Frame {
-        Frame {
+    pub fn frustum(&self) -> Frustum {
+        Frustum {
             eye: self.camera.eye,
             view_from_world: self.camera.world_from_view().transpose(),
             half_height: (0.5 * self.camera.fov_y).tan(),
@@ -42,7 +42,7 @@ impl Shot {
 
 /// What a shot sees, for many places.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct Frustum {
     /// Where it is seen from, in metres.
     pub eye: Vec3,
     view_from_world: Mat3,
@@ -51,7 +51,7 @@ pub struct Frame {
     aspect: f32,
 }
 
-impl Frame {
+impl Frustum {
     /// How large a surface at `position` appears if nothing hides it: the area in the picture, in squares of its height, for
     /// each m². 0 outside the frame. Works from both sides.
     pub fn magnification(&self, position: Vec3, normal: Vec3) -> f32 {
@@ -81,9 +81,9 @@ mod tests {
     /// Area of a small square's picture by its corners.
     fn by_projection(shot: &Shot, position: Vec3, normal: Vec3) -> f32 {
         let side = normal.any_orthonormal_vector();
-        let frame = shot.camera.world_from_view().transpose();
+        let view_from_world = shot.camera.world_from_view().transpose();
         let project = |p: Vec3| {
-            let view = frame * (p - shot.camera.eye);
+            let view = view_from_world * (p - shot.camera.eye);
             view.truncate() / (-view.z * 2.0 * (0.5 * shot.camera.fov_y).tan())
         };
         let step = 1e-2;
@@ -98,17 +98,18 @@ mod tests {
         for (position, normal) in
             [(Vec3::ZERO, Vec3::Z), (Vec3::new(6.0, 2.0, 1.0), tilted), (Vec3::new(-3.0, -4.0, -2.0), -tilted)]
         {
-            let (found, known) = (shot.frame().magnification(position, normal), by_projection(&shot, position, normal));
+            let (found, known) =
+                (shot.frustum().magnification(position, normal), by_projection(&shot, position, normal));
             assert!((found / known - 1.0).abs() < 0.02, "{found} for {known}");
         }
         let (near, far) =
-            (shot.frame().magnification(Vec3::Z, Vec3::Z), shot.frame().magnification(-5.0 * Vec3::Z, Vec3::Z));
+            (shot.frustum().magnification(Vec3::Z, Vec3::Z), shot.frustum().magnification(-5.0 * Vec3::Z, Vec3::Z));
         assert!(near > 5.0 * far, "negative control");
     }
 
     #[test]
     fn nothing_is_seen_out_of_the_frame_or_behind() {
-        let seen = |x: f32, y: f32, z: f32| shot().frame().magnification(Vec3::new(x, y, z), Vec3::Z) > 0.0;
+        let seen = |x: f32, y: f32, z: f32| shot().frustum().magnification(Vec3::new(x, y, z), Vec3::Z) > 0.0;
         assert!(seen(9.0, 4.0, 0.0) && seen(10.5, 0.0, 0.0));
         assert!(!seen(12.0, 0.0, 0.0) && !seen(0.0, 6.0, 0.0) && !seen(0.0, 0.0, 6.0) && !seen(0.0, 0.0, 5.0));
     }

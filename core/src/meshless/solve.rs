@@ -192,19 +192,19 @@ mod tests {
     };
     use std::f32::consts::PI;
 
-    fn fading(energies: &[f32]) -> BounceEnergy {
+    fn energy_of(energies: &[f32]) -> BounceEnergy {
         let mean_irradiance = energies.iter().map(|e| Vec3::new(*e, 0.5 * e, 0.0)).collect();
         Solution { coefficients: Vec::new(), mean_irradiance }.energy()
     }
 
     #[test]
     fn what_is_missing_is_the_rest_of_the_series() {
-        let half = fading(&[16.0, 8.0, 4.0, 2.0]);
+        let half = energy_of(&[16.0, 8.0, 4.0, 2.0]);
         assert_eq!(half.bounces, 3);
         assert!((half.last_share - 2.0 / 30.0).abs() < 1e-6 && (half.missing_share - 2.0 / 32.0).abs() < 1e-6);
-        let bright = fading(&[1.0, 0.9, 0.81]);
+        let bright = energy_of(&[1.0, 0.9, 0.81]);
         assert!((bright.missing_share - 0.729).abs() < 1e-5, "{bright:?}");
-        assert_eq!(fading(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
+        assert_eq!(energy_of(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
     }
 
     #[test]
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn darkness_misses_nothing() {
         for dark in [&[0.0, 0.0, 0.0][..], &[1.0, 0.0], &[1.0], &[]] {
-            let energy = fading(dark);
+            let energy = energy_of(dark);
             assert_eq!((energy.last_share, energy.missing_share), (0.0, 0.0), "{dark:?}");
         }
     }

@@ -24,9 +24,9 @@ const RAYS: usize = 1024;
 /// A point no higher than so many spacings over a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
 /// What rays meet no deeper below their origin than so many times its own lift, if it faces much as the point's surface does, is
-/// that surface ([`Origin::own_cosine`]). Smooth normals receive directions below the faces around them, which took the light of these
+/// that surface ([`Origin::same_surface_cosine`]). Smooth normals receive directions below the faces around them, which took the light of these
 /// faces' sources.
-const OWN_LIFTS: f32 = 2.0;
+const SAME_SURFACE_LIFTS: f32 = 2.0;
 
 /// Cosines count as no less: what is interpolated is shaded at other places than it was sampled at, where a centre that lay at
 /// the horizon may stand high. In the living room with 0.05 a single pixel held 0.4 of the squared error.
@@ -56,19 +56,19 @@ pub struct Origin {
     pub face: Vec3,
     /// How far it lies off that surface, in metres.
     pub lift: f32,
-    /// Cosine with `face` above which a place faces as that surface does: [`Self::OWN_COSINE`], or less where faces around a vertex
+    /// Cosine with `face` above which a place faces as that surface does: [`Self::SAME_SURFACE_COSINE`], or less where faces around a vertex
     /// lean farther from its normal.
-    pub own_cosine: f32,
+    pub same_surface_cosine: f32,
 }
 
 impl Origin {
     /// For a point within a face.
-    pub const OWN_COSINE: f32 = 0.5;
+    pub const SAME_SURFACE_COSINE: f32 = 0.5;
 
     /// Whether a place is of the surface that the point lies in.
     fn lies_in_surface_of(&self, place: &Surfel) -> bool {
         let height = (self.anchor - place.position).dot(place.normal);
-        height < OWN_LIFTS * self.lift && place.normal.dot(self.face) > self.own_cosine
+        height < SAME_SURFACE_LIFTS * self.lift && place.normal.dot(self.face) > self.same_surface_cosine
     }
 
     fn height_over(&self, place: &Surfel) -> f32 {
@@ -195,8 +195,8 @@ mod tests {
 
     fn gathered(near: &NearField, scene: &Intersector, sources: &[Source], origin: Vec3, normal: Vec3) -> Vec<f32> {
         let mut angles = vec![0.0; sources.len()];
-        let (face, own_cosine) = (normal, Origin::OWN_COSINE);
-        let origin = Origin { position: origin, anchor: origin, normal, face, lift: 0.0, own_cosine };
+        let (face, same_surface_cosine) = (normal, Origin::SAME_SURFACE_COSINE);
+        let origin = Origin { position: origin, anchor: origin, normal, face, lift: 0.0, same_surface_cosine };
         near.gather(sources, scene, origin, |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
         angles
     }
@@ -267,20 +267,29 @@ mod tests {
         let (near, lift) = (NearField::new(&sources), 0.02 * CELL);
         let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
         let position = Vec3::new(2.02, 0.02 * CELL, 0.03);
-        let in_floor =
-            Origin { position, anchor: position, normal, face: Vec3::Y, lift, own_cosine: Origin::OWN_COSINE };
+        let in_floor = Origin {
+            position,
+            anchor: position,
+            normal,
+            face: Vec3::Y,
+            lift,
+            same_surface_cosine: Origin::SAME_SURFACE_COSINE,
+        };
         let gathered = |origin| {
             let mut sum = 0.0;
             near.gather(&sources, &scene, origin, |d| d.dot(normal) > 0.0, |_, angle| sum += angle);
             sum
         };
         assert_eq!(gathered(in_floor), 0.0);
-        let vertex = Origin { face: normal, own_cosine: 0.99 * normal.y, ..in_floor };
+        let vertex = Origin { face: normal, same_surface_cosine: 0.99 * normal.y, ..in_floor };
         assert_eq!(gathered(vertex), 0.0, "of which the normal alone is known");
         let beside = Origin { position: position + Vec3::Y * 0.1 * CELL, ..in_floor };
         assert_eq!(gathered(beside), 0.0, "a vertex that samples beside itself");
         for (control, is) in [
-            (Origin { own_cosine: Origin::OWN_COSINE, ..vertex }, "one whose faces are said to lean less"),
+            (
+                Origin { same_surface_cosine: Origin::SAME_SURFACE_COSINE, ..vertex },
+                "one whose faces are said to lean less",
+            ),
             (Origin { anchor: beside.position, ..beside }, "a point as high above the floor"),
             (Origin { lift: 0.0, ..in_floor }, "a point that close above the floor, but not in it"),
             (Origin { face: Vec3::NEG_Z, ..in_floor }, "the foot of a wall"),

@@ -89,7 +89,7 @@ pub struct Camera {
 
 /// A local light (KHR_lights_punctual).
 #[derive(Clone, Copy, Debug)]
-pub struct Light {
+pub struct PunctualLight {
     /// Name shown to the artist.
     pub name: &'static str,
     /// Position in metres.
@@ -116,7 +116,7 @@ pub struct Scene {
     /// Cameras; the first is the one to open with.
     pub cameras: Vec<Camera>,
     /// Local lights.
-    pub lights: Vec<Light>,
+    pub lights: Vec<PunctualLight>,
 }
 
 impl Scene {

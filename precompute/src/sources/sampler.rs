@@ -90,7 +90,7 @@ impl<'a> SourceSampler<'a> {
                 normal,
                 face: normal,
                 lift: point.offset,
-                own_cosine: point.own_cosine(),
+                same_surface_cosine: point.same_surface_cosine(),
             };
             let receives = |d| point.side_of(d) == side;
             self.near.gather(self.sources, self.scene, origin, receives, |i, angle| seen[i] += angle)

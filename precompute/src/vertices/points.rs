@@ -80,11 +80,11 @@ impl BakePoint {
         self.places[side as usize]
     }
 
-    /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::own_cosine`].
-    pub fn own_cosine(&self) -> f32 {
+    /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::same_surface_cosine`].
+    pub fn same_surface_cosine(&self) -> f32 {
         // The most that a face around it is tilted; rounding must not part that face from its point.
         let tilted = (1.0 - self.horizon * self.horizon).max(0.0).sqrt();
-        Origin::OWN_COSINE.min(0.99 * tilted)
+        Origin::SAME_SURFACE_COSINE.min(0.99 * tilted)
     }
 
     /// The side that a direction is sampled from. What a one-sided point has at its back is not sampled.

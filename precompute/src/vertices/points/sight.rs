@@ -8,7 +8,7 @@ use glam::Vec3;
 use lapidary_core::{
     ray::Intersector,
     scene::Mesh,
-    shot::{Frame, Shot},
+    shot::{Frustum, Shot},
 };
 
 /// Places looked at in each triangle around a hidden point.
@@ -18,7 +18,7 @@ const PLACES: u32 = 16;
 pub(super) struct Sight<'a> {
     mesh: &'a Mesh,
     scene: &'a Intersector,
-    frames: Vec<Frame>,
+    frustums: Vec<Frustum>,
     /// Triangles around each point, and which of their corners it is; none without shots.
     around: Vec<Vec<[u32; 2]>>,
 }
@@ -31,7 +31,7 @@ impl<'a> Sight<'a> {
         for (triangle, corners) in triangles {
             (0..).zip(corners).for_each(|(corner, &v)| around[of_vertex[v as usize] as usize].push([triangle, corner]));
         }
-        Self { mesh, scene, frames: shots.iter().map(Shot::frame).collect(), around }
+        Self { mesh, scene, frustums: shots.iter().map(Shot::frustum).collect(), around }
     }
 
     /// Where a point does better than at `position`, on the side of a unit normal from which rays start `offset` metres off: the
@@ -39,7 +39,7 @@ impl<'a> Sight<'a> {
     /// in the picture or beside it, if it faces none, or if all around it is hidden.
     pub fn better_place(&self, point: usize, position: Vec3, normal: Vec3, offset: f32) -> Option<Vec3> {
         let place = position + normal * offset;
-        let mut facing = self.frames.iter().filter(|f| faces(f, place, normal)).peekable();
+        let mut facing = self.frustums.iter().filter(|f| faces(f, place, normal)).peekable();
         let is_hidden = facing.peek().is_some() && facing.all(|f| self.scene.occluded_between(place, f.eye));
         is_hidden.then(|| middle(&self.seen_around(point, normal, offset))).flatten()
     }
@@ -55,7 +55,7 @@ impl<'a> Sight<'a> {
             let face = if face.dot(normal) < 0.0 { -face } else { face };
             for [u, v] in (0..PLACES).map(on_triangle) {
                 let place = a + (b - a) * u + (c - a) * v;
-                if self.frames.iter().any(|frame| self.sees(frame, place, face, offset)) {
+                if self.frustums.iter().any(|frustum| self.sees(frustum, place, face, offset)) {
                     seen.push((place, (1.0 - u - v) * area.length()));
                 }
             }
@@ -63,16 +63,16 @@ impl<'a> Sight<'a> {
         seen
     }
 
-    fn sees(&self, frame: &Frame, place: Vec3, normal: Vec3, offset: f32) -> bool {
+    fn sees(&self, frustum: &Frustum, place: Vec3, normal: Vec3, offset: f32) -> bool {
         let above = place + normal * offset;
-        let in_picture = frame.magnification(place, normal) > 0.0 && faces(frame, above, normal);
-        in_picture && !self.scene.occluded_between(above, frame.eye)
+        let in_picture = frustum.magnification(place, normal) > 0.0 && faces(frustum, above, normal);
+        in_picture && !self.scene.occluded_between(above, frustum.eye)
     }
 }
 
 /// Whether the eye is above a surface.
-fn faces(frame: &Frame, place: Vec3, normal: Vec3) -> bool {
-    (frame.eye - place).dot(normal) > 0.0
+fn faces(frustum: &Frustum, place: Vec3, normal: Vec3) -> bool {
+    (frustum.eye - place).dot(normal) > 0.0
 }
 
 /// Of weighted places the nearest to their mean.

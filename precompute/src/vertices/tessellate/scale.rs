@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     ray::Intersector,
     scene::Mesh,
-    shot::{Frame, Shot},
+    shot::{Frustum, Shot},
 };
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
     /// Of the shots that see any surface.
-    frames: Vec<Frame>,
+    frustums: Vec<Frustum>,
     /// Edge length in metres at which equal triangles over the whole surface would use up the budget.
     pub unit: f32,
     /// Units in a metre of a surface that no shot sees.
@@ -45,23 +45,23 @@ impl<'a> EdgeScale<'a> {
     pub fn new(mesh: &Mesh, scene: &'a Intersector, shots: &[Shot], budget: usize, observer: &'a dyn Observer) -> Self {
         let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t)).sum();
         let unit = edge_length(area, budget as f32);
-        let (mut frames, mut in_pictures) = (Vec::new(), 0.0);
+        let (mut frustums, mut in_pictures) = (Vec::new(), 0.0);
         for (i, shot) in shots.iter().enumerate() {
             let filled = filled_part(shot, scene);
             if filled > 0.0 {
-                frames.push(shot.frame());
+                frustums.push(shot.frustum());
                 in_pictures += filled * shot.aspect;
             } else {
                 observer.event(Event::Warning { message: Warning::BlindShot(i + 1) });
             }
         }
-        let (unseen, seen) = if frames.is_empty() {
+        let (unseen, seen) = if frustums.is_empty() {
             (unit.recip(), 0.0)
         } else {
             let unit_of = |area, part| edge_length(area, part * budget as f32).recip();
             (unit_of(area, 1.0 - PICTURES), unit_of(in_pictures, PICTURES))
         };
-        Self { scene, observer, frames, unit, unseen, seen }
+        Self { scene, observer, frustums, unit, unseen, seen }
     }
 
     /// Units in a metre of each triangle.
@@ -69,7 +69,7 @@ impl<'a> EdgeScale<'a> {
     /// # Errors
     /// [`BakeError::Cancelled`].
     pub fn of_triangles(&self, mesh: &Mesh) -> Result<Vec<f32>, BakeError> {
-        if self.frames.is_empty() {
+        if self.frustums.is_empty() {
             return Ok(vec![self.unseen; mesh.triangles.len()]);
         }
         let of_triangle = |t| {
@@ -87,14 +87,14 @@ impl<'a> EdgeScale<'a> {
         let at = |i: u32| {
             let [u, v] = on_triangle(i);
             let place = a + (b - a) * u + (c - a) * v;
-            self.frames.iter().map(|frame| self.magnification(frame, place, normal)).sum()
+            self.frustums.iter().map(|frustum| self.magnification(frustum, place, normal)).sum()
         };
         (0..places as u32).map(at).fold(0.0, f32::max)
     }
 
-    fn magnification(&self, frame: &Frame, place: Vec3, normal: Vec3) -> f32 {
-        let magnification = frame.magnification(place, normal);
-        let hidden = || self.scene.occluded_between(frame.eye, place + (frame.eye - place) * SHORT_OF);
+    fn magnification(&self, frustum: &Frustum, place: Vec3, normal: Vec3) -> f32 {
+        let magnification = frustum.magnification(place, normal);
+        let hidden = || self.scene.occluded_between(frustum.eye, place + (frustum.eye - place) * SHORT_OF);
         if magnification > 0.0 && !hidden() { magnification } else { 0.0 }
     }
 }

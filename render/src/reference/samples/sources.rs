@@ -103,7 +103,7 @@ impl SourceShader<'_> {
             normal: point.world_from_local.z_axis,
             face: lifted.normalize_or(point.smooth_normal),
             lift: lifted.length(),
-            own_cosine: Origin::OWN_COSINE,
+            same_surface_cosine: Origin::SAME_SURFACE_COSINE,
         };
         samples.near.gather(sources, &renderer.intersector, origin, receives, |i, solid_angle| {
             if solid_angles[i] == 0.0 {
