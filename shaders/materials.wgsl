@@ -37,7 +37,7 @@ struct Material {
     bump_map: TextureSlot,
 }
 
-// One word a texel, 8 bits a component.
+// One word per texel, 8 bits per component.
 const KIND_LINEAR: u32 = 1u;
 // The same, sRGB encoded.
 const KIND_SRGB: u32 = 2u;

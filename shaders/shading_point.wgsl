@@ -12,7 +12,7 @@ struct SurfacePoint {
     position: vec3<f32>,
     // Of the triangle, on the side that is seen.
     face_normal: vec3<f32>,
-    // Interpolated, before bump and normal map: no light from below it is received.
+    // Interpolated, before bump and normal map; light from below it is not received.
     smooth_normal: vec3<f32>,
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,

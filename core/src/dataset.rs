@@ -76,7 +76,7 @@ pub struct Dataset {
     pub vertex_valid: Vec<bool>,
     /// The light tree.
     pub tree: LightTree,
-    /// One visibility cut a vertex.
+    /// One visibility cut per vertex.
     pub cuts: PackedCuts,
     /// Surface sources and their cuts, if they were baked.
     pub indirect: Option<IndirectBake>,
@@ -91,8 +91,8 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Weights by which what is stored at three vertices is interpolated: `barycentric` are those of the second and third,
-    /// and the shares of buried vertices go to the others.
+    /// Interpolation weights of three vertices. `barycentric` are those of the second and third; the shares of buried
+    /// vertices go to the others.
     pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
         let is_valid = vertices.map(|v| self.vertex_valid[v as usize]);
@@ -127,11 +127,11 @@ pub struct BakeSettings {
     pub pilot_clusters: usize,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
-    /// Pictures that most vertices are meant for; none for a bake that serves all views alike.
+    /// Pictures for which most vertices are placed; empty for a bake that serves all views alike.
     #[serde(default)]
     pub shots: Vec<Shot>,
-    /// Most bytes for the vertices' cuts over the environment, which are coarsened by a common `sigma` until they fit. Surface
-    /// sources and the meshless basis are not bounded by it.
+    /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
+    /// they fit. It does not limit surface sources and the meshless basis.
     pub max_bytes: Option<u64>,
     /// Which parts are baked.
     #[serde(default)]
@@ -177,7 +177,7 @@ pub struct BakeReport {
     pub tree: TreeKind,
     /// Weight of the geometric metric.
     pub beta: f32,
-    /// Error bound of a cluster over the environment; larger than asked for if a byte budget forced it.
+    /// Error bound of a cluster over the environment; larger than asked for if a byte budget required it.
     pub sigma: f32,
     /// Mean number of nodes of a vertex's cut.
     pub mean_cut: f64,
@@ -218,9 +218,9 @@ pub struct BakeReport {
     pub warnings: Vec<String>,
 }
 
-/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on. Objects,
-/// cameras and local lights, which are hints for the viewpoint of surface sources and meshless basis, are left out, so that
-/// moving a light makes no bake stale; a checkpoint knows by itself which places it is about.
+/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on.
+/// Objects, cameras and local lights are left out, so that moving a light makes no bake stale. They are hints for the
+/// viewpoint of surface sources and meshless basis, and a checkpoint has its own record of the resulting points.
 pub fn scene_hash(scene: &Scene) -> String {
     let mesh = &scene.mesh;
     let mut hasher = blake3::Hasher::new();

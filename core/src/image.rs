@@ -142,7 +142,7 @@ impl Image {
         self.write_with(None, path)
     }
 
-    /// [`Self::write`] with an alpha channel, one value a pixel; the picture is premultiplied. Files of the hdr format
+    /// [`Self::write`] with an alpha channel, one value per pixel; the picture is premultiplied. Files of the hdr format
     /// have none, and are written without.
     ///
     /// # Errors

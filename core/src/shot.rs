@@ -1,15 +1,15 @@
-//! The pictures that a bake is for: where their cameras look, vertices are worth most.
+//! The pictures that a bake is for: vertices matter most where their cameras look.
 
 use crate::camera::Camera;
 use glam::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Surfaces seen at a more grazing angle count as seen at this cosine: they are never left without vertices.
+/// Surfaces seen at a more grazing angle count as seen at this cosine, so that they are never left without vertices.
 const LEAST_COSINE: f32 = 0.05;
-/// The frame counts as so much larger, so that a camera may move a little.
+/// The picture is enlarged by this factor, so that a camera may move a little.
 const MARGIN: f32 = 1.1;
 
-/// Width over height of a picture whose is not known.
+/// Width over height of a picture whose aspect is unknown.
 pub const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
 /// One picture.
@@ -22,14 +22,15 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Whether it looks anywhere: finite, from an eye to another place, through an angle and into a frame of some size.
+    /// Whether the camera is usable: finite, with an eye apart from its target, a positive field of view, and a frame
+    /// of positive width.
     pub fn is_valid(&self) -> bool {
         let Camera { eye, target, up, fov_y, .. } = &self.camera;
         let looks = eye.is_finite() && target.is_finite() && up.is_finite() && eye != target && *up != Vec3::ZERO;
         looks && *fov_y > 0.0 && *fov_y < std::f32::consts::PI && self.aspect > 0.0 && self.aspect.is_finite()
     }
 
-    /// What it sees.
+    /// The part of space in its picture.
     pub fn frustum(&self) -> Frustum {
         Frustum {
             eye: self.camera.eye,
@@ -40,10 +41,10 @@ impl Shot {
     }
 }
 
-/// What a shot sees, for many places.
+/// The view frustum of a shot, which measures how large surfaces appear in its picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
-    /// Where it is seen from, in metres.
+    /// Position of the eye, in metres.
     pub eye: Vec3,
     view_from_world: Mat3,
     /// Half the height of the picture at a depth of 1.
@@ -52,8 +53,8 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// How large a surface at `position` appears if nothing hides it: the area in the picture, in squares of its height, for
-    /// each m². 0 outside the frame. Works from both sides.
+    /// Area in the picture of a surface at `position` that nothing hides, in squares of the picture's height per m². 0
+    /// outside the picture. Both sides of the surface count.
     pub fn magnification(&self, position: Vec3, normal: Vec3) -> f32 {
         let Self { half_height, .. } = *self;
         let view = self.view_from_world * (position - self.eye);

@@ -37,7 +37,7 @@ pub trait Surface: Sync {
     /// Whether nothing lies between two points that are off all surfaces.
     fn sees(&self, from: Vec3, to: Vec3) -> bool;
 
-    /// Diffuse reflectance, 0 to 1 a channel.
+    /// Diffuse reflectance, 0 to 1 per channel.
     fn reflectance(&self, at: &Surfel) -> Vec3;
 
     /// What holds all of it.

@@ -86,7 +86,7 @@ impl TextureSlot {
 /// Decoded texels, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
-    /// 8 bits a component, as in png, jpg and tga.
+    /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
     /// Floating point, as in hdr, exr and 16-bit grey png.
     F32(Vec<[f32; 4]>),

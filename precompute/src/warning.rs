@@ -1,4 +1,4 @@
-//! What a bake repaired, left out or did otherwise than it was asked to.
+//! What a bake repaired, left out, or changed against its settings.
 
 use crate::setting::{Naming, Setting};
 use glam::Vec3;
@@ -8,9 +8,9 @@ use std::fmt;
 /// Something that was repaired or left out, and what to do about it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
-    /// In words already: what an import remarked.
+    /// Plain text: a warning of the import.
     Text(String),
-    /// The mesh has as many vertices as it may get.
+    /// The mesh already has as many vertices as its budget allows.
     NoRoomForVertices {
         /// How many it has.
         vertices: usize,
@@ -19,13 +19,13 @@ pub enum Warning {
     },
     /// A shot, counted from 1, sees no surface.
     BlindShot(usize),
-    /// The checkpoint is of other bake points or another light tree.
+    /// The checkpoint belongs to other bake points or another light tree.
     OtherCheckpoint,
-    /// An unfinished bake was discarded, for going on with it was not asked for.
+    /// An unfinished bake was discarded, because resuming it was not asked for.
     Discarded,
-    /// The surface sources lie elsewhere than those of the checkpoint.
+    /// The surface sources differ from those of the checkpoint.
     OtherSources,
-    /// The points of the meshless basis lie elsewhere than those of the checkpoint.
+    /// The points of the meshless basis differ from those of the checkpoint.
     OtherBasis,
     /// Cuts were coarsened until they fit a texture.
     Coarsened {
@@ -35,7 +35,7 @@ pub enum Warning {
         bound: Setting,
         /// The bound that was asked for.
         asked: f32,
-        /// The bound that they keep.
+        /// The bound after coarsening.
         fitted: f32,
     },
     /// Much light leaves the scene.
@@ -58,7 +58,7 @@ pub enum Warning {
     },
     /// Areas of surface sources are noise.
     UnevenAreas {
-        /// Points that tell each area, on average.
+        /// Mean number of points that estimate each area.
         points: f32,
     },
     /// Many surface sources have no area.

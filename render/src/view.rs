@@ -36,7 +36,7 @@ pub struct View {
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
-    /// The only pixels that references trace; the others stay black. Renderers with cuts take no notice of it.
+    /// The only pixels that references trace; the others stay black. Renderers with cuts ignore it.
     pub region: Option<Region>,
 }
 
@@ -47,8 +47,8 @@ impl View {
         Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
     }
 
-    /// Positions of the samples in a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
-    /// (Roberts 2018), which fills the square evenly for any number.
+    /// Positions of the samples within a pixel, the same for all pixels and renderers: the centre, or points of the R2
+    /// sequence (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
         (0..self.aa.max(1)).map(|i| pixel_sample_position(i, DVec2::splat(0.5))).collect()
     }
@@ -79,7 +79,7 @@ pub trait Progress: Sync {
     /// The picture so far; called between passes.
     fn preview(&self, _preview: &Preview) {}
 
-    /// Whether [`Self::preview`] is to be called after so many passes of light paths.
+    /// Whether [`Self::preview`] is due after this many passes of light paths.
     fn wants_preview(&self, passes: u32) -> bool {
         passes.is_power_of_two()
     }

@@ -14,7 +14,7 @@ use std::{
     path::Path,
 };
 
-/// A layer: channels by name, each with one value a pixel, row by row from the top left.
+/// A layer: channels by name, each with one value per pixel, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Its name; empty for the layer that programs show first.
@@ -70,7 +70,7 @@ impl LayeredImage {
     /// A file that cannot be written; one that was there before is kept then.
     ///
     /// # Panics
-    /// If a channel has not one value a pixel.
+    /// If a channel has not one value per pixel.
     pub fn write(self, path: &Path) -> Result<(), ImageError> {
         let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
         write_atomically(path, &self.encode().map_err(failed)?).map_err(failed)
@@ -82,7 +82,7 @@ impl LayeredImage {
         let attributes = self.metadata.attributes(self.size);
         let channels = self.layers.into_iter().flat_map(|Layer { name, channels }| {
             channels.into_iter().map(move |(channel, values)| {
-                assert_eq!(values.len(), size[0] * size[1], "one value a pixel in {name}.{channel}");
+                assert_eq!(values.len(), size[0] * size[1], "one value per pixel in {name}.{channel}");
                 openexr::AnyChannel::new(file_name(&name, &channel), openexr::FlatSamples::F32(values))
             })
         });

@@ -12,7 +12,7 @@ use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
 use std::{io::Cursor, path::Path, sync::Arc};
 
-/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats a pixel.
+/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
 impl Texture {
@@ -109,7 +109,7 @@ fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageE
     check_size(width.into(), height.into(), path)?;
     let mut reader = reader();
     let mut limits = Limits::default();
-    limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes a pixel and what the decoder needs beside them
+    limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
     reader.limits(limits);
     let decoded = reader.decode().map_err(|e| damaged(path, e))?;
     Ok(([width, height], texels_of(decoded)))

@@ -41,12 +41,12 @@ fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 a pixel; colours are not premultiplied.
+/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 per pixel; colours are not premultiplied.
 ///
 /// # Panics
-/// If there is not one alpha a pixel.
+/// If there is not one alpha per pixel.
 fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
-    assert_eq!(image.pixels.len(), alpha.len(), "one alpha a pixel");
+    assert_eq!(image.pixels.len(), alpha.len(), "one alpha per pixel");
     let pixel = |(&color, alpha): (&Vec3, &f32)| {
         let [r, g, b] = srgb_bytes(color);
         [r, g, b, (255.0 * alpha.clamp(0.0, 1.0) + 0.5) as u8]

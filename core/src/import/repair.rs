@@ -214,7 +214,7 @@ fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
 struct Welder<'a> {
     raw: &'a RawMesh,
     mesh: Mesh,
-    /// The file had texture coordinates, one a vertex of `mesh`.
+    /// The file had texture coordinates, one per vertex of `mesh`.
     has_uv: Vec<bool>,
     normals_rebuilt: usize,
     by_key: HashMap<VertexKey, u32>,

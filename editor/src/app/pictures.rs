@@ -105,7 +105,7 @@ mod tests {
         for transparent in [true, false] {
             write_png(&pixels, [16, 16], transparent, &path).unwrap();
             let read = decode(&std::fs::read(&path).unwrap(), &path).unwrap();
-            let Texels::U8(texels) = read.texels else { panic!("8 bits a channel") };
+            let Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
             let alpha = |pixel: &[u8; 4]| if transparent { pixel[3] } else { 255 };
             let expected: Vec<[u8; 4]> = pixels.iter().map(|p| [p[0], p[1], p[2], alpha(p)]).collect();
             assert_eq!(texels, expected);

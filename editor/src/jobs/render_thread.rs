@@ -58,9 +58,9 @@ pub struct RenderedFrame {
     pub size: [u32; 2],
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
-    /// Samples a pixel so far.
+    /// Samples per pixel so far.
     pub samples: u32,
-    /// Samples a pixel when it is done.
+    /// Samples per pixel when it is done.
     pub of_samples: u32,
     /// Work done for it.
     pub stats: PictureStats,

@@ -12,16 +12,16 @@ pub struct BakeJob {
     pub output: PathBuf,
     /// Number of chunks; `None` for a checkpoint every few seconds.
     pub chunks: Option<usize>,
-    /// Go on from the checkpoint of an interrupted bake.
+    /// Resume from the checkpoint of an interrupted bake.
     pub resume: bool,
     /// Seconds that the import took, for the report.
     pub import_secs: f64,
-    /// What the import remarked, for the report.
+    /// Warnings of the import, for the report.
     pub warnings: Vec<String>,
 }
 
 impl BakeJob {
-    /// A bake from the beginning, of a scene whose import is not told of.
+    /// A bake from the beginning, without a report of the import.
     pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
         Self { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() }
     }

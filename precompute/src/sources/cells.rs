@@ -1,37 +1,38 @@
-//! Places divided into cells of small squared error: divisive k-means, the worst cell first.
+//! Points divided into cells of small squared error: divisive k-means, the worst cell first.
 
 use glam::Vec3;
 use lapidary_core::surfel::Surfel;
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-/// A cell has no fewer landings: they would not tell how wide it is.
+/// Smallest number of hits per cell: fewer would not tell how wide it is.
 const LEAST_LANDINGS: usize = 8;
-/// Ways along the axes that surfaces may face most; their places are divided apart.
+/// Axis directions that surfaces may face most; points of each are divided on their own.
 const SIDES: usize = 6;
 
-/// Where a segment lands.
+/// The end of a segment.
 pub(super) struct Landing {
     position: Vec3,
     side: usize,
-    /// Squared error of its light, in radians, for each squared metre between it and what it is taken to come from.
+    /// Squared error of its light, in radians, per squared metre between it and the centre that its light is taken to
+    /// come from.
     weight: f32,
 }
 
 impl Landing {
-    /// Of a segment of so many metres, more than none.
+    /// Of a segment of this length in metres, which is positive.
     pub fn new(end: &Surfel, length: f32) -> Self {
         Self { position: end.position, side: side_of(end.normal), weight: length.powi(-2) }
     }
 }
 
-/// A binary tree of cells for each of the sides.
+/// A binary tree of cells for each axis direction.
 pub(super) struct Cells {
-    /// The first are the roots.
+    /// The first nodes are the roots.
     nodes: Vec<Node>,
 }
 
 enum Node {
-    /// Places below a coordinate on an axis are in the first of two nodes beside each other, the others in the second.
+    /// Points below a coordinate on an axis are in the first of two adjacent nodes, the others in the second.
     Parent { axis: usize, at: f32, first: usize },
     /// Its width in metres.
     Cell(f32),
@@ -59,8 +60,8 @@ impl Cells {
         Self { nodes }
     }
 
-    /// Width in metres of the cell that a place lies in: root of the mean squared distance of its landings from their mean, both
-    /// weighted by error. Infinite where there are too few.
+    /// Width in metres of the cell of a point: the root of the mean squared distance of its hits from their mean, both
+    /// weighted by error. Infinite where there are too few hits.
     pub fn width_at(&self, place: &Surfel) -> f32 {
         let mut node = side_of(place.normal);
         loop {
@@ -71,21 +72,22 @@ impl Cells {
         }
     }
 
-    /// Of all cells, where they are finite.
+    /// Finite widths of all cells.
     pub fn widths(&self) -> impl Iterator<Item = f32> {
         let width = |node: &Node| if let Node::Cell(width) = node { Some(*width) } else { None };
         self.nodes.iter().filter_map(width).filter(|width| width.is_finite())
     }
 }
 
-/// Which way along the axes a normal faces most.
+/// Index of the axis direction that a normal faces most.
 fn side_of(normal: Vec3) -> usize {
     let axis = normal.abs().max_position();
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// Brings those to the front that lie below a coordinate on an axis, and returns it and how many they are: their mean, or where
-/// that leaves too few on a side, as a few short segments at an edge may, their median. None if that does, too.
+/// Moves hits below a coordinate on an axis to the front. Returns the coordinate and their number. The coordinate is
+/// their mean, or their median where the mean leaves too few on a side, as a few short segments at an edge may. `None`
+/// if the median does so too.
 fn split(members: &mut [Landing], axis: usize, mean: f32) -> Option<(f32, usize)> {
     let mut at = mean;
     for _ in 0..2 {
@@ -99,7 +101,7 @@ fn split(members: &mut [Landing], axis: usize, mean: f32) -> Option<(f32, usize)
     None
 }
 
-/// Brings those to the front that `is_first`, and returns how many.
+/// Moves those that `is_first` holds for to the front, and returns their number.
 fn partition(members: &mut [Landing], is_first: impl Fn(&Landing) -> bool) -> usize {
     let mut count = 0;
     for i in 0..members.len() {
@@ -111,13 +113,13 @@ fn partition(members: &mut [Landing], is_first: impl Fn(&Landing) -> bool) -> us
     count
 }
 
-/// Landings close together.
+/// Hits close together.
 struct Cluster<'a> {
     node: usize,
     members: &'a mut [Landing],
     /// Sum of their squared errors if all light came from their mean.
     error: f32,
-    /// The axis along which they spread most, and their mean on it.
+    /// The axis of their largest spread, and their mean on it.
     axis: usize,
     mean: f32,
     width: f32,

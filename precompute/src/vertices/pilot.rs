@@ -1,7 +1,8 @@
-//! Pilot visibility (paper, 3.4): clusters of bake points, and how much of each cluster every light sees.
+//! Pilot visibility (paper, 3.4): clusters of bake points, and the fraction of each cluster that sees each light.
 //!
-//! The paper traces every vertex twice. Here a few members stand for each cluster: on the armadillo scene 4 and 8 of some 57
-//! both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so all of them are not worth seven times the rays.
+//! The paper traces every vertex twice. Here a few members represent each cluster. On the armadillo scene 4 and 8 of
+//! some 57 members both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so tracing all of them is
+//! not worth seven times the rays.
 
 use crate::{
     errors::{BakeError, SettingsError},
@@ -21,10 +22,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Weight of position against normal in the metric of the clusters (Eq. 10; Hašan et al. 2006).
 const K: f32 = 30.0;
-/// Points of a cluster whose visibility is averaged.
+/// Points per cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
-/// Clusters the points by position and normal and samples each cluster's visibility of the Fibonacci samples.
+/// Clusters the points by position and normal, and samples each cluster's visibility of the Fibonacci samples.
 pub fn sample_pilot(
     points: &BakePoints,
     scene: &Intersector,
@@ -33,7 +34,7 @@ pub fn sample_pilot(
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    // In sample order: the tree that the samples will be arranged by does not exist yet.
+    // In sample order, because the tree that will arrange the samples does not exist yet.
     let samples = LightTree::from_order((0..lights as u32).collect()).map_err(SettingsError::from)?;
     let sampler = VisibilitySampler::new(scene, &samples);
     let sample = |point: &BakePoint, visible: &mut [u8]| {
@@ -42,7 +43,8 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, lights, clusters, observer, sample)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
+/// Clusters the points and samples each cluster's visibility of `lights` with `sample`, which sets 0 or 1 for each
+/// light.
 pub fn pilot_of(
     points: &BakePoints,
     diagonal: f32,

@@ -1,5 +1,5 @@
-//! Passes over every pixel that add light to what the samples before have added up to, in a texture between; the next of
-//! them adds to that, and the merge to the last. Floats of 32 bits cannot be blended without an optional feature.
+//! Passes over every pixel that add light to the sum of all samples and passes so far, in an intermediate texture. The
+//! next pass adds to that, and the merge to the last. Floats of 32 bits cannot be blended without an optional feature.
 
 use super::{
     device::GpuDevice,
@@ -52,7 +52,7 @@ pub struct Addition {
 }
 
 impl Addition {
-    /// The pass of `pipeline`, which reads `light` and adds to `previous` (by which of the sums is complete).
+    /// The pass of `pipeline`, which reads `light` and adds to `previous` (indexed by which of the sums is complete).
     pub fn new(
         picture: &PictureInputs,
         (label, pipeline): (&'static str, &wgpu::RenderPipeline),

@@ -1,4 +1,4 @@
-//! [`Backend`] on the GPU: resources by what changes them, and pictures made of passes.
+//! [`Backend`] on the GPU: resources grouped by what changes them, and pictures made of passes.
 
 mod encode;
 mod groups;

@@ -1,4 +1,4 @@
-//! The pipelines: built once from the shaders, the merge in variants for what the scene and the mode need.
+//! The pipelines: built once from the shaders, with variants of the merge for the needs of scene and view mode.
 
 use super::{
     bounce::BouncePass,

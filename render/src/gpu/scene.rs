@@ -1,4 +1,4 @@
-//! The mesh and its visibility cuts on the GPU. What only another bake changes.
+//! The mesh and its visibility cuts on the GPU, which only another bake changes.
 
 use super::{
     device::GpuDevice,

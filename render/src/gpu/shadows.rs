@@ -19,7 +19,7 @@ pub struct ShadowMaps {
 }
 
 impl ShadowMaps {
-    /// Maps of `size` texels a side with nothing in them.
+    /// Maps of `size` texels per side with nothing in them.
     pub fn new(gpu: &GpuDevice, size: u32, layers: u32) -> Self {
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
@@ -49,7 +49,7 @@ impl ShadowMaps {
         }
     }
 
-    /// Whether `layers` of `size` texels a side fit in as they are.
+    /// Whether `layers` of `size` texels per side fit in as they are.
     pub fn holds(&self, size: u32, layers: u32) -> bool {
         self.size == size && self.layers.len() >= layers as usize
     }

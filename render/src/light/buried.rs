@@ -1,4 +1,4 @@
-//! Lights that stand inside an object, where they light nothing that anyone sees.
+//! Lights inside an object, which light nothing visible.
 
 use crate::renderer::Renderer;
 use glam::Vec3;
@@ -9,7 +9,7 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 
-/// Directions that are looked into: a light that shines out of any of these is in the open.
+/// Directions that are tested: a light whose ray leaves the objects in any of these is in the open.
 const LOOKS: usize = 64;
 
 impl Renderer {

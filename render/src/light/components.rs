@@ -1,4 +1,4 @@
-//! Which light is in a picture, and how bounced light is computed.
+//! The components of a picture's light, and how bounced light is computed.
 
 use lapidary_core::{dataset::Dataset, meshless::SolveSettings};
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ pub enum Solution {
 }
 
 impl Solution {
-    /// Bounces between surfaces that a picture by this solution holds.
+    /// Bounces between surfaces that a picture by this solution contains.
     pub fn bounces(self) -> u32 {
         let solved = SolveSettings::default().bounces;
         match self {

@@ -1,4 +1,4 @@
-//! The two kinds of light that are gathered by cuts, for what is asked of either.
+//! The two kinds of light that cuts gather, for functions that take either.
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},

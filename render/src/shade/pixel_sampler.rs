@@ -1,4 +1,4 @@
-//! Pixel sampling that all CPU renderers share: from a sample of a pixel to what is seen there.
+//! Pixel sampling that all CPU renderers share: from a sample of a pixel to the surface or background seen there.
 
 use crate::{
     renderer::Renderer,
@@ -12,7 +12,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
-/// Casts camera rays through the samples of a view's pixels, and shades what they meet.
+/// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     screen: Screen,
@@ -23,7 +23,7 @@ pub(crate) struct PixelSampler<'a> {
 
 /// What one sample of a pixel sees.
 pub(crate) struct Sight {
-    /// Where the sample lies in the picture, in pixels from the top left corner.
+    /// Position of the sample in the picture, in pixels from the top left corner.
     pub position: Vec2,
     /// Unit direction from the eye.
     pub direction: Vec3,
@@ -65,12 +65,12 @@ impl<'a> PixelSampler<'a> {
         wireframe::line_coverage(wireframe::edge_distance(position, corners))
     }
 
-    /// What is seen along a direction that meets no surface.
+    /// Background along a direction that hits no surface.
     pub fn behind(&self, direction: Vec3) -> Vec3 {
         self.backdrop.radiance(direction)
     }
 
-    /// One of the pixel's samples: `shade`, or what is seen where there is no surface.
+    /// One of the pixel's samples: `shade` of its surface, or the background.
     pub fn sample(&self, x: u32, y: u32, sample: usize, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         self.radiance(self.sight(x, y, sample), shade)
     }

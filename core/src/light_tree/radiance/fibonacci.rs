@@ -1,7 +1,7 @@
 //! The Fibonacci sample nearest to a direction, in closed form (Keinert et al. 2015, *Spherical Fibonacci Mapping*).
 //!
-//! What depends on the height alone, and the directions of all samples, are computed once: the grid of an
-//! [`super::EnvironmentSampler`] asks for millions of neighbours.
+//! The directions of all samples, and everything that depends on height alone, are computed once: the grid of an
+//! [`super::EnvironmentSampler`] asks for millions of nearest samples.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -50,7 +50,7 @@ pub struct Speed {
     pub pairs_per_second: f64,
     /// A mean cut size, and the lights and sigma that it came from.
     pub mean_cut: (f64, usize, f32),
-    /// Segments between vertices and surface samples a second.
+    /// Segments between vertices and surface samples per second.
     pub segments_per_second: f64,
     /// A mean cut over surface samples, and the samples and sigma that it came from.
     pub mean_source_cut: (f64, usize, f32),

@@ -11,7 +11,7 @@ use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSe
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points between two looks at the observer.
+/// Points between two checks for cancellation.
 const POINTS_PER_STEP: usize = 256;
 
 /// Makes the cut of a point.
@@ -79,7 +79,7 @@ impl CutMaker for SourceCuts<'_> {
     }
 }
 
-/// The cuts of all points; chunks that the checkpoint holds are not made again.
+/// The cuts of all points; chunks in the checkpoint are not made again.
 pub fn bake_chunks<M: CutMaker>(
     maker: &M,
     series: Series,
@@ -117,7 +117,7 @@ fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observ
                 (cut, squared_error, rays)
             },
         );
-        // Collected in order: sums do not depend on which thread was first.
+        // Collected in order, so that sums do not depend on the timing of threads.
         for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
             chunk.lengths.push(cut.len() as u32);
             chunk.nodes.extend(cut);
