@@ -27,7 +27,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return sum + vec4(received, 0.0);
 }
 
-// What a point reflects of a light toward the eye.
+// Radiance that a point reflects of a light toward the eye.
 fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     var sum = vec3(0.0);
     if light.emission == EMISSION_RECTANGLE {

@@ -100,7 +100,7 @@ fn sample_slot(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
     return sample_texture(slot, transform_uv(slot, uv));
 }
 
-// What a map multiplies a scalar parameter by.
+// Factor of a map for a scalar parameter.
 fn scalar_map(slot: TextureSlot, uv: vec2<f32>) -> f32 {
     if slot.kind == 0u {
         return 1.0;

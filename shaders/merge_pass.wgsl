@@ -10,7 +10,7 @@
 @group(3) @binding(5) var previous_work: texture_2d<f32>;
 
 struct Sample {
-    // What the view shows, and coverage.
+    // Value of the view mode, and coverage.
     @location(0) value: vec4<f32>,
     // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
     @location(1) work: vec4<f32>,
@@ -65,7 +65,7 @@ fn needs_merge() -> bool {
     return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;
 }
 
-// What the view shows of a surface.
+// Value of a surface in the view mode.
 fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
@@ -155,7 +155,7 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// What reaches the eye of a node of radiance 1.
+// Light that reaches the eye from a node of radiance 1.
 fn evaluate(point: SurfacePoint, cone: Cone, wi: vec3<f32>, weight: f32) -> vec3<f32> {
     let inv_kappa = select(0.0, cone.inv_kappa, REFINE);
     let received = select(0.0, weight, dot(cone.direction, point.smooth_normal) > 0.0);

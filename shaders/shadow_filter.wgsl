@@ -91,7 +91,7 @@ fn shadow_texel(texel: vec2<f32>, index: u32, size: vec2<f32>) -> f32 {
     return textureLoad(shadow_maps, vec2<i32>(clamp(texel, vec2(0.0), size - 1.0)), index, 0);
 }
 
-// What has more depth at a texel blocks the receiver.
+// A surface of larger depth at a texel blocks the receiver.
 fn nearest_depth(receiver: Receiver, texel: vec2<f32>, size: vec2<f32>) -> f32 {
     let away = (texel - map_position(receiver, size)) * vec2(2.0, -2.0) / size;
     return max(receiver.depth + dot(receiver.slope, away), receiver.least) + receiver.tolerance;

@@ -10,13 +10,13 @@
 //! | `triangles` | u32 | T, 3 | vertex indices |
 //! | `triangle_material`, `triangle_object` | u32 | T | indices into the metadata's lists |
 //! | `triangle_two_sided` | u8 | T | 1 if lit and seen from both sides |
-//! | `vertex_valid` | u8 | V | 0 if the vertex lies inside other geometry and has no say in interpolation |
+//! | `vertex_valid` | u8 | V | 0 if the vertex lies inside other geometry and does not count in interpolation |
 //! | `tree_order` | u32 | N | sample index of each leaf; samples are spherical Fibonacci points |
 //! | `cuts` | u32 | texels, 4 | packed nodes, see [`crate::cut::packed`] |
 //! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
 //! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, metres |
-//! | `source_areas` | f32 | S | m² that each stands for |
-//! | `source_spacings` | f32 | S | metres that each keeps from the others |
+//! | `source_areas` | f32 | S | area of each, m² |
+//! | `source_spacings` | f32 | S | spacing of each, metres |
 //! | `source_triangles` | u32 | S | triangle that each lies on |
 //! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
 //! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::sources`] |
@@ -82,7 +82,7 @@ pub struct Dataset {
     pub indirect: Option<IndirectBake>,
     /// The meshless basis and its light transport, if they were baked.
     pub meshless: Option<MeshlessBake>,
-    /// What it was baked with.
+    /// Settings of its bake.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, hexadecimal.
     pub scene_hash: String,
@@ -163,7 +163,7 @@ impl Default for BakeSettings {
     }
 }
 
-/// What a bake did; the keys are those of `--report`.
+/// Report of a bake; the keys are those of `--report`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BakeReport {
@@ -214,7 +214,7 @@ pub struct BakeReport {
     pub source_vertices: usize,
     /// Histogram of cut sizes: entry `i` counts bake points with `2^i` to `2^(i+1) - 1` nodes.
     pub cut_size_histogram: Vec<u64>,
-    /// What the import and the bake remarked.
+    /// Warnings of the import and the bake.
     pub warnings: Vec<String>,
 }
 

@@ -33,7 +33,7 @@ impl<'a> MeshSurface<'a> {
     }
 
     /// Whether a ray meets the mesh from either side.
-    pub fn meets_anything(&self, origin: Vec3, direction: Vec3) -> bool {
+    pub fn hits_anything(&self, origin: Vec3, direction: Vec3) -> bool {
         self.intersector.occluded(origin, direction)
     }
 

@@ -85,5 +85,5 @@ impl fmt::Display for Setting {
     }
 }
 
-/// What a front end calls a setting.
+/// Name of a setting in a front end.
 pub type Naming = fn(Setting) -> &'static str;

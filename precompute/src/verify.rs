@@ -33,7 +33,7 @@ const SOURCE_VERTICES: usize = 64;
 /// Largest number of sources whose cuts over the environment are recomputed.
 const SOURCES: usize = 64;
 
-/// What a verification found.
+/// Results of a verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     /// Vertices traced again.
@@ -48,13 +48,13 @@ pub struct Verification {
     pub worst_rms: f64,
     /// Vertices whose cut over the surface sources was traced and selected again, segment by segment.
     pub source_vertices: usize,
-    /// Those of them whose cut differs from the stored one.
+    /// Number of these whose cut differs from the stored one.
     pub different_source_cuts: usize,
     /// Surface sources whose cut over the environment was traced and selected again.
     pub sources: usize,
-    /// Those of them whose cut differs from the stored one.
+    /// Number of these whose cut differs from the stored one.
     pub different_source_environment_cuts: usize,
-    /// Of the meshless basis, if there is one.
+    /// Results for the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
     /// Whether anything was recomputed and all cuts and links agree. A byte budget coarsens cuts afterwards, so then

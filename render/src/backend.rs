@@ -27,29 +27,29 @@ pub enum BackendError {
         "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, or use --backend cpu"
     )]
     NoAdapter {
-        /// What was tried.
+        /// Why none can be used.
         reason: String,
     },
     /// The adapter went away or was reset.
     #[error("the graphics device was lost ({reason}); the renderer starts again on it, or use --backend cpu")]
     DeviceLost {
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
     /// Something is larger than the adapter can hold.
     #[error("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}")]
     Limit {
-        /// What is too large.
+        /// The data that are too large.
         what: &'static str,
         /// How much it needs.
         needed: u64,
         /// How much there may be.
         limit: u64,
-        /// What both are counted in.
+        /// Unit of both.
         unit: &'static str,
         /// Whose limit it is.
         adapter: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The driver refused.

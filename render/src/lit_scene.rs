@@ -239,7 +239,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         })
     }
 
-    /// What the surfaces of a look are, without light.
+    /// Surface properties in a look, without light.
     pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
         Renderer::of(&self.baked, look).surface_layers(&look.view)
     }

@@ -87,7 +87,7 @@ mod tests {
     use crate::{Background, test_looks::look};
     use std::sync::Arc;
 
-    /// What an edit of a look redoes.
+    /// Steps that an edit of a look redoes.
     fn redone(edit: impl FnOnce(&mut Look)) -> Redo {
         let old = look();
         let mut new = old.clone();

@@ -74,7 +74,7 @@ impl Renderer {
         self.rig().lighting(light, illum_cut)
     }
 
-    /// What lights the tree, made at the first call.
+    /// The rig that lights the tree, made at the first call.
     pub(crate) fn rig(&self) -> MutexGuard<'_, LightRig> {
         let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(&self.dataset.tree)));
         rig.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,4 +1,4 @@
-//! What a picture shows and how its pixels are sampled.
+//! The contents of a picture, and the sampling of its pixels.
 
 use crate::view_mode::ViewMode;
 use glam::{DVec2, Vec2, Vec3};
@@ -7,7 +7,7 @@ use lapidary_core::{
     image::{Image, Region},
 };
 
-/// What is seen where nothing is.
+/// The background.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
     /// The environment.
@@ -30,9 +30,9 @@ pub struct View {
     pub size: [u32; 2],
     /// Samples per pixel; 1 is its centre.
     pub aa: u32,
-    /// What is seen where nothing is.
+    /// The background.
     pub background: Background,
-    /// What the pixels show.
+    /// The quantity that the pixels show.
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,

@@ -25,7 +25,7 @@ use glam::{Vec2, Vec3};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 
-/// What decides a meshless bake.
+/// Settings of a meshless bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeshlessSettings {

@@ -23,7 +23,7 @@ impl Default for IndirectSettings {
     }
 }
 
-/// What the bake of the surface sources did.
+/// Report of the bake of the surface sources.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct IndirectReport {

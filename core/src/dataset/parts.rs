@@ -53,7 +53,7 @@ impl BakeParts {
         self.meshless
     }
 
-    /// What is in either.
+    /// The union of both sets.
     pub fn with(self, other: Self) -> Self {
         Self {
             environment: self.environment || other.environment,
@@ -72,7 +72,7 @@ impl Default for BakeParts {
 /// A text that names no parts of a bake.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "\"{0}\" is no part of a bake; use environment, indirect, cuts, meshless, all, or some of these with commas between"
+    "\"{0}\" is not a part of a bake; use environment, indirect, cuts, meshless, all, or some of these with commas between"
 )]
 pub struct PartsError(String);
 

@@ -1,5 +1,5 @@
-//! Pictures of named layers, as an OpenEXR file holds them in one part: channels are called `LAYER.CHANNEL`, which Nuke and
-//! Blender group by the layer, and those of the layer without a name `R`, `G`, `B` and `A`, which every program shows.
+//! Pictures of named layers in one part of an OpenEXR file. Channels are called `LAYER.CHANNEL`, which Nuke and Blender
+//! group by layer. Those of the layer without a name are `R`, `G`, `B` and `A`, which every program shows.
 
 mod metadata;
 mod read;
@@ -59,7 +59,7 @@ pub struct LayeredImage {
     pub size: [u32; 2],
     /// The layers.
     pub layers: Vec<Layer>,
-    /// What is said about it.
+    /// Its metadata.
     pub metadata: Metadata,
 }
 
@@ -99,7 +99,7 @@ impl LayeredImage {
     }
 }
 
-/// What a channel is called in a file.
+/// Name of a channel in a file.
 fn file_name(layer: &str, channel: &str) -> openexr::Text {
     let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
     metadata::text(&name)

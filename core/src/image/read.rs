@@ -1,6 +1,6 @@
 //! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
 //!
-//! What the file holds is checked before memory is taken for it: sizes against [`MAX_PIXELS`], channels by name.
+//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`], channels by name.
 
 use super::{Image, ImageError};
 use crate::{
@@ -39,8 +39,8 @@ impl Image {
 
 /// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
 ///
-/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) only the slot that uses them
-/// knows. 16-bit greys, which hold heights, become floats.
+/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) is known only to the slot that
+/// uses them. 16-bit greys, which hold heights, become floats.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.

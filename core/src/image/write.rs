@@ -1,4 +1,4 @@
-//! Encoding of pictures, and replacing a file only when its successor is complete.
+//! Encoding of pictures, and replacement of a file only when its successor is complete.
 
 use super::{Image, ImageError, Layer, LayeredImage, Metadata};
 use crate::color::srgb_from_linear;
@@ -22,7 +22,7 @@ pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Re
     }
 }
 
-/// OpenEXR, premultiplied if it has an alpha channel, as the format has it.
+/// OpenEXR, which is premultiplied if it has an alpha channel.
 fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
     let colors = Layer::color("", image);
     let layer = match coverage {
@@ -55,8 +55,8 @@ fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
     png(&bytes, image.size, ExtendedColorType::Rgba8)
 }
 
-/// Pixels as they stand in an 8-bit png: sRGB-encoded red, green and blue, and an alpha that they are not multiplied by. The
-/// file has an alpha channel if some pixel is not opaque.
+/// Pixels in the encoding of an 8-bit png: sRGB-encoded red, green and blue, and a straight alpha. The file has an
+/// alpha channel if some pixel is not opaque.
 ///
 /// # Panics
 /// If there are not `width * height` pixels.

@@ -78,7 +78,7 @@ impl Solution {
     }
 }
 
-/// What solving needs beside the bake, computed once per bake.
+/// Data that solving needs beside the bake, computed once per bake.
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) projection: Projection,

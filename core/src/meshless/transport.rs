@@ -225,7 +225,7 @@ fn bands_of(receivers: Range<usize>, mut received: &mut [Mat3A]) -> Vec<BandPart
     parts
 }
 
-/// Those of the ascending senders that are in a range.
+/// The part of the ascending senders that is in a range.
 fn within(lit: &[(usize, Vec3)], senders: Range<usize>) -> &[(usize, Vec3)] {
     let before = |sender: usize| lit.partition_point(|&(lit, _)| lit < sender);
     &lit[before(senders.start)..before(senders.end)]

@@ -31,7 +31,7 @@ impl TriangleFrom {
         Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], normal, corner: a, side }
     }
 
-    /// Whether the ray along `direction` meets the triangle. An origin in the triangle's plane sees none of it.
+    /// Whether the ray along `direction` hits the triangle. A ray from the triangle's plane never does.
     #[inline(always)]
     pub fn crosses(&self, direction: Vec3) -> bool {
         self.side != 0.0 && self.edges.iter().all(|&e| dot(e, direction) >= 0.0)
@@ -44,7 +44,7 @@ impl TriangleFrom {
         dot(self.normal * sign, segment) > self.side.abs() && self.crosses(segment)
     }
 
-    /// Distance and barycentric weights of the meeting point, if any; the triangle index is left at 0.
+    /// Distance and barycentric weights of the hit, if any; the triangle index is left at 0.
     pub fn hit(&self, direction: Vec3) -> Option<Hit> {
         if !self.crosses(direction) {
             return None;

@@ -111,8 +111,9 @@ impl NearField {
         (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * source.spacing
     }
 
-    /// Traces the rays of a point in the directions that it `receives`. Each hit calls `add` with a source that
-    /// [`Self::holds`] of the point and the solid angle in steradians of the ray. Returns the number of rays traced.
+    /// Traces the rays of a point in the directions that it `receives`. Each hit on a source for which
+    /// [`Self::holds`] is true calls `add` with that source and the solid angle in steradians of the ray. Returns the
+    /// number of rays traced.
     pub fn gather(
         &self,
         sources: &[Source],

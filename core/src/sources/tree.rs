@@ -94,7 +94,7 @@ impl Cloud {
         }
     }
 
-    /// Those of all nodes by heap index (entry 0 repeats the root), from the leaves'.
+    /// Clouds of all nodes by heap index (entry 0 repeats the root), from those of the leaves.
     pub fn up_the_tree(leaves: Vec<Self>) -> Vec<Self> {
         let n = leaves.len();
         let mut nodes = leaves.clone();

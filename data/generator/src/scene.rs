@@ -96,9 +96,9 @@ pub struct PunctualLight {
     pub position: Vec3,
     /// Point that a spot shines at.
     pub target: Vec3,
-    /// Radiant intensity a colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
+    /// Radiant intensity per colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
     pub intensity: [f32; 3],
-    /// Angles of a spot from its axis in degrees: where it begins to fall off, and where it ends. `None` for a point.
+    /// Angles of a spot from its axis in degrees: start and end of its falloff. `None` for a point light.
     pub cone: Option<[f32; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! The strip under the viewport: what the picture is compared with, how both are shown, and what they differ by.
+//! The strip under the viewport: the reference, how both pictures are shown, and their differences.
 
 mod figures;
 #[cfg(test)]
@@ -194,7 +194,7 @@ fn file_name(path: Option<&Path>) -> String {
     path.and_then(Path::file_name).map_or("no file".into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// What the strip shows.
+/// Contents of the strip.
 pub struct ComparisonContext<'a> {
     /// The figures, once there are some.
     pub measured: Option<&'a Measured>,

@@ -36,15 +36,15 @@ pub struct Chunk {
 /// Which cuts a chunk holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Series {
-    /// Of the bake points over the environment's lights.
+    /// Cuts of the bake points over the environment's lights.
     Environment,
-    /// Of the bake points over the surface sources.
+    /// Cuts of the bake points over the surface sources.
     Sources,
-    /// Of the surface sources over the environment's lights.
+    /// Cuts of the surface sources over the environment's lights.
     SourceEnvironment,
 }
 
-/// What a checkpoint belongs to.
+/// Identity of the bake that a checkpoint belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Manifest {
     version: u32,

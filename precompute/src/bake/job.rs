@@ -1,12 +1,12 @@
-//! What to bake, and how to go about it.
+//! The job of a bake: settings, output and options of the run.
 
 use super::settings::ResolvedBake;
 use std::path::PathBuf;
 
-/// What to bake, and how to go about it.
+/// The job of a bake: settings, output and options of the run.
 #[derive(Clone, Debug)]
 pub struct BakeJob {
-    /// What decides the result; see [`crate::resolve`].
+    /// Settings that decide the result; see [`crate::resolve`].
     pub settings: ResolvedBake,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,

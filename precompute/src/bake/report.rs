@@ -1,4 +1,4 @@
-//! What a bake did.
+//! The report of a bake.
 
 use super::{
     clock::Clock,

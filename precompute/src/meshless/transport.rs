@@ -16,8 +16,8 @@
 //! * Rays are stratified as a Fibonacci lattice, rotated and shifted at random per receiver, so that parents and
 //!   children do not repeat each other's error.
 
-pub mod again;
 pub mod gather;
+pub mod recompute;
 mod refine;
 pub mod steps;
 

@@ -1,6 +1,6 @@
 //! Candidates: the hits of importance particles that are traced from a valid viewpoint.
 //!
-//! A particle is reflected in cosine-distributed directions, up to [`BOUNCES`] times. Its first [`DROPPED`] hits do not
+//! A particle is reflected in cosine-distributed directions, up to [`BOUNCES`] times. Its first [`DROPPED_HITS`] hits do not
 //! count, so that the density does not depend on the viewpoint. Where most particles escape before that, as over an
 //! open plane, all hits count.
 //!
@@ -20,19 +20,19 @@ use std::collections::VecDeque;
 /// Hits of a particle (the paper's 30).
 const BOUNCES: usize = 30;
 /// Number of first hits that do not count (the paper's 3).
-const DROPPED: usize = 3;
+const DROPPED_HITS: usize = 3;
 /// Rays that check whether a viewpoint sees anything.
 const RAYS_OF_CHECK: usize = 256;
 /// Particles that measure how often particles hit before they escape.
-const FIRST: u64 = 256;
+const PROBES: u64 = 256;
 /// Particles traced at a time: enough that no core waits long for the others.
 const BATCH: u64 = 4096;
 /// Batches without a hit after which there are no more candidates.
 const EMPTY_BATCHES: usize = 16;
-/// Share of particles that must hit more than [`DROPPED`] times for these hits to be dropped.
-const ENOUGH: f64 = 0.1;
+/// Share of particles that must hit more than [`DROPPED_HITS`] times for these hits to be dropped.
+const LEAST_SHARE_OF_LONG_PATHS: f64 = 0.1;
 /// Candidates from pictures for each other candidate: four fifths come from pictures.
-const PICTURED: usize = 4;
+const PICTURED_PER_OTHER: usize = 4;
 /// Rows of a picture over which segments are spread; any number would do.
 const ROWS: f32 = 1024.0;
 
@@ -63,9 +63,9 @@ impl<'a> Candidates<'a> {
         let ready = VecDeque::new();
         let mut candidates =
             Self { surface, observer, viewpoint, seed, dropped: 0, shots: &[], next_particle: 0, ready };
-        let paths: Vec<_> = (0..FIRST).into_par_iter().map(|p| candidates.particle(p).len()).collect();
-        let long = paths.iter().filter(|&&length| length > DROPPED).count();
-        candidates.dropped = if long as f64 >= ENOUGH * FIRST as f64 { DROPPED } else { 0 };
+        let paths: Vec<_> = (0..PROBES).into_par_iter().map(|p| candidates.particle(p).len()).collect();
+        let long = paths.iter().filter(|&&length| length > DROPPED_HITS).count();
+        candidates.dropped = if long as f64 >= LEAST_SHARE_OF_LONG_PATHS * PROBES as f64 { DROPPED_HITS } else { 0 };
         Ok(candidates)
     }
 
@@ -93,8 +93,8 @@ impl<'a> Candidates<'a> {
             }
             let particles = self.next_particle..self.next_particle + BATCH;
             self.next_particle = particles.end;
-            let landed: Vec<Vec<Segment>> = particles.into_par_iter().map(|p| self.segments(p)).collect();
-            self.ready.extend(landed.into_iter().flatten());
+            let segments: Vec<Vec<Segment>> = particles.into_par_iter().map(|p| self.segments(p)).collect();
+            self.ready.extend(segments.into_iter().flatten());
         }
         Ok(self.ready.pop_front())
     }
@@ -108,7 +108,7 @@ impl<'a> Candidates<'a> {
         if self.observer.cancelled() {
             return Err(PointsError::Cancelled);
         }
-        let particles = (count / (BOUNCES - DROPPED)) as u64 + FIRST;
+        let particles = (count / (BOUNCES - DROPPED_HITS)) as u64 + PROBES;
         Ok((0..particles).into_par_iter().flat_map_iter(|p| self.particle(p)).collect())
     }
 
@@ -116,12 +116,12 @@ impl<'a> Candidates<'a> {
         self.surface
     }
 
-    /// The segments of a particle, and [`PICTURED`] times as many from the surfaces that the shots see.
+    /// The segments of a particle, and [`PICTURED_PER_OTHER`] times as many from the surfaces that the shots see.
     fn segments(&self, index: u64) -> Vec<Segment> {
         let mut segments = self.particle(index);
         if !self.shots.is_empty() {
             let mut rng = fastrand::Rng::with_seed(!self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let wanted = PICTURED * segments.len();
+            let wanted = PICTURED_PER_OTHER * segments.len();
             segments.extend((0..wanted).filter_map(|_| self.segment_in_picture(&mut rng)));
         }
         segments
@@ -166,7 +166,7 @@ pub(super) struct Segment {
 }
 
 /// Hits of a particle that starts in a direction and is reflected at most `most` times.
-pub(super) fn landings<'a>(
+pub(super) fn particle_hits<'a>(
     surface: &'a dyn Surface,
     origin: Vec3,
     direction: Vec3,

@@ -24,7 +24,7 @@ const MOST_POINTS: usize = 4_000_000;
 /// A factor for [`poisson_count`] that gives some more points than asked for.
 const USUAL_FACTOR: f32 = 2.0;
 
-/// What dart throwing accepts.
+/// Criteria of dart throwing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Darts {
     /// Least distance (Eq. 11) of any two points in metres.
@@ -44,13 +44,13 @@ pub fn poisson_disk(candidates: &mut Candidates, darts: Darts) -> Result<Vec<Sur
     let hemisphere: Vec<Vec3> = fibonacci_directions(2 * OPENNESS_RAYS).into_iter().filter(|d| d.z > 0.0).collect();
     let surface = candidates.surface();
     let is_open = |place: &Surfel| !darts.open_only || !is_narrow(surface, place, darts.radius, &hemisphere);
-    let points = thrown(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
+    let points = throw_darts(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
     Ok(points.into_iter().map(|(point, _)| point).collect())
 }
 
 /// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in metres.
 /// `radius` returns that of a point, or `None` where no point may be.
-fn thrown(
+fn throw_darts(
     candidates: &mut Candidates,
     most: usize,
     radius: impl Fn(&Surfel) -> Option<f32>,
@@ -146,7 +146,7 @@ pub fn poisson_count(
     let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        let points = thrown(candidates, 2 * most, |place| Some(radius(place, factor)))?;
+        let points = throw_darts(candidates, 2 * most, |place| Some(radius(place, factor)))?;
         let found = points.len();
         if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {
             best = Some(points);

@@ -8,7 +8,7 @@
 
 use super::{
     candidates::{Candidates, Segment},
-    cells::{Cells, Landing},
+    cells::{Cells, WeightedHit},
     disk::DENSITY,
 };
 use crate::errors::PointsError;
@@ -24,7 +24,7 @@ const SHORTEST: f32 = 0.02;
 /// in the distance over that length. The sum of its squares is least for a spacing proportional to the length to the
 /// power of 2/3 (best density of centres on a surface for errors to the fourth). Cells divided by that measure itself
 /// are worse, because then few segments decide.
-const OF_WIDTH: f32 = 4.0 / 3.0;
+const WIDTH_POWER: f32 = 4.0 / 3.0;
 /// Largest spacing, as a multiple of that of an even set ([`even_spacing`]): few receivers are close to a lamp's bright
 /// spot on a table, and yet it lights the whole room.
 const WIDEST: f32 = 2.0;
@@ -51,17 +51,17 @@ impl Spacing {
         let widest = WIDEST * even_spacing(&segments, count);
         let mut lengths: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
         let shortest = SHORTEST * median(&mut lengths);
-        let mut landings = Vec::with_capacity(SEGMENTS * count);
-        while landings.len() < SEGMENTS * count {
+        let mut hits = Vec::with_capacity(SEGMENTS * count);
+        while hits.len() < SEGMENTS * count {
             let Some(Segment { end, length }) = candidates.draw_segment()? else { break };
-            landings.push(Landing::new(&end, length.max(shortest)));
+            hits.push(WeightedHit::new(&end, length.max(shortest)));
         }
-        Ok(Self::of(Cells::new(landings, count), widest))
+        Ok(Self::of(Cells::new(hits, count), widest))
     }
 
     fn of(cells: Cells, widest: f32) -> Self {
         // The power of the widths allows as many sources as the widths if both are equal at this width.
-        let power = 2.0 - 2.0 * OF_WIDTH;
+        let power = 2.0 - 2.0 * WIDTH_POWER;
         let (sum, count) = cells.widths().fold((0.0, 0), |(sum, count), width| (sum + width.powf(power), count + 1));
         let typical = if count > 0 { (sum / count as f32).powf(power.recip()) } else { widest };
         Self { cells, typical, widest }
@@ -70,7 +70,7 @@ impl Spacing {
     /// Spacing in metres at a point, for the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
         let width = self.cells.width_at(place) / self.typical;
-        (factor * self.typical * width.powf(OF_WIDTH)).min(self.widest)
+        (factor * self.typical * width.powf(WIDTH_POWER)).min(self.widest)
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places: Vec<Surfel> = (0..60_000).map(|_| surfel(coordinate(), coordinate())).collect();
         let length = |place: &Surfel| if place.position.x < 0.0 { 0.25 } else { 1.0 };
-        let cells = |count| Cells::new(places.iter().map(|p| Landing::new(p, length(p))).collect(), count);
+        let cells = |count| Cells::new(places.iter().map(|p| WeightedHit::new(p, length(p))).collect(), count);
         let ratio = |at: &dyn Fn(&Surfel) -> f32| {
             let mean = |side: f32| {
                 let of_side = places.iter().filter(|p| p.position.x * side > 0.1);

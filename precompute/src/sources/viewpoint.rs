@@ -6,7 +6,7 @@
 //! or a gap between two leaves, would beat any room. Spaces between walls and under roofs may also be large and closed,
 //! but there particles hit backs, or few objects; a space that is meant to be seen is furnished.
 
-use super::candidates::{check_viewpoint, landings};
+use super::candidates::{check_viewpoint, particle_hits};
 use crate::{errors::PointsError, mesh_surface::MeshSurface};
 use glam::Vec3;
 use lapidary_core::{
@@ -22,14 +22,14 @@ use std::collections::HashSet;
 const RAYS: usize = 256;
 /// One of this many rays continues as a particle, up to this many hits.
 const RAYS_PER_PARTICLE: usize = 4;
-const LANDINGS: usize = 12;
+const MOST_HITS: usize = 12;
 /// Cells along the diagonal of the scene. The surface in a cell counts once per axis direction that it faces.
 const CELLS: f32 = 24.0;
 /// Points of a grid along each axis of the search.
 const PLACES: usize = 8;
 /// The grid extends this far beyond the bounds, as a share of their extent: for a model on a plane, all points within
 /// are too close.
-const BEYOND: f32 = 0.25;
+const GRID_MARGIN: f32 = 0.25;
 /// Points halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is
 /// detail.
 const CHORDS: usize = 512;
@@ -111,7 +111,7 @@ fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
 fn grid(surface: &MeshSurface) -> impl Iterator<Item = Vec3> {
     let bounds = surface.bounds();
     let extent = (bounds.max - bounds.min).max(Vec3::splat(0.02 * bounds.diagonal()));
-    let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * BEYOND) - BEYOND;
+    let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * GRID_MARGIN) - GRID_MARGIN;
     (0..PLACES.pow(3)).map(move |i| {
         let at = Vec3::new(share(i % PLACES), share(i / PLACES % PLACES), share(i / (PLACES * PLACES)));
         // Off the planes of symmetry, where edges and corners tend to be.
@@ -175,7 +175,7 @@ struct View {
 impl View {
     fn from(surface: &MeshSurface, place: Vec3) -> Self {
         let directions = fibonacci_directions(RAYS);
-        let hits = directions.iter().filter(|&&d| surface.meets_anything(place, d)).count();
+        let hits = directions.iter().filter(|&&d| surface.hits_anything(place, d)).count();
         let seen = directions.iter().filter_map(|&d| Some((d, surface.first_hit(place, d)?))).collect();
         Self { hits, seen }
     }
@@ -194,15 +194,15 @@ impl View {
     fn reached(&self, surface: &MeshSurface, place: Vec3) -> Reached {
         let inverse_cell = CELLS / surface.bounds().diagonal();
         let mut rng = fastrand::Rng::with_seed(SEED);
-        let mut landed: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
+        let mut hits: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
         for (direction, _) in self.seen.iter().step_by(RAYS_PER_PARTICLE) {
-            landed.extend(landings(surface, place, *direction, LANDINGS, &mut rng).skip(1));
+            hits.extend(particle_hits(surface, place, *direction, MOST_HITS, &mut rng).skip(1));
         }
-        let fronts = landed.iter().filter(|at| surface.is_front(at)).count();
+        let fronts = hits.iter().filter(|at| surface.is_front(at)).count();
         Reached {
-            cells: landed.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
-            parts: landed.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
-            fronts: fronts as f32 / landed.len().max(1) as f32,
+            cells: hits.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
+            parts: hits.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
+            fronts: fronts as f32 / hits.len().max(1) as f32,
         }
     }
 }

@@ -29,7 +29,7 @@ const BURIAL_RAYS: usize = 48;
 
 /// Largest distance of ray origins from a surface, as a share of the least height of its triangles. From a long strip
 /// of a moulding, a millimetre high, rays would otherwise start within the next strip.
-const OFFSET_OF_HEIGHT: f32 = 0.05;
+const MOST_OFFSET_PER_HEIGHT: f32 = 0.05;
 
 /// A point where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,7 @@ impl BakePoints {
             let point = BakePoint {
                 position,
                 normal,
-                offset: offset::of_baking(around.edge_length[v], OFFSET_OF_HEIGHT * around.height[v], diagonal),
+                offset: offset::of_baking(around.edge_length[v], MOST_OFFSET_PER_HEIGHT * around.height[v], diagonal),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
                 places: [position; 2],

@@ -20,7 +20,7 @@ pub fn exact_key(v: Vec3) -> [u32; 3] {
     (v + 0.0).to_array().map(f32::to_bits)
 }
 
-/// What is known of a triangle's sides.
+/// Properties of the sides of each triangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sidedness {
     /// Receives light, and is visible, from both sides.

@@ -34,7 +34,7 @@ const ROUNDS: usize = 16;
 /// Part of the remaining vertices that a round may add, except for the last: halves of urgent edges may be more urgent
 /// than all remaining edges. When the first round could add all of them, a picture on the living room's wall stayed
 /// black.
-const PART_A_ROUND: f32 = 0.3;
+const SHARE_PER_ROUND: f32 = 0.3;
 
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
@@ -72,7 +72,7 @@ pub fn tessellate(
         }
         let edges = Edges::new(mesh);
         let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, &scale)?;
-        let part = if round < ROUNDS { (PART_A_ROUND * left as f32) as usize } else { left };
+        let part = if round < ROUNDS { (SHARE_PER_ROUND * left as f32) as usize } else { left };
         let mut chosen = edges.within_budget(&wanted, part);
         if chosen.is_empty() {
             chosen = edges.within_budget(&wanted, left);

@@ -1,4 +1,4 @@
-//! What a display shows of a pixel in each view mode.
+//! Display colour of a pixel in each view mode.
 //!
 //! Twin of `shaders/display_pass.wgsl`. Only radiance goes through exposure and tone curve; the quantities of the other modes
 //! are shown the same at any exposure, so that they can be read off.

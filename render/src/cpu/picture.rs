@@ -67,7 +67,7 @@ impl Picture {
         (Image { size: self.size, pixels }, coverage)
     }
 
-    /// What a display shows of a picture of `view`; `count_top` as in [`display_pixel`].
+    /// Display colours of a picture of `view`; `count_top` as in [`display_pixel`].
     pub fn display(&self, view: &View, post: &Post, count_top: f32) -> Vec<[u8; 4]> {
         self.pixels.par_iter().map(|p| p.display(view, post, count_top)).collect()
     }

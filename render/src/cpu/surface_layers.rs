@@ -48,7 +48,7 @@ struct Pixel {
 }
 
 impl Renderer {
-    /// What the surfaces of a view are, as the scene looks now.
+    /// Surface properties in a view, with the present appearance of the scene.
     pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
         let backdrop = Backdrop::black();
         let sampler = PixelSampler::new(self, view, &backdrop);
@@ -129,7 +129,7 @@ mod tests {
         test_scenes::dataset(test_scenes::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
     }
 
-    /// What the CPU renderer shows of a mode.
+    /// Picture of the CPU renderer in a mode.
     fn shown(baked: &Baked, view: &View, mode: ViewMode) -> (Image, Vec<f32>) {
         let mut backend = CpuBackend::new();
         backend.set_scene(baked).unwrap();

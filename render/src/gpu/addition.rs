@@ -10,7 +10,7 @@ use super::{
 use std::ops::Range;
 use wgpu::BindingResource::TextureView as View;
 
-/// What such passes read of a picture, whatever light they add.
+/// Inputs of such passes from a picture, whatever light they add.
 #[derive(Clone, Copy)]
 pub struct PictureInputs<'a> {
     pub gpu: &'a GpuDevice,
@@ -40,14 +40,14 @@ impl PictureInputs<'_> {
 
 /// One pass of a picture.
 pub struct Addition {
-    /// What it adds to, and its light.
+    /// The sum to add to, and its light.
     pub sum: wgpu::TextureView,
     label: &'static str,
     pipeline: wgpu::RenderPipeline,
     frame: wgpu::BindGroup,
     scene: wgpu::BindGroup,
     light: wgpu::BindGroup,
-    /// By which of the sums is complete.
+    /// Indexed by which of the sums is complete.
     inputs: [wgpu::BindGroup; 2],
 }
 
@@ -77,7 +77,7 @@ impl Addition {
         }
     }
 
-    /// Adds light to some rows of what the samples before have added up to.
+    /// Adds light to some rows of the sum of all samples so far.
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, from: usize, rows: &Range<u32>) {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

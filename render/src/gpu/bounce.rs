@@ -60,7 +60,7 @@ impl VertexBounce {
         Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
     }
 
-    /// What the pass reads, to see whether it was uploaded again.
+    /// Input of the pass, to detect a new upload.
     #[cfg(test)]
     pub fn buffer(&self) -> Option<&wgpu::Buffer> {
         self.uploaded.as_ref().map(|(_, [front, _])| front)

@@ -13,7 +13,7 @@ pub struct GpuDevice {
     trouble: Arc<Mutex<Option<Trouble>>>,
 }
 
-/// What the driver reported since it was last asked.
+/// Reports of the driver since the last call.
 enum Trouble {
     Lost(String),
     Error(String),
@@ -59,7 +59,7 @@ impl GpuDevice {
         polled.map(|_| ()).map_err(|e| BackendError::Driver(e.to_string()))
     }
 
-    /// What went wrong since this was last asked.
+    /// Errors since the last call.
     ///
     /// # Errors
     /// A lost device, or what the driver reported.

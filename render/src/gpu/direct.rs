@@ -50,7 +50,7 @@ pub struct DirectLights {
     lights: Vec<Light>,
     plan: Plan,
     room: ShadowRoom,
-    /// What was said last of lights without shadows.
+    /// The last remark on lights without shadows.
     remark: Option<String>,
     maps: Option<ShadowMaps>,
     sum: SumTexture,
@@ -87,7 +87,7 @@ impl DirectLights {
         remark.filter(|_| before != self.remark)
     }
 
-    /// What shadow maps show is no longer so: the shader is another one.
+    /// Marks all shadow maps as out of date, after a change of the shader.
     pub fn forget_shadows(&mut self) {
         if let Some(maps) = &mut self.maps {
             maps.forget();

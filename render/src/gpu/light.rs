@@ -117,7 +117,7 @@ impl GpuMap {
     }
 }
 
-/// What is said of a map that is larger than textures may be.
+/// Remark on a map that is larger than the limit of textures.
 pub fn scaled_map(environment: &Environment, limit: u32) -> Option<String> {
     let [width, height] = environment.map.size;
     (width.max(height) > limit).then(|| {

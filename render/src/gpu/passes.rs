@@ -25,7 +25,7 @@ pub struct Layouts {
     pub display: BindGroupLayout,
 }
 
-/// What the merge pass is specialised for.
+/// Specialisation of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MergeVariant {
     /// Which tree of lights is merged, one of the constants `FIELD_...`.
@@ -139,7 +139,7 @@ pub fn module(gpu: &GpuDevice, source: &ShaderSource, program: &Program) -> Resu
     }))
 }
 
-/// What differs between pipelines.
+/// Differences between pipelines.
 pub struct Pipeline<'a> {
     pub module: wgpu::ShaderModule,
     pub label: &'static str,

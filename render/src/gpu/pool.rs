@@ -36,9 +36,9 @@ impl Place {
 /// The uploaded textures.
 pub struct TexturePool {
     pub view: wgpu::TextureView,
-    /// By index of the appearance's texture; `None` for those not in use.
+    /// Indexed by the appearance's texture; `None` for textures not in use.
     pub places: Vec<Option<Place>>,
-    /// What was packed, to see whether it still is.
+    /// The packed textures, to detect changes.
     packed: Vec<Option<Arc<Texture>>>,
 }
 

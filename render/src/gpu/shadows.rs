@@ -14,7 +14,7 @@ pub struct ShadowMaps {
     /// All layers, for the direct pass.
     pub array: wgpu::TextureView,
     layers: Vec<wgpu::TextureView>,
-    /// What each layer was rendered from.
+    /// View from which each layer was rendered.
     rendered: Vec<Option<ShadowView>>,
 }
 
@@ -59,7 +59,7 @@ impl ShadowMaps {
         stale(&self.rendered, views)
     }
 
-    /// What was rendered is no longer so: the scene is another one.
+    /// Marks all layers as out of date, after a change of the scene.
     pub fn forget(&mut self) {
         self.rendered.fill(None);
     }

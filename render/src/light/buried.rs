@@ -10,7 +10,7 @@ use lapidary_core::{
 };
 
 /// Directions that are tested: a light whose ray leaves the objects in any of these is in the open.
-const LOOKS: usize = 64;
+const DIRECTIONS: usize = 64;
 
 impl Renderer {
     /// The lights that shine and see only the inside of closed objects.
@@ -28,7 +28,7 @@ pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) ->
         hit.is_some_and(|hit| hit.back_face && !dataset.two_sided[hit.triangle as usize])
     };
     light.emission != Emission::Directional
-        && fibonacci_directions(LOOKS).into_iter().filter(shines_into).all(sees_an_inside)
+        && fibonacci_directions(DIRECTIONS).into_iter().filter(shines_into).all(sees_an_inside)
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ impl Components {
     pub const ALL: Self = Self { environment: true, direct: true, indirect: true };
     /// Nothing.
     pub const NONE: Self = Self { environment: false, direct: false, indirect: false };
-    /// What needs no bounce.
+    /// Everything but bounced light.
     pub const UNBOUNCED: Self = Self { indirect: false, ..Self::ALL };
 }
 

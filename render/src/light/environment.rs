@@ -51,7 +51,7 @@ impl NodeCones {
 pub struct SceneLighting {
     /// Radiance, directions and spreads by heap index.
     pub nodes: Lighting,
-    /// What of the tree does not depend on the light.
+    /// Properties of the tree that do not depend on the light.
     pub cones: Arc<NodeCones>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,

@@ -90,7 +90,7 @@ impl<'a> CutLight<'a> {
 
 /// Work on a tree of either kind.
 pub(crate) trait FieldJob {
-    /// What it makes.
+    /// Type of the result.
     type Output;
     /// Does it.
     fn run<F: NodeField + Sync>(self, field: F) -> Self::Output;

@@ -120,13 +120,13 @@ pub struct PixelExplanation {
     pub dark_nodes: Vec<u32>,
     /// The sum of the contributions.
     pub radiance: Vec3,
-    /// What was shaded.
+    /// The shaded surface point.
     #[serde(skip)]
     point: Box<SurfacePoint>,
 }
 
 impl PixelExplanation {
-    /// What was shaded.
+    /// The shaded surface point.
     #[cfg(test)]
     pub(crate) fn surface_point(&self) -> &SurfacePoint {
         &self.point

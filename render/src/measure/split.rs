@@ -59,7 +59,7 @@ use serde::Serialize;
 use thiserror::Error;
 use vertices::{TraceVertex, TracedVertices};
 
-/// What is split.
+/// The picture whose error is split.
 #[derive(Clone, Copy)]
 pub struct SplitJob<'a> {
     /// Camera, size and samples of the picture.
@@ -115,7 +115,7 @@ impl SplitPicture {
 /// The difference of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SplitStep {
-    /// What the two differ in.
+    /// The factor in which the two differ.
     pub factor: &'static str,
     /// The one that is farther from the truth.
     pub from: SplitPicture,
@@ -200,7 +200,7 @@ fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) ->
     Ok(ErrorSplit { region: job.region, spp: 2 * half_of(job), steps, total, pictures })
 }
 
-/// What two neighbours of the chain differ in.
+/// The factor in which two neighbours of the chain differ.
 fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     match (from, to) {
         (SplitPicture::Rendered, _) => "BRDF sampling",

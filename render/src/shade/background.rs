@@ -37,11 +37,11 @@ impl<'a> Sky<'a> {
     }
 }
 
-/// What is seen where there is no surface.
+/// The background where there is no surface.
 pub enum Backdrop {
     /// The environment, sharp or blurred.
     Map {
-        /// What is looked up.
+        /// The map.
         map: Arc<Environment>,
         /// Turns world directions into the frame of the map.
         environment_from_world: Quat,

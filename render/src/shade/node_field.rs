@@ -16,7 +16,7 @@ pub(crate) trait NodeField: Copy {
     fn height(&self) -> u32;
     /// Packed illumination cut.
     fn illumination_cut(&self) -> &[u16];
-    /// What a vertex's cut says by a code of 12 bits.
+    /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
     fn solid_angle(&self) -> f32;
@@ -101,12 +101,12 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Of every code: a table is faster than a power.
+    /// Solid angle of every code: a table is faster than a power.
     solid_angles: &'static [f32],
 }
 
 impl<'a> SourceField<'a> {
-    /// Of sources under one illumination.
+    /// For sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
         static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
         Self { lighting, solid_angles: &SOLID_ANGLES }

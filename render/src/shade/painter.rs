@@ -99,7 +99,7 @@ impl<'a> Painter<'a> {
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
 
-    /// What the merges give.
+    /// Radiance from the merges.
     fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
         let environment = self.environment.as_mut().map(|shader| shader.shade(point));
         let sources = self.sources.as_mut().map(|shader| shader.shade(point));

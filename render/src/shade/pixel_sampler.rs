@@ -21,13 +21,13 @@ pub(crate) struct PixelSampler<'a> {
     offsets: Vec<Vec2>,
 }
 
-/// What one sample of a pixel sees.
+/// The view along one sample of a pixel.
 pub(crate) struct Sight {
     /// Position of the sample in the picture, in pixels from the top left corner.
     pub position: Vec2,
     /// Unit direction from the eye.
     pub direction: Vec3,
-    /// What is met first.
+    /// The first hit.
     pub seen: FirstHit,
 }
 
@@ -46,12 +46,12 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
-    /// What one of a pixel's samples sees.
+    /// The view along one of a pixel's samples.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
         self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
     }
 
-    /// What is seen at a position in the pixel's unit square.
+    /// The view from a position in the pixel's unit square.
     fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
         let camera = &self.view.camera;
         let position = Vec2::new(x as f32, y as f32) + in_pixel;

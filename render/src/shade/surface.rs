@@ -164,7 +164,7 @@ impl<'a> Surfaces<'a> {
         Self { dataset, appearance, intersector, largest_offset }
     }
 
-    /// What a ray meets first.
+    /// The first hit of a ray.
     pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
         match self.intersector.closest_hit(origin, direction) {
             None => FirstHit::Background,

@@ -21,7 +21,7 @@ pub struct Longitude {
 }
 
 impl Longitude {
-    /// Of any angle.
+    /// For any angle.
     pub fn new(radians: f64) -> Self {
         let turned = radians.rem_euclid(TAU);
         let radians = if turned > PI { turned - TAU } else { turned };
@@ -38,7 +38,7 @@ pub struct Zone<'a> {
 }
 
 impl FibonacciLattice {
-    /// Of `lights` samples.
+    /// For `lights` samples.
     pub fn new(lights: usize) -> Self {
         let count = lights as f64;
         let direction = |i: usize| {

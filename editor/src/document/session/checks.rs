@@ -1,4 +1,4 @@
-//! Values that a file can hold and a renderer cannot bear are brought into range, each with a warning.
+//! Clamps values of a file that a renderer cannot use, each with a warning.
 
 use super::{Session, SessionCamera, SessionMaterial};
 use crate::document::{EnvironmentSettings, ViewSettings, lights};

@@ -13,7 +13,7 @@ use lapidary_core::cut::{
 };
 use rayon::prelude::*;
 
-/// What a texture holds.
+/// Capacity of a texture in bytes.
 pub const TEXTURE_BYTES: u64 = (TEXTURE_WIDTH * TEXTURE_WIDTH * TEXEL_BYTES) as u64;
 
 /// Coarsens the vertices' cuts over the environment to the byte budget and to a texture. Returns them with their final
@@ -75,7 +75,7 @@ fn fit(
     }
 }
 
-/// Of whole texels.
+/// Size in whole texels.
 fn bytes(cuts: &[Vec<u16>]) -> u64 {
     cuts.iter().map(|c| (c.len().div_ceil(NODES_PER_TEXEL) * TEXEL_BYTES) as u64).sum()
 }

@@ -30,7 +30,7 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 
-/// What the phases work on.
+/// Input of the phases.
 pub struct SourcePhases<'a> {
     pub geometry: &'a Geometry,
     pub surface: &'a MeshSurface<'a>,

@@ -15,9 +15,9 @@ const TYPICAL_REFLECTANCE: f32 = 0.38;
 /// Receivers of this level and finer ones have the full threshold. Each coarser level has a fixed fraction of that of
 /// the next.
 const FULL_THRESHOLD_LEVEL: usize = 3;
-const OF_NEXT_THRESHOLD: f32 = 0.18;
+const THRESHOLD_FALLOFF: f32 = 0.18;
 /// Largest part of the threshold that the sum of dropped links may reach where no coarser receiver carries the rest.
-const PART_OF_ROOTS: f32 = 0.1;
+const ROOT_THRESHOLD_SHARE: f32 = 0.1;
 
 /// The paper's criteria, and a rule that preserves the energy of dropped links.
 ///
@@ -32,7 +32,7 @@ const PART_OF_ROOTS: f32 = 0.1;
 ///
 /// A level has about four times as many receivers as the one before, and all of them repeat its error. Dropped links
 /// are more often positive than negative: deviations are positive where light falls, and rays hit such surfaces more
-/// often than those in the shadow beneath. So the threshold falls by a factor of [`OF_NEXT_THRESHOLD`] with each level
+/// often than those in the shadow beneath. So the threshold falls by a factor of [`THRESHOLD_FALLOFF`] with each level
 /// above [`FULL_THRESHOLD_LEVEL`]. The measure is one bounce of a spot in a furnished room (6 levels, 4 of them
 /// senders), relative to a gather from the same senders. It has 0.90 of the light if the threshold falls by a factor of
 /// 0.63 from the finest level on, and 0.97 if by a quarter with full thresholds a fifth smaller. It has 0.986 with this
@@ -58,16 +58,16 @@ impl Criterion {
             least: PI * epsilon / TYPICAL_REFLECTANCE,
             roots: constant.into_iter().map(|c| c > 0.5).collect(),
             neighbours: levels.map(|level| (basis.level(level).start, basis.neighbours(level))).collect(),
-            order: curve_places(basis.sender_points()),
+            order: curve_ranks(basis.sender_points()),
         }
     }
 
     /// Drops links of a receiver of `level` that are not significant. `is_root` says that no coarser receiver reaches
     /// it.
     pub fn prune(&self, row: &mut Row, is_root: bool, level: usize) {
-        let least = self.least * OF_NEXT_THRESHOLD.powi(FULL_THRESHOLD_LEVEL.saturating_sub(level) as i32);
+        let least = self.least * THRESHOLD_FALLOFF.powi(FULL_THRESHOLD_LEVEL.saturating_sub(level) as i32);
         let (roots, others): (Row, Row) = row.iter().partition(|link| self.roots[link.0 as usize]);
-        let bound = if is_root { least.min(PART_OF_ROOTS * self.least) } else { least };
+        let bound = if is_root { least.min(ROOT_THRESHOLD_SHARE * self.least) } else { least };
         let mut kept = self.merge(roots, bound);
         let varies = |link: &(u32, Vec3)| link.1.length() > least && self.varies(row, link, least);
         kept.extend(others.into_iter().filter(varies));
@@ -130,7 +130,7 @@ pub fn is_examined(basis: &Basis, receiver: usize, level: usize, rows: &[Row]) -
 }
 
 /// Rank of each point along a Z-curve through the cube around all points.
-fn curve_places(points: &[Surfel]) -> Vec<u32> {
+fn curve_ranks(points: &[Surfel]) -> Vec<u32> {
     const STEPS: u32 = 1 << 10;
     let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     let (min, max) = points.iter().fold(none, |(min, max), p| (min.min(p.position), max.max(p.position)));

@@ -11,8 +11,7 @@ use rayon::prelude::*;
 
 /// A point stays if it is closer to the middle of its triangles than this many offsets.
 const LEAST_SHIFT: f32 = 4.0;
-/// Triangles do not count if a point's normal leans away from them by more than this cosine: the point would rise too
-/// far.
+/// Smallest cosine between a point's normal and a triangle that counts: for a smaller one the point would rise too far.
 const LEAST_LEAN: f32 = 0.2;
 
 impl BakePoints {

@@ -23,7 +23,7 @@ const PICTURES: f32 = 0.8;
 const PLACES: std::ops::RangeInclusive<f32> = 4.0..=4096.0;
 /// Segments from an eye end before a point, by this share of their length, so that the point's own surface does not
 /// hide it.
-const SHORT_OF: f32 = 1e-4;
+const GAP_AT_END: f32 = 1e-4;
 /// Rows of rays through a picture that measure how much of it surfaces fill.
 const ROWS: u32 = 96;
 
@@ -31,7 +31,7 @@ const ROWS: u32 = 96;
 pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
-    /// Of the shots that see any surface.
+    /// Frustums of the shots that see any surface.
     frustums: Vec<Frustum>,
     /// Edge length in metres at which equal triangles over the whole surface would use up the budget.
     pub unit: f32,
@@ -95,7 +95,7 @@ impl<'a> EdgeScale<'a> {
 
     fn magnification(&self, frustum: &Frustum, place: Vec3, normal: Vec3) -> f32 {
         let magnification = frustum.magnification(place, normal);
-        let hidden = || self.scene.occluded_between(frustum.eye, place + (frustum.eye - place) * SHORT_OF);
+        let hidden = || self.scene.occluded_between(frustum.eye, place + (frustum.eye - place) * GAP_AT_END);
         if magnification > 0.0 && !hidden() { magnification } else { 0.0 }
     }
 }

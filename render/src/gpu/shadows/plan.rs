@@ -54,7 +54,7 @@ impl Plan {
         Self { first, layers, size: map_size(layers, room.largest), grid }
     }
 
-    /// What is said of lights without shadows.
+    /// Remark on lights without shadows.
     pub fn remark(&self, lights: &[Light], room: ShadowRoom) -> Option<String> {
         let without = self.first.iter().filter(|&&first| first == NO_SHADOW).count();
         let (all, wanted, limit) = (lights.len(), layers_wanted(lights, self.grid), room.layers);

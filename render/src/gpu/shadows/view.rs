@@ -16,10 +16,10 @@ pub const BORDER: u32 = KERNEL_RADIUS + 2;
 /// Cones beyond this angle from axis to edge, in degrees, take a hemicube: one view would be coarse in the middle.
 const WIDEST_VIEW: f32 = 75.0;
 
-/// What views depend on besides the light.
+/// Inputs of views besides the light.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowViewSettings {
-    /// Of all that casts shadows.
+    /// Bounds of everything that casts shadows.
     pub bounds: Bounds,
     /// Distance from a light, in metres, within which nothing casts a shadow.
     pub near: f32,

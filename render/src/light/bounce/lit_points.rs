@@ -24,7 +24,7 @@ pub(super) struct LitPoints {
     normals: Vec<Vec3>,
     area_samples: u32,
     albedo: Vec<Vec3>,
-    /// What local lights give the points.
+    /// Irradiance of the points from local lights.
     pub(super) lights: LightGroups,
     environment: Option<Vec<Vec3>>,
 }

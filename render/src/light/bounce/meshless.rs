@@ -29,7 +29,7 @@ pub struct MeshlessRig {
     samples: SenderSamples,
     /// Their points under local lights.
     lit: LitPoints,
-    /// What the environment gives the senders.
+    /// Irradiance of the senders from the environment.
     environment: Option<Vec<Vec3>>,
     /// Weights of the vertices, and of the sources if there are any; computed at the first use.
     at_vertices: Option<VertexFlattening>,
@@ -75,7 +75,7 @@ impl MeshlessRig {
         self.solved = None;
     }
 
-    /// What arrives at the vertices after all bounces.
+    /// Vector irradiance at the vertices after all bounces.
     pub fn at_vertices(&mut self) -> Option<VertexIrradiance> {
         let dataset = self.solve()?;
         let solved = self.solved.as_ref()?;

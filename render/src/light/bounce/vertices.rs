@@ -23,7 +23,7 @@ pub struct VertexIrradiance {
 }
 
 impl VertexIrradiance {
-    /// Of a vertex whose surface is seen from one side.
+    /// Irradiance at a vertex for the visible side of its surface.
     #[inline(always)]
     pub fn at(&self, vertex: u32, from_behind: bool) -> Mat3A {
         let vertex = vertex as usize;

@@ -52,7 +52,7 @@ const SHARE_IN_RANGE: f32 = 0.99;
 pub struct ErrorField {
     /// Which error.
     pub kind: ErrorMap,
-    /// What it is called.
+    /// Its name.
     pub title: &'static str,
     /// Width and height in pixels.
     pub size: [u32; 2],

@@ -129,7 +129,7 @@ fn directions(size: [u32; 2]) -> impl Iterator<Item = Vec3> {
     (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| texel_direction(x, y, size)))
 }
 
-/// What the merged cut gives every leaf.
+/// Light and cluster of every leaf in the merged cut.
 struct Shown {
     /// Mean radiance times visibility.
     light: Vec<Vec3>,

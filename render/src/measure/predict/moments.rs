@@ -12,7 +12,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of as many values.
+    /// Moments of these values.
     pub fn of<const N: usize>(values: [Vec3; N]) -> Self {
         let scale = 1.0 / N as f32;
         let mean = values.iter().sum::<Vec3>() * scale;
@@ -35,14 +35,14 @@ pub struct NodeMoments {
     pub radiance: Moments,
     /// BRDF times cosine toward its leaves.
     pub brdf: Moments,
-    /// What the renderer takes for the mean of that.
+    /// The renderer's estimate of that mean.
     pub sampled_brdf: Vec3,
     /// Mean visibility, 0 to 1.
     pub visibility: f32,
 }
 
 impl NodeMoments {
-    /// Of a binary function of this mean.
+    /// Standard deviation of a binary function of this mean.
     fn visibility_deviation(&self) -> f32 {
         (self.visibility * (1.0 - self.visibility)).max(0.0).sqrt()
     }

@@ -12,7 +12,7 @@ pub struct PathSettings {
     /// Largest number of reflections between surfaces before the one toward the eye: 0 is direct light, 1 adds one
     /// indirect bounce.
     pub bounces: u32,
-    /// What of the light is in the picture.
+    /// Components of the light in the picture.
     pub components: Components,
     /// Where in the pixels paths begin.
     pub positions: SamplePositions,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Recomputes the links of some receivers with new rays, and those of all their ancestors, on which they depend. The
 /// result is bit for bit that of a bake.
-pub fn links_again(
+pub fn recompute_links(
     surface: &dyn Surface,
     basis: &Basis,
     settings: &MeshlessSettings,
