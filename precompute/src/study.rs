@@ -93,7 +93,7 @@ impl Study {
         points
     }
 
-    /// Results of `each` for the visibility (0 or 1) of `directions` from each of `points`.
+    /// What `each` makes of the visibility (0 or 1) of `directions` from each of `points`.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
