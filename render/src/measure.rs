@@ -3,6 +3,7 @@
 pub mod compare;
 pub(crate) mod cut_light;
 pub(crate) mod explain;
+pub(crate) mod lettering;
 pub(crate) mod predict;
 mod region;
 pub(crate) mod split;

@@ -1,11 +1,10 @@
 //! Contact sheets: pictures in a grid, each with lines of text below it.
 
 mod picture;
-mod text;
 
 pub use picture::DisplayPicture;
 
-use text::Lettering;
+use lapidary_render::Lettering;
 
 /// A picture and what is said of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +53,7 @@ impl Default for SheetStyle {
 /// a side.
 pub fn contact_sheet(tiles: &[Tile], columns: usize, style: &SheetStyle) -> DisplayPicture {
     let columns = columns.clamp(1, tiles.len().max(1));
-    let lettering = &mut Lettering::new(style.text_size);
+    let lettering = &Lettering::new(style.text_size);
     let widest = tiles.iter().map(|tile| tile.image.size[0]).max();
     let column = widest.map_or(0, |widest| widest.max(style.min_column));
     let heights: Vec<u32> = tiles.chunks(columns).map(|row| row_height(row, lettering.line_height(), style)).collect();
@@ -84,14 +83,16 @@ fn draw(
     tile: &Tile,
     [left, top]: [u32; 2],
     column: u32,
-    lettering: &mut Lettering,
+    lettering: &Lettering,
     style: &SheetStyle,
 ) {
     sheet.paste(&tile.image, [left, top]);
     let mut line_top = top + tile.image.size[1] + style.caption_gap;
     for (i, line) in tile.caption.iter().enumerate() {
         let color = if i == 0 { style.title } else { style.text };
-        lettering.write(sheet, line, [left, line_top], column, color);
+        lettering.draw(line, column as f32, |[x, y], share| {
+            sheet.blend([left + x, line_top + y], color, (255.0 * share).round() as u8);
+        });
         line_top += lettering.line_height();
     }
 }

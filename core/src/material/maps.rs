@@ -2,9 +2,13 @@
 
 use crate::texture::{ColorSpace, TextureSlot};
 use enum_map::{Enum, EnumMap};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{Error as _, MapAccess, Visitor},
+};
 use std::{
-    collections::BTreeMap,
+    fmt,
+    marker::PhantomData,
     ops::{Index, IndexMut},
 };
 
@@ -82,8 +86,7 @@ impl Serialize for MapKind {
 pub type MaterialMaps = Maps<TextureSlot>;
 
 /// The slot of each map of a material, if any. In files an object with a key for each [`MapKind`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "BTreeMap<MapKind, Option<T>>")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Maps<T>(EnumMap<MapKind, Option<T>>);
 
 impl<T> Maps<T> {
@@ -142,13 +145,40 @@ impl<T> IndexMut<MapKind> for Maps<T> {
 
 impl<T, const N: usize> From<[(MapKind, T); N]> for Maps<T> {
     fn from(slots: [(MapKind, T); N]) -> Self {
-        BTreeMap::from(slots.map(|(kind, slot)| (kind, Some(slot)))).into()
+        let mut maps = Self::default();
+        for (kind, slot) in slots {
+            maps[kind] = Some(slot);
+        }
+        maps
     }
 }
 
-impl<T> From<BTreeMap<MapKind, Option<T>>> for Maps<T> {
-    fn from(mut slots: BTreeMap<MapKind, Option<T>>) -> Self {
-        Self(EnumMap::from_fn(|kind| slots.remove(&kind).flatten()))
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Maps<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(MapsVisitor(PhantomData))
+    }
+}
+
+/// Reads an object whose keys are kinds of maps, each at most once.
+struct MapsVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for MapsVisitor<T> {
+    type Value = Maps<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object of material maps")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Maps<T>, A::Error> {
+        let (mut maps, mut read) = (Maps::default(), Vec::new());
+        while let Some((kind, slot)) = entries.next_entry::<MapKind, Option<T>>()? {
+            if read.contains(&kind) {
+                return Err(A::Error::duplicate_field(kind.key()));
+            }
+            read.push(kind);
+            maps[kind] = slot;
+        }
+        Ok(maps)
     }
 }
 
@@ -164,6 +194,8 @@ mod tests {
         assert_eq!(serde_json::from_str::<MaterialMaps>("{}").unwrap(), MaterialMaps::default());
         let misspelt = serde_json::from_str::<MaterialMaps>(r#"{"iro": null}"#).unwrap_err().to_string();
         assert!(misspelt.starts_with("unknown field `iro`, expected one of `base_color`"), "{misspelt}");
+        let twice = serde_json::from_str::<MaterialMaps>(r#"{"ior": null, "ior": null}"#).unwrap_err().to_string();
+        assert!(twice.starts_with("duplicate field `ior`"), "{twice}");
     }
 
     #[test]

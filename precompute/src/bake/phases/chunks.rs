@@ -11,7 +11,7 @@ use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSe
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points between two checks for cancellation.
+/// Points between two looks at the observer.
 const POINTS_PER_STEP: usize = 256;
 
 /// Makes the cut of a point.
@@ -117,7 +117,7 @@ fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observ
                 (cut, squared_error, rays)
             },
         );
-        // Collected in order, so that sums do not depend on the timing of threads.
+        // Collected in order: sums do not depend on which thread was first.
         for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
             chunk.lengths.push(cut.len() as u32);
             chunk.nodes.extend(cut);

@@ -46,7 +46,7 @@ pub fn checkpoint_and_tree(
 
 fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
-    // A tree without cuts needs no pilot visibility.
+    // A tree that nothing is baked over needs no pilot.
     let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
     let pilot = if kind == TreeKind::Geometric {
         PilotVisibility { lights: settings.lights, fractions: Vec::new() }

@@ -11,7 +11,6 @@ pub use magma::{magma, magma_stops};
 use rayon::prelude::*;
 
 mod diverging;
-mod font;
 mod legend;
 mod magma;
 

@@ -1,6 +1,7 @@
 //! The strip under an error map: what is shown, the colour bar, its ticks.
 
-use super::{ErrorMap, NOT_FINITE, font, linear};
+use super::{ErrorMap, NOT_FINITE, linear};
+use crate::measure::lettering::Lettering;
 use glam::Vec3;
 use lapidary_core::image::Image;
 use std::ops::Range;
@@ -19,16 +20,20 @@ pub(super) struct Legend {
 
 /// Smallest width of the result in pixels, so that the labels fit under any picture.
 const MIN_WIDTH: usize = 240;
-/// Pictures are enlarged text by text pixel every so many pixels of width, to stay readable when shown small.
-const WIDTH_PER_TEXT_PIXEL: usize = 640;
+/// The strip is twice as large from twice this width of the picture on, and so on, to stay readable when shown small.
+const WIDTH_PER_SCALE: usize = 640;
 
-// The layout from top to bottom, in text pixels.
+// The layout from top to bottom, in units of the scale.
 const MARGIN: usize = 4;
+/// Height of an em.
+const TEXT_SIZE: f32 = 11.0;
+/// Height of a line.
+const LINE: usize = 13;
 const TITLE: usize = MARGIN;
-const BAR: Range<usize> = TITLE + font::HEIGHT + 4..TITLE + font::HEIGHT + 14;
+const BAR: Range<usize> = TITLE + LINE + 2..TITLE + LINE + 12;
 const TICK: Range<usize> = BAR.end..BAR.end + 3;
-const LABEL: usize = TICK.end + 2;
-const HEIGHT: usize = LABEL + font::HEIGHT + MARGIN;
+const LABEL: usize = TICK.end + 1;
+const HEIGHT: usize = LABEL + LINE + MARGIN;
 
 const INTERVALS: usize = 4;
 
@@ -50,20 +55,25 @@ struct Strip {
     image: Image,
     /// First row of the strip.
     top: usize,
-    /// Pixels per text pixel.
     scale: usize,
+    lettering: Lettering,
 }
 
 impl Strip {
     fn below(picture: &Image) -> Self {
-        let scale = (picture.width() / WIDTH_PER_TEXT_PIXEL).max(1);
+        let scale = (picture.width() / WIDTH_PER_SCALE).max(1);
         let size = [picture.width().max(MIN_WIDTH) as u32, (picture.height() + HEIGHT * scale) as u32];
         let inside = |x: u32, y: u32| x < picture.size[0] && y < picture.size[1];
         let pixel = |x, y| if inside(x, y) { picture.at(x as usize, y as usize) } else { BACKGROUND };
-        Self { image: Image::from_fn(size, pixel), top: picture.height(), scale }
+        Self {
+            image: Image::from_fn(size, pixel),
+            top: picture.height(),
+            scale,
+            lettering: Lettering::new(TEXT_SIZE * scale as f32),
+        }
     }
 
-    /// Width in text pixels.
+    /// Width in units of the scale.
     fn width(&self) -> usize {
         self.image.width() / self.scale
     }
@@ -75,22 +85,29 @@ impl Strip {
         }
     }
 
+    /// Writes a line from its top left corner, in units of the scale.
     fn text(&mut self, text: &str, left: usize, top: usize, color: Vec3) {
-        for (i, rows) in text.chars().filter_map(font::glyph).enumerate() {
-            for (y, row) in rows.into_iter().enumerate() {
-                for x in (0..font::WIDTH).filter(|x| row >> (font::WIDTH - 1 - x) & 1 == 1) {
-                    let column = left + i * ADVANCE + x;
-                    self.fill(column..column + 1, top + y..top + y + 1, color);
-                }
+        let (stride, scale) = (self.image.width(), self.scale);
+        let corner = [left * scale, self.top + top * scale];
+        let room = (stride - corner[0]) as f32;
+        let pixels = &mut self.image.pixels;
+        self.lettering.draw(text, room, |[x, y], share| {
+            if let Some(pixel) = pixels.get_mut((corner[1] + y as usize) * stride + corner[0] + x as usize) {
+                *pixel = pixel.lerp(color, share);
             }
-        }
+        });
+    }
+
+    /// Width of a line in units of the scale.
+    fn text_width(&self, text: &str) -> usize {
+        (self.lettering.width(text) / self.scale as f32).ceil() as usize
     }
 
     fn title(&mut self, legend: &Legend) {
-        self.text(&legend.kind.title().to_uppercase(), MARGIN, TITLE, TEXT);
+        self.text(legend.kind.title(), MARGIN, TITLE, TEXT);
         if legend.non_finite > 0 {
-            let note = format!("not finite {}", legend.non_finite);
-            self.text(&note, self.width() - MARGIN - text_width(&note), TITLE, linear(NOT_FINITE));
+            let note = format!("not finite: {}", legend.non_finite);
+            self.text(&note, self.width() - MARGIN - self.text_width(&note), TITLE, linear(NOT_FINITE));
         }
     }
 
@@ -112,7 +129,7 @@ impl Strip {
             let x = bar.start + i * (bar.len() - 1) / INTERVALS;
             self.fill(x..x + 1, TICK, TEXT);
             let text = legend.label(i);
-            let width = text_width(&text);
+            let width = self.text_width(&text);
             let left = x.saturating_sub(width / 2).clamp(bar.start, bar.end - width);
             self.text(&text, left, LABEL, TEXT);
         }
@@ -124,13 +141,6 @@ impl Legend {
         let number = short_number(self.top * self.kind.error_at(tick as f32 / INTERVALS as f32));
         if tick == INTERVALS && self.saturated { number + "+" } else { number }
     }
-}
-
-/// Distance of two characters in text pixels.
-const ADVANCE: usize = font::WIDTH + 1;
-
-fn text_width(text: &str) -> usize {
-    text.len() * ADVANCE - 1
 }
 
 /// The number with at most three significant digits, and an exponent where it is very small or large.
@@ -192,17 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn every_character_used_is_in_the_font() {
-        let titles: String = ErrorMap::ALL.map(ErrorMap::title).concat();
-        assert!((titles + "not finite 0123456789.+-e").chars().all(|c| font::glyph(c).is_some()));
-    }
-
-    #[test]
     fn narrow_and_wide_pictures_have_room_for_the_text() {
         for width in [0, 1, 239, 641, 1280, 1999] {
             let image = append(&Image::filled([width, 1], Vec3::ZERO), &Legend { non_finite: 999_999, ..LEGEND });
             assert!(image.width() >= MIN_WIDTH);
-            assert!(image.pixels.contains(&linear(NOT_FINITE)));
+            let reddest = image.pixels.iter().map(|p| (*p - linear(NOT_FINITE)).length()).fold(f32::INFINITY, f32::min);
+            assert!(reddest < 0.3 * (BACKGROUND - linear(NOT_FINITE)).length(), "{width}: {reddest}");
         }
     }
 }
