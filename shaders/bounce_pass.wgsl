@@ -1,14 +1,14 @@
-// Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts and added to what the
-// samples and passes before have added up to. Twin of `Painter::interpolated` in render/src/shade/painter.rs.
+// Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts and added to the
+// sum of all samples and passes so far. Twin of `Painter::interpolated` in render/src/shade/painter.rs.
 
 struct VertexIrradiance {
-    // Vector irradiance in W/m2, a column a colour channel.
+    // Vector irradiance in W/m2, one column per colour channel.
     vector: mat3x3<f32>,
 }
 
-// One a vertex.
+// One per vertex.
 @group(2) @binding(0) var<storage, read> front_irradiance: array<VertexIrradiance>;
-// Of surfaces that are seen from behind: likewise, or a single one where no light reaches any.
+// For surfaces seen from behind: one per vertex, or a single one if no back receives light.
 @group(2) @binding(1) var<storage, read> back_irradiance: array<VertexIrradiance>;
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 

@@ -19,7 +19,8 @@ struct Brdf {
 
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
-// Of light from the normal, what is shadowed and masked of a GGX lobe: factors of the second to fourth power of alpha.
+// Loss of a GGX lobe by shadowing and masking, for light from the normal: factors of the second to fourth power of
+// alpha.
 const LOBE_LOSS_2: f32 = 1.05;
 const LOBE_LOSS_3: f32 = 1.75;
 const LOBE_LOSS_4: f32 = -0.55;
@@ -56,7 +57,7 @@ fn brdf_from_parameters(model: u32, color_roughness: vec4<f32>, others: vec4<f32
     return Brdf(model, diffuse * FRAC_1_PI, f0, f90, width_sq, min(alpha.x, alpha.y));
 }
 
-// Share of light from the normal that is reflected, whereto ever; `alpha` has the widths that the BRDF was made with.
+// Albedo for light from the normal; `alpha` has the widths with which the BRDF was made.
 fn albedo(brdf: Brdf, alpha: vec2<f32>) -> vec3<f32> {
     let diffuse = brdf.diffuse / FRAC_1_PI;
     switch brdf.model {

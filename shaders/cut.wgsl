@@ -1,4 +1,4 @@
-// Cuts as they are stored: 16 bits a node (depth << 12 | value), eight nodes a texel. Twin of core/src/cut/packed.rs.
+// Cuts as they are stored: 16 bits per node (depth << 12 | value), eight nodes per texel. Twin of core/src/cut/packed.rs.
 
 // Cuts of all vertices, of visibility or of solid angles; each starts at a texel.
 @group(2) @binding(2) var visibility_cuts: texture_2d<u32>;

@@ -14,7 +14,7 @@ struct LocalLight {
     views_per_point: u32,
     // From the middle of a rectangle to that of an edge, and to that of the next.
     half_width: vec3<f32>,
-    // Cosines of the angles from a spot's axis to its edge, and to where it begins to fall off.
+    // Cosines of the angles from a spot's axis to its edge, and to the start of its falloff.
     cos_edge: f32,
     half_height: vec3<f32>,
     cos_full: f32,
@@ -58,7 +58,7 @@ fn sample_light(light: LocalLight, point: vec3<f32>, u: vec2<f32>) -> LightSampl
     return LightSample(direction, light.intensity * (light_factor(light, direction) / distance_sq));
 }
 
-// What intensity is scaled with, toward a receiver that sees the light in this direction.
+// Factor of the intensity toward a receiver that sees the light in this direction.
 fn light_factor(light: LocalLight, direction: vec3<f32>) -> f32 {
     let cos = -dot(direction, light.forward);
     switch light.emission {

@@ -1,13 +1,13 @@
-// Direct light of local lights, added to what the samples before have added up to; the merge adds to that.
+// Direct light of local lights, added to the sum of all samples and passes so far; the merge adds to that.
 //
-// A rectangle is a grid of cells, each with shadow maps around its middle and RECTANGLE_DETAIL squared samples of
-// light, which the jitter of the picture moves. A sample beside the middle looks the map up where its ray passes the
-// blockers, whose distance is estimated first (after Fernando 2005): shadows are as soft as from all samples.
+// A rectangle is a grid of cells. Each cell has shadow maps around its middle and RECTANGLE_DETAIL squared samples of
+// light, which the jitter of the picture moves. A sample beside the middle reads the map where its ray passes the
+// blockers, whose distance is estimated first (after Fernando 2005). So shadows are as soft as from all samples.
 
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 const RECTANGLE_DETAIL: u32 = 2u;
-// How far around blockers are looked for: a cell and a half finds those that are less than three times as far from the
+// Radius of the search for blockers: a cell and a half finds blockers that are less than three times as far from the
 // receiver as from the light.
 const SEARCH_RADIUS: f32 = 1.5;
 
@@ -27,7 +27,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return sum + vec4(received, 0.0);
 }
 
-// What a point reflects of a light toward the eye.
+// Radiance that a point reflects of a light toward the eye.
 fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     var sum = vec3(0.0);
     if light.emission == EMISSION_RECTANGLE {
@@ -81,7 +81,8 @@ fn offset_in_cell(light: LocalLight, cells: vec2<f32>) -> vec3<f32> {
     return (light.half_width * cells.x + light.half_height * cells.y) * (2.0 / f32(light.grid));
 }
 
-// Metres from blockers to the receiver for each metre from the light to them, the mean of those around; 0 without any.
+// Distance from blockers to the receiver over that from the light to them, as a mean over the blockers around; 0
+// without any.
 fn mean_blocker(point: SurfacePoint, light: LocalLight, cell: u32) -> f32 {
     var sum = 0.0;
     var count = 0.0;
@@ -95,7 +96,7 @@ fn mean_blocker(point: SurfacePoint, light: LocalLight, cell: u32) -> f32 {
     return sum / max(count, 1.0);
 }
 
-// Where the receiver's plane is seen from the middle of a cell toward the receiver less `shift`.
+// Where the middle of a cell sees the receiver's plane, toward the receiver minus `shift`.
 fn seen_past(point: SurfacePoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
     let middle = shadow_views[light.first_view + cell * light.views_per_point].origin;
     let away = point.position - middle;
@@ -118,7 +119,7 @@ fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell
     return shadow_visibility(view_toward(light, cell, position), position, normal);
 }
 
-// The shadow map, of those around one point of a light, that looks at a receiver.
+// The shadow map around one point of a light that contains a receiver.
 fn view_toward(light: LocalLight, cell: u32, position: vec3<f32>) -> u32 {
     let first = light.first_view + cell * light.views_per_point;
     let away = position - shadow_views[first].origin;

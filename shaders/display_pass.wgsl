@@ -28,7 +28,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(position.xy);
     let total = textureLoad(sum, pixel, 0) * display.inv_samples;
     let wire = textureLoad(work, pixel, 0).z * display.inv_samples;
-    // Nothing else may show through where a picture has no coverage, so the mean is over what is covered.
+    // The background must not show where a picture has no coverage, so the mean is over the covered samples.
     let coverage = select(1.0, total.w, display.transparent != 0u);
     if !(coverage > 0.0) {
         return vec4(0.0);
@@ -38,7 +38,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 }
 
 fn display_value(value: vec3<f32>) -> vec3<f32> {
-    // NaN is to be seen; compilers may assume that no value differs from itself, so its bits are looked at.
+    // NaN must be visible. Compilers may assume that every value equals itself, so its bits are tested.
     if any((bitcast<vec3<u32>>(value) & vec3(0x7fffffffu)) > vec3(0x7f800000u)) {
         return vec3(1.0, 0.0, 1.0);
     }

@@ -1,4 +1,4 @@
-// What every pass knows: camera, picture and switches.
+// Uniforms of every pass: camera, picture and switches.
 
 struct FrameUniforms {
     clip_from_world: mat4x4<f32>,

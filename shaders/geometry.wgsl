@@ -1,4 +1,4 @@
-// What the deferred passes hand on: one texel of 16 bytes a pixel for the geometry, one for the frame.
+// Output of the deferred passes: one texel of 16 bytes per pixel for the geometry, one for the frame.
 //
 // geometry: x = triangle + 1, or 0 for nothing; y, z = barycentric weights of the second and third corner (f32 bits);
 //           w = bits 0 to 7 BRDF model, bit 8 back side seen, bit 9 mirrored frame, bit 10 nothing is reflected.

@@ -37,7 +37,7 @@ struct Material {
     bump_map: TextureSlot,
 }
 
-// One word a texel, 8 bits a component.
+// One word per texel, 8 bits per component.
 const KIND_LINEAR: u32 = 1u;
 // The same, sRGB encoded.
 const KIND_SRGB: u32 = 2u;
@@ -100,7 +100,7 @@ fn sample_slot(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
     return sample_texture(slot, transform_uv(slot, uv));
 }
 
-// What a map multiplies a scalar parameter by.
+// Factor of a map for a scalar parameter.
 fn scalar_map(slot: TextureSlot, uv: vec2<f32>) -> f32 {
     if slot.kind == 0u {
         return 1.0;

@@ -1,16 +1,16 @@
 // The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
 // the BRDF evaluated on each node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
-// environment's and that of the sources on surfaces; each adds to what those before it have given.
+// environment's and that of the sources on surfaces; each adds to the sum of those before it.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
-// What the samples and passes before have added up to.
+// The sum of all samples and passes so far.
 @group(3) @binding(4) var previous_sum: texture_2d<f32>;
 @group(3) @binding(5) var previous_work: texture_2d<f32>;
 
 struct Sample {
-    // What the view shows, and coverage.
+    // Value of the view mode, and coverage.
     @location(0) value: vec4<f32>,
     // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
     @location(1) work: vec4<f32>,
@@ -25,7 +25,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
     return Sample(sum + sample.value, work + sample.work);
 }
 
-// What a pass before has given of this sample is not given again: where there is no merge, and coverage.
+// Adds nothing that an earlier pass has already added for this sample: values without a merge, and coverage.
 override IS_FIRST: bool = true;
 
 fn shade_pixel(pixel: vec2<u32>) -> Sample {
@@ -65,7 +65,7 @@ fn needs_merge() -> bool {
     return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;
 }
 
-// What the view shows of a surface.
+// Value of a surface in the view mode.
 fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
@@ -89,8 +89,8 @@ struct Shaded {
     brdf_evaluations: u32,
 }
 
-// Lanes that run in step diverge least if each first looks for its next node that sees any light: the inner loop skips
-// the others, the outer one evaluates one node a turn.
+// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
+// the others, and the outer one evaluates one node per iteration.
 fn merge_cuts(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = visibility_cursor(cut_offset(point.vertices.x));
@@ -149,13 +149,13 @@ fn node_size(node: u32) -> f32 {
     return f32(1u << (tree_height() - firstLeadingBit(node)));
 }
 
-// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
+// The largest node of `root` that begins where `node` ends; 0 at the end of `root`.
 fn next_node(node: u32, root: u32) -> u32 {
     let left = node >> countTrailingZeros(~node);
     return select(left + 1u, 0u, left <= root);
 }
 
-// What reaches the eye of a node of radiance 1.
+// Light that reaches the eye from a node of radiance 1.
 fn evaluate(point: SurfacePoint, cone: Cone, wi: vec3<f32>, weight: f32) -> vec3<f32> {
     let inv_kappa = select(0.0, cone.inv_kappa, REFINE);
     let received = select(0.0, weight, dot(cone.direction, point.smooth_normal) > 0.0);

@@ -1,6 +1,6 @@
 // BRDF refinement: which nodes of the merged cut are too wide for the BRDF. Twin of render/src/shade/refine.rs.
 
-// Off: the BRDF is sampled once a node, as in the paper (4.2).
+// Off: the BRDF is sampled once per node, as in the paper (4.2).
 override REFINE: bool = true;
 
 const NARROWEST: f32 = 0.01;
@@ -17,7 +17,7 @@ fn wants_halves(lobe: f32, radius: f32, tan_r: f32, wi: vec3<f32>, wo: vec3<f32>
         return false;
     }
     let half = wi + wo;
-    // Tangent of the angle between normal and half vector, less half of the node's radius: the best of the node.
+    // Tangent of the angle between normal and half vector, minus half of the node's radius: the best within the node.
     let tan_h = sqrt(half.x * half.x + half.y * half.y) / max(half.z, 1e-6);
     let t = max((tan_h - tan_r) / (1.0 + tan_h * tan_r), 0.0);
     let fall_off = 1.0 + t * t / (lobe * lobe);

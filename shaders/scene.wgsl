@@ -11,7 +11,7 @@ struct Vertex {
     // Sign of the tangent frame: bitangent = handedness * normal x tangent.
     handedness: f32,
     uv: vec2<f32>,
-    // 0 for vertices inside other geometry, which have no say in interpolation.
+    // 0 for vertices inside other geometry, which do not count in interpolation.
     is_valid: u32,
     // First texel of the vertex's cut over surface sources.
     source_cut_offset: u32,

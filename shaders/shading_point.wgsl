@@ -10,9 +10,9 @@ struct SurfacePoint {
     vertices: vec3<u32>,
     weights: vec3<f32>,
     position: vec3<f32>,
-    // Of the triangle, on the side that is seen.
+    // Normal of the triangle, on the visible side.
     face_normal: vec3<f32>,
-    // Interpolated, before bump and normal map: no light from below it is received.
+    // Interpolated, before bump and normal map; light from below it is not received.
     smooth_normal: vec3<f32>,
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,

@@ -2,7 +2,7 @@
 
 struct ShadowView {
     origin: vec3<f32>,
-    // Perspective: the distance of depth 1 in metres, with 0 at infinity. Parallel: how much depth falls in a metre.
+    // Perspective: the distance of depth 1 in metres, with 0 at infinity. Parallel: the decrease of depth per metre.
     depth_scale: f32,
     right: vec3<f32>,
     // Perspective: tangent of half the angle of view; parallel: half the width in metres.

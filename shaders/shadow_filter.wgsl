@@ -8,7 +8,7 @@
 
 // Texels from the receiver to the farthest one that is looked at.
 const KERNEL_RADIUS: f32 = 2.0;
-// Tangent of the angle of incidence up to which neighbouring faces are told from blockers.
+// Tangent of the largest angle of incidence at which neighbouring faces are distinguished from blockers.
 const STEEPEST: f32 = 6.0;
 
 // A plane as a map sees it.
@@ -18,9 +18,9 @@ struct Receiver {
     depth: f32,
     // Change of depth with position.
     slope: vec2<f32>,
-    // Least depth that is expected of the plane around: beyond the horizon of a curved surface it has none.
+    // Smallest depth of the plane around: beyond the horizon of a curved surface it has none.
     least: f32,
-    // What is nearer than the plane by less is a face beside it, as in the corner of a room.
+    // A blocker that is nearer than the plane by less than this is an adjacent face, as in the corner of a room.
     tolerance: f32,
 }
 
@@ -43,7 +43,7 @@ fn shadow_receiver(view: ShadowView, local: vec3<f32>, n: vec3<f32>, facing: f32
     return Receiver(clip.xy / clip.w, depth, -view.depth_scale / facing * n.xy * half, farther, nearer - depth);
 }
 
-// A face as a view sees it; `facing` is not above 0 for those that are turned away.
+// A face as a view sees it; `facing` is at most 0 for faces that are turned away.
 struct Faced {
     local: vec3<f32>,
     normal: vec3<f32>,
@@ -56,7 +56,7 @@ fn shadow_faced(view: ShadowView, position: vec3<f32>, normal: vec3<f32>) -> Fac
     return Faced(local, n, -select(dot(n, local), n.z, view.is_parallel != 0u));
 }
 
-// Share of the light of a view that arrives at a face with this normal, 0 to 1.
+// Visible fraction of a view's light at a face with this normal, 0 to 1.
 fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let view = shadow_views[index];
     let face = shadow_faced(view, position, normal);
@@ -68,7 +68,7 @@ fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 
     return shadow_filtered(index, shadow_receiver(view, face.local, face.normal, face.facing, size.x), size);
 }
 
-// Metres from a blocker to the receiver for each metre from the light to the blocker, 0 without one. In perspective.
+// Distance from a blocker to the receiver over that from the light to the blocker, 0 without one. In perspective.
 fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let view = shadow_views[index];
     let face = shadow_faced(view, position, normal);
@@ -91,7 +91,7 @@ fn shadow_texel(texel: vec2<f32>, index: u32, size: vec2<f32>) -> f32 {
     return textureLoad(shadow_maps, vec2<i32>(clamp(texel, vec2(0.0), size - 1.0)), index, 0);
 }
 
-// What has more depth at a texel blocks the receiver.
+// A surface of larger depth at a texel blocks the receiver.
 fn nearest_depth(receiver: Receiver, texel: vec2<f32>, size: vec2<f32>) -> f32 {
     let away = (texel - map_position(receiver, size)) * vec2(2.0, -2.0) / size;
     return max(receiver.depth + dot(receiver.slope, away), receiver.least) + receiver.tolerance;

@@ -1,4 +1,4 @@
-// What a camera ray meets: barycentric weights, the frame before bump and normal map, texture coordinates.
+// The hit of a camera ray: barycentric weights, the frame before bump and normal map, texture coordinates.
 // Twin of render/src/shade/surface.rs.
 
 // Where a ray meets the plane of a triangle.

@@ -5,10 +5,10 @@ use std::{
     path::Path,
 };
 
-/// Writes `bytes` under a temporary name in the folder of `path` and renames it when it is on disk.
+/// Writes `bytes` under a temporary name in the folder of `path` and renames it once it is on disk.
 ///
 /// # Errors
-/// What the file system says; a file that was there before is kept then.
+/// Errors of the file system; an existing file is kept then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut file = temporary_in(folder)?;
@@ -18,10 +18,10 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Finds out whether files can be made in a folder, before work whose result is to go there.
+/// Checks that files can be made in a folder, before work whose result is to be written there.
 ///
 /// # Errors
-/// What the file system says.
+/// Errors of the file system.
 pub fn check_writable(folder: &Path) -> io::Result<()> {
     temporary_in(folder).map(drop)
 }

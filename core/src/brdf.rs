@@ -24,14 +24,14 @@ use wide::f32x8;
 pub trait Brdf {
     /// `f_r(wi, wo) cos θi` per colour for eight light directions `wi`; zero below the horizon.
     ///
-    /// `inv_kappa` widens the lobe: the value is then close to the mean over light directions spread like a von Mises-Fisher
+    /// `inv_kappa` widens the lobe: the value is then close to the mean over the light directions of a von Mises-Fisher
     /// lobe of that inverse concentration. Zero gives the BRDF itself.
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
 
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;
 
-    /// Share of light from the normal that is reflected, whereto ever: what a bounce leaves of it.
+    /// Albedo for light from the normal: the share of light that a bounce reflects.
     fn albedo(&self) -> Vec3;
 
     /// A light direction for importance sampling, from three numbers in [0, 1). It may lie below the horizon.
@@ -58,7 +58,8 @@ pub enum SurfaceBrdf {
 }
 
 impl SurfaceBrdf {
-    /// The model with parameters in their ranges, see [`BrdfParameters::sanitized`]: whoever applies the maps clamps them, once.
+    /// The model with parameters within their ranges, see [`BrdfParameters::sanitized`]: the code that applies the maps
+    /// clamps them, once.
     pub fn new(model: BrdfModel, p: BrdfParameters) -> Self {
         match model {
             BrdfModel::Lambert => Self::Lambert(Lambert::new(p.base_color)),

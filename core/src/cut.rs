@@ -44,8 +44,8 @@ pub enum CutError {
     Incomplete(u32),
 }
 
-/// Checks that nodes of these depths partition the leaves of a tree of `height`, and returns how many there are;
-/// stops at the node that ends at the last leaf.
+/// Checks that nodes of these depths partition the leaves of a tree of `height`. Returns their number and stops at the
+/// node that ends at the last leaf.
 ///
 /// # Errors
 /// The first node that breaks the partition.

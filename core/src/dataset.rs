@@ -10,13 +10,13 @@
 //! | `triangles` | u32 | T, 3 | vertex indices |
 //! | `triangle_material`, `triangle_object` | u32 | T | indices into the metadata's lists |
 //! | `triangle_two_sided` | u8 | T | 1 if lit and seen from both sides |
-//! | `vertex_valid` | u8 | V | 0 if the vertex lies inside other geometry and has no say in interpolation |
+//! | `vertex_valid` | u8 | V | 0 if the vertex lies inside other geometry and does not count in interpolation |
 //! | `tree_order` | u32 | N | sample index of each leaf; samples are spherical Fibonacci points |
 //! | `cuts` | u32 | texels, 4 | packed nodes, see [`crate::cut::packed`] |
 //! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
 //! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, metres |
-//! | `source_areas` | f32 | S | m² that each stands for |
-//! | `source_spacings` | f32 | S | metres that each keeps from the others |
+//! | `source_areas` | f32 | S | area of each, m² |
+//! | `source_spacings` | f32 | S | spacing of each, metres |
 //! | `source_triangles` | u32 | S | triangle that each lies on |
 //! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
 //! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::sources`] |
@@ -76,13 +76,13 @@ pub struct Dataset {
     pub vertex_valid: Vec<bool>,
     /// The light tree.
     pub tree: LightTree,
-    /// One visibility cut a vertex.
+    /// One visibility cut per vertex.
     pub cuts: PackedCuts,
     /// Surface sources and their cuts, if they were baked.
     pub indirect: Option<IndirectBake>,
     /// The meshless basis and its light transport, if they were baked.
     pub meshless: Option<MeshlessBake>,
-    /// What it was baked with.
+    /// Settings of its bake.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, hexadecimal.
     pub scene_hash: String,
@@ -91,8 +91,8 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Weights by which what is stored at three vertices is interpolated: `barycentric` are those of the second and third,
-    /// and the shares of buried vertices go to the others.
+    /// Interpolation weights of three vertices. `barycentric` are those of the second and third; the shares of buried
+    /// vertices go to the others.
     pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
         let is_valid = vertices.map(|v| self.vertex_valid[v as usize]);
@@ -127,11 +127,11 @@ pub struct BakeSettings {
     pub pilot_clusters: usize,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
-    /// Pictures that most vertices are meant for; none for a bake that serves all views alike.
+    /// Pictures for which most vertices are placed; empty for a bake that serves all views alike.
     #[serde(default)]
     pub shots: Vec<Shot>,
-    /// Most bytes for the vertices' cuts over the environment, which are coarsened by a common `sigma` until they fit. Surface
-    /// sources and the meshless basis are not bounded by it.
+    /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
+    /// they fit. It does not limit surface sources and the meshless basis.
     pub max_bytes: Option<u64>,
     /// Which parts are baked.
     #[serde(default)]
@@ -163,7 +163,7 @@ impl Default for BakeSettings {
     }
 }
 
-/// What a bake did; the keys are those of `--report`.
+/// Report of a bake; the keys are those of `--report`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BakeReport {
@@ -177,7 +177,7 @@ pub struct BakeReport {
     pub tree: TreeKind,
     /// Weight of the geometric metric.
     pub beta: f32,
-    /// Error bound of a cluster over the environment; larger than asked for if a byte budget forced it.
+    /// Error bound of a cluster over the environment; larger than asked for if a byte budget required it.
     pub sigma: f32,
     /// Mean number of nodes of a vertex's cut.
     pub mean_cut: f64,
@@ -214,13 +214,13 @@ pub struct BakeReport {
     pub source_vertices: usize,
     /// Histogram of cut sizes: entry `i` counts bake points with `2^i` to `2^(i+1) - 1` nodes.
     pub cut_size_histogram: Vec<u64>,
-    /// What the import and the bake remarked.
+    /// Warnings of the import and the bake.
     pub warnings: Vec<String>,
 }
 
-/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on. Objects,
-/// cameras and local lights, which are hints for the viewpoint of surface sources and meshless basis, are left out, so that
-/// moving a light makes no bake stale; a checkpoint knows by itself which places it is about.
+/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on.
+/// Objects, cameras and local lights are left out, so that moving a light makes no bake stale. They are hints for the
+/// viewpoint of surface sources and meshless basis, and a checkpoint has its own record of the resulting points.
 pub fn scene_hash(scene: &Scene) -> String {
     let mesh = &scene.mesh;
     let mut hasher = blake3::Hasher::new();

@@ -26,7 +26,7 @@ pub enum ImageError {
         action: &'static str,
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The contents are damaged or of a foreign format.
@@ -34,7 +34,7 @@ pub enum ImageError {
     Decode {
         /// Which file.
         path: PathBuf,
-        /// What the decoder said.
+        /// Error of the decoder.
         reason: String,
     },
     /// Its components are not those of Rec. 709.
@@ -147,7 +147,7 @@ impl Image {
         self.write_with(None, path)
     }
 
-    /// [`Self::write`] with an alpha channel, one value a pixel; the picture is premultiplied. Files of the hdr format
+    /// [`Self::write`] with an alpha channel, one value per pixel; the picture is premultiplied. Files of the hdr format
     /// have none, and are written without.
     ///
     /// # Errors

@@ -1,7 +1,8 @@
 //! Import of OBJ, glTF, GLB and PLY files into a [`Scene`], with a report of what was repaired.
 //!
-//! Each format has one reader that hands on a `RawMesh` as the file has it; `repair` then makes one clean mesh of
-//! it, the same way for all. What a file holds never panics: it is repaired with a warning, or an error.
+//! Each format has one reader that returns a `RawMesh` with the contents of the file. `repair` then makes one clean
+//! mesh of it, the same way for all formats. Contents of a file never cause a panic: they are repaired with a warning,
+//! or refused with an error.
 
 use crate::{
     camera::Camera,
@@ -28,7 +29,7 @@ mod textures;
 
 pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material};
 
-/// More vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
+/// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
 const MAX_ELEMENTS: u64 = 100_000_000;
 
 /// Why a file could not be imported.
@@ -39,7 +40,7 @@ pub enum ImportError {
     Io {
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The contents are damaged, truncated or of a foreign format.
@@ -47,7 +48,7 @@ pub enum ImportError {
     Parse {
         /// Which file.
         path: PathBuf,
-        /// What it was taken for.
+        /// The format assumed.
         format: &'static str,
         /// What is wrong, and where.
         reason: String,
@@ -85,7 +86,7 @@ pub enum ImportError {
     Image(#[from] ImageError),
 }
 
-/// What an import found and repaired.
+/// Report of an import and its repairs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ImportReport {
@@ -95,9 +96,9 @@ pub struct ImportReport {
     pub triangles: usize,
     /// Triangles without an area that were dropped.
     pub degenerate_triangles: usize,
-    /// By how many the vertices in use shrank because they were equal in all attributes.
+    /// Number of vertices in use that were removed because they equalled others in all attributes.
     pub welded_vertices: usize,
-    /// By how many the vertices in use grew at creases and at seams of mirrored texture coordinates.
+    /// Number of vertices that were added at creases and at seams of mirrored texture coordinates.
     pub split_vertices: usize,
     /// Vertices that no triangle used and that were dropped.
     pub unreferenced_vertices: usize,
@@ -107,9 +108,9 @@ pub struct ImportReport {
     pub tangents_rebuilt: usize,
     /// Vertices without texture coordinates, which took them from a box projection of one unit per metre.
     pub uvs_projected: usize,
-    /// Triangles that were turned around because all their normals were on their back.
+    /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
-    /// What else was wrong, what was done about it, and what to do.
+    /// Other problems, with their repair and the remedy.
     pub warnings: Vec<String>,
 }
 
@@ -118,11 +119,11 @@ pub struct ImportReport {
 pub struct Imported {
     /// The scene; its mesh is valid.
     pub scene: Scene,
-    /// What was found and repaired.
+    /// Report of the import and its repairs.
     pub report: ImportReport,
 }
 
-/// What the reader of one format hands on.
+/// Output of the reader of one format.
 #[derive(Default)]
 struct Source {
     mesh: RawMesh,

@@ -24,7 +24,7 @@ use thiserror::Error;
 /// Greatest height: depths are stored in 4 bits.
 pub const MAX_HEIGHT: u32 = 15;
 
-/// By which distance the tree is clustered.
+/// Metric by which the tree is clustered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TreeKind {
@@ -49,9 +49,9 @@ pub struct LightTree {
     order: Vec<u32>,
     /// Unit direction of each leaf, in tree order.
     leaf_directions: Vec<Vec3>,
-    /// Mean of the leaf directions below each node by heap index; its length measures how close they are.
+    /// Mean of the leaf directions below each node, by heap index; the closer the directions, the longer it is.
     mean_directions: Vec<Vec3>,
-    /// Half-angle in radians of the cone that holds most of a node's directions, by heap index.
+    /// Half-angle in radians of the cone that contains most of a node's directions, by heap index.
     radii: Vec<f32>,
 }
 
@@ -69,7 +69,7 @@ pub fn height_of(lights: usize) -> Result<u32, LightCountError> {
 }
 
 impl LightTree {
-    /// Clusters spherical Fibonacci samples, one a feature vector, top down.
+    /// Clusters spherical Fibonacci samples top down, one per feature vector.
     ///
     /// # Errors
     /// A number of samples that is not `2^H`, `1 <= H <= 15`.
@@ -131,7 +131,7 @@ impl LightTree {
         &self.mean_directions
     }
 
-    /// Half-angle in radians of the cone that holds most of a node's directions, by heap index.
+    /// Half-angle in radians of the cone that contains most of a node's directions, by heap index.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -142,7 +142,7 @@ impl LightTree {
     }
 }
 
-/// Half-angle of the cap whose directions have a mean of length `resultant`, and at least that of one leaf.
+/// Half-angle of the cap whose directions have a mean of length `resultant`; no less than that of one leaf.
 fn radius(resultant: f32, lights: usize) -> f32 {
     // A cap between cos θ and 1 has its centroid at (1 + cos θ) / 2.
     let cap = |r: f32| (2.0 * r - 1.0).clamp(-1.0, 1.0).acos();

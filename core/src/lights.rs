@@ -29,7 +29,7 @@ pub enum Emission {
     Spot {
         /// Angle between the axis and the edge, beyond which there is no light, in degrees.
         cone_degrees: f32,
-        /// How far inside the edge the light begins to fall off, smoothly, in degrees.
+        /// Width in degrees, inside the edge, of the smooth falloff.
         #[serde(default)]
         penumbra_degrees: f32,
     },
@@ -56,7 +56,7 @@ impl Emission {
 /// A local light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// What it is called.
+    /// Its name.
     #[serde(default)]
     pub name: String,
     /// Whether it shines.
@@ -67,7 +67,7 @@ pub struct Light {
     pub emission: Emission,
     /// Where it is, in metres.
     pub position: Vec3,
-    /// What it points at; points have no direction and may leave it out.
+    /// Its target; points have no direction and may leave it out.
     #[serde(default)]
     pub target: Vec3,
     /// Per colour channel; the unit is that of [`Emission`].
@@ -94,13 +94,13 @@ impl Light {
         !matches!(self.emission, Emission::Rectangle { .. })
     }
 
-    /// How many samples give a picture without visible noise: one is exact, rectangles take more.
+    /// Number of samples for a picture without visible noise: one is exact, rectangles take more.
     pub fn samples_wanted(&self) -> u32 {
         if self.is_delta() { 1 } else { 16 }
     }
 }
 
-/// What a lights file holds.
+/// Contents of a lights file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LightsFile {
     /// The lights.

@@ -1,7 +1,7 @@
 //! Materials: a BRDF model, its eight parameters, and the textures that modulate them.
 //!
-//! The paper (4.2) allows a BRDF up to eight floating-point parameters a pixel, all modulated by textures.
-//! All models here read the same eight, so that an artist can change the model and keep the look.
+//! The paper (4.2) allows a BRDF up to eight floating-point parameters per pixel, all modulated by textures. All models
+//! here read the same eight, so that an artist can change the model and keep the look.
 
 mod maps;
 

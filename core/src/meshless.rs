@@ -1,7 +1,8 @@
-//! The meshless hierarchical basis: light on surfaces as a sum of smooth functions around scattered points, coarse to fine.
+//! The meshless hierarchical basis: light on surfaces as a sum of smooth functions around scattered points, coarse to
+//! fine.
 //!
 //! The method is that of Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
-//! cited here as "the meshless paper". Nothing in it knows what surfaces are made of: points with normals are all.
+//! cited here as "the meshless paper". It knows only points with normals, and nothing of the kind of surface.
 //!
 //! * [`Basis`]: the functions, range queries, normalised values (meshless paper, 2.1 and 2.2)
 //! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
@@ -28,10 +29,10 @@ pub use solve::{BounceEnergy, Solution, SolveSettings, Solver};
 pub use sparse::{Coefficient, SparseRows};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};
 
-/// A baked basis and its operator. Both are free of reflectance.
+/// A baked basis and its operator. Neither depends on reflectance.
 #[derive(Clone, Debug)]
 pub struct MeshlessBake {
-    /// The functions; those of the first levels also send.
+    /// The functions; those of the first levels are also senders.
     pub basis: Basis,
     /// One bounce from senders to receivers.
     pub transport: Transport,

@@ -1,7 +1,7 @@
-//! Ray casting against a triangle mesh: closest hits one by one, and occlusion of whole direction sets
-//! from one origin (`ray::batch`), the inner loop of every bake.
+//! Ray casting against a triangle mesh: closest hits one by one, and occlusion of whole direction sets from one origin
+//! (`ray::batch`), the inner loop of every bake.
 //!
-//! Both use one predicate (`ray::triangle`), so that a batch gives bit for bit what its rays give singly.
+//! Both use one predicate (`ray::triangle`), so that a batch gives bit for bit the results of its single rays.
 
 mod batch;
 mod directions;
@@ -40,8 +40,8 @@ pub struct Hit {
     pub back_face: bool,
 }
 
-/// Large leaves: batches test eight triangles at a time. On the armadillo scene 16 triangles at a traversal cost of 6 gave
-/// 15.8 million pairs a second and core where the preset's 8 at 3 gave 13.0.
+/// Leaves are large because batches test eight triangles at a time. On the armadillo scene 16 triangles at a traversal
+/// cost of 6 gave 15.8 million pairs per second and core; the preset's 8 at 3 gave 13.0.
 const BUILD: BvhBuildParams =
     BvhBuildParams { max_prims_per_leaf: 16, collapse_traversal_cost: 6.0, ..BvhBuildParams::slow_build() };
 

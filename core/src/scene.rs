@@ -96,7 +96,7 @@ pub struct NoSuchCamera {
     pub known: Vec<String>,
 }
 
-/// What makes a mesh unusable. Importers repair or report before this; a dataset is checked when loaded.
+/// Errors that make a mesh unusable. Importers repair or report before this; a dataset is checked when loaded.
 #[derive(Debug, Error, PartialEq)]
 pub enum MeshError {
     /// Nothing to show.
@@ -153,7 +153,8 @@ impl Mesh {
         (b - a).cross(c - a)
     }
 
-    /// The unit normal that a surface point receives light by: that of the vertices, interpolated, on the point's side.
+    /// The unit normal by which a surface point receives light: that of the vertices, interpolated, on the point's
+    /// side.
     pub fn shading_normal(&self, at: &Surfel) -> Vec3 {
         let MeshPlace { triangle, barycentric: b } = at.place;
         let weights = [1.0 - b.x - b.y, b.x, b.y];

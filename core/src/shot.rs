@@ -1,15 +1,15 @@
-//! The pictures that a bake is for: where their cameras look, vertices are worth most.
+//! The pictures that a bake is for: vertices matter most where their cameras look.
 
 use crate::camera::Camera;
 use glam::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Surfaces seen at a more grazing angle count as seen at this cosine: they are never left without vertices.
+/// Surfaces seen at a more grazing angle count as seen at this cosine, so that they are never left without vertices.
 const LEAST_COSINE: f32 = 0.05;
-/// The frame counts as so much larger, so that a camera may move a little.
+/// The picture is enlarged by this factor, so that a camera may move a little.
 const MARGIN: f32 = 1.1;
 
-/// Width over height of a picture whose is not known.
+/// Width over height of a picture whose aspect is unknown.
 pub const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
 /// One picture.
@@ -22,16 +22,17 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Whether it looks anywhere: finite, from an eye to another place, through an angle and into a frame of some size.
+    /// Whether the camera is usable: finite, with an eye apart from its target, a positive field of view, and a frame
+    /// of positive width.
     pub fn is_valid(&self) -> bool {
         let Camera { eye, target, up, fov_y, .. } = &self.camera;
         let looks = eye.is_finite() && target.is_finite() && up.is_finite() && eye != target && *up != Vec3::ZERO;
         looks && *fov_y > 0.0 && *fov_y < std::f32::consts::PI && self.aspect > 0.0 && self.aspect.is_finite()
     }
 
-    /// What it sees.
-    pub fn frame(&self) -> Frame {
-        Frame {
+    /// The part of space in its picture.
+    pub fn frustum(&self) -> Frustum {
+        Frustum {
             eye: self.camera.eye,
             view_from_world: self.camera.world_from_view().transpose(),
             half_height: (0.5 * self.camera.fov_y).tan(),
@@ -40,10 +41,10 @@ impl Shot {
     }
 }
 
-/// What a shot sees, for many places.
+/// The view frustum of a shot, which measures how large surfaces appear in its picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
-    /// Where it is seen from, in metres.
+pub struct Frustum {
+    /// Position of the eye, in metres.
     pub eye: Vec3,
     view_from_world: Mat3,
     /// Half the height of the picture at a depth of 1.
@@ -51,9 +52,9 @@ pub struct Frame {
     aspect: f32,
 }
 
-impl Frame {
-    /// How large a surface at `position` appears if nothing hides it: the area in the picture, in squares of its height, for
-    /// each m². 0 outside the frame. Works from both sides.
+impl Frustum {
+    /// Area in the picture of a surface at `position` that nothing hides, in squares of the picture's height per m². 0
+    /// outside the picture. Both sides of the surface count.
     pub fn magnification(&self, position: Vec3, normal: Vec3) -> f32 {
         let Self { half_height, .. } = *self;
         let view = self.view_from_world * (position - self.eye);
@@ -81,9 +82,9 @@ mod tests {
     /// Area of a small square's picture by its corners.
     fn by_projection(shot: &Shot, position: Vec3, normal: Vec3) -> f32 {
         let side = normal.any_orthonormal_vector();
-        let frame = shot.camera.world_from_view().transpose();
+        let view_from_world = shot.camera.world_from_view().transpose();
         let project = |p: Vec3| {
-            let view = frame * (p - shot.camera.eye);
+            let view = view_from_world * (p - shot.camera.eye);
             view.truncate() / (-view.z * 2.0 * (0.5 * shot.camera.fov_y).tan())
         };
         let step = 1e-2;
@@ -98,17 +99,18 @@ mod tests {
         for (position, normal) in
             [(Vec3::ZERO, Vec3::Z), (Vec3::new(6.0, 2.0, 1.0), tilted), (Vec3::new(-3.0, -4.0, -2.0), -tilted)]
         {
-            let (found, known) = (shot.frame().magnification(position, normal), by_projection(&shot, position, normal));
+            let (found, known) =
+                (shot.frustum().magnification(position, normal), by_projection(&shot, position, normal));
             assert!((found / known - 1.0).abs() < 0.02, "{found} for {known}");
         }
         let (near, far) =
-            (shot.frame().magnification(Vec3::Z, Vec3::Z), shot.frame().magnification(-5.0 * Vec3::Z, Vec3::Z));
+            (shot.frustum().magnification(Vec3::Z, Vec3::Z), shot.frustum().magnification(-5.0 * Vec3::Z, Vec3::Z));
         assert!(near > 5.0 * far, "negative control");
     }
 
     #[test]
     fn nothing_is_seen_out_of_the_frame_or_behind() {
-        let seen = |x: f32, y: f32, z: f32| shot().frame().magnification(Vec3::new(x, y, z), Vec3::Z) > 0.0;
+        let seen = |x: f32, y: f32, z: f32| shot().frustum().magnification(Vec3::new(x, y, z), Vec3::Z) > 0.0;
         assert!(seen(9.0, 4.0, 0.0) && seen(10.5, 0.0, 0.0));
         assert!(!seen(12.0, 0.0, 0.0) && !seen(0.0, 6.0, 0.0) && !seen(0.0, 0.0, 6.0) && !seen(0.0, 0.0, 5.0));
     }

@@ -1,8 +1,8 @@
-//! The second source mode of a dataset: surface samples as lights (paper, 4.1), and cuts of what each vertex sees of them.
+//! The second source mode of a dataset: surface samples as lights (paper, 4.1), and each vertex's cut over them.
 //!
-//! A source is a small disc of surface; its light is its radiosity, so that one merge at a pixel gathers a bounce. The
-//! value of a vertex's cut at a node is the mean over the node's sources of the solid angle that the vertex sees of each,
-//! zero where it is hidden (`<V G>` of the paper, 3).
+//! A source is a small disc of surface. Its light is its radiosity, so one merge at a pixel gathers one bounce. The
+//! value of a vertex's cut at a node is the mean solid angle of the node's sources, as seen from the vertex, zero for
+//! hidden sources (`<V G>` of the paper, 3).
 
 mod near_field;
 mod radiance;
@@ -23,17 +23,16 @@ use glam::Vec3;
 pub struct Source {
     /// Where it is.
     pub surfel: Surfel,
-    /// Area in m² that it stands for.
+    /// Area in m² that it represents.
     pub area: f32,
-    /// How far sources are apart here, in metres: the radius of its Poisson disk.
+    /// Distance between sources here, in metres: the radius of its Poisson disk.
     pub spacing: f32,
 }
 
 impl Source {
-    /// Solid angle in steradians that the source fills seen from a place `from`, in front of it and with nothing between;
-    /// 0 from behind.
+    /// Solid angle in steradians of the source as seen from `from`, if nothing is between; 0 from behind.
     ///
-    /// `A cos θ / (d² + A / 2π)`: right from afar, and a hemisphere at most from near by.
+    /// `A cos θ / (d² + A / 2π)` is exact at large distances, and at most a hemisphere at small ones.
     #[inline(always)]
     pub fn solid_angle_from(&self, from: Vec3) -> f32 {
         let to_place = from - self.surfel.position;
@@ -47,14 +46,14 @@ impl Source {
     }
 }
 
-/// Sources, what vertices see of them, and what they see of the environment.
+/// Surface sources, the vertices' cuts over them, and the sources' cuts over the environment.
 #[derive(Clone, Debug)]
 pub struct IndirectBake {
     /// `2^H` sources in the order of the leaves of their complete binary tree.
     pub sources: Vec<Source>,
-    /// One cut a vertex over the sources; values are coded by [`crate::cut::solid_angle_code`].
+    /// One cut per vertex over the sources; values are coded by [`crate::cut::solid_angle_code`].
     pub cuts: PackedCuts,
-    /// One cut a source over the dataset's light tree: its visibility of the environment.
+    /// One cut per source over the dataset's light tree: its visibility of the environment.
     pub environment_cuts: PackedCuts,
 }
 

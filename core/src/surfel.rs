@@ -1,4 +1,4 @@
-//! Points of surfaces that light is gathered at and sent from, whatever the surface is made of.
+//! Points of surfaces that gather and send light, whatever the kind of surface.
 
 mod ball_grid;
 mod graded_grid;
@@ -37,10 +37,10 @@ pub trait Surface: Sync {
     /// Whether nothing lies between two points that are off all surfaces.
     fn sees(&self, from: Vec3, to: Vec3) -> bool;
 
-    /// Diffuse reflectance, 0 to 1 a channel.
+    /// Diffuse reflectance, 0 to 1 per channel.
     fn reflectance(&self, at: &Surfel) -> Vec3;
 
-    /// What holds all of it.
+    /// A box around all of it.
     fn bounds(&self) -> Bounds;
 
     /// Distance in metres that rays start off a surface.

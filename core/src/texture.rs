@@ -31,7 +31,7 @@ pub enum Channel {
     A,
 }
 
-/// A texture in use: which one, how it is read, and how it lies on the surface.
+/// A texture in use: its index, its decoding, and its transform on the surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TextureSlot {
@@ -76,7 +76,7 @@ impl TextureSlot {
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
     }
 
-    /// The tangent-space normal, not normalised, that a texel of a normal map stands for.
+    /// The tangent-space normal, not normalised, that a texel of a normal map encodes.
     pub fn tangent_normal(&self, texel: Vec3) -> Vec3 {
         let green = if self.flip_y { -self.strength } else { self.strength };
         (2.0 * texel - 1.0) * Vec3::new(self.strength, green, 1.0)
@@ -86,7 +86,7 @@ impl TextureSlot {
 /// Decoded texels, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
-    /// 8 bits a component, as in png, jpg and tga.
+    /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
     /// Floating point, as in hdr, exr and 16-bit grey png.
     F32(Vec<[f32; 4]>),
@@ -101,7 +101,7 @@ pub struct Texture {
     pub size: [u32; 2],
     /// The decoded texels, `size[0] * size[1]` of them.
     pub texels: Texels,
-    /// The file as it was read, kept so that a dataset can hold it whole. Empty for a made-up texture.
+    /// The bytes of the file, kept so that a dataset can store it whole. Empty for a generated texture.
     pub encoded: Arc<[u8]>,
 }
 

@@ -1,18 +1,18 @@
-//! What the interface asks for. Panels only read the document; everything they want done is an [`Action`].
+//! Requests of the interface. Panels only read the document; every change that they ask for is an [`Action`].
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, dataset::BakeParts, material::MapKind};
 use std::path::PathBuf;
 
-/// Something to be done after the interface of a frame has run. A path of `None` is asked for by a dialog.
+/// A request that is performed after the interface of a frame has run. For a path of `None` a dialog asks.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Change the document. Edits of the same label and target during one gesture become one step of undo.
     Edit {
         /// The new value.
         edit: Edit,
-        /// What undo calls it, as "Roughness".
+        /// Its name in undo, such as "Roughness".
         label: &'static str,
     },
     /// A slider was let go or a text field left: the next edit is a new step of undo.
@@ -93,7 +93,7 @@ pub enum Action {
     DuplicateLight(usize),
     /// Remove a local light.
     DeleteLight(usize),
-    /// Aim the selected light at a point, which ends aiming by a click; without one the light stays as it is.
+    /// Aim the selected light at a point, which ends aiming by a click; without a point the light stays as it is.
     AimLight(Option<Vec3>),
     /// Add the lights of a lights file.
     LoadLights(Option<PathBuf>),
@@ -101,7 +101,8 @@ pub enum Action {
     SaveLights(Option<PathBuf>),
     /// Choose what the next bake is of, and show its settings.
     ChooseBake(BakeParts),
-    /// Choose the views that the next bake is for, as large as the viewport is now; none for all alike.
+    /// Choose the views that the next bake is for, at the size of the viewport now; an empty list serves all views
+    /// alike.
     BakeForViews(Vec<Camera>),
     /// Put the camera on the clipboard as text.
     CopyCamera,

@@ -1,4 +1,5 @@
-//! The window. [`EditorState`] is what it knows and does, without a window, so that tests can run it; [`start`] opens one.
+//! The window. [`EditorState`] is its state and behaviour without a window, so that tests can run it; [`start`] opens
+//! one.
 
 mod baking;
 mod camera;

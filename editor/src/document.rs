@@ -1,4 +1,4 @@
-//! What an artist edits and a session file keeps: plain data, changed only by [`Edit`]s.
+//! The data that an artist edits and a session file stores, changed only by [`Edit`]s.
 
 pub mod autosave;
 mod components;
@@ -43,8 +43,8 @@ pub struct Document {
     pub dataset: Option<PathBuf>,
     /// One for each material index of the mesh.
     pub materials: Vec<Material>,
-    /// What the materials' maps refer to by index. Only ever grows while a document is open, so that undoing an edit
-    /// finds its texture again; sessions keep those in use.
+    /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
+    /// undoing an edit finds its texture again; sessions keep those in use.
     pub textures: Vec<TextureEntry>,
     /// The light from all around.
     pub environment: EnvironmentSettings,
@@ -60,7 +60,7 @@ pub struct Document {
     pub bookmarks: Vec<Camera>,
     /// How the picture is made and shown.
     pub view: ViewSettings,
-    /// What the next bake is made with.
+    /// Settings of the next bake.
     pub bake: BakeSettings,
 }
 
@@ -127,7 +127,7 @@ impl EnvironmentSettings {
     }
 }
 
-/// What is seen where there is no surface.
+/// The background where there is no surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackgroundKind {
@@ -148,7 +148,7 @@ pub enum BackgroundKind {
 pub struct ViewSettings {
     /// Exposure and tone curve.
     pub post: Post,
-    /// What is seen where there is no surface.
+    /// The background where there is no surface.
     pub background: BackgroundKind,
     /// Blur of a blurred background, as a standard deviation in degrees.
     pub blur_degrees: f32,
@@ -160,7 +160,7 @@ pub struct ViewSettings {
     pub sampling: BrdfSampling,
     /// Jittered frames that are averaged at rest, 1 to 256.
     pub aa: u32,
-    /// What the pixels show.
+    /// The quantity that the pixels show.
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
@@ -216,15 +216,15 @@ impl Document {
         }
     }
 
-    /// The file that a texture is read from: its own, or the one beside the scene that it is named after. Nothing need be
-    /// there: pictures inside a scene's file have names too.
+    /// The file that a texture is read from: its own, or a file of its name beside the scene. It need not exist:
+    /// pictures inside a scene's file have names too.
     pub fn file_of(&self, entry: &TextureEntry) -> Option<PathBuf> {
         let beside_scene = || Some(folder_of(self.scene.as_deref()?).join(&entry.texture.name));
         entry.file.clone().or_else(beside_scene)
     }
 
-    /// A scene as it came: with what gives light soonest proposed for its bake, under its own lights, seen from its
-    /// first camera or as a whole, all its cameras bookmarked.
+    /// A document for a new scene, with its own lights, the settings of the fastest useful bake, and all its cameras
+    /// bookmarked. The view is that of its first camera, or of the whole scene.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let entry = |texture: &Arc<Texture>| TextureEntry { texture: texture.clone(), file: None };
         Self {
@@ -239,8 +239,8 @@ impl Document {
         }
     }
 
-    /// A baked scene as it came, with the settings of its bake. If that was for shots, it is seen from the first of them, and
-    /// they are bookmarked as well.
+    /// A document for a dataset, with the settings of its bake. If that was for shots, the view is the first of them,
+    /// and they are bookmarked as well.
     pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
         let mut document = Self::of_scene(&dataset.scene, scene_path);
         let views = dataset.shot_views();
@@ -258,8 +258,8 @@ impl Document {
     }
 }
 
-/// What gives light soonest: a scene with lights of its own is gathered from its surfaces, other scenes are lit by the
-/// environment. More can be chosen.
+/// The fastest useful bake: surface sources for a scene with its own lights, the environment for other scenes. More can
+/// be chosen.
 pub fn proposed_bake(scene: &Scene) -> BakeSettings {
     let mode = if scene.lights.is_empty() { BakeParts::ENVIRONMENT } else { BakeParts::INDIRECT };
     BakeSettings { mode, ..Preset::Normal.settings_for(scene.mesh.positions.len()) }

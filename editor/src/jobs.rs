@@ -1,4 +1,4 @@
-//! Slow work that the window needs beside the studies, on threads of its own: rendering, loading, baking, watching files, and
+//! Slow work of the window beside the studies, on its own threads: rendering, loading, baking, watching files, and
 //! pictures for the library.
 
 pub mod bake;

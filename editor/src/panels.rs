@@ -1,4 +1,4 @@
-//! The panels around the viewport. They read the document and say what they want done as actions.
+//! The panels around the viewport. They read the document and return their requests as actions.
 
 pub mod bake;
 pub mod comparison;

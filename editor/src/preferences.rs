@@ -149,7 +149,7 @@ impl Preferences {
     /// Keeps the preferences for the next start.
     ///
     /// # Errors
-    /// What the file system says, with what to do.
+    /// Errors of the file system, with the remedy.
     pub fn save(&self, config: &Path) -> Result<()> {
         let value: Value = serde_json::to_value(self.clone().clamped())?;
         write_setting(&config.join(FILE), &format!("{value:#}\n"))

@@ -54,9 +54,9 @@ impl ViewportState {
     }
 }
 
-/// What the viewport shows.
+/// Contents of the viewport.
 pub struct ViewportContext<'a> {
-    /// What is edited.
+    /// The document.
     pub document: &'a Document,
     /// The picture to show, filtered linearly; `None` until there is one.
     pub picture: Option<TextureId>,
@@ -70,7 +70,7 @@ pub struct ViewportContext<'a> {
     pub intersector: Option<&'a Intersector>,
     /// Bounds of the scene; they set the speed of flight and the reach of the wheel.
     pub scene_bounds: Option<Bounds>,
-    /// What is selected.
+    /// The selection.
     pub selected_object: Option<u32>,
     /// Bounds of it, outlined for a moment when the selection changes.
     pub selection_bounds: Option<Bounds>,

@@ -40,7 +40,7 @@ use std::time::Instant;
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
-/// See [`BakeError`]. Whatever stood at the output is kept unless the bake succeeds.
+/// See [`BakeError`]. An existing output is kept unless the bake succeeds.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     let settings = &job.settings;
     let remarks = Remarks::before(observer);

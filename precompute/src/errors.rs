@@ -1,4 +1,4 @@
-//! Why a bake, or a part of it, did not finish. All that bakes knows these; these know of nothing that bakes.
+//! Why a bake, or a part of it, did not finish. This file depends on nothing that bakes.
 
 mod bake;
 mod checkpoint;

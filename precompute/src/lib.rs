@@ -1,11 +1,17 @@
-//! Scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1; meshless paper, 3.1).
+//! From scene and settings to dataset: everything that happens before an artist can relight (paper, 4.1; meshless
+//! paper, 3.1).
 //!
-//! [`bake()`] runs the phases in order: tessellate where visibility varies, sample pilot visibility, build the light tree,
-//! trace every bake point against every light and select its cut. Then, if bounced light is asked for: place surface sources
-//! and cluster them, trace every bake point against every source and every source against the environment; place the points
-//! of the meshless basis and compute the light transport between its functions. Last, pack. It reports through an
-//! [`Observer`], can be cancelled at any time, leaves a checkpoint, and gives the same bits for any number of threads and
-//! chunks.
+//! [`bake()`] runs the phases in order:
+//!
+//! * For the environment: tessellate where visibility varies, sample pilot visibility, and build the light tree. Trace
+//!   every bake point against every light, and select its cut.
+//! * For cuts over surface sources: place and cluster the sources. Trace every bake point against every source, and
+//!   every source against the environment.
+//! * For the meshless basis: place its points, and compute the light transport between its functions.
+//! * Pack everything.
+//!
+//! It reports through an [`Observer`], can be cancelled at any time, and leaves a checkpoint. It gives the same bits
+//! for any number of threads and chunks.
 
 mod bake;
 mod errors;

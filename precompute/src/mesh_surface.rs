@@ -11,7 +11,7 @@ use lapidary_core::{
 /// Diffuse reflectance of a point of the mesh.
 pub type Reflectance<'a> = &'a (dyn Fn(&Surfel) -> Vec3 + Sync);
 
-/// A mesh with the sides that it is seen from.
+/// A mesh with the visible sides of its triangles.
 #[derive(Clone, Copy)]
 pub struct MeshSurface<'a> {
     mesh: &'a Mesh,
@@ -22,7 +22,7 @@ pub struct MeshSurface<'a> {
 }
 
 impl<'a> MeshSurface<'a> {
-    /// `two_sided` has an entry a triangle; the backs of others do not exist for light.
+    /// `two_sided` has one entry per triangle. Light does not see the backs of the other triangles.
     pub fn new(
         mesh: &'a Mesh,
         intersector: &'a Intersector,
@@ -33,7 +33,7 @@ impl<'a> MeshSurface<'a> {
     }
 
     /// Whether a ray meets the mesh from either side.
-    pub fn meets_anything(&self, origin: Vec3, direction: Vec3) -> bool {
+    pub fn hits_anything(&self, origin: Vec3, direction: Vec3) -> bool {
         self.intersector.occluded(origin, direction)
     }
 
@@ -42,7 +42,8 @@ impl<'a> MeshSurface<'a> {
         self.mesh.area_vector(at.place.triangle as usize).dot(at.normal) >= 0.0
     }
 
-    /// Whether rays that come to a point of the mesh find its own triangle there, and no other one that lies in it or just above.
+    /// Whether rays that arrive at a point of the mesh hit its own triangle, and no other one that lies in the same
+    /// plane or just above.
     pub fn is_outermost(&self, at: &Surfel) -> bool {
         let hit = self.intersector.closest_hit(at.position + at.normal * self.offset(), -at.normal);
         hit.is_some_and(|hit| hit.triangle == at.place.triangle)
@@ -54,9 +55,9 @@ impl<'a> MeshSurface<'a> {
         (self.mesh.triangle_object[triangle], self.mesh.triangle_material[triangle])
     }
 
-    /// Points spread uniformly over all sides of the mesh, and the area in m² that each stands for.
+    /// Points spread uniformly over all sides of the mesh, and the area in m² that each represents.
     ///
-    /// They are stratified: one in each stretch of equal area along the list of triangles.
+    /// They are stratified: one per stretch of equal area along the list of triangles.
     pub fn uniform_points(&self, count: usize, seed: u64) -> (Vec<Surfel>, f32) {
         let mut rng = fastrand::Rng::with_seed(seed);
         let sides = |t: usize| if self.two_sided[t] { 2.0 } else { 1.0 };
@@ -75,7 +76,7 @@ impl<'a> MeshSurface<'a> {
         (points, step as f32)
     }
 
-    /// Points of random triangles, each as likely as any other: most of them lie where there is detail.
+    /// Points of random triangles, each equally likely: most of them lie where there is detail.
     pub fn points_of_random_triangles(&self, count: usize, seed: u64) -> Vec<Surfel> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let triangles = self.mesh.triangles.len();

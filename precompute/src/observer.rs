@@ -21,9 +21,9 @@ pub enum Phase {
     Points,
     /// Clustering them.
     SourceTree,
-    /// What all bake points see of them, and their cuts.
+    /// Solid angles of the sources from all bake points, and their cuts.
     SourceVisibility,
-    /// What they see of the environment, and their cuts.
+    /// Visibility of the environment from the sources, and their cuts.
     SourceEnvironment,
     /// Placing the points of the meshless basis.
     Basis,
@@ -79,7 +79,7 @@ pub enum Event {
         phase: Phase,
         /// Units of work.
         total: u64,
-        /// What a unit is.
+        /// Name of a unit.
         unit: &'static str,
     },
     /// `done` of the current phase's units are complete.

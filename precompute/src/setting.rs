@@ -1,8 +1,9 @@
-//! The settings of a bake by name, so that what is told of them can be told in the words of who asked.
+//! The settings of a bake by name. Errors and warnings refer to them, and each front end says how to change them.
 
 use std::fmt;
 
-/// A setting of a bake. Errors and warnings name it; a command line tells the option in its place, a window the control.
+/// A setting of a bake. Errors and warnings name it; a command line shows the option in its place, a window the
+/// control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// Number of light samples.
@@ -33,7 +34,7 @@ pub enum Setting {
     SourceContrast,
     /// Largest solid angle of a node of sources.
     LargestSolidAngle,
-    /// The place from which light reaches all that matters.
+    /// The viewpoint, which separates reachable surfaces from enclosed ones.
     Viewpoint,
     /// Levels of the meshless basis.
     Levels,
@@ -45,7 +46,7 @@ pub enum Setting {
     GatherRays,
     /// Threshold of its links.
     Epsilon,
-    /// Whether an interrupted bake is gone on with.
+    /// Whether to resume an interrupted bake.
     Resume,
 }
 
@@ -84,5 +85,5 @@ impl fmt::Display for Setting {
     }
 }
 
-/// What a front end calls a setting.
+/// Name of a setting in a front end.
 pub type Naming = fn(Setting) -> &'static str;

@@ -1,6 +1,6 @@
-//! Work on a pool of threads of its own, so that it leaves some of the machine to others.
+//! Work on its own pool of threads, so that some of the machine is left to others.
 
-/// Runs `work` with its parallel parts on `threads` threads, or on those of all other work if the system has no more.
+/// Runs `work` with its parallel parts on `threads` threads, or on the shared pool if the system has no more threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),

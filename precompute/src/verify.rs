@@ -1,5 +1,5 @@
-//! Verification: traces a random set of vertices and surface sources again, ray by ray, and compares with the stored cuts;
-//! makes the links of some functions of the meshless basis again.
+//! Verification: traces a random set of vertices and surface sources again, ray by ray, and compares with the stored
+//! cuts. It also recomputes the links of some functions of the meshless basis.
 
 mod meshless;
 
@@ -28,19 +28,19 @@ use lapidary_core::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Vertices whose cuts over the sources are made again at most: each takes some 30 ms.
+/// Largest number of vertices whose cuts over the sources are recomputed: each takes some 30 ms.
 const SOURCE_VERTICES: usize = 64;
-/// Sources whose cuts over the environment are made again at most.
+/// Largest number of sources whose cuts over the environment are recomputed.
 const SOURCES: usize = 64;
 
-/// What a verification found.
+/// Results of a verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     /// Vertices traced again.
     pub vertices: usize,
     /// Root mean square of stored minus traced visibility over their lights.
     pub rms_visibility: f64,
-    /// That of the whole bake, from its report.
+    /// The same error of the whole bake, from its report.
     pub expected_rms: f64,
     /// Vertices whose cut, selected again from what was traced, differs from the stored one.
     pub different_cuts: usize,
@@ -48,22 +48,22 @@ pub struct Verification {
     pub worst_rms: f64,
     /// Vertices whose cut over the surface sources was traced and selected again, segment by segment.
     pub source_vertices: usize,
-    /// Those of them whose cut differs from the stored one.
+    /// Number of these whose cut differs from the stored one.
     pub different_source_cuts: usize,
     /// Surface sources whose cut over the environment was traced and selected again.
     pub sources: usize,
-    /// Those of them whose cut differs from the stored one.
+    /// Number of these whose cut differs from the stored one.
     pub different_source_environment_cuts: usize,
-    /// Of the meshless basis, if there is one.
+    /// Results for the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
-    /// Whether anything was made again and all cuts and links agree. A byte budget coarsens cuts afterwards, so then the
-    /// errors alone are compared.
+    /// Whether anything was recomputed and all cuts and links agree. A byte budget coarsens cuts afterwards, so then
+    /// only the errors are compared.
     pub passed: bool,
 }
 
-/// Traces `count` vertices, picked by a seed from the scene's hash, without packets, and at most as many surface sources;
-/// makes the links of at most as many functions again.
+/// Traces `count` vertices without packets, chosen by a seed from the scene's hash, and at most as many surface
+/// sources. Recomputes the links of at most as many functions.
 pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
     let points = bake_points(dataset);
@@ -105,7 +105,7 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     }
 }
 
-/// How many of the vertices' cuts over the sources were made again, and how many of these differ.
+/// How many of the vertices' cuts over the sources were recomputed, and how many of these differ.
 fn check_sources(
     dataset: &Dataset,
     points: &BakePoints,
@@ -130,7 +130,7 @@ fn check_sources(
     (vertices.len(), vertices.par_iter().filter(differs).count())
 }
 
-/// How many of the sources' cuts over the environment were made again, and how many of these differ.
+/// How many of the sources' cuts over the environment were recomputed, and how many of these differ.
 fn check_source_environments(
     dataset: &Dataset,
     intersector: &Intersector,

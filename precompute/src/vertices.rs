@@ -1,4 +1,5 @@
-//! The vertices of a scene: which sides of it are lit, where vertices go, where they sample, and what they see from there.
+//! The vertices of a scene: the sides on which light arrives, the density of vertices, the points where they sample,
+//! and what they see from there.
 
 pub mod pilot;
 pub mod points;

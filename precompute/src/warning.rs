@@ -1,4 +1,4 @@
-//! What a bake repaired, left out or did otherwise than it was asked to.
+//! What a bake repaired, left out, or changed against its settings.
 
 use crate::setting::{Naming, Setting};
 use glam::Vec3;
@@ -8,9 +8,9 @@ use std::fmt;
 /// Something that was repaired or left out, and what to do about it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
-    /// In words already: what an import remarked.
+    /// Plain text: a warning of the import.
     Text(String),
-    /// The mesh has as many vertices as it may get.
+    /// The mesh already has as many vertices as its budget allows.
     NoRoomForVertices {
         /// How many it has.
         vertices: usize,
@@ -19,23 +19,23 @@ pub enum Warning {
     },
     /// A shot, counted from 1, sees no surface.
     BlindShot(usize),
-    /// The checkpoint is of other bake points or another light tree.
+    /// The checkpoint belongs to other bake points or another light tree.
     OtherCheckpoint,
-    /// An unfinished bake was discarded, for going on with it was not asked for.
+    /// An unfinished bake was discarded, because resuming it was not asked for.
     Discarded,
-    /// The surface sources lie elsewhere than those of the checkpoint.
+    /// The surface sources differ from those of the checkpoint.
     OtherSources,
-    /// The points of the meshless basis lie elsewhere than those of the checkpoint.
+    /// The points of the meshless basis differ from those of the checkpoint.
     OtherBasis,
     /// Cuts were coarsened until they fit a texture.
     Coarsened {
-        /// What they are cuts over.
+        /// The leaves of the cuts.
         leaves: &'static str,
-        /// What bounds their error.
+        /// The setting that bounds their error.
         bound: Setting,
         /// The bound that was asked for.
         asked: f32,
-        /// The bound that they keep.
+        /// The bound after coarsening.
         fitted: f32,
     },
     /// Much light leaves the scene.
@@ -58,7 +58,7 @@ pub enum Warning {
     },
     /// Areas of surface sources are noise.
     UnevenAreas {
-        /// Points that tell each area, on average.
+        /// Mean number of points that estimate each area.
         points: f32,
     },
     /// Many surface sources have no area.
@@ -76,33 +76,33 @@ impl Warning {
         match self {
             Self::Text(text) => text.clone(),
             Self::NoRoomForVertices { vertices, enough } => format!(
-                "the scene has {vertices} vertices already, so that no triangle is split and shadows on large ones are lost; \
-                 give {} {enough} or more",
+                "the scene already has {vertices} vertices, so no triangle is split and shadows on large ones are lost; give \
+                 {} {enough} or more",
                 name(Setting::MaxVertices)
             ),
             Self::BlindShot(number) => format!("shot {number} sees no surface and is left out; check its camera"),
             Self::OtherCheckpoint => {
-                "the checkpoint has other bake points or another light tree than this bake and is \
-                                      discarded: all is baked again"
+                "the checkpoint belongs to other bake points or another light tree and is discarded; everything is \
+                 baked again"
                     .into()
             }
             Self::Discarded => format!(
-                "an unfinished bake of this output is discarded; bake with {} to go on with it instead",
+                "an unfinished bake of this output is discarded; bake with {} to resume it instead",
                 name(Setting::Resume)
             ),
             Self::OtherSources => {
-                "the surface sources lie elsewhere than in the interrupted bake, for cameras, lights or \
-                                   objects have changed: what was finished of their cuts is baked again"
+                "the surface sources differ from those of the interrupted bake, because cameras, lights or objects have \
+                 changed; the finished part of their cuts is baked again"
                     .into()
             }
             Self::OtherBasis => {
-                "the points of the meshless basis lie elsewhere than in the interrupted bake, for cameras, \
-                                 lights or objects have changed: what was finished of its links is made again"
+                "the points of the meshless basis differ from those of the interrupted bake, because cameras, lights or \
+                 objects have changed; the finished part of their links is baked again"
                     .into()
             }
             Self::Coarsened { leaves, bound, asked, fitted } => format!(
-                "the cuts over the {leaves} are more than a texture holds and were coarsened until they fit, to a {} of \
-                 {fitted:.2} where {asked} was asked for; lower {} to keep that",
+                "the cuts over the {leaves} exceed a texture and were coarsened to a {} of {fitted:.2} instead of {asked}; \
+                 lower {} to keep it",
                 name(*bound),
                 name(Setting::MaxVertices)
             ),
@@ -113,8 +113,8 @@ impl Warning {
                 name(Setting::Viewpoint)
             ),
             Self::EndlessBounces => {
-                "the viewpoint lies in a closed space that reflects nearly all light: its bounces do not \
-                                     fade, and solutions end after their last one; lower the base colors to 0.9 or less"
+                "the viewpoint lies in a closed space that reflects nearly all light, so light is missing after the last \
+                 bounce; lower the base colors to 0.9 or less"
                     .into()
             }
             Self::FewFunctions => format!(
@@ -129,14 +129,13 @@ impl Warning {
                 name(Setting::Levels)
             ),
             Self::UnevenAreas { points } => format!(
-                "light reaches so small a part of the scene that the areas of the surface sources are known by {points:.1} \
-                 points each and bounced light is uneven; leave out what is out of reach, or give a place in a larger space \
-                 as {}",
+                "light reaches a small part of the scene: only {points:.1} points estimate the area of each surface source, \
+                 so bounced light is uneven; remove unreachable surfaces, or give a place in a larger space as {}",
                 name(Setting::Viewpoint)
             ),
             Self::WithoutArea { without, sources } => format!(
-                "{without} of {sources} surface sources have no area, so nothing bounces off them; lower {}, or check the \
-                 scene for faces that lie in one another",
+                "{without} of {sources} surface sources have no area and bounce no light; lower {}, or check the scene for \
+                 coincident faces",
                 name(Setting::Sources)
             ),
         }

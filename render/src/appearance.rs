@@ -1,4 +1,4 @@
-//! What of a scene may change without a bake: its materials and their textures.
+//! The parts of a scene that may change without a bake: its materials and their textures.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -25,7 +25,7 @@ impl Appearance {
         Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
     }
 
-    /// Whether both look the same: equal materials, and the same textures, not only equal ones.
+    /// Whether both look the same: equal materials, and the identical textures, not only equal ones.
     pub fn is_same(&self, other: &Self) -> bool {
         let same_texture = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         self.materials == other.materials
@@ -33,13 +33,13 @@ impl Appearance {
             && self.textures.iter().zip(&other.textures).all(same_texture)
     }
 
-    /// A material's values after its maps, in their ranges: they are clamped here and nowhere later. Twin of
+    /// A material's values after its maps, clamped to their ranges here and nowhere later. Twin of
     /// `shaders/parameters_pass.wgsl`.
     pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
         material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()
     }
 
-    /// Share of light that a place of `mesh` reflects, whereto ever; what a bounce leaves of it.
+    /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         let triangle = place.triangle as usize;
         let material = &self.materials[mesh.triangle_material[triangle] as usize];
@@ -48,7 +48,8 @@ impl Appearance {
         SurfaceBrdf::new(material.model, self.parameters(material, uv)).as_brdf().albedo()
     }
 
-    /// With a material for each of the scene's `own` and no map that is not there, and what was done for it, in sentences.
+    /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,
+    /// in sentences.
     pub fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
         let mut remarks = Vec::new();
         let (given, needed) = (self.materials.len(), own.len());

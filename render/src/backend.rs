@@ -1,8 +1,8 @@
-//! What the interactive view and the headless commands ask of a renderer, whether it runs on the CPU or a GPU.
+//! The interface of the interactive view and of the headless commands to a renderer, on the CPU or on a GPU.
 //!
-//! A picture is made in steps that can be stopped between: [`Backend::begin`], then [`Backend::render_rows`] for bands of
-//! rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as wanted. Scene, appearance and
-//! light stay until they are replaced, so that an edit redoes only what it changed.
+//! A picture is made in steps, between which it can be cancelled: [`Backend::begin`], then [`Backend::render_rows`] for
+//! bands of rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as needed. Scene,
+//! appearance and light stay until they are replaced, so that an edit redoes only what it changed.
 
 use crate::{
     appearance::Appearance,
@@ -27,29 +27,29 @@ pub enum BackendError {
         "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, or use --backend cpu"
     )]
     NoAdapter {
-        /// What was tried.
+        /// Why none can be used.
         reason: String,
     },
     /// The adapter went away or was reset.
     #[error("the graphics device was lost ({reason}); the renderer starts again on it, or use --backend cpu")]
     DeviceLost {
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
     /// Something is larger than the adapter can hold.
     #[error("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}")]
     Limit {
-        /// What is too large.
+        /// The data that are too large.
         what: &'static str,
         /// How much it needs.
         needed: u64,
         /// How much there may be.
         limit: u64,
-        /// What both are counted in.
+        /// Unit of both.
         unit: &'static str,
         /// Whose limit it is.
         adapter: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The driver refused.
@@ -76,7 +76,7 @@ pub trait Backend: Send {
     /// `cpu`, or the name of the graphics adapter.
     fn name(&self) -> String;
 
-    /// Builds what it computes with anew, as after a change of the shaders; that of before stays if it fails.
+    /// Rebuilds its programs, as after a change of the shaders. If that fails, the previous ones stay.
     ///
     /// # Errors
     /// A shader that cannot be read or does not compile.
@@ -84,27 +84,27 @@ pub trait Backend: Send {
         Ok(())
     }
 
-    /// Takes another scene, looking as the dataset has it. Until there is a light, pictures of it are black.
+    /// Sets another scene with the materials of its dataset. Until a light is set, pictures of it are black.
     ///
     /// # Errors
-    /// A dataset larger than the adapter's limits; the scene before is kept then.
+    /// A dataset larger than the adapter's limits; the previous scene is kept then.
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
-    /// Gives the scene other materials. Returns what had to be done to make it fit, in sentences.
+    /// Sets other materials. Returns what was changed to make them fit, in sentences.
     ///
     /// # Errors
     /// A lost device.
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
 
-    /// Lights the scene; `lighting` is made from `light` for the tree of the scene. Returns what had to be done to make
+    /// Lights the scene; `lighting` is made from `light` for the tree of the scene. Returns what was changed to make
     /// the map fit, in sentences.
     ///
     /// # Errors
     /// A lost device.
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError>;
 
-    /// Gives the scene local lights and bounced light, and says which parts of all light are shown. A new scene has
-    /// neither of them, and all parts shown. Returns what had to be done to make them fit, in sentences.
+    /// Sets local lights, bounced light, and the components that are shown. A new scene has no such light, and all
+    /// components are shown. Returns what was changed to make them fit, in sentences.
     ///
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
@@ -123,9 +123,10 @@ pub trait Backend: Send {
     /// A lost device.
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
 
-    /// The picture so far as a display shows it: sRGB-encoded, not premultiplied, row by row from the top.
-    /// `samples` is the number of samples that all rows have; some may have one more already, which must not make them
-    /// brighter.
+    /// The picture so far for a display: sRGB-encoded, not premultiplied, row by row from the top.
+    ///
+    /// `samples` is the number of samples that all rows have; some rows may already have one more, which must not make
+    /// them brighter.
     ///
     /// # Errors
     /// A lost device.

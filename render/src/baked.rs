@@ -1,4 +1,4 @@
-//! A dataset with what rays need of it: made once, shared by the CPU renderer, the references and picking.
+//! A dataset with its ray hierarchy: made once, shared by the CPU renderer, the references and picking.
 
 use lapidary_core::{dataset::Dataset, ray::Intersector};
 use std::sync::{Arc, OnceLock};
@@ -24,7 +24,7 @@ impl<D: Into<Arc<Dataset>>> From<D> for Baked {
 }
 
 impl Baked {
-    /// Begins to build the ray hierarchy on a thread of its own, so that it is there, or nearly, when it is wanted.
+    /// Begins to build the ray hierarchy on its own thread, so that it is ready, or nearly, when it is needed.
     pub fn begun(dataset: impl Into<Arc<Dataset>>) -> Self {
         let baked = Self::from(dataset);
         let builds = baked.clone();

@@ -1,14 +1,14 @@
 //! Dataset, lighting, materials and camera to image.
 //!
-//! [`Renderer::render`] merges cuts on the CPU (paper, 4.2); [`Renderer::samples_reference`] and
-//! [`Renderer::path_reference`] trace rays instead, to see what the cuts lose and what the light samples lose.
-//! All three sample the pixel and look up the surface by the same code, so that edges and textures do not count as
-//! error. [`compare`] measures pictures.
+//! [`Renderer::render`] merges cuts on the CPU (paper, 4.2). [`Renderer::samples_reference`] and
+//! [`Renderer::path_reference`] trace rays instead: the first shows the error of the cuts, the second also that of the
+//! light samples. All three sample the pixel and look up the surface by the same code, so that edges and textures do
+//! not count as error. [`compare`] measures pictures.
 //!
-//! | folder | what is in it |
+//! | folder | contents |
 //! |---|---|
-//! | `shade/` | from a sample of a pixel to what its surface reflects: camera ray, surface point, merge of the cuts (4.2) |
-//! | `light/` | what lights a picture: environment, local lights, bounced light (4.1) |
+//! | `shade/` | from a sample of a pixel to the light that its surface reflects: camera ray, surface point, merge of the cuts (4.2) |
+//! | `light/` | the light of a picture: environment, local lights, bounced light (4.1) |
 //! | `reference/` | pictures by rays instead of cuts: all light samples, light paths |
 //! | `measure/` | metrics, and a picture's error explained, split into causes, predicted |
 //! | `cpu/` | pictures on the cores of this machine |

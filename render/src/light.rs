@@ -1,4 +1,4 @@
-//! What lights a picture: the environment on its tree, local lights, and what both bounce.
+//! The light of a picture: the environment on its tree, local lights, and the bounced light of both.
 
 pub(crate) mod bounce;
 pub(crate) mod buried;

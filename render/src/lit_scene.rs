@@ -1,4 +1,4 @@
-//! A scene on a renderer, brought from one look to the next: what an edit does not change is not done again ([`Redo`]).
+//! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
 use crate::{
     Backend, BackendError, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Post, Redo, RenderStats,
@@ -7,8 +7,8 @@ use crate::{
 use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc, time::Instant};
 
-/// Rows that are rendered at once: drivers stop work that holds up a graphics adapter for seconds, as the whole of a large
-/// picture with thousands of lights may.
+/// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
+/// large picture with thousands of lights may.
 const BAND_ROWS: u32 = 64;
 
 /// A scene with what renders and lights it.
@@ -16,9 +16,9 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     baked: Baked,
     environment_rig: LightRig,
     local_rig: LocalRig,
-    /// What the renderer has; `None` after a failure, so that all is given to it again.
+    /// The state of the renderer; `None` after a failure, so that everything is set again.
     lit: Option<Lit>,
-    /// Counts the lights of the environment that were made, for others to see that one is new.
+    /// Number of times that the environment was lit, which tells others that its light is new.
     light_revision: u64,
     /// Whether all samples of the look's picture are rendered.
     finished: bool,
@@ -33,10 +33,11 @@ struct Lit {
     local: LocalLighting,
 }
 
-/// What had to be done to make something fit, in sentences.
+/// Remarks, in sentences, on what was changed to make something fit.
 #[derive(Default)]
 struct Remarks {
-    /// Those of what the renderer has: of the appearance, of the environment, of local lights. They are not told again.
+    /// Remarks on the state of the renderer: on the appearance, the environment, and local lights. They are not
+    /// repeated.
     of: [Vec<String>; 3],
     untold: Vec<String>,
 }
@@ -51,7 +52,7 @@ impl Remarks {
 /// A finished picture.
 #[derive(Clone, Debug)]
 pub struct FinishedPicture {
-    /// Scene-linear radiance, or what the view's mode shows.
+    /// Scene-linear radiance, or the quantity of the view's mode.
     pub image: Image,
     /// How much of each pixel is covered by surfaces, 0 to 1.
     pub coverage: Vec<f32>,
@@ -60,7 +61,7 @@ pub struct FinishedPicture {
 }
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// Gives a scene to a renderer; some tenths of a second, and more with surface sources.
+    /// Gives a scene to a renderer. This takes some tenths of a second, and more with surface sources.
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits.
@@ -78,10 +79,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
         })
     }
 
-    /// Gives the renderer a scene unless it has it. Returns whether it is another.
+    /// Gives the renderer a scene unless it has it already. Returns whether the scene is another one.
     ///
     /// # Errors
-    /// A dataset larger than the adapter's limits; the scene before is kept then.
+    /// A dataset larger than the adapter's limits; the previous scene is kept then.
     pub fn set_scene(&mut self, baked: &Baked) -> Result<bool, BackendError> {
         if self.baked.is_same(baked) {
             return Ok(false);
@@ -92,8 +93,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(true)
     }
 
-    /// Renders a look, unless that is what was rendered last. `go_on` is asked before each band of rows, and may wait; `None` if
-    /// it says no.
+    /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
+    /// Returns `None` if it answers no.
     ///
     /// # Errors
     /// A picture beyond the adapter's limits, or a lost device.
@@ -134,7 +135,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.backend.display(post, samples)
     }
 
-    /// Gives the renderer the materials and the light of a look, as far as it does not have them.
+    /// Gives the renderer the materials and the light of a look, as far as they have changed.
     ///
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
@@ -147,7 +148,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             self.remarks.replace(0, remarks);
             self.local_rig.set_appearance(&look.appearance.fitted(&self.baked.dataset.scene.materials).0);
         }
-        // Equal lights stay where they are, for those who compare places.
+        // Equal lights keep their address, for code that compares addresses.
         let lights = known.as_ref().map(|lit| &lit.look.lights).filter(|lights| **lights == look.lights);
         let look = Look { lights: lights.unwrap_or(&look.lights).clone(), ..look.clone() };
         let (environment, local) = known.map(|lit| (lit.environment, lit.local)).unzip();
@@ -172,7 +173,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(lighting)
     }
 
-    /// Local lights, what bounces, and which parts are shown. Bounced light that is not shown is not computed.
+    /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
     fn light_locally(
         &mut self,
         look: &Look,
@@ -189,12 +190,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(local)
     }
 
-    /// Makes the next look be lit and rendered anew, even if it is the same: for measuring how long that takes.
+    /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes.
     pub fn forget_light(&mut self) {
         (self.lit, self.finished) = (None, false);
     }
 
-    /// Begins a picture of the scene as it is lit, which [`Self::render_rows`] makes step by step.
+    /// Begins a picture of the scene under its current light, which [`Self::render_rows`] renders step by step.
     ///
     /// # Errors
     /// A picture larger than the adapter's limits, or a lost device.
@@ -211,7 +212,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.backend.render_rows(sample, rows)
     }
 
-    /// All samples of all rows; whether `go_on` never said no.
+    /// Renders all samples of all rows. Returns whether `go_on` always answered yes.
     fn render_samples(&mut self, view: &View, go_on: &mut dyn FnMut() -> bool) -> Result<bool, BackendError> {
         let height = view.size[1];
         for sample in 0..view.aa {
@@ -238,7 +239,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         })
     }
 
-    /// What the surfaces of a look are, without light.
+    /// Surface properties in a look, without light.
     pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
         Renderer::of(&self.baked, look).surface_layers(&look.view)
     }
@@ -263,19 +264,20 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.light_revision
     }
 
-    /// Local lights and bounced light, once a look was lit.
+    /// Local lights and bounced light, after a first look.
     pub fn local(&self) -> Option<&LocalLighting> {
         self.lit.as_ref().map(|lit| &lit.local)
     }
 
-    /// What had to be done to make something fit since the last call, in sentences. None is told again while it holds.
+    /// Remarks since the last call, in sentences, on what was changed to make something fit. None is repeated while it
+    /// holds.
     pub fn remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks.untold)
     }
 }
 
-/// Gives a scene to a renderer, and makes what lights it. The light rig is made beside the scene: each takes as long as the
-/// other.
+/// Gives a scene to a renderer, and makes its rigs. The light rig is made at the same time as the scene, because each
+/// takes as long as the other.
 fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig, LocalRig), BackendError> {
     let tree = &baked.dataset.tree;
     let environment = std::thread::scope(|threads| {

@@ -1,29 +1,29 @@
-//! Everything that decides a picture of a baked scene, and what another look makes a renderer do again.
+//! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
 use crate::{Appearance, BrdfSampling, Components, Illumination, Post, Solution, View};
 use lapidary_core::{lights::Light, scene::Scene};
 use std::sync::Arc;
 
-/// Everything that decides a picture of a baked scene. Copying it copies no texels and no maps.
+/// All that decides a picture of a baked scene. A copy shares texels and maps.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// Materials and textures.
     pub appearance: Appearance,
-    /// The environment as it is turned and scaled; compared by the place of its map.
+    /// The environment with rotation and intensity; its map is compared by address.
     pub light: Illumination,
     /// Local lights.
     pub lights: Arc<[Light]>,
     /// Which parts of the light are in the picture.
     pub components: Components,
-    /// How bounced light is computed; one that the dataset has.
+    /// How bounced light is computed; the dataset must have this solution.
     pub solution: Solution,
     /// Most nodes of the illumination cut.
     pub illum_cut: u32,
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,
-    /// Camera, size, samples per pixel, and what lies behind the scene.
+    /// Camera, size, samples per pixel, and the background.
     pub view: View,
-    /// Exposure and tone curve, of what is shown and not of scene-linear files.
+    /// Exposure and tone curve of the display; scene-linear files do not have them.
     pub post: Post,
 }
 
@@ -44,14 +44,14 @@ impl Look {
     }
 }
 
-/// What another look makes a renderer do again. Each step needs those before it, and nothing else is done again.
+/// What a renderer must redo for another look. Each step needs those before it, and only what is set is redone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Redo {
-    /// Materials and textures are given to the renderer, and the surfaces that light bounces from get other albedos.
+    /// Materials and textures go to the renderer, and the surfaces that bounce light get new albedos.
     pub appearance: bool,
     /// The environment's radiance, its means up the tree and its illumination cut.
     pub environment: bool,
-    /// Local lights and bounced light: shadow rays of the lights that moved, the solution, what is shown of it.
+    /// Local lights and bounced light: shadow rays of changed lights, the solution, and the components shown.
     pub local: bool,
     /// The pixels: deferred pass and merge.
     pub pixels: bool,
@@ -66,7 +66,7 @@ impl Redo {
     pub const NOTHING: Self =
         Self { appearance: false, environment: false, local: false, pixels: false, display: false };
 
-    /// What a renderer that has shown `old` does again to show `new`.
+    /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
         let Look { appearance, light, lights, components, solution, illum_cut, sampling, view, post } = old;
@@ -87,7 +87,7 @@ mod tests {
     use crate::{Background, test_looks::look};
     use std::sync::Arc;
 
-    /// What an edit of a look redoes.
+    /// Steps that an edit of a look redoes.
     fn redone(edit: impl FnOnce(&mut Look)) -> Redo {
         let old = look();
         let mut new = old.clone();

@@ -50,7 +50,7 @@ pub struct Post {
 }
 
 impl Post {
-    /// What a display shows of `radiance`: encoded, each 0 to 1. NaN becomes magenta, so that it is seen.
+    /// Display colour of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta, to be visible.
     pub fn display(&self, radiance: Vec3) -> Vec3 {
         if radiance.is_nan() {
             return Vec3::new(1.0, 0.0, 1.0);

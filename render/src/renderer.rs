@@ -1,4 +1,4 @@
-//! A dataset ready to be rendered: what its surfaces look like, what casts rays on them, and what lights its tree.
+//! A dataset ready for rendering: the appearance of its surfaces, its ray hierarchy, and the rig that lights its tree.
 
 use crate::{
     Look,
@@ -25,8 +25,8 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Builds what rays need, unless that has been done; seconds for a million triangles. The scene looks as the
-    /// dataset has it.
+    /// Builds the ray hierarchy unless it exists, which takes seconds for a million triangles. The scene has the
+    /// materials of the dataset.
     pub fn new(baked: impl Into<Baked>) -> Self {
         let baked = baked.into();
         let intersector = baked.intersector();
@@ -36,7 +36,7 @@ impl Renderer {
         Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }
     }
 
-    /// For a scene as a look has it; materials and maps that are not there are made to fit.
+    /// For a scene with the materials of a look; missing materials and maps are replaced.
     pub fn of(baked: &Baked, look: &Look) -> Self {
         let mut renderer = Self::new(baked.clone());
         renderer.set_appearance(look.appearance.fitted(&renderer.dataset.scene.materials).0);
@@ -68,13 +68,13 @@ impl Renderer {
         Surfaces::new(&self.dataset, &self.appearance, &self.intersector, self.largest_offset)
     }
 
-    /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. A turned or scaled environment
-    /// takes milliseconds, another one some more.
+    /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. Rotating or scaling an
+    /// environment takes milliseconds, another environment some more.
     pub fn lighting(&self, light: &Illumination, illum_cut: u32) -> SceneLighting {
         self.rig().lighting(light, illum_cut)
     }
 
-    /// What lights the tree, made at the first call.
+    /// The rig that lights the tree, made at the first call.
     pub(crate) fn rig(&self) -> MutexGuard<'_, LightRig> {
         let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(&self.dataset.tree)));
         rig.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,4 +1,4 @@
-//! What a picture shows and how its pixels are sampled.
+//! The contents of a picture, and the sampling of its pixels.
 
 use crate::view_mode::ViewMode;
 use glam::{DVec2, Vec2, Vec3};
@@ -7,7 +7,7 @@ use lapidary_core::{
     image::{Image, Region},
 };
 
-/// What is seen where nothing is.
+/// The background.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
     /// The environment.
@@ -30,13 +30,13 @@ pub struct View {
     pub size: [u32; 2],
     /// Samples per pixel; 1 is its centre.
     pub aa: u32,
-    /// What is seen where nothing is.
+    /// The background.
     pub background: Background,
-    /// What the pixels show.
+    /// The quantity that the pixels show.
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
-    /// The only pixels that references trace; the others stay black. Renderers with cuts take no notice of it.
+    /// The only pixels that references trace; the others stay black. Renderers with cuts ignore it.
     pub region: Option<Region>,
 }
 
@@ -47,8 +47,8 @@ impl View {
         Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
     }
 
-    /// Positions of the samples in a pixel, the same for all pixels and renderers: the centre, or points of the R2 sequence
-    /// (Roberts 2018), which fills the square evenly for any number.
+    /// Positions of the samples within a pixel, the same for all pixels and renderers: the centre, or points of the R2
+    /// sequence (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
         (0..self.aa.max(1)).map(|i| pixel_sample_position(i, DVec2::splat(0.5))).collect()
     }
@@ -79,7 +79,7 @@ pub trait Progress: Sync {
     /// The picture so far; called between passes.
     fn preview(&self, _preview: &Preview) {}
 
-    /// Whether [`Self::preview`] is to be called after so many passes of light paths.
+    /// Whether [`Self::preview`] is due after this many passes of light paths.
     fn wants_preview(&self, passes: u32) -> bool {
         passes.is_power_of_two()
     }

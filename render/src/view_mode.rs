@@ -1,4 +1,4 @@
-//! What the pixels of a view show: the lit picture, or one of the quantities behind it.
+//! The quantity that the pixels of a view show: the lit picture, or one of the quantities behind it.
 
 use lapidary_core::{
     cut::packed::PackedCuts,
@@ -6,7 +6,7 @@ use lapidary_core::{
 };
 use serde::{Deserialize, Serialize};
 
-/// What the pixels of a view show.
+/// The quantity that the pixels of a view show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ViewMode {

@@ -1,13 +1,14 @@
-//! What the microfacet models share: anisotropic widths, the filtered lobe, and Fresnel.
+//! Shared parts of the microfacet models: anisotropic widths, the filtered lobe, and Fresnel.
 
 use crate::{material::BrdfParameters, simd::Vec3x8};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Narrowest lobe that is evaluated: below, `f32` half vectors are too coarse for the peak.
+/// Narrowest lobe that is evaluated: for narrower ones, `f32` half vectors are too coarse for the peak.
 pub const MIN_ALPHA: f32 = 1e-3;
 
-/// What a GGX lobe loses of light from the normal to shadowing and masking: factors of the second to fourth power of alpha.
+/// Loss of a GGX lobe by shadowing and masking, for light from the normal: factors of the second to fourth power of
+/// alpha.
 pub const LOBE_LOSS: [f32; 3] = [1.05, 1.75, -0.55];
 
 /// Microfacet widths along the tangent and the bitangent.
@@ -117,8 +118,8 @@ impl Reflectance {
         }
     }
 
-    /// Share of light from the normal that a GGX lobe of width `alpha` reflects. What is shadowed and masked is lost; the
-    /// rational function is within 0.005 of the integral over all `alpha`.
+    /// Albedo of a GGX lobe of width `alpha` for light from the normal, without light lost to shadowing and masking.
+    /// The rational function is within 0.005 of the integral over all `alpha`.
     pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
         let [second, third, fourth] = LOBE_LOSS;
         self.f0 / (1.0 + alpha * alpha * (second + third * alpha + fourth * alpha * alpha))

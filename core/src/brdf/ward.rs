@@ -24,7 +24,7 @@ impl Ward {
     /// `p` must be sanitised.
     pub fn new(p: &BrdfParameters) -> Self {
         let reflectance = Reflectance::new(p);
-        // What the lobe reflects does not reach the base: the sum of both never exceeds one.
+        // Light that the lobe reflects does not reach the base: the sum of both never exceeds one.
         let diffuse = reflectance.diffuse * (1.0 - reflectance.f0.max_element());
         Self { specular: reflectance.f0, diffuse, width: LobeWidth::new(p) }
     }

@@ -1,8 +1,8 @@
-//! Illumination cuts: which nodes of the light tree the light must be resolved to (paper, 3.2).
+//! Illumination cuts: the nodes of the light tree to which the light must be resolved (paper, 3.2).
 //!
-//! First the error bound for each cluster, then refinement of the node of highest intensity up to the budget: "accounting
-//! for important, bright lights" matters more than a low error elsewhere. The cut's values are not stored: radiance is read
-//! from the tree at whatever node the merge arrives at.
+//! Phase one splits clusters whose error exceeds a bound. Phase two splits the node of highest intensity until the
+//! budget is spent, because "accounting for important, bright lights" matters more than a low error elsewhere. The cut
+//! stores no values: the merge reads radiance from the tree, at the node where it arrives.
 
 use super::packed::pack_node;
 use crate::{color::luminance, light_tree::Lighting};
@@ -11,9 +11,9 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 /// How fine an illumination cut is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IlluminationCriterion {
-    /// Most nodes; the paper uses 128 to 512.
+    /// Largest number of nodes; the paper uses 128 to 512.
     pub max_nodes: u32,
-    /// Share of the budget that may go to the error bound, 0 to 1; the rest refines by intensity.
+    /// Largest share of the budget for the error bound, 0 to 1; the rest refines by intensity.
     pub error_share: f32,
     /// Clusters whose `|C| var(L)` exceeds this fraction of `Σ L²` are split in the first phase.
     pub relative_error: f32,

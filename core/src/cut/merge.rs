@@ -1,9 +1,9 @@
 //! Merging any number of cuts in one traversal (paper, 3.2), in interval form.
 //!
-//! All cuts partition the same leaves and their nodes are nested, so no overlap test is needed: with the current leaf
-//! `p` and, per cut, the end of its current node, the finest node is exactly `[p, e)` where `e` is the smallest end.
-//! The number of visits is the size of the merged cut. The paper's loop over postorder indices visits the same nodes in
-//! the same order; it stands in the tests as the oracle.
+//! All cuts partition the same leaves and their nodes are nested, so no overlap test is needed. At leaf `p`, the finest
+//! node is exactly `[p, e)`, where `e` is the smallest end of the cuts' current nodes. The number of visits is the size
+//! of the merged cut. The paper's loop over postorder indices visits the same nodes in the same order; it is the oracle
+//! of the tests.
 
 /// A node of a merged cut as an interval of leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,13 +32,14 @@ impl Interval {
 pub trait Cursor {
     /// One past the last leaf of the current node.
     fn end(&self) -> u32;
-    /// Steps to the next node. Called at most once a node, and not after the last leaf.
+    /// Steps to the next node. Called at most once per node, and not after the last leaf.
     fn advance(&mut self);
 }
 
-/// Visits every node of the merged cut of `cursors`, left to right, with all cursors at the nodes that hold it.
+/// Visits every node of the merged cut of `cursors`, left to right. At each visit all cursors are at the nodes that
+/// contain it.
 ///
-/// The visitor forms what is wanted there: a product, a sum, an interpolation, or any mixture of them.
+/// The visitor computes what it needs there: a product, a sum, an interpolation, or any mixture of them.
 #[inline(always)]
 pub fn merge<C: Cursor>(leaves: u32, cursors: &mut [C], mut visit: impl FnMut(Interval, &[C])) {
     let mut first = 0;

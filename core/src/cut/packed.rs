@@ -1,9 +1,9 @@
-//! Cuts as they are stored: 16 bits a node, eight nodes a texel.
+//! Cuts as they are stored: 16 bits per node, eight nodes per texel.
 //!
-//! Layout of a node: bits 12 to 15 the depth (0 to 15), bits 0 to 11 the value as a fraction of 4095. Eight nodes make one
-//! `Rgba32Uint` texel, two to a component, the first in the low half. Each vertex's cut starts at a texel; a cut ends
-//! with the node that ends at the last leaf, and what is left of its last texel is zero. Texels lie row by row in a 2D
-//! texture [`TEXTURE_WIDTH`] wide. The paper stores 48 bits a node: index, leftleaf and value.
+//! Layout of a node: bits 12 to 15 hold the depth (0 to 15), bits 0 to 11 the value as a fraction of 4095. Eight nodes
+//! make one `Rgba32Uint` texel, two per component, the first in the low half. Each vertex's cut starts at a texel. A
+//! cut ends with the node that ends at the last leaf; the rest of its last texel is zero. Texels are stored row by row
+//! in a 2D texture [`TEXTURE_WIDTH`] wide. The paper stores 48 bits per node: index, leftleaf and value.
 
 use super::{CutError, merge::Cursor, validate_depths};
 
@@ -135,13 +135,13 @@ impl PackedCuts {
         self.offsets.is_empty()
     }
 
-    /// The nodes from a vertex's first on; its cut ends where the leaves do.
+    /// All nodes from the first of a vertex's cut on; the cut ends at the last leaf.
     #[inline(always)]
     pub fn nodes_from(&self, vertex: u32) -> &[u16] {
         &self.nodes[self.offsets[vertex as usize] as usize * NODES_PER_TEXEL..]
     }
 
-    /// A vertex's cut and no more.
+    /// The nodes of a vertex's cut alone.
     pub fn cut(&self, height: u32, vertex: u32) -> &[u16] {
         let nodes = self.nodes_from(vertex);
         let mut end = 0;

@@ -1,10 +1,10 @@
 //! Selection of cuts of solid angles over the tree of surface sources (paper, 3.2 and 3.3).
 //!
-//! Eq. 5 holds for real values as it does for binary ones. They are measured in units of 2π/N, the solid angle of each of N
-//! sources that together fill the hemisphere, so that `sigma` means the same for any N. A second bound is the paper's
-//! "maximum solid angle constraint": a node is shaded as one direction, so it must not look large, however evenly it does.
-//! Near by even a smooth slope is many units high, and all of the surroundings would be split to the leaves: so a node whose
-//! values are alike in proportion stays whole.
+//! Eq. 5 holds for real values as for binary ones. Solid angles are measured in units of 2π/N, the solid angle of each
+//! of N sources that together fill the hemisphere, so that `sigma` means the same for any N. A second bound is the
+//! paper's "maximum solid angle constraint": a node is shaded as one direction, so it must not be large, however
+//! uniform it is. A third bound is relative: close to surfaces even a smooth gradient spans many units, and would be
+//! split down to the leaves. So a node stays whole if its values differ little in proportion to their mean.
 
 mod code;
 mod prune;
@@ -25,28 +25,28 @@ pub struct SourceCriterion {
     pub sigma: f32,
     /// Split nodes that fill more than this, in steradians.
     pub max_solid_angle: f32,
-    /// A node that fills less stays whole while its standard deviation is at most so many times its mean; at a quarter, while
-    /// up to 6 % of it are hidden.
+    /// A node of smaller solid angle stays whole while its standard deviation is at most this multiple of its mean. At
+    /// 0.25 up to 6 % of it may be hidden.
     #[serde(default)]
     pub contrast: f32,
 }
 
 impl Default for SourceCriterion {
-    /// Chosen by pictures against light paths, see `docs/decisions/0006-three-bounds-of-source-cuts.md`.
+    /// Chosen by comparing pictures with path-traced ones, see `docs/decisions/0006-three-bounds-of-source-cuts.md`.
     fn default() -> Self {
         Self { sigma: 2.0, max_solid_angle: 0.1, contrast: 0.25 }
     }
 }
 
 impl SourceCriterion {
-    /// Allows nodes to be `factor` times as uneven, and no larger.
+    /// Multiplies the allowed deviations by `factor`; the largest solid angle stays.
     pub fn coarser(self, factor: f32) -> Self {
-        // A sigma of zero would stay what it is.
+        // A sigma of zero could not grow.
         Self { sigma: factor * self.sigma.max(0.25), contrast: factor * self.contrast, ..self }
     }
 
-    /// Whether `size` leaves need more than one node, from their sum and the squared error of their mean in units of 2π/N, `unit`
-    /// steradians each.
+    /// Whether a node of `size` leaves must be split. `sum` and squared `error` of the mean are in units of 2π/N, of
+    /// `unit` steradians each.
     pub(super) fn splits(&self, size: f32, sum: f32, error: f32, unit: f32) -> bool {
         let Self { sigma, max_solid_angle, contrast } = *self;
         let is_uneven = error > sigma * sigma && error * size > (contrast * sum) * (contrast * sum);
@@ -68,10 +68,11 @@ impl SourceCutSelector {
         Self { height, criterion, sums: vec![[0.0; 2]; 2 << height] }
     }
 
-    /// Appends the packed cut of `leaves` (steradians, in tree order) to `cut`, which must be empty. Values are coded by
-    /// [`solid_angle_code`]. Returns the sum of squared errors of the stored values over all leaves, in steradians squared.
+    /// Appends the packed cut of `leaves` (steradians, in tree order) to `cut`, which must be empty. Values are coded
+    /// by [`solid_angle_code`]. Returns the sum of squared errors of the stored values over all leaves, in steradians
+    /// squared.
     pub fn select(&mut self, leaves: &[f32], cut: &mut Vec<u16>) -> f64 {
-        assert_eq!(leaves.len(), 1 << self.height, "one value a leaf");
+        assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
         self.sum_up(leaves);
         let unit = f64::from(self.unit());
         let largest = self.criterion.max_solid_angle;
@@ -96,7 +97,7 @@ impl SourceCutSelector {
         squared_error
     }
 
-    /// What a value of one means, in steradians.
+    /// Solid angle in steradians of a value of one.
     fn unit(&self) -> f32 {
         LARGEST_SOLID_ANGLE / (1_u32 << self.height) as f32
     }

@@ -9,9 +9,9 @@ use std::collections::BinaryHeap;
 pub struct CutCriterion {
     /// Split while `|C| var > sigma²` (Eq. 5).
     pub sigma: f32,
-    /// Stop at this many nodes, worst nodes first.
+    /// Largest number of nodes; the nodes of largest error are split first.
     pub max_nodes: u32,
-    /// Stop when the squared errors of all nodes together are at most this squared: the total-error mode.
+    /// Stop when the sum of the squared errors of all nodes is at most the square of this: the total-error mode.
     pub total_error: Option<f32>,
 }
 
@@ -25,7 +25,7 @@ impl Default for CutCriterion {
 pub struct CutSelector {
     height: u32,
     criterion: CutCriterion,
-    /// Leaves that are one, below each node, by heap index.
+    /// Number of leaves with value one below each node, by heap index.
     ones: Vec<u32>,
     /// Whether a node is split, by heap index.
     split: Vec<bool>,
@@ -38,10 +38,10 @@ impl CutSelector {
         Self { height, criterion, ones: vec![0; nodes], split: vec![false; nodes] }
     }
 
-    /// Appends the packed cut of `leaves` (each 0 or 1, in tree order) to `cut`, which must be empty, and returns the sum
+    /// Appends the packed cut of `leaves` (each 0 or 1, in tree order) to `cut`, which must be empty. Returns the sum
     /// of squared errors of the stored values over all leaves.
     pub fn select(&mut self, leaves: &[u8], cut: &mut Vec<u16>) -> f64 {
-        assert_eq!(leaves.len(), 1 << self.height, "one value a leaf");
+        assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
         self.count_ones(leaves);
         self.split.fill(false);
         let unbounded = self.criterion.max_nodes as usize >= leaves.len() && self.criterion.total_error.is_none();
@@ -118,7 +118,7 @@ impl CutSelector {
     }
 }
 
-/// Appends nodes left to right and replaces equal siblings by their parent, which loses nothing.
+/// Appends nodes left to right and replaces equal siblings by their parent, which is lossless.
 pub(super) struct CutWriter<'a> {
     height: u32,
     cut: &'a mut Vec<u16>,
@@ -157,8 +157,8 @@ impl<'a> CutWriter<'a> {
 
 /// Coarsens a packed cut: keeps only splits whose node has `|C| var > sigma²` by the stored means.
 ///
-/// With a common `sigma` for all vertices this is the greedy choice of the priority queue over all of them: the errors
-/// of children never exceed that of their parent.
+/// The errors of children never exceed that of their parent. So one `sigma` for all vertices gives the same cuts as a
+/// greedy priority queue over all of them.
 pub fn prune(height: u32, sigma: f32, cut: &[u16]) -> Vec<u16> {
     let mut pruned: Vec<u16> = Vec::with_capacity(cut.len());
     let mut end = 0_u32;

@@ -19,7 +19,7 @@ pub enum DatasetError {
         action: &'static str,
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Not a safetensors file, or a truncated one.
@@ -50,7 +50,7 @@ pub enum DatasetError {
     },
 }
 
-/// What is wrong inside a dataset.
+/// Errors inside a dataset.
 #[derive(Debug, Error)]
 pub enum Damage {
     /// A tensor is not there.
@@ -124,7 +124,7 @@ pub enum Damage {
     Metadata(String),
 }
 
-/// What is wrong with surface sources.
+/// Errors of surface sources.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum SourceDamage {
     /// No power of two.
@@ -145,7 +145,7 @@ pub enum SourceDamage {
     },
 }
 
-/// What is wrong with the meshless basis.
+/// Errors of the meshless basis.
 #[derive(Debug, Error, PartialEq)]
 pub enum MeshlessDamage {
     /// Its points or levels.

@@ -38,7 +38,7 @@ pub(super) fn tensors(bake: &IndirectBake) -> Vec<Tensor<'_>> {
 
 impl Reader<'_> {
     /// The indirect bake, if there is one. `height` is that of the tree of the environment's lights, `reported` the
-    /// spacing of sources which do not say theirs.
+    /// spacing of sources that store none.
     pub(super) fn indirect(
         &self,
         height: u32,
@@ -87,7 +87,7 @@ impl Reader<'_> {
     }
 }
 
-/// How far sources are apart that do not say it: as was reported, or else the side of a square of their mean area, which is
+/// Spacing of sources that store none: the reported one, or else the side of a square of their mean area, which is
 /// about as long.
 fn even_spacing(reported: f32, areas: &[f32]) -> f32 {
     let mean_area = areas.iter().sum::<f32>() / areas.len().max(1) as f32;

@@ -25,7 +25,7 @@ use glam::{Vec2, Vec3};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 
-/// What decides a meshless bake.
+/// Settings of a meshless bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeshlessSettings {
@@ -38,7 +38,8 @@ pub struct MeshlessSettings {
     pub coarse_radius: Option<f32>,
     /// Rays of each gather, 16 or more: what limits noise.
     pub rays: usize,
-    /// Links are kept above this share of the irradiance of their sender if its reflectance is 0.38, 0 to 1; smaller is finer.
+    /// Threshold of links, 0 to 1: a link is kept above this share of the irradiance of its sender, for a reflectance
+    /// of 0.38. Smaller is finer.
     pub epsilon: f32,
 }
 
@@ -48,8 +49,8 @@ impl MeshlessSettings {
 }
 
 impl Default for MeshlessSettings {
-    /// Those of the paper. Its table says 3 sender levels, but its links and their share give some 16,000 senders, which is
-    /// four levels of its sizes.
+    /// Those of the paper. Its table says 3 sender levels, but its links and their share imply some 16,000 senders,
+    /// which is four levels of its sizes.
     fn default() -> Self {
         Self { levels: 6, sender_levels: 4, coarse_radius: None, rays: 512, epsilon: 0.025 }
     }
@@ -67,7 +68,7 @@ pub struct MeshlessReport {
     pub functions: Vec<usize>,
     /// Functions of all levels that send.
     pub senders: usize,
-    /// Receivers of each level that were gathered; the others lie under nothing that needs detail.
+    /// Receivers of each level that gathered light; the others have no parent that needs detail.
     pub gathered: Vec<usize>,
     /// Links kept of each level's receivers.
     pub links_of_level: Vec<usize>,

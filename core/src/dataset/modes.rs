@@ -12,8 +12,8 @@ pub struct IndirectSettings {
     pub sources: usize,
     /// How fine the vertices' cuts over the sources are.
     pub criterion: SourceCriterion,
-    /// A place in the open that tells reachable surfaces from enclosed ones; `None` for that of a camera or
-    /// a local light, or a search.
+    /// A point in the open that separates reachable surfaces from enclosed ones; `None` for that of a camera or a local
+    /// light, or a search.
     pub viewpoint: Option<Vec3>,
 }
 
@@ -23,7 +23,7 @@ impl Default for IndirectSettings {
     }
 }
 
-/// What the bake of the surface sources did.
+/// Report of the bake of the surface sources.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct IndirectReport {
@@ -33,20 +33,20 @@ pub struct IndirectReport {
     pub sources: usize,
     /// Least distance of any two in position and normal, in metres.
     pub radius: f32,
-    /// How far they are apart where they are farthest; 0 for a dataset whose sources are all as far apart.
+    /// Largest spacing of the sources; 0 for a dataset with equal spacing.
     pub widest_spacing: f32,
-    /// Area in m² that they stand for together: the surface that light reaches.
+    /// Total area in m² of the sources: the surface that light reaches.
     pub area: f64,
-    /// How many of the sources stand for no area, so that nothing bounces off them.
+    /// Number of sources without area, which bounce no light.
     pub without_area: usize,
     /// Mean number of nodes of a bake point's cut over the sources.
     pub mean_cut: f64,
     /// Largest of these cuts.
     pub max_cut: usize,
-    /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`, of
-    /// solid angles. Cuts that were coarsened to fit a texture were compared before.
+    /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`
+    /// for solid angles. It was measured before cuts were coarsened to fit a texture.
     pub relative_error: f64,
-    /// How many times as uneven as asked for the nodes of these cuts may be, where they had to be coarsened to fit a texture.
+    /// Factor by which the bounds of these cuts were raised to fit a texture, if they were.
     pub coarsened: Option<f32>,
     /// Mean number of nodes of a source's cut over the environment.
     pub mean_environment_cut: f64,
@@ -57,13 +57,13 @@ pub struct IndirectReport {
 }
 
 impl IndirectReport {
-    /// The criterion that the cuts over the sources keep, where `asked` was asked for.
+    /// The criterion that the cuts over the sources meet, where `asked` was asked for.
     pub fn criterion(&self, asked: SourceCriterion) -> SourceCriterion {
         self.coarsened.map_or(asked, |factor| asked.coarser(factor))
     }
 }
 
-/// A sigma for people: as it was asked for, or rounded, with what was asked, where a limit of size raised it by some factor.
+/// A sigma as text: as it was asked for, or rounded, with the one asked for, where a limit of size raised it.
 pub fn sigma_text(held: f32, asked: f32) -> String {
     if held == asked {
         return asked.to_string();

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 use thiserror::Error;
 
-/// The parts that a bake prepares, at least one. What is not baked is dark: its cuts are one node that sees nothing.
+/// The parts of a bake, at least one. Parts that are not baked are dark: their cuts are one node without visibility.
 ///
 /// In files and options a set has a name, or the names of its parts with commas between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ impl BakeParts {
     pub const ENVIRONMENT: Self = Self { environment: true, sources: false, meshless: false };
     /// Surface sources, and what the vertices see of them.
     pub const INDIRECT: Self = Self { environment: false, sources: true, meshless: false };
-    /// Both, and what the sources see of the environment: all that is gathered by cuts.
+    /// Both, and the sources' cuts over the environment: all light that cuts gather.
     pub const CUTS: Self = Self { environment: true, sources: true, meshless: false };
     /// The meshless basis and its transport operator.
     pub const MESHLESS: Self = Self { environment: false, sources: false, meshless: true };
@@ -29,7 +29,7 @@ impl BakeParts {
     /// All of these.
     pub const ALL: Self = Self { environment: true, sources: true, meshless: true };
 
-    /// The sets with a name of their own. Others are told by the names of their parts.
+    /// The sets with a name of their own. Others are written as the names of their parts.
     const NAMED: [(&str, Self); 5] = [
         ("environment", Self::ENVIRONMENT),
         ("indirect", Self::INDIRECT),
@@ -53,7 +53,7 @@ impl BakeParts {
         self.meshless
     }
 
-    /// What is in either.
+    /// The union of both sets.
     pub fn with(self, other: Self) -> Self {
         Self {
             environment: self.environment || other.environment,
@@ -72,7 +72,7 @@ impl Default for BakeParts {
 /// A text that names no parts of a bake.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "\"{0}\" is no part of a bake; use environment, indirect, cuts, meshless, all, or some of these with commas between"
+    "\"{0}\" is not a part of a bake; use environment, indirect, cuts, meshless, all, or some of these with commas between"
 )]
 pub struct PartsError(String);
 

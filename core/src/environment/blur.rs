@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 /// Size of the result: what is blurred needs no more.
 const SIZE: [u32; 2] = [256, 128];
-/// Texels of the map that is summed, at most; the map is reduced to it first.
+/// Largest number of texels of the map that is summed; the map is reduced to it first.
 const SOURCE: [u32; 2] = [128, 64];
 /// Least blur in radians: the size of one source texel.
 const LEAST: f32 = 0.05;
 
 impl Environment {
-    /// Every direction's mean over its surroundings, with the weight of a von Mises-Fisher lobe of standard deviation
-    /// `width` radians a tangent axis.
+    /// The mean around every direction, weighted by a von Mises-Fisher lobe of standard deviation `width` radians per
+    /// tangent axis.
     pub fn blurred(&self, width: f32) -> Self {
         let kappa = width.clamp(LEAST, 3.0).powi(-2);
         let source = reduced(&self.map);

@@ -30,9 +30,9 @@ const GROUND_ALBEDO: f32 = 0.2;
 
 /// A clear sky and the sun at `elevation` in radians, halfway between +X and +Z, over grey ground.
 ///
-/// The sky is that of Preetham, Shirley and Smits, *A Practical Analytic Model for Daylight* (SIGGRAPH 1999), the
-/// sun's colour the attenuation of their appendix by air and aerosols. The sun is smaller than two texels: its energy
-/// is put on the texels that it covers, so that irradiance is right however coarse the map.
+/// The sky is that of Preetham, Shirley and Smits, *A Practical Analytic Model for Daylight* (SIGGRAPH 1999). The sun's
+/// colour is the attenuation by air and aerosols of their appendix. The sun is smaller than two texels: its energy is
+/// spread over the texels that it covers, so that irradiance is right at any resolution of the map.
 pub fn sun_and_sky(elevation: f32) -> Image {
     // At the horizon itself the model divides by zero.
     let elevation = elevation.clamp(0.5f32.to_radians(), 0.5 * PI);
@@ -139,7 +139,7 @@ fn sun_irradiance(elevation: f32) -> Vec3 {
 }
 
 /// Adds a disc of light with the given irradiance on a surface that faces it. The energy is conserved: each of many
-/// equal parts of the disc goes to the texel it falls on, by that texel's solid angle.
+/// equal parts of the disc adds to its texel, divided by that texel's solid angle.
 fn add_disc(map: &mut Image, center: Vec3, radius: f32, irradiance: Vec3) {
     const PARTS: u32 = 4096;
     const GOLDEN_ANGLE: f32 = 2.399_963;

@@ -1,5 +1,5 @@
-//! Pictures of named layers, as an OpenEXR file holds them in one part: channels are called `LAYER.CHANNEL`, which Nuke and
-//! Blender group by the layer, and those of the layer without a name `R`, `G`, `B` and `A`, which every program shows.
+//! Pictures of named layers in one part of an OpenEXR file. Channels are called `LAYER.CHANNEL`, which Nuke and Blender
+//! group by layer. Those of the layer without a name are `R`, `G`, `B` and `A`, which every program shows.
 
 mod metadata;
 mod read;
@@ -14,7 +14,7 @@ use std::{
     path::Path,
 };
 
-/// A layer: channels by name, each with one value a pixel, row by row from the top left.
+/// A layer: channels by name, each with one value per pixel, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Its name; empty for the layer that programs show first.
@@ -59,7 +59,7 @@ pub struct LayeredImage {
     pub size: [u32; 2],
     /// The layers.
     pub layers: Vec<Layer>,
-    /// What is said about it.
+    /// Its metadata.
     pub metadata: Metadata,
 }
 
@@ -70,7 +70,7 @@ impl LayeredImage {
     /// A file that cannot be written; one that was there before is kept then.
     ///
     /// # Panics
-    /// If a channel has not one value a pixel.
+    /// If a channel has not one value per pixel.
     pub fn write(self, path: &Path) -> Result<(), ImageError> {
         let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
         write_atomically(path, &self.encode().map_err(failed)?).map_err(failed)
@@ -82,7 +82,7 @@ impl LayeredImage {
         let attributes = self.metadata.attributes(self.size);
         let channels = self.layers.into_iter().flat_map(|Layer { name, channels }| {
             channels.into_iter().map(move |(channel, values)| {
-                assert_eq!(values.len(), size[0] * size[1], "one value a pixel in {name}.{channel}");
+                assert_eq!(values.len(), size[0] * size[1], "one value per pixel in {name}.{channel}");
                 openexr::AnyChannel::new(file_name(&name, &channel), openexr::FlatSamples::F32(values))
             })
         });
@@ -99,7 +99,7 @@ impl LayeredImage {
     }
 }
 
-/// What a channel is called in a file.
+/// Name of a channel in a file.
 fn file_name(layer: &str, channel: &str) -> openexr::Text {
     let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
     metadata::text(&name)

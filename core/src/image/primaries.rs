@@ -1,4 +1,4 @@
-//! Which colours the components of a picture stand for, as far as its file says.
+//! The primaries of a picture, if its file names them.
 
 use super::{Image, ImageError};
 use exr::meta::{MetaData, attribute::Chromaticities};
@@ -21,12 +21,12 @@ const KNOWN: [([f32; 2], [f32; 2], &str); 4] = [
     ([0.680, 0.320], [0.265, 0.690], "P3"),
 ];
 
-/// Chromaticities that differ by less are the same: they are written with three or four digits.
+/// Largest difference of equal chromaticities: they are written with three or four digits.
 const SAME: f32 = 3e-3;
 
 impl Image {
-    /// Reads a picture to compare with: as [`Image::read`], but one that says that its components are not those of Rec. 709 is
-    /// refused. Only exr files say so.
+    /// Reads a picture for a comparison: as [`Image::read`], but refuses a picture with primaries other than those of
+    /// Rec. 709. Only exr files name them.
     ///
     /// # Errors
     /// As [`Image::read`], and [`ImageError::Primaries`].
@@ -39,7 +39,7 @@ impl Image {
     }
 }
 
-/// What the components of a file are, if not of Rec. 709.
+/// The colour space of a file, if it is not Rec. 709.
 fn foreign(meta: &MetaData) -> Option<String> {
     let of = |header: &exr::meta::header::Header| header.shared_attributes.chromaticities;
     let found = meta.headers.iter().find_map(of)?;

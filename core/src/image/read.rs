@@ -1,6 +1,6 @@
 //! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
 //!
-//! What the file holds is checked before memory is taken for it: sizes against [`MAX_PIXELS`], channels by name.
+//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`], channels by name.
 
 use super::{Image, ImageError};
 use crate::{
@@ -12,7 +12,7 @@ use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
 use std::{io::Cursor, path::Path, sync::Arc};
 
-/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats a pixel.
+/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
 impl Texture {
@@ -39,8 +39,8 @@ impl Image {
 
 /// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
 ///
-/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) only the slot that uses them
-/// knows. 16-bit greys, which hold heights, become floats.
+/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) is known only to the slot that
+/// uses them. 16-bit greys, which hold heights, become floats.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
@@ -109,7 +109,7 @@ fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageE
     check_size(width.into(), height.into(), path)?;
     let mut reader = reader();
     let mut limits = Limits::default();
-    limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes a pixel and what the decoder needs beside them
+    limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
     reader.limits(limits);
     let decoded = reader.decode().map_err(|e| damaged(path, e))?;
     Ok(([width, height], texels_of(decoded)))

@@ -90,7 +90,7 @@ impl Region {
         self.y..self.y + self.height
     }
 
-    /// The part of it that lies in a picture of `size` pixels, if there is one.
+    /// The part of it within a picture of `size` pixels, if there is one.
     pub fn within(self, size: [u32; 2]) -> Option<Self> {
         let width = self.x.saturating_add(self.width).min(size[0]).saturating_sub(self.x);
         let height = self.y.saturating_add(self.height).min(size[1]).saturating_sub(self.y);

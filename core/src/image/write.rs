@@ -1,4 +1,4 @@
-//! Encoding of pictures, and replacing a file only when its successor is complete.
+//! Encoding of pictures, and replacement of a file only when its successor is complete.
 
 use super::{Image, ImageError, Layer, LayeredImage, Metadata};
 use crate::color::srgb_from_linear;
@@ -22,7 +22,7 @@ pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Re
     }
 }
 
-/// OpenEXR, premultiplied if it has an alpha channel, as the format has it.
+/// OpenEXR, which is premultiplied if it has an alpha channel.
 fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
     let colors = Layer::color("", image);
     let layer = match coverage {
@@ -41,12 +41,12 @@ fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 a pixel; colours are not premultiplied.
+/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 per pixel; colours are not premultiplied.
 ///
 /// # Panics
-/// If there is not one alpha a pixel.
+/// If there is not one alpha per pixel.
 fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
-    assert_eq!(image.pixels.len(), alpha.len(), "one alpha a pixel");
+    assert_eq!(image.pixels.len(), alpha.len(), "one alpha per pixel");
     let pixel = |(&color, alpha): (&Vec3, &f32)| {
         let [r, g, b] = srgb_bytes(color);
         [r, g, b, (255.0 * alpha.clamp(0.0, 1.0) + 0.5) as u8]
@@ -55,8 +55,8 @@ fn encode_png_with_alpha(image: &Image, alpha: &[f32]) -> Vec<u8> {
     png(&bytes, image.size, ExtendedColorType::Rgba8)
 }
 
-/// Pixels as they stand in an 8-bit png: sRGB-encoded red, green and blue, and an alpha that they are not multiplied by. The
-/// file has an alpha channel if some pixel is not opaque.
+/// Pixels in the encoding of an 8-bit png: sRGB-encoded red, green and blue, and a straight alpha. The file has an
+/// alpha channel if some pixel is not opaque.
 ///
 /// # Panics
 /// If there are not `width * height` pixels.

@@ -127,7 +127,7 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
     numbers
 }
 
-/// What materials asked for that is not shown, by material.
+/// Features of materials that are not supported, by material.
 #[derive(Default)]
 struct Ignored {
     transparent: Vec<String>,

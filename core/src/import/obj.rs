@@ -44,7 +44,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
     Ok(source)
 }
 
-/// What a first pass over the text finds, and the text in the form that `tobj` reads.
+/// Results of a first pass over the text, and the text in the form that `tobj` reads.
 #[derive(Default)]
 struct Outline {
     text: String,
@@ -188,7 +188,7 @@ impl Damaged {
         for (what, names) in [("normals", &self.normals), ("texture coordinates", &self.uvs)] {
             if !names.is_empty() {
                 warnings.push(format!(
-                    "only some faces of {} have {what}, which were therefore made anew for all of them; \
+                    "only some faces of {} have {what}, which were rebuilt for all of them; \
                      export these objects with {what} throughout to keep them",
                     listed(names)
                 ));

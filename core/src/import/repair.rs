@@ -11,15 +11,16 @@ use crate::scene::{Mesh, MeshError};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Cosine of the crease angle: faces that meet at more than 60 degrees do not share a rebuilt normal.
-/// A hexagonal prism stays smooth at it and a cube does not.
+/// Cosine of the crease angle: faces that meet at more than 60 degrees do not share a rebuilt normal. A hexagonal prism
+/// stays smooth, and a cube does not.
 const CREASE_COSINE: f32 = 0.499;
 
-/// With how many others each face on an edge is compared: a file with thousands on one would take forever.
+/// Largest number of faces on an edge that each face is compared with: a file with thousands on one edge would take
+/// forever.
 const MOST_NEIGHBOURS: usize = 16;
 
-/// A triangle whose doubled area is below this fraction of its longest edge squared has none: `f32` positions cannot
-/// express its normal.
+/// A triangle has no area if its doubled area is below this fraction of its longest edge squared: `f32` positions
+/// cannot express its normal.
 const DEGENERATE_RATIO: f64 = 1e-7;
 
 /// A mesh as a file has it. All vertex arrays have the same length; what a file lacks is marked, see the fields.
@@ -132,7 +133,8 @@ fn drop_degenerate(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// Makes normals and tangents unit vectors, and marks those that cannot be, and invalid texture coordinates, as missing.
+/// Normalises normals and tangents. Those that cannot be normalised, and invalid texture coordinates, are marked as
+/// missing.
 fn mark_invalid_attributes(raw: &mut RawMesh) {
     for normal in &mut raw.normals {
         // Almost unit normals stay as they are, so that equal ones stay equal.
@@ -171,7 +173,7 @@ fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// All attributes of a vertex as bits, and its object: vertices are one where these agree.
+/// All attributes of a vertex as bits, and its object: vertices with the same key are merged.
 type VertexKey = [u32; 13];
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
@@ -187,7 +189,7 @@ fn vertex_key(object: u32, position: Vec3, normal: Vec3, uv: Vec2, tangent: Vec4
     key
 }
 
-/// Gives every corner its normal and texture coordinates, and makes corners that agree in everything one vertex. Also
+/// Gives every corner its normal and texture coordinates, and merges corners with equal attributes into vertices. Also
 /// returns which vertices of the mesh had texture coordinates in the file.
 fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
     let rebuilt =
@@ -214,7 +216,7 @@ fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
 struct Welder<'a> {
     raw: &'a RawMesh,
     mesh: Mesh,
-    /// The file had texture coordinates, one a vertex of `mesh`.
+    /// The file had texture coordinates, one per vertex of `mesh`.
     has_uv: Vec<bool>,
     normals_rebuilt: usize,
     by_key: HashMap<VertexKey, u32>,

@@ -51,8 +51,8 @@ impl TextureLibrary {
     }
 }
 
-/// The file that `name` means in `folder`: with either kind of slash, in any case, and, for paths of another machine,
-/// by the file's name alone.
+/// The file in `folder` that `name` refers to, with either kind of slash and in any case. For paths of another machine
+/// the file's name alone counts.
 pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);

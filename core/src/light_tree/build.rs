@@ -1,8 +1,8 @@
 //! Top-down clustering into a complete binary tree (paper, 3.4; Hašan et al. 2006).
 //!
-//! Each node splits its samples in the middle of the order `d(s, c1) - d(s, c2)`, the difference of the distances to
-//! two cluster centres, which are then recomputed a few times. All metrics are Euclidean in feature space, so this
-//! difference is linear in the features: one dot product a sample, and a selection in place of a sort.
+//! Each node splits its samples at the median of `d(s, c1) - d(s, c2)`, the difference of the distances to two cluster
+//! centres. The centres are then recomputed a few times. All metrics are Euclidean in feature space, so this difference
+//! is linear in the features: one dot product per sample, and a selection in place of a sort.
 
 use super::Features;
 use rayon::join;

@@ -1,23 +1,25 @@
 //! Clustering metrics as Euclidean distances between feature vectors (paper, Eq. 10 to 12).
 //!
-//! Departures: the visibility vectors are projected to [`PROJECTED`] random dimensions, which keeps distances to within
-//! some percent; and the two metrics are balanced by a measured constant. The paper's own normalisation of Eq. 11 by the
-//! squared solid angle of a light makes it some 10^6 times smaller than Eq. 10, so that a literal mixed tree is the
-//! geometric one.
+//! There are two departures. The visibility vectors are projected to [`PROJECTED`] random dimensions, which keeps
+//! distances to within some percent. And a measured constant balances the two metrics: the paper normalises Eq. 11 by
+//! the squared solid angle of a light, which makes it some 10^6 times smaller than Eq. 10, so that a literal mixed tree
+//! is the geometric one.
 
 use super::TreeKind;
 use crate::surfel::Surfel;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Dimensions that pilot visibility vectors are projected to.
+/// Number of dimensions after the projection of pilot visibility vectors.
 const PROJECTED: usize = 48;
 
-/// Squared visibility distance (mean over clusters) that weighs as much as a squared distance of directions of one.
+/// Squared visibility distance (mean over clusters) that weighs as much as a squared distance of one between
+/// directions.
 ///
 /// Measured on the armadillo scene at `beta` 0.5, 32,768 lights, `sigma` 2: mean cuts 203, 195, 178, 160, 161, 161 for
-/// scales 0.1, 0.3, 1, 3, 10, 100 (geometric: 216). At 3 the nodes of level 8 are 14 % wider than those of the geometric
-/// tree, at 10 30 %, at 100 70 %: wide nodes make long illumination cuts, so the smallest scale with the full gain is best.
+/// scales 0.1, 0.3, 1, 3, 10, 100 (geometric: 216). Nodes of level 8 are wider than those of the geometric tree by 14 %
+/// at scale 3, 30 % at 10, and 70 % at 100. Wide nodes make long illumination cuts, so the smallest scale with the full
+/// gain is best.
 const VISIBILITY_SCALE: f32 = 3.0;
 
 /// Weight of position against normal (`K` of Eq. 10; Hašan et al. 2006), for a scene of unit diagonal.
@@ -26,7 +28,7 @@ const PLACE_WEIGHT: f32 = 30.0;
 /// [`VISIBILITY_SCALE`] for surface sources.
 const SOURCE_VISIBILITY_SCALE: f32 = 50.0;
 
-/// Pilot visibility: how much of each vertex cluster every light sees.
+/// Pilot visibility: the fraction of each vertex cluster that sees each light.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PilotVisibility {
     /// Number of light samples.
@@ -42,7 +44,7 @@ impl PilotVisibility {
     }
 }
 
-/// One feature vector a sample.
+/// One feature vector per sample.
 #[derive(Clone, Debug)]
 pub struct Features {
     dimensions: usize,
@@ -63,7 +65,7 @@ impl Features {
         Self::new(3, directions.iter().flat_map(|d| d.to_array()).collect())
     }
 
-    /// Features of the metric `kind`; `beta` is the weight of the geometric part of a mixed one (Eq. 12).
+    /// Features of the metric `kind`; `beta` is the weight of the geometric part of a mixed metric (Eq. 12).
     pub fn of_kind(kind: TreeKind, beta: f32, directions: &[Vec3], pilot: &PilotVisibility) -> Self {
         match kind {
             TreeKind::Geometric => Self::geometric(directions),
@@ -87,7 +89,8 @@ impl Features {
         }
     }
 
-    /// Geometric features of `G` components, and projected visibility of which a squared distance of one counts `scale`.
+    /// Geometric features of `G` components, and projected visibility scaled so that a squared distance of `scale`
+    /// counts as one.
     fn mixed<const G: usize>(rows: &[[f32; G]], pilot: &PilotVisibility, beta: f32, scale: f32) -> Self {
         let projection = random_projection(pilot.clusters());
         let geometric = beta.sqrt();

@@ -9,18 +9,19 @@ use glam::Vec3;
 pub struct Lighting {
     /// Mean radiance of the leaves below each node.
     pub radiance: Vec<Vec3>,
-    /// Unit direction that stands for each node: the mean of its leaves' directions weighted by their luminance.
+    /// Unit direction that represents each node: the mean of its leaves' directions, weighted by their luminance.
     ///
-    /// Weighted because in a cluster that holds a bright spot the spot decides what the BRDF must be evaluated for.
+    /// In a cluster that contains a bright spot, the BRDF must be evaluated for the direction of the spot.
     pub direction: Vec<Vec3>,
-    /// Concentration `kappa` of each node as a von Mises-Fisher lobe (Banerjee et al. 2005), weighted alike.
+    /// Inverse concentration `1 / kappa` of each node as a von Mises-Fisher lobe (Banerjee et al. 2005), with the same
+    /// weights.
     pub inv_kappa: Vec<f32>,
     /// Mean squared luminance of the leaves below each node, for the error bound of illumination cuts.
     pub luminance_sq: Vec<f32>,
 }
 
 impl Lighting {
-    /// Means up the tree of `leaf_radiance`, one a leaf in tree order.
+    /// Computes means up the tree from `leaf_radiance`, one value per leaf in tree order.
     pub fn new(tree: &LightTree, leaf_radiance: &[Vec3]) -> Self {
         assert_eq!(leaf_radiance.len(), tree.len(), "one radiance a leaf");
         let luminances: Vec<f32> = leaf_radiance.iter().map(|&l| luminance(l)).collect();

@@ -13,7 +13,7 @@ pub struct NearestLeaf {
 }
 
 impl NearestLeaf {
-    /// Of a tree.
+    /// For the leaves of a tree.
     pub fn new(tree: &LightTree) -> Self {
         let mut leaf_of_sample = vec![0; tree.len()];
         for (leaf, &sample) in tree.order().iter().enumerate() {

@@ -1,11 +1,14 @@
 //! Leaf radiance from an environment map, energy-conserving under any rotation.
 //!
-//! Samples of a map at the light directions would lose small lamps between them and gain others twice. Here every bit of
-//! the map's energy goes to some sample, whatever the rotation: the map is resampled once to a fixed latitude-longitude
-//! grid of cell energies by overlap; a rotation shifts the rows of that grid, interpolating linearly, which keeps each
-//! row's sum; and a fixed sparse matrix whose columns sum to one hands each cell's energy to the samples nearest to it.
-//! Balancing the matrix (Sinkhorn) makes every sample receive exactly its `4π / N` of solid angle, so that a constant
-//! map gives constant leaves.
+//! Point samples of a map at the light directions would miss small lamps between them and count others twice. Here all
+//! of the map's energy goes to some sample, whatever the rotation:
+//!
+//! * The map is resampled once to a fixed latitude-longitude grid of cell energies, by overlap.
+//! * A rotation shifts the rows of that grid with linear interpolation, which keeps each row's sum.
+//! * A fixed sparse matrix distributes each cell's energy over the samples nearest to it; its columns sum to one.
+//!
+//! Balancing the matrix (Sinkhorn) gives every sample exactly its `4π / N` of solid angle, so that a constant map gives
+//! constant leaves.
 
 pub(super) mod fibonacci;
 
@@ -129,7 +132,7 @@ fn cell_entries(cell: u32, zones: &[Zone; SUBSAMPLES], longitudes: &[Longitude])
     entries.into_iter().take(count)
 }
 
-/// Bands of entries that are balanced beside each other; their number decides the rounding, so it is fixed.
+/// Bands of entries that are balanced in parallel. Their number decides the rounding, so it is fixed.
 const BANDS: usize = 8;
 
 /// Sinkhorn's balancing: every sample receives the same solid angle, and every cell gives all of its energy.
@@ -160,8 +163,8 @@ fn cell_bands(mut entries: &mut [Entry]) -> Vec<&mut [Entry]> {
     bands
 }
 
-/// Scales the entries of each sample, lets each cell give its whole energy, and returns the solid angle that every sample
-/// receives from the band.
+/// Scales the entries of each sample and normalises each cell to its whole energy. Returns the solid angle that every
+/// sample receives from the band.
 fn balance_band(band: &mut [Entry], scale: &[f64], grid: [usize; 2]) -> Vec<f64> {
     let mut received = vec![0.0; scale.len()];
     for cell in band.chunk_by_mut(|a, b| a.cell == b.cell) {

@@ -1,4 +1,4 @@
-//! What lights may hold.
+//! Checks of the values of lights.
 
 use super::{Emission, Light};
 use glam::Vec3;

@@ -16,7 +16,7 @@ pub enum LightsError {
         action: &'static str,
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Not the JSON that was expected.
@@ -44,7 +44,7 @@ pub enum LightsError {
         path: PathBuf,
         /// Which light, from 1.
         number: usize,
-        /// What it is called.
+        /// Its name.
         name: String,
         /// What is wrong.
         source: LightProblem,
@@ -99,7 +99,7 @@ impl LightsFile {
     /// Writes the file; what was there is kept until it is complete.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Errors of the file system.
     pub fn write(&self, path: &Path) -> Result<(), LightsError> {
         let io = |source| LightsError::Io { action: "write", path: path.into(), source };
         let text = serde_json::to_string_pretty(self).map_err(|e| io(e.into()))?;

@@ -1,4 +1,4 @@
-//! The shape of a rectangular light: where it stands, what a ray meets of it.
+//! The shape of a rectangular light: its position and axes, and its intersection with a ray.
 
 use super::{Emission, Light};
 use glam::{Vec2, Vec3};
@@ -16,7 +16,7 @@ pub struct RectangleShape {
     pub normal: Vec3,
 }
 
-/// A facing direction with less than this beside its vertical part counts as vertical.
+/// A direction counts as vertical if its horizontal part is less than this share of its vertical part.
 const VERTICAL: f32 = 1e-4;
 
 impl RectangleShape {

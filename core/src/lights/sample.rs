@@ -11,14 +11,14 @@ pub struct LightSample {
     pub direction: Vec3,
     /// Metres to it; infinite for directional lights.
     pub distance: f32,
-    /// Irradiance in W/m² on a surface that faces the light, divided by the density of the sample: the mean over samples
-    /// is the irradiance. Neither visibility nor the receiver's cosine is in it.
+    /// Irradiance in W/m² on a surface that faces the light, divided by the density of the sample: the mean over
+    /// samples is the irradiance. It includes neither visibility nor the receiver's cosine.
     pub irradiance: Vec3,
     /// Density of the direction per solid angle; infinite for lights without extent.
     pub pdf: f32,
 }
 
-/// What a ray meets of a light with an extent.
+/// Hit of a ray on a light with an extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightHit {
     /// Metres along the ray.
@@ -30,8 +30,8 @@ pub struct LightHit {
 }
 
 impl Light {
-    /// What `point` receives. Lights without extent ignore `u`; rectangles sample their area uniformly by `u` in
-    /// [0, 1)². `None` where no light arrives: behind, outside the cone, switched off.
+    /// The light that arrives at `point`. Lights without extent ignore `u`; rectangles sample their area uniformly by
+    /// `u` in [0, 1)². `None` where no light arrives: behind, outside the cone, switched off.
     pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         if !self.shines() {
             return None;
@@ -45,7 +45,7 @@ impl Light {
         sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
     }
 
-    /// What a ray meets of it, whatever else is there; only rectangles can be met.
+    /// The intersection of a ray with the light, without the scene; only rectangles can be hit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<LightHit> {
         let shape = RectangleShape::of(self).filter(|_| self.shines())?;
         let distance = shape.intersect(origin, direction)?;
@@ -53,7 +53,7 @@ impl Light {
         Some(LightHit { distance, radiance: self.intensity, pdf: distance * distance / (shape.area() * cos) })
     }
 
-    /// A bound of its power in W, to choose between lights; directional ones fill a disc of `radius` metres.
+    /// A bound of its power in W, for the choice between lights; directional ones fill a disc of `radius` metres.
     pub fn power_bound(&self, radius: f32) -> f32 {
         let largest = self.intensity.max_element().max(0.0);
         let power = match self.emission {

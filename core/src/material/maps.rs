@@ -12,9 +12,9 @@ use std::{
     ops::{Index, IndexMut},
 };
 
-/// What a texture of a material modulates: a map for every parameter, and two for the normal. A map multiplies its
-/// parameter, as in glTF; only the index of refraction is scaled above 1, the value of no refraction. The model and the
-/// sides that reflect have no map: they are choices, not values, and the sides are baked.
+/// The parameter of a material that a texture modulates: one map per parameter, and two for the normal. A map
+/// multiplies its parameter, as in glTF; for the index of refraction it scales the part above 1, the value of no
+/// refraction. The model and the reflecting sides have no map: they are choices, not values, and the sides are baked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Enum, Deserialize)]
 #[serde(field_identifier, rename_all = "snake_case")]
 pub enum MapKind {
@@ -28,7 +28,7 @@ pub enum MapKind {
     Specular,
     /// Multiplies the anisotropy: a texel of zero is isotropic, and float texels below zero turn the stretch across.
     Anisotropy,
-    /// Multiplies what the index of refraction has above 1: a texel of zero is 1, a texel of one the parameter.
+    /// Multiplies the part of the index of refraction above 1: a texel of zero gives 1, a texel of one the parameter.
     Ior,
     /// Tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
     Normal,
@@ -85,7 +85,7 @@ impl Serialize for MapKind {
 /// Textures that modulate a material.
 pub type MaterialMaps = Maps<TextureSlot>;
 
-/// What each map of a material uses, if anything. In files an object with a key for each [`MapKind`].
+/// The slot of each map of a material, if any. In files an object with a key for each [`MapKind`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Maps<T>(EnumMap<MapKind, Option<T>>);
 
@@ -105,12 +105,12 @@ impl<T> Maps<T> {
         self.0.iter_mut()
     }
 
-    /// What `convert` makes of the slots that are in use.
+    /// Converts the slots that are in use by `convert`.
     pub fn filter_map<U>(&self, mut convert: impl FnMut(&T) -> Option<U>) -> Maps<U> {
         Maps(EnumMap::from_fn(|kind| self[kind].as_ref().and_then(&mut convert)))
     }
 
-    /// What `convert` makes of the slots that are in use, or its first error.
+    /// Converts the slots that are in use by `convert`, or returns its first error.
     ///
     /// # Errors
     /// Those of `convert`.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::{fmt, ops::Range};
 use thiserror::Error;
 
-/// Why points make no basis.
+/// Why points do not make a basis.
 #[derive(Debug, Error, PartialEq)]
 pub enum BasisError {
     /// Offsets that do not partition the points.
@@ -22,18 +22,18 @@ pub enum BasisError {
     /// Too many or too few sender levels.
     #[error("{sender_levels} of {levels} levels of the basis cannot send; bake it with 1 to {levels} sender levels")]
     SenderLevels {
-        /// How many were to send.
+        /// How many sender levels were asked for.
         sender_levels: usize,
         /// Number of levels.
         levels: usize,
     },
-    /// A position or normal that is no number.
+    /// A position or normal that is not finite.
     #[error("point {point} of the basis has a position or normal that is no finite number; bake it again")]
     Point {
         /// Which point.
         point: usize,
     },
-    /// A radius that is no number, or not positive.
+    /// A radius that is not finite, or not positive.
     #[error("the radius of level {level} of the basis is {radius}, not a positive number; bake it again")]
     Radius {
         /// Which level, from 0.
@@ -43,13 +43,14 @@ pub enum BasisError {
     },
 }
 
-/// The functions of all levels, coarsest first. A function belongs to a point and lives within a radius around it.
+/// The functions of all levels, coarsest first. A function is centred at a point and has support within a radius around
+/// it.
 #[derive(Clone)]
 pub struct Basis {
     points: Vec<Surfel>,
-    /// First function of each level, and the end of the last.
+    /// First function of each level, and the end of the last level.
     offsets: Vec<u32>,
-    /// Radius of support in metres, one a level.
+    /// Radius of support in metres, one per level.
     radii: Vec<f32>,
     sender_levels: usize,
     trees: Vec<LevelTree>,
@@ -67,11 +68,12 @@ impl fmt::Debug for Basis {
 }
 
 impl Basis {
-    /// A basis of Poisson-disk sets, coarsest first: `spacing` is the disk radius of the first in metres, each further one
-    /// has half that of the one before. The first `sender_levels` also send.
+    /// A basis of Poisson-disk sets, coarsest first. `spacing` is the disk radius of the first set in metres; each
+    /// further set has half the radius of the one before. The functions of the first `sender_levels` are also senders.
     ///
     /// # Errors
-    /// [`BasisError`] if there is no level, if they are fewer than `sender_levels`, or if a point is not finite.
+    /// [`BasisError`] if there is no level, if there are fewer levels than `sender_levels`, or if a point is not
+    /// finite.
     pub fn new(levels: &[Vec<Surfel>], spacing: f32, sender_levels: usize) -> Result<Self, BasisError> {
         let mut offsets = vec![0];
         levels.iter().for_each(|l| offsets.push(offsets[offsets.len() - 1] + l.len() as u32));
@@ -141,17 +143,17 @@ impl Basis {
         0..self.offsets[levels] as usize
     }
 
-    /// How many of the first levels send.
+    /// Number of sender levels, which are the first.
     pub fn sender_levels(&self) -> usize {
         self.sender_levels
     }
 
-    /// The functions that send.
+    /// The functions that are senders.
     pub fn senders(&self) -> Range<usize> {
         self.first_levels(self.sender_levels)
     }
 
-    /// Their points.
+    /// The points of the senders.
     pub fn sender_points(&self) -> &[Surfel] {
         &self.points[self.senders()]
     }
@@ -190,8 +192,8 @@ impl Basis {
         values.iter().fold(T::ZERO, |sum, &(j, value)| sum + coefficients[j as usize] * value)
     }
 
-    /// Values of the functions of some levels at the points of `functions`: one row a point. A point's parents are its row
-    /// over the level before; its children and neighbours are rows of the transpose.
+    /// Values of the functions of some levels at the points of `functions`, one row per point. A point's parents are
+    /// its row over the level before; its children and neighbours are rows of the transpose.
     pub fn values_at(&self, functions: Range<usize>, levels: Range<usize>) -> SparseRows {
         let first = functions.start;
         SparseRows::build(functions.len(), |row, out| {
@@ -200,8 +202,8 @@ impl Basis {
         })
     }
 
-    /// For every function of a level: the others of that level whose points it reaches. Rows count from the level's first
-    /// function, columns from the basis's.
+    /// For every function of a level: the other functions of that level whose points it reaches. Rows count from the
+    /// level's first function, columns from the basis's first.
     pub fn neighbours(&self, level: usize) -> SparseRows {
         let (range, reached) = (self.level(level), self.reached(level, level));
         SparseRows::build(range.len(), |row, out| {
@@ -210,8 +212,8 @@ impl Basis {
         })
     }
 
-    /// For every function of a level: the functions of the next level whose points it reaches. Rows count from the level's
-    /// first function, columns from the basis's.
+    /// For every function of a level: the functions of the next level whose points it reaches. Rows count from the
+    /// level's first function, columns from the basis's first.
     pub fn children(&self, level: usize) -> SparseRows {
         self.reached(level, level + 1)
     }
@@ -231,8 +233,8 @@ fn range(offsets: &[u32], level: usize) -> Range<usize> {
     offsets[level] as usize..offsets[level + 1] as usize
 }
 
-/// Radius of support in units of the disk radius (`C` of the meshless paper, 2.3): little overlap at the coarsest level,
-/// much at the finest, which makes the sum smooth.
+/// Radius of support in units of the disk radius (`C` of the meshless paper, 2.3). Functions overlap little at the
+/// coarsest level and much at the finest, which makes the sum smooth.
 fn overlap(level: usize, levels: usize) -> f32 {
     1.5 + level as f32 / (levels.max(2) - 1) as f32
 }

@@ -3,45 +3,46 @@
 use crate::surfel::Surfel;
 use glam::Vec3;
 
-/// `F_squash`: surfaces of equal distance are ellipsoids, thinner along the normal by one plus this.
+/// `F_squash`: surfaces of equal distance are ellipsoids, thinner along the normal by one plus this factor.
 pub const SQUASH: f32 = 2.0;
-/// A function hardly weighs where the surface steps to another layer by its radius over this: functions of one of two layers,
-/// as of a wall and the one behind it, otherwise take the light of both.
+/// A function has little weight where the surface steps to another layer by more than the radius divided by this.
+/// Otherwise functions of one of two layers, such as a wall and the one behind it, take the light of both.
 const LAYERS: f32 = 8.0;
-/// What a function weighs on another layer. Where no function of that layer is near, it is all there is.
+/// Least factor for another layer. It decides only where no function of that layer is close.
 const LEAST_WEIGHT: f32 = 0.02;
 
-/// Distance in metres of `x` from a point with a unit normal (Eq. 10): what leaves its tangent plane is farther.
+/// Distance in metres of `x` from a point with a unit normal (Eq. 10). Offsets from its tangent plane count more.
 #[inline(always)]
 pub fn squashed_distance(center: Vec3, normal: Vec3, x: Vec3) -> f32 {
     let v = x - center;
     (v + normal * (SQUASH * v.dot(normal))).length()
 }
 
-/// From 1 at the centre to 0 at distance 1 and beyond, with no slope at either (meshless paper, Eq. 9).
+/// Falls from 1 at the centre to 0 at distance 1 and beyond, with zero slope at both (meshless paper, Eq. 9).
 #[inline(always)]
 pub(super) fn kernel(t: f32) -> f32 {
     let t = t.min(1.0);
     (2.0 * t - 3.0) * t * t + 1.0
 }
 
-/// The factor in weights for a step between layers, in radii. `offset` leads from one point to the other, and `normals` is the sum
-/// of their unit normals: the offset is at right angles to it within a plane and also on a sphere or cylinder, however much it leaves the plane.
+/// Factor of weights for a step between layers. `radius` is the unit, `offset` leads from one point to the other, and
+/// `normals` is the sum of their unit normals. Within a plane the offset is at right angles to that sum. So it is on a
+/// sphere or cylinder, however much it leaves the plane.
 #[inline(always)]
 pub(super) fn same_layer(offset: Vec3, normals: Vec3, radius: f32) -> f32 {
     let step = 0.5 * offset.dot(normals).abs() / radius;
     LEAST_WEIGHT + (1.0 - LEAST_WEIGHT) * kernel(LAYERS * step)
 }
 
-/// The factor of two unit normals in weights and distances: the square of their cosine, zero where they face apart.
+/// Factor of two unit normals in weights and distances: their squared cosine, zero where they face apart.
 #[inline(always)]
 pub fn alignment(a: Vec3, b: Vec3) -> f32 {
     let cosine = a.dot(b).max(0.0);
     cosine * cosine
 }
 
-/// Distance in metres of two surface points in position and normal (Eq. 11). Infinite between points whose normals are at
-/// right angles or more, and never less than the distance of their positions.
+/// Distance in metres of two surface points in position and normal (Eq. 11). It is infinite if the normals are at right
+/// angles or more, and never less than the distance of the positions.
 pub fn distance(p: &Surfel, q: &Surfel) -> f32 {
     let near =
         squashed_distance(p.position, p.normal, q.position).min(squashed_distance(q.position, q.normal, p.position));

@@ -1,6 +1,6 @@
-//! A solution at fixed points, by weights found once ("flattening" of the meshless paper, 4.1).
+//! A solution at fixed points, by weights computed once ("flattening" of the meshless paper, 4.1).
 //!
-//! The points are the vertices of a mesh for display, or the sources of the cuts for the bounces that follow the last.
+//! The points are the vertices of a mesh for display, or the sources whose cuts gather the last bounce.
 
 use super::{
     basis::Basis,
@@ -17,7 +17,7 @@ pub struct Flattening {
 }
 
 impl Flattening {
-    /// For points given by position and unit normal, from the functions that have links: the others carry nothing.
+    /// For points given by position and unit normal. Only functions with links are used; the others carry no light.
     pub fn new(basis: &Basis, transport: &Transport, points: &[(Vec3, Vec3)]) -> Self {
         Self::of_levels(basis, transport, basis.levels(), points)
     }

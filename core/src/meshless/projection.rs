@@ -7,15 +7,15 @@ use super::{
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The weights that projecting needs, found once for a basis.
+/// The weights of the projection, computed once per basis.
 #[derive(Clone, Debug)]
 pub struct Projection {
     levels: Vec<Range<usize>>,
     /// For every function: the values at its point of all functions of coarser levels.
     coarser: SparseRows,
-    /// For every function above the basis's finest level: its children, also of a level after the last, and their shares, which sum
-    /// to one. A share goes with the area of the child as well, for points are denser at edges and on small things than elsewhere,
-    /// and averages over points would lose what is lit between: 2 to 5 % of the light in a furnished room.
+    /// For every function above the basis's finest level: its children, also those in a level after the last, and their
+    /// shares, which sum to one. A share is also proportional to the area of the child, because points are denser at
+    /// edges and on small objects. Averages over points alone would lose 2 to 5 % of the light in a furnished room.
     pub(super) children: SparseRows,
     /// Integrals of the functions over the surface, in units of a function of the basis's finest level.
     areas: Vec<f32>,
@@ -43,8 +43,8 @@ impl Projection {
         Self { levels: (0..levels).map(|level| basis.level(level)).collect(), coarser, children, areas }
     }
 
-    /// Coefficients from coarse to fine (meshless paper, Eq. 7): each is what all coarser levels leave of the sample at its
-    /// point.
+    /// Coefficients from coarse to fine (meshless paper, Eq. 7): each is the residual of the sample at its point after
+    /// all coarser levels.
     ///
     /// # Panics
     /// If there are fewer samples than functions.

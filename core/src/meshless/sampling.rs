@@ -1,12 +1,12 @@
 //! Direct light on the senders and their reflectance, from finer points.
 //!
-//! What the point of a sender gets of a light is more or less than its surroundings get: the light's edges and shadows fall
-//! on them anyhow. In a furnished room under a spot the senders' own points hold 1.00 to 1.014 of its light, from basis to
-//! basis. The points of the next finer level tell more; there are about three to a finest sender. (In the paper, 2.4, each
-//! level is made of the next finer one, but for the finest that sends.)
+//! The irradiance at a sender's point differs from that of its surroundings, because edges of light and shadows cross
+//! them. In a furnished room under a spot, the senders' own points receive 1.00 to 1.014 of its light, depending on the
+//! basis. The points of the next finer level are about three times as many and give better means. (In the paper, 2.4,
+//! each level is averaged from the next finer one, except for the finest sender level.)
 //!
-//! Senders that are means blur an edge twice, once as means and once more as smooth functions that overlap, which darkens
-//! what stands close to it by 4 to 7 %. So they are fitted: what their sum misses at the points is added, by the same means.
+//! Means blur an edge twice: once as means, and once more as smooth functions that overlap. That darkens surfaces close
+//! to the edge by 4 to 7 %. So senders are fitted: the residual of their sum at the points is added, by the same means.
 
 use super::{
     basis::Basis,
@@ -22,31 +22,31 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Times that what is missing is added. The indirect light of three bakes of a living room is off by 0.084, 0.088 and 0.086
-/// without, and by 0.071, 0.077 and 0.078 with this.
+/// Number of fitting steps, each of which adds the residual. The error of indirect light in three bakes of a living
+/// room is 0.084, 0.088 and 0.086 without fitting, and 0.071, 0.077 and 0.078 with it.
 const FITTING_STEPS: usize = 2;
 
-/// Rays that tell how open a sample is, and how far they go, in radii of the finest senders: about the width of gaps whose light
-/// does not leave them.
+/// Rays per sample that measure its openness, and their length in radii of the finest senders: about the width of gaps
+/// that light does not leave.
 const OPENNESS_RAYS: usize = 32;
 const OPENNESS_REACH: f32 = 0.25;
-/// Samples count no less, so that senders within gaps have their own light.
+/// Smallest weight of a sample, so that senders within gaps have their own light.
 const LEAST_OPENNESS: f32 = 0.02;
 
-/// Where direct light and reflectance are sampled for the senders.
+/// The points at which direct light and reflectance are sampled for the senders.
 #[derive(Clone, Debug)]
 pub struct SenderSamples {
     points: Vec<Surfel>,
-    /// For every sender: samples and their shares, which sum to one. None for those that are means of finer senders.
+    /// For every sender: samples and their shares, which sum to one. Empty for senders that are means of finer senders.
     shares: SparseRows,
-    /// For every sample: the values there of the finest senders, and of the others.
+    /// For every sample: the values of the finest senders there, and of the others.
     finest: SparseRows,
     coarser: SparseRows,
 }
 
 impl SenderSamples {
-    /// The points of the first level that does not send, and those of senders without finer functions under them. `solver` is
-    /// that of the basis's bake.
+    /// Samples at the points of the first level that does not send, and at those of senders without finer functions
+    /// under them. `solver` belongs to the bake of the basis.
     pub fn new(basis: &Basis, solver: &Solver) -> Self {
         let levels = basis.sender_levels();
         let (finest, finer) = (basis.level(levels - 1), levels..basis.levels().min(levels + 1));
@@ -74,7 +74,7 @@ impl SenderSamples {
         Self { points, shares, finest, coarser }
     }
 
-    /// The same by openness, see [`Self::by_openness`], of any surface.
+    /// The same, weighted by openness on any surface; see [`Self::by_openness`].
     pub fn on_surface(basis: &Basis, solver: &Solver, surface: &dyn Surface) -> Self {
         let is_free = |point: &Surfel, direction: Vec3, within: f32| {
             let origin = point.position + point.normal * surface.offset();
@@ -83,9 +83,9 @@ impl SenderSamples {
         Self::new(basis, solver).by_openness(basis, is_free)
     }
 
-    /// Has each sample count as much as it sees of the room: what lies in a gap between two walls is dark, and as a mean with it
-    /// the wall in front of the gap would send too little. `is_free` tells whether a ray from a surfel in a direction meets
-    /// nothing within so many metres.
+    /// Weights each sample by how much of the room it sees. Points in a gap between two walls are dark; a mean with
+    /// them would make the wall in front of the gap send too little. `is_free` tells whether a ray from a surfel in a
+    /// direction hits nothing within a distance in metres.
     pub fn by_openness(mut self, basis: &Basis, is_free: impl Fn(&Surfel, Vec3, f32) -> bool + Sync) -> Self {
         let reach = OPENNESS_REACH * basis.radii()[basis.sender_levels() - 1];
         let directions = cosine_directions(OPENNESS_RAYS);
@@ -109,9 +109,9 @@ impl SenderSamples {
         &self.points
     }
 
-    /// Irradiance and reflectance of the senders, for the solver of the same bake, from those at the points. Irradiance is
-    /// fitted, and counts as much as the points reflect it, so that the product has what a lit pattern sends; beside an edge of
-    /// light it may be less than nothing. Senders that are means of finer ones get nothing.
+    /// Irradiance and reflectance of the senders, for the solver of the same bake, from the values at the points.
+    /// Irradiance is fitted, and weighted by the reflectance of the points, so that the product is the radiosity of a
+    /// lit pattern. Beside an edge of light it may be negative. Senders that are means of finer ones get zero.
     ///
     /// # Panics
     /// If there are fewer values than points.
@@ -128,7 +128,7 @@ impl SenderSamples {
         (fitted, albedo)
     }
 
-    /// Of the senders, whose projection comes close to the values at the samples, from their means.
+    /// Values of the senders whose projection is close to `values` at the samples, starting from their means.
     fn fitted(&self, projection: &Projection, values: &[Vec3], means: &[Vec3]) -> Vec<Vec3> {
         let mut fitted = means.to_vec();
         let projected = projection.pull_push(means);
@@ -143,14 +143,14 @@ impl SenderSamples {
         fitted
     }
 
-    /// Of the senders.
+    /// Mean of the samples of each sender.
     fn means(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mean = |sender: usize| self.shares.product(sender, values);
         (0..self.shares.len()).into_par_iter().with_min_len(512).map(mean).collect()
     }
 }
 
-/// Directions spread over the hemisphere around +Z by the cosine.
+/// Cosine-distributed directions over the hemisphere around +Z.
 fn cosine_directions(count: usize) -> Vec<Vec3> {
     const GOLDEN: f32 = 0.618_034;
     (0..count).map(|i| cosine_direction((i as f32 + 0.5) / count as f32, (i as f32 * GOLDEN).fract())).collect()

@@ -1,36 +1,36 @@
-//! Direct light to indirect light, as often as a light moves or a colour is edited (meshless paper, 3.3).
+//! Direct light to indirect light, whenever a light moves or a colour is edited (meshless paper, 3.3).
 //!
-//! Reflectance is applied here and nowhere before: radiosity is sampled at the points of the senders, projected, sent
-//! once through the operator, and what arrives at the senders is sent again, bounce by bounce. Projecting radiosity
-//! rather than irradiance makes a coarse sender carry the mean of what is reflected under it, not the colour of its point.
+//! Reflectance is applied here and nowhere before. Radiosity is sampled at the points of the senders, projected, and
+//! sent once through the operator. What arrives at the senders is sent again, bounce by bounce. Projecting radiosity
+//! rather than irradiance makes a coarse sender carry the mean radiosity under it, not the colour of its point.
 //!
-//! The bounces between are gathered by the functions of the senders' levels alone, for what is sent on is no finer than
-//! that; the sum of all that is sent reaches the finer receivers at once. The paper has the second and later
-//! bounces end at the coarsest level.
+//! Intermediate bounces are gathered by the functions of the sender levels alone, because senders carry nothing finer.
+//! The sum of all that was sent reaches the finer receivers at once. The paper ends the second and later bounces at the
+//! coarsest level.
 
 use super::{MeshlessBake, flatten::Flattening, projection::Projection, transport::irradiance};
 use glam::{Mat3A, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
-/// How far a solution goes.
+/// Number of bounces and threshold of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveSettings {
     /// Indirect bounces, 1 to [`Self::MOST_BOUNCES`].
     pub bounces: u32,
-    /// Senders are skipped whose coefficient is at most this share of the mean over all senders. (Of the largest would be too
-    /// much: a lamp close to a surface makes one that dwarfs all others.)
+    /// Senders are skipped whose coefficient is at most this share of the mean over all senders. (The largest would be
+    /// no measure: a lamp close to a surface makes one that dwarfs all others.)
     pub threshold: f32,
 }
 
 impl SolveSettings {
-    /// With reflectance of one in a closed room bounces never fade: this many are enough for a reflectance of 0.9, whose
-    /// 64th holds a thousandth of the first.
+    /// In a closed room of reflectance one the light of bounces never decreases. This many are enough for a reflectance
+    /// of 0.9, where the 64th bounce carries a thousandth of the first.
     pub const MOST_BOUNCES: u32 = 64;
 }
 
 impl Default for SolveSettings {
-    /// The paper's four bounces. Its threshold is 0.025 of the light's unit; this one costs nothing that shows.
+    /// The paper's four bounces. The paper's threshold is 0.025 of the light's unit; this one causes no visible error.
     fn default() -> Self {
         Self { bounces: 4, threshold: 1e-2 }
     }
@@ -39,27 +39,28 @@ impl Default for SolveSettings {
 /// Indirect light as coefficients of the basis.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Vector irradiance in W/m², one a function, a column a colour channel.
+    /// Vector irradiance in W/m², one per function, one column per colour channel.
     pub coefficients: Vec<Mat3A>,
-    /// Mean irradiance over the surface, W/m² a channel: of direct light, then of each bounce. It is that of the points of
-    /// the finest senders, each weighted by the area of its function, since points are denser at edges and on small things
-    /// than elsewhere; so these are proportional to the energy that arrives.
+    /// Mean irradiance over the surface, in W/m² per channel: of direct light, then of each bounce. It is taken at the
+    /// points of the finest senders, each weighted by the area of its function, because points are denser at edges and
+    /// on small objects. So it is proportional to the energy that arrives.
     pub mean_irradiance: Vec<Vec3>,
 }
 
-/// How the light of a solution fades from bounce to bounce.
+/// Light per bounce of a solution, and the light missing after the last bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BounceEnergy {
-    /// Indirect bounces that were done.
+    /// Number of indirect bounces that were computed.
     pub bounces: u32,
-    /// What the last of them carries, as a share of all light.
+    /// Light of the last bounce, as a share of all light.
     pub last_share: f32,
-    /// What further bounces would carry, as a share of all light with them; 1 if bounces do not fade.
+    /// Light missing after the last bounce, as a share of all light with it; 1 if the light of bounces does not
+    /// decrease.
     pub missing_share: f32,
 }
 
 impl Solution {
-    /// How its light fades. What is missing goes on from the last two bounces as a geometric series.
+    /// Light per bounce. The missing light continues the last two bounces as a geometric series.
     pub fn energy(&self) -> BounceEnergy {
         let energy: Vec<f64> = self.mean_irradiance.iter().map(|e| f64::from(e.element_sum())).collect();
         let sum: f64 = energy.iter().sum();
@@ -77,12 +78,12 @@ impl Solution {
     }
 }
 
-/// What solving needs beside the bake, found once for it.
+/// Data that solving needs beside the bake, computed once per bake.
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) projection: Projection,
     at_senders: Flattening,
-    /// By which the points of the senders receive.
+    /// Normals by which the points of the senders receive.
     normals: Vec<Vec3>,
 }
 
@@ -92,12 +93,12 @@ impl Solver {
         Self::receiving_by(bake, bake.basis.sender_points().iter().map(|p| p.normal).collect())
     }
 
-    /// For points of senders that receive light by other unit normals, as those that smooth surfaces are seen with.
+    /// For points of senders that receive light by other unit normals, such as smooth shading normals.
     ///
     /// # Panics
-    /// If there is not one normal a sender.
+    /// If there is not one normal per sender.
     pub fn receiving_by(bake: &MeshlessBake, normals: Vec<Vec3>) -> Self {
-        assert_eq!(normals.len(), bake.basis.sender_points().len(), "one normal a sender");
+        assert_eq!(normals.len(), bake.basis.sender_points().len(), "one normal per sender");
         let points: Vec<_> = bake.basis.sender_points().iter().map(|p| (p.position, p.normal)).collect();
         let levels = bake.basis.sender_levels();
         Self {
@@ -107,12 +108,12 @@ impl Solver {
         }
     }
 
-    /// Indirect light from direct light: `irradiance` in W/m² and diffuse `reflectance` of the senders, per channel, as at
-    /// their points or as [`super::SenderSamples`] fit them. What is not finite counts as zero, and reflectance is held
-    /// within zero and one.
+    /// Indirect light from direct light: `irradiance` in W/m² and diffuse `reflectance` of the senders, per channel,
+    /// either at their points or as [`super::SenderSamples`] fits them. Values that are not finite count as zero, and
+    /// reflectance is clamped to 0 to 1.
     ///
     /// # Panics
-    /// If there is not one of each a sender, or the bake is not the one it was made for.
+    /// If there is not one of each per sender, or if the bake is not the one that the solver was made for.
     pub fn solve(
         &self,
         bake: &MeshlessBake,
@@ -121,7 +122,7 @@ impl Solver {
         settings: SolveSettings,
     ) -> Solution {
         let points = bake.basis.sender_points();
-        assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value a sender");
+        assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value per sender");
         let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(finite).collect();
         let mut sent = vec![Vec3::ZERO; points.len()];
         let mut coefficients = vec![Mat3A::ZERO; points.len()];
@@ -170,7 +171,7 @@ fn threshold(radiance: &[Vec3], settings: SolveSettings) -> f32 {
     settings.threshold * sum / radiance.len().max(1) as f32
 }
 
-/// 0 to 1 a channel.
+/// 0 to 1 per channel.
 pub(super) fn usable_reflectance(rho: Vec3) -> Vec3 {
     usable(rho).min(Vec3::ONE)
 }
@@ -192,19 +193,19 @@ mod tests {
     };
     use std::f32::consts::PI;
 
-    fn fading(energies: &[f32]) -> BounceEnergy {
+    fn energy_of(energies: &[f32]) -> BounceEnergy {
         let mean_irradiance = energies.iter().map(|e| Vec3::new(*e, 0.5 * e, 0.0)).collect();
         Solution { coefficients: Vec::new(), mean_irradiance }.energy()
     }
 
     #[test]
     fn what_is_missing_is_the_rest_of_the_series() {
-        let half = fading(&[16.0, 8.0, 4.0, 2.0]);
+        let half = energy_of(&[16.0, 8.0, 4.0, 2.0]);
         assert_eq!(half.bounces, 3);
         assert!((half.last_share - 2.0 / 30.0).abs() < 1e-6 && (half.missing_share - 2.0 / 32.0).abs() < 1e-6);
-        let bright = fading(&[1.0, 0.9, 0.81]);
+        let bright = energy_of(&[1.0, 0.9, 0.81]);
         assert!((bright.missing_share - 0.729).abs() < 1e-5, "{bright:?}");
-        assert_eq!(fading(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
+        assert_eq!(energy_of(&[1.0, 1.0, 1.0]).missing_share, 1.0, "a closed box of reflectance one");
     }
 
     #[test]
@@ -248,7 +249,7 @@ mod tests {
     #[test]
     fn darkness_misses_nothing() {
         for dark in [&[0.0, 0.0, 0.0][..], &[1.0, 0.0], &[1.0], &[]] {
-            let energy = fading(dark);
+            let energy = energy_of(dark);
             assert_eq!((energy.last_share, energy.missing_share), (0.0, 0.0), "{dark:?}");
         }
     }

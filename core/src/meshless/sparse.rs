@@ -1,13 +1,13 @@
-//! Sparse matrices of weights, and what they weigh.
+//! Sparse matrices of weights, and the coefficients that they multiply.
 
 use glam::{Mat3A, Vec3};
 use rayon::prelude::*;
 use std::ops::{Add, Mul, Range, Sub};
 
-/// What a basis carries a coefficient of: a number, a colour, a vector irradiance a channel, or the coefficients of a
-/// directional basis.
+/// Type of a coefficient: a number, a colour, vector irradiance per channel, or the coefficients of a directional
+/// basis.
 pub trait Coefficient: Copy + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self> {
-    /// Nothing.
+    /// The zero of the type.
     const ZERO: Self;
 }
 

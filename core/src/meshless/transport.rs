@@ -1,12 +1,12 @@
-//! The single-bounce operator `T` as links from senders to receivers (meshless paper, 3.1), free of reflectance.
+//! The single-bounce operator `T` as links from senders to receivers (meshless paper, 3.1), without reflectance.
 //!
-//! A link is the vector irradiance at the receiver's point from a sender of unit radiance, `∫ B_j(r(x_i, ω)) ω dω`, minus
-//! what the receiver's parents already account for. A sender of radiosity `ρ E` has radiance `ρ E / π`, so one bounce
-//! gives receiver `i` the vector irradiance `Σ_j T_ij (ρ E)_j / π`, and irradiance is that dotted with the normal. The
-//! meshless paper has the reflectance, and the `1 / π` of it, inside its links (Eq. 16).
+//! A link is the vector irradiance at the receiver's point from a sender of unit radiance, `∫ B_j(r(x_i, ω)) ω dω`,
+//! minus the part that the receiver's parents already carry. A sender of radiosity `ρ E` has radiance `ρ E / π`. So one
+//! bounce gives receiver `i` the vector irradiance `Σ_j T_ij (ρ E)_j / π`, and irradiance is its dot product with the
+//! normal. The meshless paper includes the reflectance and the factor `1 / π` in its links (Eq. 16).
 //!
-//! Links lie by band of receivers and, within it, by sender: a band, or some of its senders, is done by one thread and needs no
-//! locks, senders without light are skipped, and the order of summation does not depend on threads.
+//! Links are stored by band of receivers and, within a band, by sender. One thread does a band, or some of its senders,
+//! so no locks are needed. Senders without light are skipped, and the order of summation does not depend on threads.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3A, Vec3, Vec3A};
@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Receivers of a band: their vector irradiance, 48 bytes each, stays in a core's second-level cache.
+/// Receivers per band: their vector irradiance, 48 bytes each, stays in a core's second-level cache.
 const BAND: usize = 4096;
-/// Links of a band that are done one after the other, at most: the first band has the coarsest receivers, and a third of all
+/// Largest number of links of a band that run serially. The first band has the coarsest receivers, and a third of all
 /// links.
 const SERIAL_LINKS: u32 = 1 << 17;
 
@@ -30,7 +30,7 @@ pub struct PackedLink {
     pub vector: [i16; 3],
 }
 
-/// Why stored links make no operator.
+/// Why stored links do not make an operator.
 #[derive(Debug, Error, PartialEq)]
 #[error("the links of the light transport do not fit its {receivers} receivers and {senders} senders; bake it again")]
 pub struct TransportError {
@@ -106,7 +106,7 @@ impl Transport {
         self.receivers
     }
 
-    /// Number of senders, which are the first of them.
+    /// Number of senders, which are the first functions.
     pub fn senders(&self) -> usize {
         self.senders
     }
@@ -147,18 +147,18 @@ impl Transport {
         })
     }
 
-    /// For each receiver: whether it has a link. The others never get light of their own.
+    /// For each receiver: whether it has a link. Receivers without links never get light of their own.
     pub fn linked(&self) -> Vec<bool> {
         let mut linked = vec![false; self.receivers];
         self.links().for_each(|(_, receiver, _)| linked[receiver] = true);
         linked
     }
 
-    /// One bounce: coefficients of vector irradiance of some functions, a column a colour channel, from
-    /// the senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
+    /// One bounce: coefficients of vector irradiance of some functions, one column per colour channel, from the
+    /// senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
     ///
     /// # Panics
-    /// If there are not so many receivers.
+    /// If `receivers` exceeds their number.
     pub fn apply(&self, radiance: &[Vec3], threshold: f32, receivers: Range<usize>) -> Vec<Mat3A> {
         let lit = radiance.iter().enumerate().filter(|(_, r)| r.abs().max_element() > threshold);
         let lit: Vec<(usize, Vec3)> = lit.map(|(sender, &r)| (sender, r * self.scale)).collect();
@@ -168,8 +168,8 @@ impl Transport {
         received
     }
 
-    /// Adds what a part receives of the lit senders within a range. Many links are halved by sender, each half with its own
-    /// sums, at a place that does not depend on which senders are lit.
+    /// Adds what a part receives from the lit senders within a range. A range with many links is halved by sender, each
+    /// half with its own sums; where it is halved does not depend on which senders are lit.
     fn add_received(&self, senders: Range<usize>, lit: &[(usize, Vec3)], part: BandPart) {
         let offsets = &self.offsets[part.band * self.senders..];
         let [first, end] = [offsets[senders.start], offsets[senders.end]];
@@ -192,7 +192,7 @@ impl Transport {
     fn add_received_of(&self, offsets: &[u32], lit: &[(usize, Vec3)], part: BandPart) {
         for &(sender, radiance) in lit {
             for link in &self.links[offsets[sender] as usize..offsets[sender + 1] as usize] {
-                // Links to receivers that are not asked for end here, whose number wraps below the first.
+                // Skips links to receivers outside the part; an index below its first receiver wraps around.
                 let Some(sum) = part.received.get_mut(usize::from(link.receiver).wrapping_sub(part.first)) else {
                     continue;
                 };
@@ -225,7 +225,7 @@ fn bands_of(receivers: Range<usize>, mut received: &mut [Mat3A]) -> Vec<BandPart
     parts
 }
 
-/// Those of the ascending senders that are in a range.
+/// The part of the ascending senders that is in a range.
 fn within(lit: &[(usize, Vec3)], senders: Range<usize>) -> &[(usize, Vec3)] {
     let before = |sender: usize| lit.partition_point(|&(lit, _)| lit < sender);
     &lit[before(senders.start)..before(senders.end)]
@@ -235,7 +235,8 @@ fn band_range(offsets: &[u32], senders: usize, band: usize) -> Option<Range<usiz
     Some(*offsets.get(band * senders)? as usize..*offsets.get((band + 1) * senders)? as usize)
 }
 
-/// Irradiance on a surface with a unit normal, per channel, of vector irradiance with a column a channel. Never negative.
+/// Irradiance per channel on a surface with a unit normal, from vector irradiance with one column per channel. Never
+/// negative.
 #[inline(always)]
 pub fn irradiance(vector: &Mat3A, normal: Vec3) -> Vec3 {
     vector.transpose().mul_vec3(normal).max(Vec3::ZERO)

@@ -1,4 +1,4 @@
-//! Which functions of a level reach a point: a tree over the boxes of their supports.
+//! Range queries: a tree over the boxes of the functions' supports finds the functions of a level that reach a point.
 
 use super::distance::{SQUASH, kernel, same_layer};
 use crate::surfel::Surfel;
@@ -9,7 +9,7 @@ use obvhs::{
     bvh2::{Bvh2, builder::build_bvh2},
 };
 
-/// What the square of the height above a point's plane adds to its squared distance.
+/// Factor of the squared height above a point's plane that is added to its squared distance.
 const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 
 /// Range queries over the functions of one level.
@@ -44,8 +44,8 @@ impl LevelTree {
         Self { bvh, functions, radius }
     }
 
-    /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9, less
-    /// between layers).
+    /// Appends all functions whose weight at a point is not zero, with that weight (meshless paper, Eq. 8 and 9,
+    /// reduced between layers).
     #[inline]
     pub fn weights(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
         self.bvh.point_traverse(position.into(), |bvh, node| {
@@ -54,7 +54,7 @@ impl LevelTree {
             for function in &self.functions[first..first + node.prim_count as usize] {
                 let (facing, offset) = (normal.dot(function.normal), position - function.position);
                 let height = offset.dot(function.normal);
-                // Eq. 10, squared: most functions of a leaf end here, without a root.
+                // Eq. 10, squared: most functions of a leaf are rejected here, without a square root.
                 let distance_sq = offset.length_squared() + STRETCH * height * height;
                 if facing > 0.0 && distance_sq < self.radius * self.radius {
                     let near = kernel(distance_sq.sqrt() / self.radius);
@@ -70,7 +70,7 @@ impl LevelTree {
     }
 }
 
-/// The box around the ellipsoid of points that a function reaches, a little wider than rounding.
+/// The box around the ellipsoid that a function reaches, enlarged by more than rounding.
 fn support_box(point: &Surfel, radius: f32) -> Aabb {
     const SLACK: f32 = 1e-4;
     let along = point.normal * point.normal;

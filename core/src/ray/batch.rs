@@ -25,7 +25,7 @@ impl Intersector {
     /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of those that meet nothing
     /// to 1. Other entries are left alone. Returns the number of rays traced.
     ///
-    /// `wanted` gets a direction; it must be cheap. `visible` has one entry a direction, in the order in which the
+    /// `wanted` gets a direction; it must be cheap. `visible` has one entry per direction, in the order in which the
     /// set was made.
     pub fn trace_batch(
         &self,

@@ -7,32 +7,32 @@
 //! Shaded and baked points share one rule, [`of_shading`] and [`of_baking`]. The others are numbers of their own, since
 //! pictures and bakes would change with them; this is the only place that states them.
 
-/// Rays start this share of the mean edge of the triangles off a baked or shaded point.
+/// Distance of ray origins from a baked or shaded point, as a share of the mean edge of its triangles.
 pub const OF_EDGE: f32 = 0.02;
-/// Rays of baked and shaded points start at most this share of the diagonal off a surface.
+/// Largest distance of ray origins from a surface for baked and shaded points, as a share of the diagonal.
 pub const LARGEST: f32 = 2e-4;
-/// Rays of baked points start at least this share of the diagonal off a surface.
+/// Smallest distance of ray origins from a surface for baked points, as a share of the diagonal.
 pub const SMALLEST_BAKED: f32 = 4e-6;
-/// Shadow rays of the points that bounce light start this share of the diagonal off a surface.
+/// Distance from a surface of shadow ray origins, for points that bounce light, as a share of the diagonal.
 pub const BOUNCE: f32 = 1e-4;
-/// Rays of light transport start, and segments to sources end, this share of the diagonal off a surface: sources see
-/// into narrow gaps.
+/// Distance from a surface of ray origins in light transport, and of the ends of segments to sources, as a share of the
+/// diagonal: sources see into narrow gaps.
 pub const TRANSPORT: f32 = 1e-5;
 
-/// Shadow rays of a shaded point go this share of the way to a light: lights often lie in the surface of their lamp.
+/// Share of the way to a light that shadow rays of a shaded point go: lights often lie in the surface of their lamp.
 pub const REACH_OF_SHADING: f32 = 1.0 - 1e-4;
 /// The same for points that bounce light.
 pub const REACH_OF_BOUNCE: f32 = 1.0 - 1e-3;
 
-/// Distance in metres that rays of a shaded point start off its triangle, whose mean edge has `edge` metres; `largest` is
-/// [`LARGEST`] times the diagonal of the scene.
+/// Distance in metres of ray origins from the triangle of a shaded point. `edge` is its mean edge in metres, `largest`
+/// is [`LARGEST`] times the diagonal of the scene.
 #[inline(always)]
 pub fn of_shading(edge: f32, largest: f32) -> f32 {
     (OF_EDGE * edge).clamp(OF_EDGE * largest, largest)
 }
 
-/// The same for a baked vertex: `edge` is the mean edge around it and `height` what its offset may be at most for the
-/// triangles around it, in metres.
+/// The same for a baked vertex: `edge` is the mean edge around it, and `height` the largest offset that the triangles
+/// around it allow, in metres.
 pub fn of_baking(edge: f32, height: f32, diagonal: f32) -> f32 {
     (OF_EDGE * edge).min(height).clamp(SMALLEST_BAKED * diagonal, LARGEST * diagonal)
 }

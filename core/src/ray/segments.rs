@@ -1,9 +1,9 @@
 //! Visibility of many points from one: batches of segments with a common origin.
 //!
-//! The packets of `ray::batch` serve again, made anew for every origin of the segments that are asked for. These are sorted
-//! by direction first, so that near and far ends in one direction share a packet: all of them meet the same triangles, and
-//! the far ones mostly end at a near one. In the order of a tree over the ends, packets in one direction each walk
-//! the hierarchy on their own.
+//! The packets of `ray::batch` are rebuilt for every origin from the segments asked for. Segments are sorted by
+//! direction first, so that near and far ends in one direction share a packet: all of them hit the same triangles, and
+//! the far ones mostly end at a near one. In the order of a tree over the ends, each packet in one direction would walk
+//! the hierarchy on its own.
 
 use super::{
     Intersector,
@@ -28,8 +28,8 @@ pub struct SegmentBatch {
 }
 
 impl SegmentBatch {
-    /// Calls `hidden(i)` for each of `wanted` (indices into `ends`) that something lies before, in any order. Both ends of
-    /// a segment lie off any surface.
+    /// Calls `hidden(i)`, in any order, for each of `wanted` (indices into `ends`) that something hides from the
+    /// origin. Both ends of a segment lie off any surface.
     ///
     /// The result is that of [`Intersector::occluded_between`], to the bit.
     pub fn trace(

@@ -1,6 +1,6 @@
 //! A triangle as seen from one origin: the edge planes through the origin decide which directions cross it.
 //!
-//! All rays of a batch share their origin, so the three edge planes are computed once a triangle and a
+//! All rays of a batch share their origin, so the three edge planes are computed once per triangle and a
 //! direction costs three dot products. Neighbouring triangles compute the plane of their common edge from
 //! the same operands with opposite sign, which IEEE arithmetic negates exactly: no ray slips through between.
 //! No fused multiply-add is used anywhere: all instruction sets give the same bits.
@@ -31,7 +31,7 @@ impl TriangleFrom {
         Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], normal, corner: a, side }
     }
 
-    /// Whether the ray along `direction` meets the triangle. An origin in the triangle's plane sees none of it.
+    /// Whether the ray along `direction` hits the triangle. A ray from the triangle's plane never does.
     #[inline(always)]
     pub fn crosses(&self, direction: Vec3) -> bool {
         self.side != 0.0 && self.edges.iter().all(|&e| dot(e, direction) >= 0.0)
@@ -44,7 +44,7 @@ impl TriangleFrom {
         dot(self.normal * sign, segment) > self.side.abs() && self.crosses(segment)
     }
 
-    /// Distance and barycentric weights of the meeting point, if any; the triangle index is left at 0.
+    /// Distance and barycentric weights of the hit, if any; the triangle index is left at 0.
     pub fn hit(&self, direction: Vec3) -> Option<Hit> {
         if !self.crosses(direction) {
             return None;

@@ -1,10 +1,11 @@
 //! Solid angles of the sources around a point, by rays.
 //!
-//! Far sources are discs, each hidden or not. Near by the shape of what surrounds the point counts: in the folds of a sofa
-//! discs overlap, and reach into other surfaces; at the foot of a wall the floor's are seen edge on. So rays from the point go
-//! out in all directions, and each gives its part of the sphere to the source that stands for the place it meets. A receiver
-//! takes light of a source to come from its centre, so a ray counts by its own cosine over that of the centre: irradiance is
-//! nearly right even where rays meet the foot of a wall and the centre is far up.
+//! A distant source is a disc, hidden or visible. At small distances the shape of the surfaces around the point
+//! matters: in the folds of a sofa discs overlap and reach into other surfaces; at the foot of a wall the floor's discs
+//! are seen edge on. So rays go out from the point in all directions, and each assigns its part of the sphere to the
+//! source that owns the surface it hits. Shading takes the light of a source to come from its centre. So a ray is
+//! weighted by its own cosine over that of the centre. Then irradiance is nearly right even where rays hit the foot of
+//! a wall and the centre is far up.
 
 use super::Source;
 use crate::{
@@ -15,24 +16,24 @@ use crate::{
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Sources within so many of their spacings are near.
+/// Sources within this many of their spacings are near.
 const REACH: f32 = 8.0;
-/// A place that is further from all sources than so many of their spacings belongs to none: light does not reach it.
+/// A point farther than this many spacings from every source belongs to none: light does not reach it.
 pub const OWNED_WITHIN: f32 = 2.0;
 /// Rays over the sphere. In a furnished room four times as many are no better, see `docs/decisions/0008-near-field-by-rays.md`.
 const RAYS: usize = 1024;
-/// A point no higher than so many spacings over a source's plane lies in the same surface.
+/// A point no higher than this many spacings above a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
-/// What rays meet no deeper below their origin than so many times its own lift, if it faces much as the point's surface does, is
-/// that surface ([`Origin::own_cosine`]). Smooth normals receive directions below the faces around them, which took the light of these
-/// faces' sources.
-const OWN_LIFTS: f32 = 2.0;
+/// A hit belongs to the point's own surface if it is no deeper below the origin than this multiple of the lift, and if
+/// it faces nearly as that surface does ([`Origin::same_surface_cosine`]). Smooth normals receive directions below the
+/// faces around them, which would take the light of these faces' sources.
+const SAME_SURFACE_LIFTS: f32 = 2.0;
 
-/// Cosines count as no less: what is interpolated is shaded at other places than it was sampled at, where a centre that lay at
-/// the horizon may stand high. In the living room with 0.05 a single pixel held 0.4 of the squared error.
+/// Smallest cosine in the weights of rays. Interpolation shades other points than those sampled, and there a centre at
+/// the horizon may be high above it. With 0.05 a single pixel of the living room held 0.4 of the squared error.
 const LEAST_COSINE: f32 = 0.3;
 
-/// Which sources have an area, and by place which of these a place belongs to.
+/// The sources that have an area, and a grid that finds the one that owns a place.
 pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
     let members: Vec<u32> = (0..sources.len() as u32).filter(|&i| sources[i as usize].area > 0.0).collect();
     let reach = |&i: &u32| {
@@ -48,27 +49,28 @@ pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
 pub struct Origin {
     /// Off all surfaces.
     pub position: Vec3,
-    /// Where `position` is but for vertices that sample beside themselves: over the place that all faces around them share.
+    /// The point that all faces around the vertex share. It differs from `position` only for vertices that sample
+    /// beside themselves.
     pub anchor: Vec3,
-    /// Unit vector that cosines are of.
+    /// Unit normal for cosines.
     pub normal: Vec3,
     /// Unit normal of the surface that the point lies in.
     pub face: Vec3,
-    /// How far it lies off that surface, in metres.
+    /// Distance from that surface, in metres.
     pub lift: f32,
-    /// Cosine with `face` above which a place faces as that surface does: [`Self::OWN_COSINE`], or less where faces around a vertex
-    /// lean farther from its normal.
-    pub own_cosine: f32,
+    /// Smallest cosine with `face` at which a hit can belong to the same surface: [`Self::SAME_SURFACE_COSINE`], or
+    /// less where faces around a vertex lean farther from its normal.
+    pub same_surface_cosine: f32,
 }
 
 impl Origin {
-    /// For a point within a face.
-    pub const OWN_COSINE: f32 = 0.5;
+    /// Value for a point within a face.
+    pub const SAME_SURFACE_COSINE: f32 = 0.5;
 
-    /// Whether a place is of the surface that the point lies in.
+    /// Whether a hit belongs to the surface that the point lies in.
     fn lies_in_surface_of(&self, place: &Surfel) -> bool {
         let height = (self.anchor - place.position).dot(place.normal);
-        height < OWN_LIFTS * self.lift && place.normal.dot(self.face) > self.own_cosine
+        height < SAME_SURFACE_LIFTS * self.lift && place.normal.dot(self.face) > self.same_surface_cosine
     }
 
     fn height_over(&self, place: &Surfel) -> f32 {
@@ -76,19 +78,19 @@ impl Origin {
     }
 }
 
-/// Sources by place, for the rays of points next to them.
+/// Sources by position, for the rays of points close to them.
 pub struct NearField {
     /// The sources that have an area.
     owners: GradedGrid,
-    /// Which they are.
+    /// Their indices.
     members: Vec<u32>,
     directions: Vec<Vec3>,
-    /// How far rays go, in metres.
+    /// Length of rays, in metres.
     longest: f32,
 }
 
 impl NearField {
-    /// For all that sources may be seen from.
+    /// For these sources.
     pub fn new(sources: &[Source]) -> Self {
         let (members, owners) = owners(sources);
         let widest = sources.iter().map(|source| source.spacing).fold(0.0, f32::max);
@@ -96,21 +98,22 @@ impl NearField {
         Self { owners, members, directions: fibonacci_directions(RAYS), longest }
     }
 
-    /// Whether rays from `origin` say what it sees of a source, and not the source's disc.
+    /// Whether rays from `origin` decide the source's solid angle there, in place of its disc.
     #[inline(always)]
     pub fn holds(&self, source: &Source, origin: Vec3) -> bool {
         let reach = REACH * source.spacing;
         source.surfel.position.distance_squared(origin) < reach * reach
     }
 
-    /// Whether `origin` lies in front of a source's plane, and not just by rounding.
+    /// Whether `origin` lies in front of a source's plane by more than rounding.
     #[inline(always)]
     pub fn is_over(&self, source: &Source, origin: Vec3) -> bool {
         (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * source.spacing
     }
 
-    /// Calls `add` with sources that [`Self::holds`] of a point, and the solid angle in steradians that one more ray from its
-    /// `origin` gives them, of the rays in directions that the point `receives`. Returns the rays traced.
+    /// Traces the rays of a point in the directions that it `receives`. Each hit on a source for which
+    /// [`Self::holds`] is true calls `add` with that source and the solid angle in steradians of the ray. Returns the
+    /// number of rays traced.
     pub fn gather(
         &self,
         sources: &[Source],
@@ -123,12 +126,12 @@ impl NearField {
         let mut rays = 0;
         for &direction in self.directions.iter().filter(|&&d| receives(d)) {
             rays += 1;
-            // A ray that comes from high up must not go to a source that is seen low.
+            // A ray from high above must not go to a source at the horizon.
             let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
             let to = |source: &Source| (source.surfel.position - origin.position).normalize_or_zero();
             let met = scene.surfel_before(origin.position, direction, self.longest);
             let owner = met.and_then(|met| self.owner(sources, &origin, &met, |source| cosine(to(source)) > lowest));
-            // Under a sheet that stands on a floor, the nearest source may lie before the other side of it.
+            // Below a sheet that stands on a floor, the nearest source may be on the other side of the sheet.
             if let Some(owner) = owner.filter(|&owner| receives(to(&sources[owner]))) {
                 let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));
                 add(owner, 2.0 * TAU / RAYS as f32 * cosines[0] / cosines[1]);
@@ -137,10 +140,10 @@ impl NearField {
         rays
     }
 
-    /// The near source that stands for a place: the nearest that `lights` a point at `origin`, for a table's top is next to a
-    /// ledge below its rim, and sources may lie at the very foot of a wall. If none does, the nearest of all. None for a place
-    /// of the surface that `origin` itself lies in, which rays below the tangent plane of a rounded edge meet, nor where
-    /// the nearest is far enough to be a disc.
+    /// The near source that owns a hit: the nearest that `lights` a point at `origin`, else the nearest of all. The
+    /// nearest may not light the point: a table's top is next to a ledge below its rim, and sources may lie at the very
+    /// foot of a wall. `None` for a hit on the surface that `origin` itself lies in, which rays below the tangent plane
+    /// of a rounded edge reach, and where the nearest source is far enough to be a disc.
     fn owner(
         &self,
         sources: &[Source],
@@ -195,8 +198,8 @@ mod tests {
 
     fn gathered(near: &NearField, scene: &Intersector, sources: &[Source], origin: Vec3, normal: Vec3) -> Vec<f32> {
         let mut angles = vec![0.0; sources.len()];
-        let (face, own_cosine) = (normal, Origin::OWN_COSINE);
-        let origin = Origin { position: origin, anchor: origin, normal, face, lift: 0.0, own_cosine };
+        let (face, same_surface_cosine) = (normal, Origin::SAME_SURFACE_COSINE);
+        let origin = Origin { position: origin, anchor: origin, normal, face, lift: 0.0, same_surface_cosine };
         near.gather(sources, scene, origin, |d| d.dot(normal) > 0.0, |i, angle| angles[i] += angle);
         angles
     }
@@ -267,20 +270,29 @@ mod tests {
         let (near, lift) = (NearField::new(&sources), 0.02 * CELL);
         let normal = Vec3::new(0.0, 0.2, -1.0).normalize();
         let position = Vec3::new(2.02, 0.02 * CELL, 0.03);
-        let in_floor =
-            Origin { position, anchor: position, normal, face: Vec3::Y, lift, own_cosine: Origin::OWN_COSINE };
+        let in_floor = Origin {
+            position,
+            anchor: position,
+            normal,
+            face: Vec3::Y,
+            lift,
+            same_surface_cosine: Origin::SAME_SURFACE_COSINE,
+        };
         let gathered = |origin| {
             let mut sum = 0.0;
             near.gather(&sources, &scene, origin, |d| d.dot(normal) > 0.0, |_, angle| sum += angle);
             sum
         };
         assert_eq!(gathered(in_floor), 0.0);
-        let vertex = Origin { face: normal, own_cosine: 0.99 * normal.y, ..in_floor };
+        let vertex = Origin { face: normal, same_surface_cosine: 0.99 * normal.y, ..in_floor };
         assert_eq!(gathered(vertex), 0.0, "of which the normal alone is known");
         let beside = Origin { position: position + Vec3::Y * 0.1 * CELL, ..in_floor };
         assert_eq!(gathered(beside), 0.0, "a vertex that samples beside itself");
         for (control, is) in [
-            (Origin { own_cosine: Origin::OWN_COSINE, ..vertex }, "one whose faces are said to lean less"),
+            (
+                Origin { same_surface_cosine: Origin::SAME_SURFACE_COSINE, ..vertex },
+                "one whose faces are said to lean less",
+            ),
             (Origin { anchor: beside.position, ..beside }, "a point as high above the floor"),
             (Origin { lift: 0.0, ..in_floor }, "a point that close above the floor, but not in it"),
             (Origin { face: Vec3::NEG_Z, ..in_floor }, "the foot of a wall"),

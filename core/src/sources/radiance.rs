@@ -1,4 +1,4 @@
-//! What changes when the light on the sources changes: radiance and centres of all nodes of a source tree.
+//! What changes with the light on the sources: radiance and centres of all nodes of a source tree.
 
 use super::tree::{Cloud, SourceTree};
 use crate::{color::luminance, light_tree::means_up_the_tree};
@@ -7,13 +7,12 @@ use glam::Vec3;
 /// A source tree under one illumination; all arrays by heap index.
 #[derive(Clone, Debug)]
 pub struct SourceRadiance {
-    /// Mean radiance of the sources below each node, weighted by area: a cut's value is a solid angle, which is
-    /// proportional to area, so that the product of both means is close to the mean of the product.
+    /// Mean radiance of the sources below each node, weighted by area. A cut's value is a solid angle, which is
+    /// proportional to area, so the product of both means is close to the mean of the product.
     pub radiance: Vec<Vec3>,
-    /// Mean position weighted by area and luminance: in a node that holds a bright spot the spot decides where light
-    /// comes from.
+    /// Mean position, weighted by area and luminance: in a node that contains a bright spot, light comes from the spot.
     pub center: Vec<Vec3>,
-    /// Radius in metres as [`SourceTree::radii`], weighted alike.
+    /// Radius in metres as [`SourceTree::radii`], with the same weights.
     pub spread: Vec<f32>,
     /// Mean of luminance times area of the leaves below each node, for illumination cuts.
     pub power: Vec<f32>,
@@ -22,7 +21,7 @@ pub struct SourceRadiance {
 }
 
 impl SourceRadiance {
-    /// Means up the tree of `leaf_radiance`, one a source.
+    /// Computes means up the tree from `leaf_radiance`, one value per source.
     pub fn new(tree: &SourceTree, leaf_radiance: &[Vec3]) -> Self {
         assert_eq!(leaf_radiance.len(), tree.len(), "one radiance a source");
         let leaves = || tree.sources().iter().zip(leaf_radiance);

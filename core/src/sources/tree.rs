@@ -1,7 +1,7 @@
-//! The tree over surface sources: where the sources of a node lie, and how far apart.
+//! The tree over surface sources: position and extent of each node.
 //!
-//! As the light tree it is complete, and its arrays are indexed by heap index. A node's sources are discs of some area;
-//! seen from far they are one light at their mean position.
+//! Like the light tree it is complete, and its arrays are indexed by heap index. A node's sources are discs; from a
+//! large distance they are one light at their mean position.
 
 use super::Source;
 use glam::Vec3;
@@ -49,7 +49,7 @@ impl SourceTree {
         &self.sources
     }
 
-    /// Area of a node's sources together, in m².
+    /// Total area of a node's sources, in m².
     pub fn areas(&self) -> &[f32] {
         &self.areas
     }
@@ -59,7 +59,8 @@ impl SourceTree {
         &self.centers
     }
 
-    /// Radius in metres of the disc whose points lie as far from its centre, on the mean square, as a node's do.
+    /// Radius in metres of the disc whose points have the same mean squared distance from its centre as a node's
+    /// points.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -79,8 +80,8 @@ impl Cloud {
         Self { weight, center: source.surfel.position, variance: source.area / TAU }
     }
 
-    /// Both together, without the cancellation of sums of squares (Chan et al. 1979). Of two without weight, each counts
-    /// for half.
+    /// Both together, without the cancellation of sums of squares (Chan et al. 1979). If neither has weight, each
+    /// counts half.
     fn joined(self, other: Self) -> Self {
         let weight = self.weight + other.weight;
         let share = if weight > 0.0 { other.weight / weight } else { 0.5 };
@@ -93,7 +94,7 @@ impl Cloud {
         }
     }
 
-    /// Those of all nodes by heap index (entry 0 repeats the root), from the leaves'.
+    /// Clouds of all nodes by heap index (entry 0 repeats the root), from those of the leaves.
     pub fn up_the_tree(leaves: Vec<Self>) -> Vec<Self> {
         let n = leaves.len();
         let mut nodes = leaves.clone();

@@ -6,7 +6,7 @@ use glam::Vec3;
 const BUCKETS: usize = 1 << 18;
 const NONE: u32 = u32::MAX;
 
-/// A uniform hash grid. Every cell knows the balls that reach into it, so that a point is looked up in one cell.
+/// A uniform hash grid. Every cell lists the balls that overlap it, so that a point needs a lookup in one cell only.
 pub struct BallGrid {
     inverse_cell: f32,
     /// Last entry of each bucket.
@@ -44,7 +44,7 @@ impl BallGrid {
         }
     }
 
-    /// Whether `test` holds for the number of any ball that holds a position; some are asked more than once.
+    /// Whether `test` holds for the number of any ball that contains a position; some are tested more than once.
     pub fn any_around(&self, position: Vec3, mut test: impl FnMut(u32) -> bool) -> bool {
         let mut at = self.heads[bucket(self.cell(position))];
         while at != NONE {

@@ -1,13 +1,13 @@
-//! Surface points of different reach by place: which of them stands for a place.
+//! Lookup of surface points with individual reach: which of them owns a position.
 
 use super::{Surfel, ball_grid::BallGrid};
 use crate::meshless::distance::distance;
 use std::collections::BTreeMap;
 
-/// Octaves of reach that share a grid: fewer are more grids to look in, more are larger cells.
+/// Octaves of reach that share a grid: fewer octaves need more grids, more octaves larger cells.
 const OCTAVES: f32 = 2.0;
 
-/// Points that each stand for the places within a reach of their own, in a grid for every few octaves of reach.
+/// Points that each own positions within their own reach, in a grid for every few octaves of reach.
 #[derive(Default)]
 pub struct GradedGrid {
     layers: BTreeMap<i32, BallGrid>,
@@ -15,7 +15,7 @@ pub struct GradedGrid {
 }
 
 impl GradedGrid {
-    /// Of points and their reach in metres.
+    /// For points with their reach in metres.
     pub fn of(points: impl IntoIterator<Item = (Surfel, f32)>) -> Self {
         let mut grid = Self::default();
         points.into_iter().for_each(|(point, reach)| grid.push(point, reach));
@@ -42,8 +42,8 @@ impl GradedGrid {
         self.points
     }
 
-    /// Whether `test` holds for the index and the distance ([`distance`]) of any point that reaches `place`; some are asked
-    /// twice.
+    /// Whether `test` holds for the index and the distance ([`distance`]) of any point that reaches `place`; some are
+    /// tested twice.
     pub fn any_reaching(&self, place: &Surfel, mut test: impl FnMut(usize, f32) -> bool) -> bool {
         // The distance is never less than that of the positions.
         self.layers.values().any(|layer| {
@@ -55,12 +55,12 @@ impl GradedGrid {
         })
     }
 
-    /// The nearest ([`distance`]) of the points that reach a place.
+    /// The nearest ([`distance`]) of the points that reach a position.
     pub fn nearest(&self, place: &Surfel) -> Option<usize> {
         self.nearest_that(place, |_| true)
     }
 
-    /// The nearest of the points that reach a place, of those whose index `may` stand for it.
+    /// The nearest of the points that reach a position, of those whose index passes `may`.
     pub fn nearest_that(&self, place: &Surfel, may: impl Fn(usize) -> bool) -> Option<usize> {
         let mut nearest = (f32::INFINITY, None);
         self.any_reaching(place, |i, d| {

@@ -11,7 +11,7 @@ use glam::{Quat, Vec2, Vec3, vec3};
 use crate::mesh::Mesh;
 use crate::noise;
 
-/// What falls, onto what, and how long.
+/// The cloth, its support, and the duration of the fall.
 #[derive(Clone, Copy, Debug)]
 pub struct Drape {
     /// Vertices along each side.
@@ -95,7 +95,7 @@ impl Cloth {
         Cloth { drape, spacing, previous: position.clone(), position, links, near: Vec::new() }
     }
 
-    /// Presses what lies under the coming weight onto the block, over the second half of the time.
+    /// Presses the parts that the weight will rest on onto the block, over the second half of the time.
     fn press(&mut self, progress: f32) {
         let top = self.drape.block.y + CLEARANCE;
         let lid = top + 0.06 * (1.6 - 2.0 * progress).max(0.0);

@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3, vec3};
 use crate::furniture::joined;
 use crate::mesh::Mesh;
 use crate::rounded_box::{plain_box, rounded_box};
-use crate::scene::{Camera, Light, Material, Scene, at};
+use crate::scene::{Camera, Material, PunctualLight, Scene, at};
 
 /// Inner width, height and depth in metres; the floor's middle is the origin.
 pub const SIZE: f32 = 2.0;
@@ -29,7 +29,7 @@ pub fn color_box() -> Scene {
     scene.add("Short block", rounded_box(short, 0.01, 0.08), "White paint", at(vec3(0.35, 0.301, 0.3), -18.0));
     scene.cameras =
         vec![Camera { name: "main", eye: vec3(0.0, 1.0, 4.6), target: vec3(0.0, 1.0, 0.0), vertical_fov: 36.0 }];
-    scene.lights = vec![Light {
+    scene.lights = vec![PunctualLight {
         name: "Spot",
         position: vec3(0.1, 1.9, 0.1),
         target: vec3(0.0, 0.0, -0.1),

@@ -1,5 +1,5 @@
-//! An openwork lantern: two families of strips wind around an onion-shaped body and cross, so that the
-//! sun throws a net of light onto whatever stands behind it.
+//! An openwork lantern: two families of strips wind around an onion-shaped body and cross, so that the sun casts a net
+//! of light behind it.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 

@@ -8,7 +8,7 @@ use glam::{Affine3A, Mat3, Quat, Vec3};
 use serde_json::{Map, Value, json};
 
 use crate::mesh::Mesh;
-use crate::scene::{Light, Material, Scene};
+use crate::scene::{Material, PunctualLight, Scene};
 
 /// glTF component types and buffer targets.
 const UNSIGNED_SHORT: u32 = 5123;
@@ -172,7 +172,7 @@ fn placed(name: &str, kind: &str, index: usize, world_from_object: Affine3A) -> 
     })
 }
 
-fn placed_light(index: usize, light: &Light) -> Value {
+fn placed_light(index: usize, light: &PunctualLight) -> Value {
     let mut node = placed(light.name, "mesh", index, looking(light.position, light.target));
     // A node refers to its light through the extension.
     if let Some(fields) = node.as_object_mut() {
@@ -183,7 +183,7 @@ fn placed_light(index: usize, light: &Light) -> Value {
 }
 
 /// Colour is the intensity with its largest channel brought to 1.
-fn light(light: &Light) -> Value {
+fn light(light: &PunctualLight) -> Value {
     let largest = light.intensity.into_iter().fold(0.0, f32::max);
     let mut value = json!({
         "name": light.name,

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
 use crate::furniture::{self, joined};
 use crate::rounded_box::rounded_box;
-use crate::scene::{Camera, Light, Material, Scene, at};
+use crate::scene::{Camera, Material, PunctualLight, Scene, at};
 use crate::{gem, knot, room, vase};
 
 /// Thickness of the rug: what stands on it stands this high.
@@ -34,16 +34,16 @@ pub fn interior() -> Scene {
 }
 
 /// A lamp, which shines out of its shade above and below, and a spot on the table.
-fn lights() -> Vec<Light> {
+fn lights() -> Vec<PunctualLight> {
     vec![
-        Light {
+        PunctualLight {
             name: "Lamp",
             position: vec3(LAMP_AT.x, 1.60, LAMP_AT.z),
             target: LAMP_AT,
             intensity: [2.4, 1.9, 1.2],
             cone: None,
         },
-        Light {
+        PunctualLight {
             name: "Ceiling spot",
             position: vec3(-0.2, 2.55, 0.5),
             target: TABLE_AT,

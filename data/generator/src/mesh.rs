@@ -118,7 +118,7 @@ pub fn position_key(p: Vec3) -> [u32; 3] {
 
 #[cfg(test)]
 pub mod checks {
-    //! What every mesh of the bundle must satisfy.
+    //! Conditions for every mesh of the bundle.
 
     use super::*;
 

@@ -89,16 +89,16 @@ pub struct Camera {
 
 /// A local light (KHR_lights_punctual).
 #[derive(Clone, Copy, Debug)]
-pub struct Light {
+pub struct PunctualLight {
     /// Name shown to the artist.
     pub name: &'static str,
     /// Position in metres.
     pub position: Vec3,
     /// Point that a spot shines at.
     pub target: Vec3,
-    /// Radiant intensity a colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
+    /// Radiant intensity per colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
     pub intensity: [f32; 3],
-    /// Angles of a spot from its axis in degrees: where it begins to fall off, and where it ends. `None` for a point.
+    /// Angles of a spot from its axis in degrees: start and end of its falloff. `None` for a point light.
     pub cone: Option<[f32; 2]>,
 }
 
@@ -116,7 +116,7 @@ pub struct Scene {
     /// Cameras; the first is the one to open with.
     pub cameras: Vec<Camera>,
     /// Local lights.
-    pub lights: Vec<Light>,
+    pub lights: Vec<PunctualLight>,
 }
 
 impl Scene {

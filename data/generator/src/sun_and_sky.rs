@@ -13,8 +13,8 @@ const TURBIDITY: f32 = 3.0;
 const TOWARDS_SUN: Vec3 = vec3(-0.78, 0.60, 0.14);
 /// Radius of the disc, degrees. The real sun has 0.27: a map of this size could not hold it.
 const SUN_RADIUS: f32 = 1.5;
-/// Illuminance of a surface facing the sun over that of the horizontal by the sky alone. Clear days at this
-/// height of the sun have 80 to 90 klx over 13 to 15 klx.
+/// Illuminance of a surface facing the sun over that of a horizontal one from the sky alone. Clear days at this height
+/// of the sun have 80 to 90 klx over 13 to 15 klx.
 const SUN_TO_SKY: f32 = 6.0;
 /// Colour of the direct light at this height, luminance 1.
 const SUN_COLOR: Vec3 = vec3(1.160, 0.985, 0.715);

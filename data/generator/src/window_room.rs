@@ -88,7 +88,7 @@ fn window_part(point: Vec3, normal: Vec3) -> WindowPart {
     }
 }
 
-/// What is seen through the glass: hazy sky over a garden.
+/// The view through the glass: hazy sky over a garden.
 fn outside(d: Vec3) -> Vec3 {
     let sky = vec3(9.5, 10.3, 11.2).lerp(vec3(5.5, 7.2, 9.8), smoothstep(0.0, 0.6, d.y));
     let leaves = 0.5 + 0.5 * fractal(vec2(0.5 + d.z / 4.0, 0.5 + d.y / 4.0), (24, 24), 3, 5);

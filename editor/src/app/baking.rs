@@ -131,7 +131,7 @@ impl EditorState {
         }
     }
 
-    /// The draft of a bundled scene is shown at the next start if the bake is not through by then.
+    /// The draft of a bundled scene is shown at the next start, if the bake is not finished by then.
     fn keep_draft(&self, dataset: &Arc<Dataset>) {
         let Some(output) = self.scene.bake_output.as_deref().filter(|o| o.starts_with(&self.folders.cache)) else {
             return;
@@ -143,8 +143,8 @@ impl EditorState {
         });
     }
 
-    /// What an interrupted bake has left for a bake with the present settings. It is read again only when something
-    /// that decides it has changed.
+    /// What an interrupted bake left for a bake with the present settings. It is read again only when its inputs have
+    /// changed.
     pub(super) fn leftover(&mut self) -> Leftover {
         let Some((source, output)) = self.scene.source.as_ref().zip(self.scene.bake_output.as_ref()) else {
             return Leftover::Nothing;
@@ -175,14 +175,14 @@ impl EditorState {
         self.scene.show_stale = false;
     }
 
-    /// What differs between the bake that is there and what a bake would give.
+    /// Differences between the present bake and the result of a new one.
     pub(super) fn stale_reasons(&self) -> Vec<String> {
         let hash = self.scene.source.as_ref().map(|source| source.hash.as_str());
         let baked = self.scene.baked.as_ref();
         baked.map_or_else(Vec::new, |baked| stale_reasons(&self.document, &baked.dataset, hash))
     }
 
-    /// The scene file has changed. A bake of what it was is out of date, unless only looks were changed in it.
+    /// The scene file has changed. Its bake is out of date, unless only appearances were changed.
     pub(super) fn scene_changed(&mut self, path: &Path, source: Imported) {
         let hash = self.scene.source.as_ref().map(|source| &source.hash);
         if self.document.scene.as_deref() != Some(path) || hash == Some(&source.hash) {
@@ -218,15 +218,15 @@ impl EditorState {
     }
 }
 
-/// When the folder that an interrupted bake leaves beside its output was last written to, if there is one.
+/// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.
 fn checkpoint_time(output: &Path) -> Option<SystemTime> {
     let mut folder = output.as_os_str().to_owned();
     folder.push(".partial");
     std::fs::metadata(folder).ok().filter(|m| m.is_dir())?.modified().ok()
 }
 
-/// A scene that was changed in another program may have other materials: those that the document lacks are added, as
-/// many as the mesh refers to stay.
+/// A scene that was changed in another program may have other materials. Materials that the document lacks are added,
+/// so that there are as many as the mesh refers to.
 fn fit_materials(document: &mut Document, dataset: &Dataset) {
     let materials = &dataset.scene.materials;
     document.materials.truncate(materials.len());
@@ -240,8 +240,8 @@ fn fit_materials(document: &mut Document, dataset: &Dataset) {
     }
 }
 
-/// Takes over the textures of a scene, by name, first in the same place: what stood in for them goes, those that are
-/// new come last. Returns where each is.
+/// Takes over the textures of a scene, by name, first at the same index. They replace their stand-ins; new ones are
+/// appended. Returns the index of each.
 fn take_textures(document: &mut Document, textures: &[Arc<Texture>]) -> Vec<u32> {
     let mut places = Vec::with_capacity(textures.len());
     for (i, texture) in textures.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! The comparison with a reference: begun anew when the picture is another, measured again when only what is shown is.
+//! The comparison with a reference: it begins anew for another picture, and measures again when only the display
+//! changes.
 
 use super::state::{EditorState, pictures::Pictures};
 use crate::panels::comparison::KindChoice;
@@ -17,7 +18,7 @@ impl EditorState {
         let moving = picture.moving;
         let Some(request) = panel.request(picture.baked, picture.look) else { return self.comparison.end() };
         if moving && !self.comparison.jobs().tracing.is_current(&request) {
-            // Rays for a picture of before would only slow down the next one, and it would be no reference for it.
+            // Rays for the previous picture would only slow down the next one, for which it is no reference.
             self.comparison.jobs().tracing.stop();
             return self.comparison.forget();
         }

@@ -1,5 +1,5 @@
-//! File dialogs. The system's own runs on a thread of its own; where there is none, as on a bare X server, the window
-//! has one that lists folders.
+//! File dialogs. The system's own dialog runs on its own thread. Without one, as on a bare X server, the window has a
+//! dialog that lists folders.
 
 mod path_entry;
 mod purpose;
@@ -52,8 +52,8 @@ impl FileDialogs {
         Self { open: None, system: system && system_has_dialogs(), left: None, wake }
     }
 
-    /// Asks for the path of `action`, which comes back with it from [`Self::show`]. It begins where files for the same
-    /// were chosen last, else in `folder`, and suggests `name`; a dialog that is open already stays.
+    /// Asks for the path of `action`, which [`Self::show`] returns with it. The dialog begins in the last folder for
+    /// this purpose, else in `folder`, and suggests `name`; a dialog that is open already stays.
     pub fn ask(&mut self, action: Action, last: &LastFolders, folder: Option<PathBuf>, name: Option<String>) {
         let Some(purpose) = Purpose::of(&action) else { return };
         if self.open.is_some() {

@@ -1,4 +1,4 @@
-//! Documents come and go: opened, saved, left after a question, and their missing files looked for.
+//! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
 use super::{
     first_view::FirstView,
@@ -171,7 +171,7 @@ impl EditorState {
         self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
     }
 
-    /// What the window is called.
+    /// Title of the window.
     pub fn title(&self) -> String {
         let Document { scene, dataset, .. } = &self.document;
         let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());

@@ -1,4 +1,4 @@
-//! Exporting sequences and layered pictures: the dialog, the job, and what is said about it.
+//! Export of sequences and layered pictures: the dialog, the job, and its messages.
 
 use super::{
     sequence_dialog::{SequenceAnswer, SequenceDialog},

@@ -59,8 +59,8 @@ impl EditorState {
         self.edit_material(index, material, map.label());
     }
 
-    /// `added` are textures that the material refers to after the first `given` ones of the document. More may have come to
-    /// the document since then.
+    /// `added` are the textures that the material refers to after the first `given` ones of the document, which may
+    /// have got more textures since.
     fn use_material(
         &mut self,
         index: usize,

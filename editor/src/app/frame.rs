@@ -1,5 +1,4 @@
-//! A frame of the window: what jobs have done, the interface, and what it asked for. It runs without a window too, as in
-//! tests.
+//! A frame of the window: results of jobs, the interface, and its requests. It also runs without a window, in tests.
 
 use super::{
     layout, prompts,
@@ -11,7 +10,7 @@ use egui::{Event, Ui, ViewportCommand};
 use std::time::Instant;
 
 impl EditorState {
-    /// One frame: what jobs have done, the interface, what it asked for, and what is to be rendered then.
+    /// One frame: results of jobs, the interface, its requests, and the next request to the render thread.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         if self.themed.as_ref() != Some(&self.preferences) {

@@ -3,7 +3,7 @@
 use egui::{Context, Event, Grid, Id, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 
-/// What menus and keys can ask for.
+/// Commands of menus and keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Open a file.
@@ -30,7 +30,7 @@ pub enum Command {
     CopyCamera,
     /// Take it from there.
     PasteCamera,
-    /// What the pixels show.
+    /// The quantity that the pixels show.
     Mode(ViewMode),
     /// Edges over the picture.
     Wireframe,
@@ -66,9 +66,9 @@ enum By {
 /// A command, what it is called and its keys.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
-    /// What it does.
+    /// Its command.
     pub command: Command,
-    /// What menus call it.
+    /// Its name in menus.
     pub label: &'static str,
     group: &'static str,
     keys: &'static [(Modifiers, Key)],
@@ -133,7 +133,7 @@ pub const BINDINGS: [Binding; 30] = [
 /// Width of the keyboard map in points.
 const WIDTH: f32 = 960.0;
 
-/// What is done with the pointer, for the keyboard map.
+/// Pointer gestures, for the keyboard map.
 const POINTER: [(&str, &str); 14] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
@@ -162,8 +162,8 @@ pub fn text(ctx: &Context, command: Command) -> String {
     binding(command).keys.first().map(|&(modifiers, key)| written(ctx, modifiers, key)).unwrap_or_default()
 }
 
-/// The commands whose keys were pressed, which are taken out of the input. None while text is edited or
-/// a question waits; none without a modifier while the right button is held, since those keys fly then.
+/// Returns the commands whose keys were pressed, and removes them from the input. There are none while text is edited
+/// or a question waits. There are none without a modifier while the right button is held, because those keys fly then.
 pub fn pressed(ctx: &Context) -> Vec<Command> {
     if was_shut_out(ctx) {
         return Vec::new();
@@ -183,8 +183,8 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
     commands
 }
 
-/// Whether text is edited, or was in the last frame: on a slow one, what is typed and the Enter that leaves the field arrive
-/// together.
+/// Whether text is edited, or was in the last frame: in a slow frame, typed text and the Enter that leaves the field
+/// arrive together.
 fn was_shut_out(ctx: &Context) -> bool {
     let (id, now) = (Id::unique("keys were shut out"), is_shut_out(ctx));
     let before: Option<bool> = ctx.data_mut(|data| data.get_temp(id));
@@ -192,8 +192,8 @@ fn was_shut_out(ctx: &Context) -> bool {
     now || before == Some(true)
 }
 
-/// Whether Tab asks for the picture alone. It steps through the controls unless the pointer rests on the picture and no
-/// control has the focus. To be called before any control of the frame, which would take the focus.
+/// Whether Tab hides everything but the picture. It steps through the controls unless the pointer is over the picture
+/// and no control has the focus. Must be called before any control of the frame, which would take the focus.
 pub fn tab_pressed(ctx: &Context, over_viewport: bool) -> bool {
     let is_free = over_viewport && !is_shut_out(ctx) && ctx.memory(|m| m.focused().is_none());
     let pressed = is_free && take(ctx, NONE, Key::Tab);
@@ -207,8 +207,8 @@ fn is_shut_out(ctx: &Context) -> bool {
     ctx.text_edit_focused() || ctx.memory(|m| m.top_modal_layer().is_some())
 }
 
-/// Takes one press of a key. Letters and digits count with exactly these modifiers; signs may need Shift on some
-/// keyboards. The modifiers are those of the press: on a slow machine they are up again when the frame is drawn.
+/// Takes one press of a key. Letters and digits need exactly these modifiers; signs may need Shift on some keyboards.
+/// The modifiers are those of the press: on a slow machine they are released again when the frame is drawn.
 fn take(ctx: &Context, wanted: Modifiers, wanted_key: Key) -> bool {
     let sign = matches!(wanted_key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
     let is_it = |event: &Event| match event {

@@ -1,4 +1,4 @@
-//! The ladder of cut sizes in the window: climbed when asked for, shown in a window of its own, one click to use a size.
+//! The ladder of cut sizes in the window: climbed on request, shown in its own window; one click chooses a size.
 
 use super::state::{EditorState, ladder::LadderWindow};
 use crate::{
@@ -21,7 +21,8 @@ impl EditorState {
         self.hold_for_ladder();
     }
 
-    /// While the ladder is climbed, comparison and full picture leave the cores to it: it is waited for, and it takes times.
+    /// While the ladder is climbed, comparison and full picture leave the cores to it, because the user waits for it
+    /// and it measures times.
     fn hold_for_ladder(&self) {
         let climbing = self.ladder.is_climbing();
         self.render.hold(climbing);

@@ -1,5 +1,5 @@
-//! Where everything lies: menus and tools on top, the scene on the left, the inspector on the right, one line of status at
-//! the bottom, and the picture in the room that is left.
+//! The layout: menus and tools at the top, the scene on the left, the inspector on the right, one status line at the
+//! bottom, and the picture in the remaining area.
 
 use super::{
     keys::{self, Command},
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         state.interface.panel_widths = Some([side.response.rect.width(), inspector.response.rect.width()]);
     }
     if state.interface.comparison.open {
-        // Of a height that its contents do not change: another size of the viewport would begin the reference anew.
+        // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
         strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
     }

@@ -13,13 +13,13 @@ use lapidary_core::{
 use lapidary_render::Baked;
 use std::path::Path;
 
-/// A new light stands this far from what it lights, in distances of the eye from it: to the right, up, toward the eye.
+/// Offset of a new light from its target, in distances of the eye from that target: to the right, up, toward the eye.
 const NEW_AT: Vec3 = Vec3::new(0.25, 0.45, 0.25);
-/// Share of the way to a wall that a new light is put at, if the wall is nearer than its place.
+/// Share of the distance to a wall at which a new light is placed, if the wall is nearer than its usual position.
 const BEFORE_A_WALL: f32 = 0.8;
 /// A copy stands beside the original by this share of the scene's diagonal.
 const COPY_BESIDE: f32 = 0.03;
-/// What is framed around a light without a target, in diagonals of the scene.
+/// Extent that is framed around a light without a target, in diagonals of the scene.
 const FRAMED_AROUND: f32 = 0.1;
 
 impl EditorState {
@@ -99,7 +99,7 @@ impl EditorState {
         }
     }
 
-    /// Puts a list in place of the lights, and selects one. Returns whether it did: there may be too many.
+    /// Replaces the lights by a list, and selects one. Returns whether it did: there may be too many.
     fn set_lights(&mut self, lights: Vec<Light>, label: &'static str, selected: Option<usize>) -> bool {
         let count = lights.len();
         if count > MAX_LIGHTS {

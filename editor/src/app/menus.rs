@@ -69,7 +69,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Quit, true);
 }
 
-/// What takes a renderer of its own, and one of them at a time.
+/// Jobs with a renderer of their own, of which one runs at a time.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.scene.shown().is_some(), state.exporting.is_running());
     let entries = [

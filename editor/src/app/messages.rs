@@ -1,4 +1,4 @@
-//! What the user is told: notes at the lower right that go when they have been read, errors that stay until they are
+//! Messages to the user: notes at the lower right that disappear after reading time, errors that stay until they are
 //! dismissed, and a log that keeps all of them with the time.
 
 use egui::{Align, Align2, Area, Button, Context, Frame, Id, Layout, Order, RichText, ScrollArea, Ui, Window, vec2};
@@ -47,7 +47,7 @@ enum Shown {
 pub struct Messages {
     entries: Vec<Entry>,
     start: Instant,
-    /// What the status line says in passing, and until when.
+    /// The temporary text of the status line, and when it ends.
     remark: Option<(String, Instant)>,
     /// Whether the log window is open.
     pub log_open: bool,
@@ -109,7 +109,7 @@ impl Messages {
         self.entries.iter().any(|e| e.text.contains(text))
     }
 
-    /// What was said last in passing, for the status line.
+    /// The last temporary text, for the status line.
     pub fn last_remark(&self) -> Option<&str> {
         self.remark.as_ref().map(|(text, _)| text.as_str())
     }
@@ -163,7 +163,7 @@ impl Messages {
         all.into_iter().skip(skipped)
     }
 
-    /// Takes out what has been read, and wakes the window when the next one will have been. The status line of this
+    /// Removes messages after their reading time, and wakes the window for the next removal. The status line of this
     /// frame is painted already.
     fn expire(&mut self, ctx: &Context) {
         let now = Instant::now();

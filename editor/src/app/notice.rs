@@ -1,4 +1,4 @@
-//! What stands in the viewport while there is no picture, or nothing to be seen in it: what is going on, or what to do.
+//! Text in the viewport without a picture, or with an empty one: the present activity, or the next step.
 
 use super::state::{EditorState, interface::Inspector};
 use crate::{actions::Action, document::Unlit, panels::lights::add_menu};

@@ -1,4 +1,5 @@
-//! Opening a file, whole: scene, dataset, session and what they name, read on a thread until the document is complete.
+//! Opens a file completely: scene, dataset, session and the files that they name. A thread reads them until the
+//! document is complete.
 
 use crate::{
     document::{
@@ -22,7 +23,7 @@ use std::{
     sync::mpsc::{Receiver, TryRecvError, channel},
 };
 
-/// What to open.
+/// The source to open.
 #[derive(Clone, Debug)]
 pub enum Target {
     /// A scene, a dataset or a session.
@@ -34,7 +35,7 @@ pub enum Target {
         /// Where its bakes are.
         bakes: PathBuf,
     },
-    /// What a process that ended too early left.
+    /// The autosave of a process that did not exit cleanly.
     Recovered(Recovery),
     /// A session with missing files.
     Session {
@@ -49,7 +50,7 @@ pub enum Target {
     },
 }
 
-/// What opening came to.
+/// Result of opening.
 pub enum Opened {
     /// A document to edit.
     Ready(Box<Ready>),
@@ -68,23 +69,23 @@ pub enum Opened {
 
 /// A document and what belongs to it.
 pub struct Ready {
-    /// What is edited.
+    /// The document.
     pub document: Document,
-    /// What the session file has that this version does not know.
+    /// Keys of the session file that this version does not know.
     pub unknown: Unknown,
     /// The session file.
     pub session: Option<PathBuf>,
     /// The autosave it was read from, which nothing else keeps.
     pub recovery: Option<Recovery>,
-    /// What can be rendered.
+    /// The dataset, which can be rendered.
     pub baked: Option<Baked>,
-    /// What can be baked.
+    /// The scene, which can be baked.
     pub source: Option<Source>,
     /// Where a bake goes.
     pub bake_output: Option<PathBuf>,
     /// Whether to bake without being asked: the bundled scene for the first time.
     pub bake_now: bool,
-    /// What was repaired or left out.
+    /// Repairs and omissions.
     pub warnings: Vec<String>,
     /// The file to list among the recent ones.
     pub recent: Option<PathBuf>,
@@ -92,7 +93,7 @@ pub struct Ready {
 
 /// A thread that opens something. Dropping it drops the result.
 pub struct Opening {
-    /// What is said meanwhile.
+    /// The message meanwhile.
     pub what: String,
     result: Receiver<Result<Opened, String>>,
 }
@@ -223,7 +224,7 @@ fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
     Ok(Ready { bake_output: Some(output), bake_now, ..Ready::new(document, baked, Some(source), warnings) })
 }
 
-/// Where the draft of a bundled scene's bake is kept, to be shown at once while the bake goes on.
+/// Path of the draft of a bundled scene's bake, which is shown at once while the bake continues.
 pub fn draft_of(output: &Path) -> PathBuf {
     output.with_extension("draft.cuts")
 }
@@ -251,7 +252,7 @@ fn look(mut loaded: Box<LoadedSession>, path: Option<PathBuf>, recovery: Option<
     Opened::Missing { loaded, path, recovery, found }
 }
 
-/// All that the session names, as far as it can be read: what cannot is left out with a warning.
+/// All files that the session names, as far as they can be read; unreadable ones are left out with a warning.
 fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
     let mut warnings = Vec::new();
     let scene_path = loaded.session.scene.clone();

@@ -1,4 +1,4 @@
-//! Actions, done: the one place where what the interface asks for meets the document, its history and the jobs.
+//! Performs actions: the one place where requests of the interface meet the document, its history and the jobs.
 
 use super::{
     opening::Target,

@@ -1,4 +1,4 @@
-//! Takes what the render thread has made: the picture for the screen, and pictures for files.
+//! Takes results of the render thread: the picture for the screen, and pictures for files.
 
 use super::state::{EditorState, pictures::Export};
 use crate::{
@@ -84,8 +84,7 @@ fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Resu
     Ok(picture.image.write_with(transparent.then_some(picture.coverage.as_slice()), path)?)
 }
 
-/// Writes pixels as a display shows them. Alpha says how much of a pixel is covered, and its colour is that of the
-/// surfaces alone.
+/// Writes pixels as a display shows them. Alpha is the coverage of a pixel, and its colour that of the surfaces alone.
 fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path) -> Result<()> {
     let alpha = |alpha| if transparent { alpha } else { 255 };
     let pixels = pixels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();
@@ -105,7 +104,7 @@ mod tests {
         for transparent in [true, false] {
             write_png(&pixels, [16, 16], transparent, &path).unwrap();
             let read = decode(&std::fs::read(&path).unwrap(), &path).unwrap();
-            let Texels::U8(texels) = read.texels else { panic!("8 bits a channel") };
+            let Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
             let alpha = |pixel: &[u8; 4]| if transparent { pixel[3] } else { 255 };
             let expected: Vec<[u8; 4]> = pixels.iter().map(|p| [p[0], p[1], p[2], alpha(p)]).collect();
             assert_eq!(texels, expected);

@@ -11,7 +11,7 @@ use crate::{
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
 use std::time::SystemTime;
 
-/// What was answered.
+/// The answer.
 enum Answer {
     Save,
     Discard,

@@ -1,5 +1,5 @@
-//! From the document to what the render thread is asked for. A request is sent when it differs from the last one, so that
-//! nothing is rendered, and nothing compared over there, while nothing changes.
+//! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
+//! nothing is rendered, and nothing compared there, while nothing changes.
 
 use super::state::EditorState;
 use crate::{
@@ -31,8 +31,7 @@ impl EditorState {
         (self.requests.sent, self.requests.is_forgotten) = (Some(request), false);
     }
 
-    /// Everything that decides the picture of the document in a viewport of `size` pixels; `None` before there is an
-    /// environment.
+    /// The look of the document in a viewport of `size` pixels; `None` without an environment.
     pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
         let document = &self.document;
@@ -51,7 +50,7 @@ impl EditorState {
         })
     }
 
-    /// Whether a button is held and has changed the document, as a slider that is dragged has.
+    /// Whether a button is held and has changed the document, as in a drag of a slider.
     fn is_editing_by_pointer(&mut self, ctx: &Context) -> bool {
         let revision = self.history.revision();
         if !ctx.input(|i| i.pointer.any_down()) {
@@ -61,7 +60,7 @@ impl EditorState {
     }
 }
 
-/// The components that are shown: an environment that no surface is lit by would only mislead behind the scene, and a
+/// The components that are shown. An environment that lights no surface would only mislead as a background, and a
 /// reference would have a bounce that the picture cannot have.
 fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
     let shown = document.components.shown();
@@ -76,7 +75,7 @@ pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illum
     Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
 }
 
-/// What a picture of `size` pixels shows of a document.
+/// The view of a document in a picture of `size` pixels.
 pub fn view_of(document: &Document, size: [u32; 2]) -> View {
     let view = &document.view;
     View {

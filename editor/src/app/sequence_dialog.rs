@@ -1,4 +1,4 @@
-//! The dialog in which an image sequence is described: what turns, what is swept, how many frames, and where they go.
+//! The dialog for an image sequence: what rotates, which parameter is swept, how many frames, and the output folder.
 
 use crate::panels::widgets::check_box;
 use anyhow::{Result, bail};
@@ -19,12 +19,12 @@ use std::path::{Path, PathBuf};
 const WIDTH: f32 = 500.0;
 /// Width of fields for paths and names in points.
 const FIELD: f32 = 290.0;
-/// How much longer all layers take than the picture alone: measured on the still life, 29 s to 8.
+/// Time of all layers over that of the picture alone: 29 s over 8 s, measured on the still life.
 const LAYERS: f64 = 3.8;
 /// Name of the contact sheet in the folder of the frames.
 const SHEET: &str = "contact-sheet.png";
 
-/// What is being described.
+/// The sequence that is being described.
 #[derive(Clone, Debug)]
 pub struct SequenceDialog {
     settings: SequenceSettings,
@@ -42,7 +42,7 @@ pub struct SequenceDialog {
     pub problem: Option<String>,
 }
 
-/// What was answered.
+/// The answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SequenceAnswer {
     /// Begin.
@@ -74,7 +74,7 @@ impl SequenceDialog {
     /// The sequence of a look that is described.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The problem, in words.
     pub fn task(&self, look: &Look) -> Result<SequenceTask> {
         let mut look = look.clone();
         (look.view.size, look.view.aa) = (self.size, self.samples);

@@ -1,4 +1,4 @@
-//! Opening the window: which renderer, what to open first, and what to say where there is no display.
+//! Opens the window: chooses the renderer and the first document, and explains a missing display.
 
 use super::{
     EditorApp,
@@ -22,7 +22,7 @@ use std::{path::PathBuf, sync::Arc};
 pub struct Launch {
     /// What to open; `None` for the bundled scene.
     pub file: Option<PathBuf>,
-    /// What computes the pictures.
+    /// The renderer.
     pub backend: BackendOption,
     /// The folder of bundled data; `None` for that of the source tree.
     pub data: Option<PathBuf>,
@@ -66,7 +66,7 @@ fn is_display_missing() -> bool {
     cfg!(all(unix, not(target_os = "macos"))) && unset("DISPLAY") && unset("WAYLAND_DISPLAY") && unset("WAYLAND_SOCKET")
 }
 
-/// The data are needed when they were asked for by name; otherwise the window opens without them.
+/// The data are required if they were asked for by name; otherwise the window opens without them.
 fn bundled(launch: &Launch) -> Result<Bundled> {
     match DataFolder::find(launch.data.as_deref()) {
         Ok(data) => Ok(Bundled {

@@ -1,5 +1,5 @@
-//! All that the window knows. What it does with that lies around this folder: each file there adds a part to
-//! [`EditorState`], and none of them is known here.
+//! The state of the window. Its behaviour is in the files of this folder: each adds a part to [`EditorState`], which
+//! knows none of them.
 
 pub mod baking;
 pub mod comparison;
@@ -54,7 +54,7 @@ use std::{
 /// Seconds between two autosaves.
 pub(super) const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
 
-/// What the window is made of.
+/// Parts of the window.
 pub struct Setup {
     /// Where preferences, autosaves and bakes of bundled scenes are.
     pub folders: Folders,
@@ -68,7 +68,7 @@ pub struct Setup {
     pub system_dialogs: bool,
 }
 
-/// What comes with the program, as far as it was found.
+/// Data bundled with the program, as far as they were found.
 #[derive(Clone, Debug, Default)]
 pub struct Bundled {
     /// The scenes; the first one opens where no file is named.
@@ -77,7 +77,7 @@ pub struct Bundled {
     pub environments: Vec<PathBuf>,
 }
 
-/// What is selected.
+/// The selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// An object of the mesh.
@@ -91,9 +91,9 @@ pub struct Selection {
 /// The scene that is open, as far as it is not in the document.
 #[derive(Default)]
 pub struct OpenScene {
-    /// What can be rendered.
+    /// The dataset, which can be rendered.
     pub baked: Option<Baked>,
-    /// What can be baked.
+    /// The scene, which can be baked.
     pub source: Option<Imported>,
     /// Where a bake goes.
     pub bake_output: Option<PathBuf>,
@@ -101,7 +101,7 @@ pub struct OpenScene {
     pub show_stale: bool,
     /// The session file.
     pub session: Option<PathBuf>,
-    /// What the session file has that this version does not know.
+    /// Keys of the session file that this version does not know.
     pub unknown: Unknown,
     /// The camera that it was first seen by.
     pub first_view: Option<FirstView>,
@@ -114,19 +114,19 @@ impl OpenScene {
         hashes.is_some_and(|(baked, source)| baked.dataset.scene_hash != source.hash)
     }
 
-    /// What is rendered.
+    /// The dataset that is rendered.
     pub fn shown(&self) -> Option<&Baked> {
         self.baked.as_ref().filter(|_| self.show_stale || !self.is_stale())
     }
 }
 
-/// Bounds of what is shown, found when it changes: a pass over the mesh takes longer than a frame should.
+/// Bounds of the mesh, computed when it changes: a pass over the mesh takes longer than a frame should.
 #[derive(Default)]
 pub struct ShownBounds {
     of: Option<(usize, Option<u32>)>,
     /// All of it.
     pub scene: Option<Bounds>,
-    /// What is selected.
+    /// The selection.
     pub selection: Option<Bounds>,
 }
 
@@ -154,7 +154,7 @@ pub struct EditorState {
     pub(super) dialogs: FileDialogs,
     /// Questions that wait, the one that is asked first.
     pub(super) prompts: VecDeque<Prompt>,
-    /// What is done once the session has been saved.
+    /// The action after the session has been saved.
     pub(super) after_save: Option<Then>,
     pub(super) preferences: Preferences,
     pub(super) recent: RecentFiles,
@@ -241,7 +241,7 @@ impl EditorState {
         }
     }
 
-    /// Begins to open something. Whether changes would be lost is asked once it is there to take their place.
+    /// Begins to open something. Whether changes would be lost is asked once the new document is ready.
     pub fn open(&mut self, target: Target) {
         self.opening = Some(Opening::start(target, self.wake.clone()));
     }

@@ -225,7 +225,7 @@ fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
     let read = lapidary_core::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
     let shown = window.0.state().pictures.shown().unwrap();
     assert_eq!((shown.samples, read.size), (shown.of_samples, shown.size));
-    let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits a channel") };
+    let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
     assert_eq!(texels, shown.pixels);
     texels
 }

@@ -81,7 +81,7 @@ pub fn apply(ctx: &Context, preferences: &Preferences) {
     ctx.set_zoom_factor(preferences.ui_scale.clamp(*SCALE.start(), *SCALE.end()));
 }
 
-/// What lies behind the picture.
+/// Background behind the picture.
 pub fn stage_color(visuals: &Visuals) -> Color32 {
     visuals.code_bg_color
 }

@@ -1,7 +1,7 @@
-//! Autosave and recovery: the session of a changed document is written aside, and found again after a crash.
+//! Autosave and recovery: the session of a changed document is saved separately, and found again after a crash.
 //!
 //! Each running program has one file, named after its process. It is removed when the document agrees with its file and
-//! on a clean exit, so that a file whose process is gone holds work that nobody saved.
+//! on a clean exit. So a file whose process has ended contains unsaved work.
 
 use super::{
     Document, History,
@@ -45,7 +45,7 @@ struct Process {
     start: u64,
 }
 
-/// What an autosave says of itself.
+/// Metadata of an autosave.
 #[derive(Serialize, Deserialize)]
 struct Note {
     /// The session file of the document, if it had one.
@@ -66,18 +66,18 @@ pub struct Recovery {
 }
 
 impl Autosave {
-    /// Writes below the state folder `folder`, `interval` after a change at the latest and not more often.
+    /// Writes below the state folder `folder`, at most `interval` after a change and not more often.
     pub fn new(folder: &Path, interval: Duration) -> Self {
         let Process { id, start } = Process::this();
         let file = folder.join(format!("{PREFIX}{id}-{start}.{EXTENSION}"));
         Self { file, interval, due: None, written: None }
     }
 
-    /// To be called every frame, or at least every few seconds while the document is changed. Returns whether the
+    /// Must be called every frame, or at least every few seconds while the document is changed. Returns whether the
     /// session was written. After a failure the next attempt follows an interval later.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Errors of the file system.
     pub fn tick(
         &mut self,
         now: Instant,
@@ -107,7 +107,7 @@ impl Autosave {
     /// Removes the file: the program ends, or another document is opened.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Errors of the file system.
     pub fn finish(&mut self) -> Result<(), SessionError> {
         self.due = None;
         if self.written.take().is_none() {
@@ -131,7 +131,8 @@ impl Autosave {
         save_for_recovery(document, kept, note, &self.file)
     }
 
-    /// Shows other processes that this one is alive. If it cannot, they offer its work for recovery, which is harmless.
+    /// Shows other processes that this one is alive. If that fails, they offer its work for recovery, which is
+    /// harmless.
     fn beat(&mut self, now: Instant) {
         if let Some((_, at)) = &mut self.written
             && now.saturating_duration_since(*at) >= HEARTBEAT
@@ -165,7 +166,7 @@ impl Recovery {
     /// Removes the autosave.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Errors of the file system.
     pub fn discard(self) -> io::Result<()> {
         remove(&self.file)
     }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
-    /// What comes straight from the environment, and the environment behind the scene.
+    /// Direct light of the environment, and the environment as the background.
     Environment,
-    /// What comes straight from local lights.
+    /// Direct light of local lights.
     Direct,
-    /// What was reflected at least once, of either.
+    /// Bounced light of both.
     Indirect,
 }
 

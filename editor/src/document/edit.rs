@@ -1,4 +1,4 @@
-//! Edits: a value that takes another's place. Swapping it in leaves the old one in the edit, which is then its inverse.
+//! Edits: a value to swap in. Swapping leaves the old value in the edit, which is then its inverse.
 
 use super::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material};

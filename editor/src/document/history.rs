@@ -3,7 +3,7 @@
 use super::{Document, Edit};
 use std::collections::VecDeque;
 
-/// More steps than anyone goes back by hand; the oldest is forgotten first. A step holds one value, at most some kB.
+/// More steps than anyone undoes by hand; the oldest is removed first. A step holds one value, at most some kB.
 const DEPTH: usize = 1000;
 
 /// The edits of a document in their order, and where in it the document was saved.
@@ -42,8 +42,8 @@ impl History {
         Self::default()
     }
 
-    /// Does an edit, as part of the last step if that has the same label and target and its gesture goes on. An edit
-    /// that changes nothing, or that names a material that is not there, is ignored.
+    /// Performs an edit. It joins the last step if that has the same label and target and its gesture continues. An
+    /// edit that changes nothing, or that names a missing material, is ignored.
     pub fn apply(&mut self, document: &mut Document, mut edit: Edit, label: &'static str) {
         if !edit.changes(document) {
             return;
@@ -123,17 +123,17 @@ impl History {
         self.revision += 1;
     }
 
-    /// What [`Self::undo`] would take back.
+    /// Name of the edit that [`Self::undo`] would revert.
     pub fn undo_label(&self) -> Option<&'static str> {
         self.done.back().map(|step| step.label)
     }
 
-    /// What [`Self::redo`] would do again.
+    /// Name of the edit that [`Self::redo`] would repeat.
     pub fn redo_label(&self) -> Option<&'static str> {
         self.undone.last().map(|step| step.label)
     }
 
-    /// The document was written as it is. Ends the gesture, so that undo can come back to what was written.
+    /// The document was saved in its present state. Ends the gesture, so that undo can return to that state.
     pub fn mark_saved(&mut self) {
         self.gesture_open = false;
         self.saved = Some(self.state);
@@ -150,7 +150,7 @@ impl History {
     }
 }
 
-/// Swaps a step's value with the document's, unless the document was replaced by one that has no place for it. Returns
+/// Swaps a step's value with the document's, unless the document was replaced by one without the step's target. Returns
 /// whether it did.
 fn swap(step: &mut Step, document: &mut Document) -> bool {
     let fits = step.edit.fits(document);

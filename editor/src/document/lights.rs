@@ -1,5 +1,5 @@
-//! Local lights as artists speak of them: kinds with their units, a colour apart from the intensity, new lights that light
-//! what is looked at.
+//! Local lights in the terms of artists: kinds with their units, a colour separate from the intensity, and new lights
+//! that light the visible part of the scene.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -52,7 +52,7 @@ impl LightKind {
         }
     }
 
-    /// What it is like.
+    /// Its description.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Point => "Shines into all directions, as a bare bulb.",

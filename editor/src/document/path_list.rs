@@ -37,7 +37,7 @@ impl PathList {
     /// Reads the list as other windows left it, changes and writes it.
     ///
     /// # Errors
-    /// What the file system says; the list is changed in memory then.
+    /// Errors of the file system; the list is changed in memory then.
     pub fn change(&mut self, change: impl FnOnce(&mut Vec<PathBuf>)) -> Result<()> {
         let mut paths = if self.file.exists() { read(&self.file) } else { self.paths() };
         change(&mut paths);
@@ -69,7 +69,7 @@ fn write(file: &Path, paths: &[PathBuf]) -> Result<()> {
 /// Writes a file of the configuration folder, which is made if need be.
 ///
 /// # Errors
-/// What the file system says, with what to do.
+/// Errors of the file system, with the remedy.
 pub fn write_setting(file: &Path, text: &str) -> Result<()> {
     let made = file.parent().map_or(Ok(()), std::fs::create_dir_all);
     made.and_then(|()| write_atomically(file, text.as_bytes())).with_context(|| {

@@ -1,4 +1,4 @@
-//! Bakes on a worker: progress, cancelling, going on from a checkpoint, and a draft to look at meanwhile.
+//! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft to show meanwhile.
 
 use crate::panels::bake::control_name;
 use lapidary_core::{
@@ -20,7 +20,7 @@ use std::{
     },
 };
 
-/// What to bake.
+/// A bake of the window.
 #[derive(Clone, Debug)]
 pub struct BakeTask {
     /// As imported. Copied by the thread that bakes, not by the window's.
@@ -31,7 +31,7 @@ pub struct BakeTask {
     pub progressive: bool,
     /// Begins afresh if the checkpoint to go on from is of another scene or other settings.
     pub or_afresh: bool,
-    /// Held while it works: a bake that was left ends before the next begins, which may write the same files.
+    /// Held while it works: a cancelled bake ends before the next begins, which may write the same files.
     pub turn: Arc<Mutex<()>>,
     /// Folder in which the draft is written and removed again.
     pub cache: PathBuf,
@@ -44,7 +44,7 @@ pub struct BakeProgress {
     pub draft: bool,
     /// The phase, once there is one.
     pub phase: Option<Phase>,
-    /// What `done` and `total` count.
+    /// The unit of `done` and `total`.
     pub unit: &'static str,
     /// Units that are complete.
     pub done: u64,
@@ -59,7 +59,7 @@ impl BakeProgress {
     }
 }
 
-/// What happened in a bake. The last three end it.
+/// Events of a bake. The last three end it.
 #[derive(Clone, Debug)]
 pub enum BakeMessage {
     /// Something was repaired or left out.
@@ -98,7 +98,7 @@ impl BakeRun {
         Self { messages, progress, cancel }
     }
 
-    /// What happened since the last call.
+    /// Events since the last call.
     pub fn messages(&mut self) -> Vec<BakeMessage> {
         self.messages.try_iter().collect()
     }
@@ -161,9 +161,9 @@ impl Observer for Teller {
     }
 }
 
-/// Settings of the first bake that is shown: of the same parts of the light, seen from the same place, but coarser than
-/// a draft, for it is waited for; in nothing finer than what is wanted. On the colour box, on two cores that were busy, it
-/// took 7 s for a bounce, 20 s for all parts. The mesh has `mesh_vertices`.
+/// Settings of the first bake that is shown. It has the same components and viewpoint, is coarser than a draft, because
+/// the user waits for it, and in nothing finer than the bake asked for. On the colour box, on two busy cores, it took 7
+/// s for a bounce and 20 s for all parts. The mesh has `mesh_vertices`.
 pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings {
     let draft = Preset::Draft.settings();
     let lights = (draft.lights / 4).min(wanted.lights);
@@ -204,7 +204,7 @@ fn draft_of_basis(wanted: &MeshlessSettings) -> MeshlessSettings {
     MeshlessSettings { levels, sender_levels, rays, epsilon, coarse_radius: wanted.coarse_radius }
 }
 
-/// Whether a draft is there sooner than the bake itself: for one of its parts it has less to do.
+/// Whether a draft is ready sooner than the bake itself.
 pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
     let (draft, mode) = (first_draft(wanted, 0), wanted.mode);
     let (few, many) = (draft.meshless, wanted.meshless);

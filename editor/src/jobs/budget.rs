@@ -1,11 +1,11 @@
-//! How large a picture fits a frame time, and how many rows a band: from the speed that was measured.
+//! Size of a picture within a frame time, and rows per band, from the measured speed.
 
-/// Least share of each axis that a reduced picture keeps, as one step of a ladder of as many. Steps, so that noise in the
+/// Smallest share of each axis that a reduced picture keeps. Sizes are steps of a ladder, so that noise in the
 /// measurement does not change the size from frame to frame.
 const STEPS: u32 = 8;
 
-/// Milliseconds that a band of rows is meant to take: short enough to drop everything for a new request, long enough
-/// that starting it costs little.
+/// Target time of a band of rows in milliseconds: short enough to drop everything for a new request, long enough that
+/// starting it costs little.
 const BAND_MS: f64 = 45.0;
 
 /// Rows of the first band of all, before anything was measured.
@@ -18,7 +18,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Takes note that one sample of `pixels` pixels took `millis` milliseconds. What was known counts half.
+    /// Records that one sample of `pixels` pixels took `millis` milliseconds. Earlier measurements count half.
     pub fn measured(&mut self, pixels: u64, millis: f64) {
         if pixels == 0 || !(millis >= 0.0) {
             return;

@@ -17,7 +17,7 @@ pub struct Imported {
     pub hash: String,
     /// Seconds that the import took.
     pub import_secs: f64,
-    /// What was found and repaired.
+    /// Report of the import and its repairs.
     pub report: ImportReport,
 }
 

@@ -19,7 +19,7 @@ use std::{
     },
 };
 
-/// What a load is for. Of two for the same only the later counts.
+/// The purpose of a load. Of two for the same only the later counts.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
     /// The light.
@@ -37,7 +37,7 @@ pub enum Topic {
     Reload(PathBuf),
 }
 
-/// What to open.
+/// The source to open.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// A path or formula, as [`Environment::from_spec`] reads it.
@@ -55,14 +55,14 @@ pub enum Source {
     },
 }
 
-/// What was opened.
+/// The opened file.
 #[derive(Clone, Debug)]
 pub enum Loaded {
     /// A light.
     Environment {
         /// The map.
         environment: Arc<Environment>,
-        /// What was repaired, in sentences.
+        /// Repairs, in sentences.
         warnings: Vec<String>,
     },
     /// A scene.
@@ -83,9 +83,9 @@ pub enum Loaded {
 /// A load that has ended.
 #[derive(Clone, Debug)]
 pub struct LoadResult {
-    /// What [`Loader::load`] returned.
+    /// The id that [`Loader::load`] returned.
     pub id: u64,
-    /// What it was for.
+    /// Its purpose.
     pub topic: Topic,
     /// What was opened, or why not.
     pub result: Result<Loaded, String>,

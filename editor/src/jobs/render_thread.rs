@@ -1,5 +1,5 @@
-//! The thread that renders the viewport. The latest request wins; a coarse picture comes first and at rest the full one
-//! follows, sample by sample. Nothing is rendered when nothing has changed.
+//! The thread that renders the viewport. The latest request wins: first a coarse picture, and at rest the full one,
+//! sample by sample. Nothing is rendered when nothing has changed.
 
 mod stage;
 mod worker;
@@ -58,9 +58,9 @@ pub struct RenderedFrame {
     pub size: [u32; 2],
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
-    /// Samples a pixel so far.
+    /// Samples per pixel so far.
     pub samples: u32,
-    /// Samples a pixel when it is done.
+    /// Samples per pixel when it is done.
     pub of_samples: u32,
     /// Work done for it.
     pub stats: PictureStats,
@@ -177,7 +177,7 @@ impl RenderThread {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// What happened since the last call.
+    /// Events since the last call.
     pub fn events(&mut self) -> Vec<RenderEvent> {
         self.events.try_iter().collect()
     }
@@ -191,8 +191,8 @@ impl RenderThread {
 }
 
 impl Drop for RenderThread {
-    /// Lets the thread finish its band, so that no driver is at work when the process ends. A thread that is deep in
-    /// something longer is left behind.
+    /// Lets the thread finish its band, so that no driver is at work when the process ends. A thread with a longer task
+    /// is not waited for.
     fn drop(&mut self) {
         const PATIENCE: Duration = Duration::from_millis(500);
         self.messages = None;

@@ -1,7 +1,7 @@
-//! Tells when files have changed on disk, so that textures and environments follow the program that paints them.
+//! Detects files that have changed on disk, so that textures and environments follow the program that paints them.
 //!
-//! Looks at times and sizes twice a second instead of asking the system: that works on network drives too, and costs
-//! nothing for the few files of a session.
+//! It compares times and sizes twice a second instead of asking the system. That also works on network drives, and
+//! costs nothing for the few files of a session.
 
 use lapidary_studies::jobs::{Wake, spawn};
 use std::{

@@ -1,4 +1,4 @@
-//! The bake: presets with what they cost, all settings, progress, and the report of the last one.
+//! The bake: presets with their cost, all settings, progress, and the report of the last one.
 
 mod bounces;
 mod estimate;
@@ -79,7 +79,7 @@ pub enum BakeStatus {
         mode: BakeParts,
         /// Whether a draft comes first.
         draft: Draft,
-        /// What it does.
+        /// Its phase.
         phase: Phase,
         /// Units of the phase that are complete.
         done: u64,
@@ -160,7 +160,7 @@ fn listed(reasons: &[String]) -> String {
     reasons.iter().map(|r| format!("• {r}")).collect::<Vec<_>>().join("\n")
 }
 
-/// What is out of date in the bake that is still shown after another one did not come to its end.
+/// The parts that are out of date in the bake that is shown, after another bake did not finish.
 fn differences(ui: &mut Ui, reasons: &[String]) {
     if !reasons.is_empty() {
         ui.label("The bake before it is shown, and is out of date:");

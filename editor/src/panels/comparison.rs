@@ -1,4 +1,4 @@
-//! The strip under the viewport: what the picture is compared with, how both are shown, and what they differ by.
+//! The strip under the viewport: the reference, how both pictures are shown, and their differences.
 
 mod figures;
 #[cfg(test)]
@@ -75,7 +75,7 @@ pub struct ComparisonPanel {
     pub open: bool,
     /// Which reference.
     pub kind: KindChoice,
-    /// Light paths a pixel.
+    /// Light paths per pixel.
     pub spp: u32,
     /// The picture file.
     pub file: Option<PathBuf>,
@@ -183,7 +183,7 @@ impl ComparisonPanel {
             KindChoice::Samples => format!("B: all light samples, traced{done}"),
             KindChoice::Paths => {
                 let noise = noise.map(|n| format!(", noise {:.1} %", 100.0 * n)).unwrap_or_default();
-                format!("B: {} light paths a pixel{noise}{done}", self.spp)
+                format!("B: {} light paths per pixel{noise}{done}", self.spp)
             }
             KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
         }
@@ -194,7 +194,7 @@ fn file_name(path: Option<&Path>) -> String {
     path.and_then(Path::file_name).map_or("no file".into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// What the strip shows.
+/// Contents of the strip.
 pub struct ComparisonContext<'a> {
     /// The figures, once there are some.
     pub measured: Option<&'a Measured>,
@@ -272,8 +272,8 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
     if panel.kind == KindChoice::Paths {
         let spp = DragValue::new(&mut panel.spp).range(1..=1_000_000).speed(1.0).suffix(" spp");
         ui.add(spp)
-            .accessible_name("Paths a pixel")
-            .on_hover_text("Light paths a pixel: four times as many halve the noise");
+            .accessible_name("Paths per pixel")
+            .on_hover_text("Light paths per pixel: four times as many halve the noise");
     }
     let size = SCALES.iter().find(|s| s.0 == panel.scale).map_or("", |s| s.1);
     let combo = ComboBox::from_id_salt("comparison size").width(80.0).selected_text(size).show_ui(ui, |ui| {

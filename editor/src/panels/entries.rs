@@ -1,4 +1,4 @@
-//! Rows for what the common ones do not hold: values over decades, counts, optional limits, long lists of choices, points.
+//! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
 use super::widgets::{Edited, RowName, check_box, row};
 use egui::{ComboBox, DragValue, Response, RichText, Slider, TextStyle, Ui, emath::Numeric, vec2};

@@ -1,4 +1,4 @@
-//! The light: which map, how it lies and how strong it is, with a picture of it that turns with the light.
+//! The environment: its map, rotation and intensity, with a picture of it that rotates with the light.
 
 mod library;
 mod map_view;

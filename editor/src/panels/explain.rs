@@ -1,5 +1,5 @@
-//! Why a pixel looks as it does: the cuts of its vertices, the merged cut on the map of directions, its nodes as a table, and the
-//! picture's error by causes.
+//! The origin of a pixel's radiance: the cuts of its vertices, the merged cut on the map of directions, its nodes as a
+//! table, and the picture's error by causes.
 
 mod map;
 mod nodes;

@@ -1,5 +1,5 @@
-//! Which size of the illumination cut is enough for this shot: pictures at growing sizes beside the reference, each with its error
-//! and time, both curves, and a sentence.
+//! The size of the illumination cut that suffices for this shot: pictures of growing sizes beside the reference, each
+//! with its error and time, both curves, and a sentence.
 
 use crate::actions::Action;
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
@@ -20,8 +20,8 @@ const BAR: f32 = 16.0;
 pub const SIZE: Vec2 = vec2(4.0 * (TILE + GAP) + BAR, 800.0);
 /// Height of the curves.
 const CURVE: f32 = 150.0;
-/// A size is enough if its relative RMSE and its FLIP are at most so many times those of the largest size: the one is ruled by a
-/// few dark shadows, the other by what is seen.
+/// A size suffices if its relative RMSE and its FLIP are at most this multiple of those of the largest size. A few dark
+/// shadows dominate the first, visible differences the second.
 const ENOUGH: f64 = 1.25;
 
 /// Width in points below which the curves' numbers would run together.

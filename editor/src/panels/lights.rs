@@ -1,4 +1,4 @@
-//! Local lights: which light is in the picture, the list of lights, and the numbers of the selected one.
+//! Local lights: the components in the picture, the list of lights, and the numbers of the selected one.
 
 mod buried;
 mod components;

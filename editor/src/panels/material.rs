@@ -1,6 +1,6 @@
 //! The material inspector: a ball under the environment, the BRDF and its parameters, their maps, and the lobe.
 //!
-//! The panel works on a copy of the material and asks for one edit a frame if the copy differs.
+//! The panel works on a copy of the material and asks for one edit per frame if the copy differs.
 
 mod lobe_plot;
 mod maps;

@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut ScenePanel, context: &SceneContext, actions
     section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));
 }
 
-/// Which materials each object's triangles have; found once a dataset, for it takes a pass over all triangles.
+/// The materials of each object's triangles; computed once per dataset, because it takes a pass over all triangles.
 #[derive(Default)]
 struct ObjectMaterials {
     key: Option<(String, usize)>,

@@ -1,7 +1,7 @@
-//! Rows that all inspectors are made of: a label with an explanation, the control, and a button that puts the default back.
+//! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default.
 //!
-//! Every row tells whether its value changed and whether the gesture that changes it has ended, because a drag of many
-//! frames is to be one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
+//! Every row reports whether its value changed and whether the gesture that changes it has ended, because a drag over
+//! many frames is one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
 
 mod color;
 
@@ -28,7 +28,7 @@ const FINE: f32 = 0.1;
 pub struct Edited {
     /// It has another value now.
     pub changed: bool,
-    /// The drag stopped, the field was left, or a click set the value: what follows is another step of undo.
+    /// The drag stopped, the field lost the focus, or a click set the value: the next change is another step of undo.
     pub ended: bool,
 }
 
@@ -218,7 +218,7 @@ pub fn check_box(ui: &mut Ui, value: &mut bool, label: &str) -> Response {
     .inner
 }
 
-/// What sets small things off from the panel whatever their colour: as clear as its fainter text.
+/// Outline of small controls on a panel of any colour, with the contrast of its fainter text.
 pub fn outline(ui: &Ui) -> Stroke {
     Stroke::new(1.0, ui.visuals().weak_text_color())
 }

@@ -1,9 +1,9 @@
-//! Checkpoints: finished chunks of a bake beside its output, so that an interrupted bake can go on.
+//! Checkpoints: finished chunks of a bake beside its output, so that an interrupted bake can resume.
 //!
-//! `FILE.cuts.partial/` holds `bake.json` (a fingerprint of scene and settings, the number of chunks, the order of the light
-//! tree) and one file a finished chunk. A chunk's file is written under a temporary name and renamed, and carries a
-//! checksum: a chunk either counts whole or is baked again. Chunks about places that depend on more than that (cameras and
-//! lights are hints for the viewpoint) count only for those places, see `checkpoint/places.rs`.
+//! `FILE.cuts.partial/` holds `bake.json` (a fingerprint of scene and settings, the number of chunks, the order of the
+//! light tree) and one file per finished chunk. A chunk's file is written under a temporary name, renamed, and carries
+//! a checksum: a chunk is either complete or baked again. Some chunks also depend on points that cameras and lights
+//! influence, as hints for the viewpoint. Such chunks are valid for those points only, see `checkpoint/places.rs`.
 
 mod places;
 mod rows;
@@ -46,15 +46,15 @@ impl Chunk {
 /// Which cuts a chunk holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Series {
-    /// Of the bake points over the environment's lights.
+    /// Cuts of the bake points over the environment's lights.
     Environment,
-    /// Of the bake points over the surface sources.
+    /// Cuts of the bake points over the surface sources.
     Sources,
-    /// Of the surface sources over the environment's lights.
+    /// Cuts of the surface sources over the environment's lights.
     SourceEnvironment,
 }
 
-/// What a checkpoint belongs to.
+/// Identity of the bake that a checkpoint belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Manifest {
     version: u32,
@@ -65,20 +65,19 @@ struct Manifest {
     tree_order: Vec<u32>,
 }
 
-/// What an interrupted bake has left beside its output.
+/// What an interrupted bake left beside its output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leftover {
     /// Nothing.
     #[default]
     Nothing,
-    /// Chunks of another scene or of other settings, which cannot be gone on with.
+    /// Chunks of another scene or of other settings, which cannot be resumed.
     OfAnother,
-    /// Chunks to go on from.
+    /// Chunks to resume from.
     Fitting,
 }
 
-/// What an interrupted bake has left that a bake of this scene with these settings
-/// would write to `output`.
+/// What an interrupted bake left beside `output`, judged for a bake of this scene with these settings.
 pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Leftover {
     match Checkpoint::open(output, scene_hash, settings) {
         Ok(Some(_)) => Leftover::Fitting,
@@ -93,7 +92,7 @@ pub struct Checkpoint {
     manifest: Manifest,
 }
 
-/// Changes whenever the same settings would give other chunks.
+/// Changes whenever the same settings would give different chunks.
 const VERSION: u32 = 12;
 
 impl Checkpoint {
@@ -104,7 +103,7 @@ impl Checkpoint {
         name.into()
     }
 
-    /// Starts afresh, discarding what the folder held.
+    /// Starts anew and discards the contents of the folder.
     pub fn create(
         output: &Path,
         scene_hash: &str,
@@ -173,7 +172,7 @@ impl Checkpoint {
         chunk * count / chunks..(chunk + 1) * count / chunks
     }
 
-    /// A finished chunk of `count` cuts, or `None` if it is not there or damaged.
+    /// A finished chunk of `count` cuts, or `None` if it is missing or damaged.
     pub fn load(&self, series: Series, chunk: usize, count: usize) -> Option<Chunk> {
         let bytes = fs::read(self.folder.join(chunk_name(series, chunk))).ok()?;
         decode(&bytes).filter(|c| c.lengths.len() == count)

@@ -1,27 +1,27 @@
-//! What to bake, and how to go about it.
+//! The job of a bake: settings, output and options of the run.
 
 use super::settings::ResolvedBake;
 use std::path::PathBuf;
 
-/// What to bake, and how to go about it.
+/// The job of a bake: settings, output and options of the run.
 #[derive(Clone, Debug)]
 pub struct BakeJob {
-    /// What decides the result; see [`crate::resolve`].
+    /// Settings that decide the result; see [`crate::resolve`].
     pub settings: ResolvedBake,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
     /// Number of chunks; `None` for a checkpoint every few seconds.
     pub chunks: Option<usize>,
-    /// Go on from the checkpoint of an interrupted bake.
+    /// Resume from the checkpoint of an interrupted bake.
     pub resume: bool,
     /// Seconds that the import took, for the report.
     pub import_secs: f64,
-    /// What the import remarked, for the report.
+    /// Warnings of the import, for the report.
     pub warnings: Vec<String>,
 }
 
 impl BakeJob {
-    /// A bake from the beginning, of a scene whose import is not told of.
+    /// A bake from the beginning, without a report of the import.
     pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
         Self { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() }
     }

@@ -1,9 +1,9 @@
-//! Memory: an estimate before the start, and what was used in the end.
+//! Memory: an estimate before the bake, and the peak after it.
 
 use lapidary_core::dataset::{BakeSettings, MeshlessSettings};
 
-/// Bytes that a bake of this size needs at its peak: mesh and hierarchy, the cuts and links that its mode asks for, and
-/// buffers of each thread.
+/// Peak memory of a bake of this size, in bytes: mesh and hierarchy, the cuts and links of its parts, and buffers of
+/// each thread.
 pub fn estimate(vertices: usize, triangles: usize, settings: &BakeSettings, threads: usize) -> u64 {
     const BYTES_PER_VERTEX: u64 = 160; // positions to tangents, twice while tessellating, and bake points
     const BYTES_PER_TRIANGLE: u64 = 260; // indices, corners, and two hierarchy nodes of 48 bytes
@@ -22,7 +22,7 @@ pub fn estimate(vertices: usize, triangles: usize, settings: &BakeSettings, thre
     if mode.meshless() { bytes + basis_and_links(&settings.meshless) } else { bytes }
 }
 
-/// Chunks, their concatenation, and what is packed of it.
+/// Chunks, their concatenation, and the packed cuts.
 fn cuts(points: u64, nodes: u64) -> u64 {
     3 * points * nodes * 2
 }
@@ -37,7 +37,8 @@ fn environment_nodes(settings: &BakeSettings) -> u64 {
     (settings.lights as u64).min(u64::from(settings.criterion.max_nodes)).min(400)
 }
 
-/// The mean of the scene that has most, of 32,768 sources at sigma 2; others have from 500. Finer ones have more.
+/// The mean of the scene with the longest cuts, of 32,768 sources at sigma 2. Other scenes have 500 and more. Finer
+/// bounds give longer cuts.
 fn source_nodes(settings: &BakeSettings) -> u64 {
     let finer = (2.0 / settings.indirect.criterion.sigma.max(1e-3)).max(1.0);
     ((1340.0 * finer) as u64).min(settings.indirect.sources as u64)

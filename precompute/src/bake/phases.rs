@@ -1,4 +1,4 @@
-//! The phases of a bake, a file each, and what makes their chunks and packs them.
+//! The phases of a bake, one file each, and the making and packing of their chunks.
 
 pub mod bounces;
 mod chunks;

@@ -1,9 +1,9 @@
-//! Keeps what a bake remarks on its way to the observer, for the report.
+//! Passes the messages of a bake on to the observer, and keeps its warnings for the report.
 
 use crate::observer::{Event, Observer};
 use std::sync::{Mutex, PoisonError};
 
-/// Passes all on, and keeps warnings.
+/// Passes all messages on, and keeps warnings.
 pub(super) struct Remarks<'a> {
     observer: &'a dyn Observer,
     warnings: Mutex<Vec<String>>,

@@ -1,4 +1,4 @@
-//! What a bake did.
+//! The report of a bake.
 
 use super::{
     clock::Clock,
@@ -9,7 +9,7 @@ use super::{
 use crate::observer::Phase;
 use lapidary_core::dataset::{BakeReport, Dataset};
 
-/// What a bake did, but for what only its phases know. `import_warnings` are the remarks of the import.
+/// The report of a bake, without what only its phases know. `import_warnings` are the warnings of the import.
 pub fn report(
     geometry: &Geometry,
     settings: &ResolvedBake,

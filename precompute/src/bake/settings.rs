@@ -1,4 +1,4 @@
-//! Presets along quality and time, and the check that turns options into settings.
+//! Presets from fast to good, and the check that turns options into settings.
 
 use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
@@ -25,14 +25,14 @@ pub enum Preset {
     High,
 }
 
-/// `most` vertices, or a quarter more than a mesh has: without room for further ones nothing is split, and large triangles
-/// have no shadows. The bundled still life has 57,810 vertices; with 12,000 more its error falls to a third.
+/// `most` vertices, or a quarter more than the mesh has. Without room for further vertices nothing is split, and large
+/// triangles have no shadows. The bundled still life has 57,810 vertices; with 12,000 more its error falls to a third.
 pub fn with_room(most: usize, mesh_vertices: usize) -> usize {
     most.max(mesh_vertices + mesh_vertices / 4)
 }
 
 impl Preset {
-    /// The settings for a scene of so many vertices, which get room for some more.
+    /// The settings for a scene with this many vertices, with room for some more.
     pub fn settings_for(self, mesh_vertices: usize) -> BakeSettings {
         let settings = self.settings();
         let max_vertices = settings.max_vertices.map(|most| with_room(most, mesh_vertices));
@@ -60,7 +60,7 @@ impl Preset {
     }
 }
 
-/// Settings that were checked: whatever holds them may rely on their ranges. Only [`resolve`] makes them.
+/// Checked settings: code that holds them may rely on their ranges. Only [`resolve`] makes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedBake(BakeSettings);
 
@@ -78,7 +78,7 @@ impl ResolvedBake {
         self.0
     }
 
-    /// The same for a mesh of so many vertices, which gets room for some more; see [`with_room`].
+    /// The same with room for some more vertices than the mesh has; see [`with_room`].
     pub fn with_room_for(mut self, mesh_vertices: usize) -> Self {
         self.0.max_vertices = self.0.max_vertices.map(|most| with_room(most, mesh_vertices));
         self
@@ -87,7 +87,7 @@ impl ResolvedBake {
     /// The same for these pictures, which are checked.
     ///
     /// # Errors
-    /// The first shot that looks nowhere.
+    /// The first shot whose camera is not usable.
     pub fn for_shots(mut self, shots: Vec<Shot>) -> Result<Self, SettingsError> {
         check_shots(&shots)?;
         self.0.shots = shots;
@@ -118,7 +118,7 @@ fn check_shots(shots: &[Shot]) -> Result<(), SettingsError> {
     }
 }
 
-/// Each number, and the least and the greatest that it may be; of what is left out, the least.
+/// Each number with its least and greatest value; for a number that is left out, its least value.
 fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 15] {
     let (sources, meshless) = (&settings.indirect.criterion, &settings.meshless);
     let optional = |value: Option<f64>, low| value.unwrap_or(low);

@@ -29,7 +29,7 @@ pub enum BakeError {
     Dataset(#[from] DatasetError),
     /// More memory than there is.
     Memory {
-        /// What was to be baked.
+        /// The parts of the bake.
         mode: BakeParts,
         /// Estimated need in MB.
         needed: u64,
@@ -50,9 +50,9 @@ pub enum BakeError {
 /// Cuts that may be more than a texture holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CutsOf {
-    /// Of the vertices over the environment.
+    /// Cuts of the vertices over the environment.
     Environment,
-    /// Of the vertices over the surface sources.
+    /// Cuts of the vertices over the surface sources.
     Sources,
     /// Of the surface sources over the environment.
     SourceEnvironment,
@@ -63,7 +63,7 @@ impl BakeError {
     pub fn text(&self, name: Naming) -> String {
         match self {
             Self::Cancelled => format!(
-                "the bake was cancelled; bake again with {} to go on from the last finished chunk",
+                "the bake was cancelled; bake again with {} to resume from the last finished chunk",
                 name(Setting::Resume)
             ),
             Self::Points(error) => error.text(name),
@@ -100,7 +100,7 @@ impl CutsOf {
     }
 }
 
-/// What makes a bake of these parts smaller.
+/// Remedies that make a bake of these parts smaller.
 fn memory_remedy(parts: BakeParts, name: Naming) -> String {
     let [vertices, levels] = [Setting::MaxVertices, Setting::Levels].map(name);
     let has_cuts = parts.environment() || parts.sources();

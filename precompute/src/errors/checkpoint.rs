@@ -13,7 +13,7 @@ pub enum CheckpointError {
         action: &'static str,
         /// Which file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
     /// The checkpoint belongs to another bake.

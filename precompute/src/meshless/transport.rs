@@ -1,18 +1,23 @@
 //! The single-bounce operator by receiver-centric adaptive refinement (meshless paper, 3.1, Fig. 5 and appendix).
 //!
-//! Level by level, each receiver gathers the links from all senders with one set of hemisphere rays (Eq. 16), subtracts what
-//! its parents already account for (Eq. 17), keeps what is significant, and has its children examined if anything was.
+//! Level by level, each receiver gathers the links from all senders with one set of hemisphere rays (Eq. 16). It
+//! subtracts what its parents already carry (Eq. 17) and keeps significant links. Its children are examined if there
+//! are any.
 //!
-//! Departures from the paper: reflectance is not inside (see [`lapidary_core::meshless::Transport`]), so `ε` is compared
-//! with the link of a sender of reflectance 0.38, `0.38 ‖T_ij‖ / π`, whatever colours the scene has now. Receivers that no coarser one
-//! reaches are gathered always. Coarse receivers have smaller thresholds, and links to coarse senders are merged rather than
-//! dropped (see [`refine::Criterion`]). Rays are uniform over
-//! the hemisphere and not by cosine, whose estimate of the tangential parts of vector irradiance has no finite variance;
-//! they are stratified as a Fibonacci lattice, turned and shifted at random by receiver, so that parents and children do
-//! not repeat each other's error.
+//! Departures from the paper:
+//!
+//! * Links do not contain reflectance (see [`lapidary_core::meshless::Transport`]). So `ε` is compared with the link of
+//!   a sender of reflectance 0.38, `0.38 ‖T_ij‖ / π`, whatever the current colours of the scene.
+//! * Receivers that no coarser one reaches always gather.
+//! * Coarse receivers have smaller thresholds, and links to coarse senders are merged rather than dropped (see
+//!   [`refine::Criterion`]).
+//! * Rays are uniform over the hemisphere. With cosine-distributed rays, the estimate of the tangential parts of vector
+//!   irradiance has no finite variance.
+//! * Rays are stratified as a Fibonacci lattice, rotated and shifted at random per receiver, so that parents and
+//!   children do not repeat each other's error.
 
-pub mod again;
 pub mod gather;
+pub mod recompute;
 mod refine;
 pub mod steps;
 
@@ -30,7 +35,7 @@ use rayon::prelude::*;
 use refine::{Criterion, children_of};
 use steps::{Forget, KeepsRows};
 
-/// Receivers between two looks at the observer.
+/// Receivers between two checks for cancellation.
 const RECEIVERS_PER_STEP: usize = 1024;
 
 /// Computes the operator of a basis on its surface. The result depends on neither threads nor time.
@@ -46,7 +51,7 @@ pub fn transport_operator(
     resumable_operator(surface, basis, settings, &Forget, observer)
 }
 
-/// The same; steps that `kept` holds are not made again.
+/// The same, resumable: steps that `kept` holds are not made again.
 pub fn resumable_operator(
     surface: &dyn Surface,
     basis: &Basis,

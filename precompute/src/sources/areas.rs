@@ -1,4 +1,5 @@
-//! The area that each surface point stands for: that of the reachable surface nearer to it than to the others.
+//! The area that each surface point represents: the part of the reachable surface that is closer to it than to the
+//! others.
 
 use super::disk::DENSITY;
 use crate::{
@@ -13,28 +14,28 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Uniformly distributed points a sample that are drawn at a time.
+/// Uniformly distributed points per sample in one draw.
 const POINTS_PER_SAMPLE: usize = 64;
-/// Points a sample that belong to one, on average, after which no more are drawn: areas are good to a seventh, their sum to
-/// far less.
+/// Mean number of owned points per sample at which drawing ends: each area is good to a seventh, and their sum to far
+/// less.
 const OWNED_PER_SAMPLE: usize = 48;
-/// Draws at most. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
+/// Largest number of draws. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
 const DRAWS: usize = 64;
-/// Further draws at most, around samples that are closer together than others and would own too few points.
+/// Largest number of further draws around samples that are closer together than others, which would own too few points.
 const FINE_DRAWS: usize = 16;
-/// Samples that are asked in turn whether a point belongs to them: things that stand on a surface part it from the nearest.
+/// Number of samples tried as the owner of a point: objects that stand on a surface separate it from the nearest.
 const TRIED: usize = 4;
-/// Owned points a sample below which it is remarked upon.
+/// Owned points per sample below which a warning is given.
 const FEW: usize = 16;
-/// Samples without any area above which that is remarked upon, as a share.
+/// Share of samples without area above which a warning is given.
 const WITHOUT_AREA: f32 = 0.01;
 
 /// Areas in m² of the samples of a Poisson-disk set, which come with their radii.
 ///
-/// Uniformly distributed points of the mesh are given to the sample nearest by Eq. 11, of those within two radii that see
-/// them, so that enclosed surfaces count for nothing: not even a floor beneath a box beside whose wall a
-/// sample lies. Faces that lie in one another count once. Points are drawn until enough of them count: a room may be a small part
-/// of a building.
+/// Uniformly distributed points of the mesh are assigned to the nearest sample by Eq. 11, of those within two radii
+/// that see them. So enclosed surfaces do not count, not even a floor beneath a box with a sample close outside its
+/// wall. Coincident faces count once. Points are drawn until enough of them are assigned, because a room may be a small
+/// part of a building.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
@@ -60,12 +61,12 @@ pub fn sample_areas(
     Ok(census.points_of.iter().zip(&draws).map(area).collect())
 }
 
-/// Samples by the places that may be theirs.
+/// A grid of samples, each with the reach within which it may own points.
 fn grid_of<'a>(samples: impl Iterator<Item = &'a (Surfel, f32)>) -> GradedGrid {
     GradedGrid::of(samples.map(|&(sample, radius)| (sample, OWNED_WITHIN * radius)))
 }
 
-/// Points of the mesh, each given to the sample that it belongs to.
+/// Points of the mesh, each assigned to the sample that owns it.
 struct Census<'a> {
     surface: &'a MeshSurface<'a>,
     observer: &'a dyn Observer,
@@ -83,7 +84,7 @@ impl<'a> Census<'a> {
         Self { surface, observer, seed, grid, points_of, draws: 0, area_of_point: 0.0 }
     }
 
-    /// Draws points, and gives those that may belong to samples that count to these.
+    /// Draws points that `may_count`, and assigns them to the samples that own them, for which `counts` holds.
     fn draw(
         &mut self,
         may_count: impl Fn(&Surfel) -> bool + Sync,
@@ -109,15 +110,15 @@ impl<'a> Census<'a> {
         self.points_of.iter().map(|&points| points as usize).sum()
     }
 
-    /// How many draws give a sample enough points: no fewer than those that all have had. It goes by the radius and not by the
-    /// points found so far, which would favour lucky ones.
+    /// Number of draws that gives a sample enough points, at least the number made for all samples. It depends on the
+    /// radius and not on the points found so far, which would favour lucky samples.
     fn draws_for(&self, radius: f32) -> usize {
         let enough = (OWNED_PER_SAMPLE as f32 * DENSITY * self.area_of_point / (radius * radius)).ceil();
         (enough as usize).clamp(self.draws, self.draws + FINE_DRAWS)
     }
 }
 
-/// Tells of areas that are noise.
+/// Warns of areas that are noise.
 fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
     let (samples, without) = (points_of.len(), points_of.iter().filter(|&&n| n == 0).count());
     let warn = |message| observer.event(Event::Warning { message });
@@ -129,7 +130,7 @@ fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
     }
 }
 
-/// The nearest sample that a point belongs to.
+/// The nearest sample that owns a point.
 fn owner(surface: &MeshSurface, grid: &GradedGrid, point: &Surfel) -> Option<u32> {
     let mut near: Vec<(f32, u32)> = Vec::new();
     grid.any_reaching(point, |i, distance| {
@@ -149,12 +150,12 @@ fn belongs(surface: &MeshSurface, point: &Surfel, (sample, reach): &(Surfel, f32
     let lifted = |s: &Surfel, lift: f32| s.position + s.normal * lift;
     let reaches = |lift: f32| surface.sees(lifted(ends[0], lift), lifted(ends[1], lift));
     let (low, high) = (4.0 * surface.offset(), 0.25 / OWNED_WITHIN * reach);
-    // A wall close behind tiles is none of theirs, and the floor under a cupboard none of what lies before it.
+    // A wall close behind tiles does not belong to them, and the floor under a cupboard not to a sample in front of it.
     let is_open = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
     if reaches(low) {
         is_open(point) || !is_open(sample)
     } else {
-        // Over what bulges between the two.
+        // Above bulges between the two.
         is_open(point) && is_open(sample) && reaches(high)
     }
 }

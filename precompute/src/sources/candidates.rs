@@ -1,10 +1,11 @@
-//! Candidates: where importance particles land that are traced backwards from a valid viewpoint.
+//! Candidates: the hits of importance particles that are traced from a valid viewpoint.
 //!
-//! A particle reflects about with cosine-distributed directions, up to [`BOUNCES`] times; the first [`DROPPED`] landings
-//! do not count, so that the density does not depend on where the viewpoint is. Where most particles escape before that, as
-//! over an open plane, all landings count.
+//! A particle is reflected in cosine-distributed directions, up to [`BOUNCES`] times. Its first [`DROPPED_HITS`] hits do not
+//! count, so that the density does not depend on the viewpoint. Where most particles escape before that, as over an
+//! open plane, all hits count.
 //!
-//! Where pictures are given, most candidates are what lights these: ends of segments from the surfaces that they show.
+//! If pictures are given, most candidates lie where the light of these pictures comes from: they are ends of segments
+//! from the surfaces in the pictures.
 
 use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
@@ -16,26 +17,26 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Landings of a particle (the paper's 30).
+/// Hits of a particle (the paper's 30).
 const BOUNCES: usize = 30;
-/// The first of them that do not count (the paper's 3).
-const DROPPED: usize = 3;
-/// Rays that tell whether anything is seen from a viewpoint.
+/// Number of first hits that do not count (the paper's 3).
+const DROPPED_HITS: usize = 3;
+/// Rays that check whether a viewpoint sees anything.
 const RAYS_OF_CHECK: usize = 256;
-/// Particles that tell what share of them lands how often.
-const FIRST: u64 = 256;
+/// Particles that measure how often particles hit before they escape.
+const PROBES: u64 = 256;
 /// Particles traced at a time: enough that no core waits long for the others.
 const BATCH: u64 = 4096;
-/// Batches without a landing after which there are no more candidates.
+/// Batches without a hit after which there are no more candidates.
 const EMPTY_BATCHES: usize = 16;
-/// Share of particles that must land more than [`DROPPED`] times for these to be dropped.
-const ENOUGH: f64 = 0.1;
-/// Candidates that pictures have for each other one: four fifths are theirs.
-const PICTURED: usize = 4;
-/// Rows of a picture among whose places segments are spread; any number would do.
+/// Share of particles that must hit more than [`DROPPED_HITS`] times for these hits to be dropped.
+const LEAST_SHARE_OF_LONG_PATHS: f64 = 0.1;
+/// Candidates from pictures for each other candidate: four fifths come from pictures.
+const PICTURED_PER_OTHER: usize = 4;
+/// Rows of a picture over which segments are spread; any number would do.
 const ROWS: f32 = 1024.0;
 
-/// An endless supply of points on surfaces from which light reaches the viewpoint; the same ones for the same seed.
+/// An endless supply of points on surfaces from which light reaches the viewpoint; the same seed gives the same points.
 pub struct Candidates<'a> {
     surface: &'a dyn Surface,
     observer: &'a dyn Observer,
@@ -48,7 +49,7 @@ pub struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// From a viewpoint that is checked here.
+    /// For a viewpoint, which is checked here.
     ///
     /// # Errors
     /// [`PointsError::SeesNothing`].
@@ -62,18 +63,18 @@ impl<'a> Candidates<'a> {
         let ready = VecDeque::new();
         let mut candidates =
             Self { surface, observer, viewpoint, seed, dropped: 0, shots: &[], next_particle: 0, ready };
-        let paths: Vec<_> = (0..FIRST).into_par_iter().map(|p| candidates.particle(p).len()).collect();
-        let long = paths.iter().filter(|&&length| length > DROPPED).count();
-        candidates.dropped = if long as f64 >= ENOUGH * FIRST as f64 { DROPPED } else { 0 };
+        let paths: Vec<_> = (0..PROBES).into_par_iter().map(|p| candidates.particle(p).len()).collect();
+        let long = paths.iter().filter(|&&length| length > DROPPED_HITS).count();
+        candidates.dropped = if long as f64 >= LEAST_SHARE_OF_LONG_PATHS * PROBES as f64 { DROPPED_HITS } else { 0 };
         Ok(candidates)
     }
 
-    /// With most of the candidates where light comes from that the shots see.
+    /// Takes most of the candidates from surfaces that light what the shots see.
     pub fn for_shots(self, shots: &'a [Shot]) -> Self {
         Self { shots, ..self }
     }
 
-    /// The next candidate. `None` if particles land nowhere any more.
+    /// The next candidate. `None` if particles hit nothing any more.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -81,7 +82,7 @@ impl<'a> Candidates<'a> {
         Ok(self.draw_segment()?.map(|segment| segment.end))
     }
 
-    /// [`Self::draw`], and how long the segment is that ends there.
+    /// As [`Self::draw`], with the length of the segment that ends there.
     pub(super) fn draw_segment(&mut self) -> Result<Option<Segment>, PointsError> {
         for _ in 0..EMPTY_BATCHES {
             if let Some(candidate) = self.ready.pop_front() {
@@ -92,13 +93,14 @@ impl<'a> Candidates<'a> {
             }
             let particles = self.next_particle..self.next_particle + BATCH;
             self.next_particle = particles.end;
-            let landed: Vec<Vec<Segment>> = particles.into_par_iter().map(|p| self.segments(p)).collect();
-            self.ready.extend(landed.into_iter().flatten());
+            let segments: Vec<Vec<Segment>> = particles.into_par_iter().map(|p| self.segments(p)).collect();
+            self.ready.extend(segments.into_iter().flatten());
         }
         Ok(self.ready.pop_front())
     }
 
-    /// At least `count` segments of particles whatever the pictures, spread evenly over the surface; fewer if they escape.
+    /// At least `count` segments of particles, without pictures, spread evenly over the surface; fewer if particles
+    /// escape.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -106,7 +108,7 @@ impl<'a> Candidates<'a> {
         if self.observer.cancelled() {
             return Err(PointsError::Cancelled);
         }
-        let particles = (count / (BOUNCES - DROPPED)) as u64 + FIRST;
+        let particles = (count / (BOUNCES - DROPPED_HITS)) as u64 + PROBES;
         Ok((0..particles).into_par_iter().flat_map_iter(|p| self.particle(p)).collect())
     }
 
@@ -114,12 +116,12 @@ impl<'a> Candidates<'a> {
         self.surface
     }
 
-    /// Those of a particle, and [`PICTURED`] times as many from what the shots see.
+    /// The segments of a particle, and [`PICTURED_PER_OTHER`] times as many from the surfaces that the shots see.
     fn segments(&self, index: u64) -> Vec<Segment> {
         let mut segments = self.particle(index);
         if !self.shots.is_empty() {
             let mut rng = fastrand::Rng::with_seed(!self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let wanted = PICTURED * segments.len();
+            let wanted = PICTURED_PER_OTHER * segments.len();
             segments.extend((0..wanted).filter_map(|_| self.segment_in_picture(&mut rng)));
         }
         segments
@@ -132,7 +134,7 @@ impl<'a> Candidates<'a> {
         segments(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
     }
 
-    /// From a random place of one of the pictures, cosine-distributed about its normal.
+    /// From a random point of one of the pictures, cosine-distributed about its normal.
     fn segment_in_picture(&self, rng: &mut fastrand::Rng) -> Option<Segment> {
         let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
@@ -141,7 +143,7 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// Whether particles from a viewpoint land at all.
+/// Checks that particles from a viewpoint hit anything.
 ///
 /// # Errors
 /// [`PointsError::SeesNothing`].
@@ -157,14 +159,14 @@ pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), Poi
 /// A segment of the path of a particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
-    /// Where it lands.
+    /// Its hit.
     pub end: Surfel,
     /// Its length in metres.
     pub length: f32,
 }
 
-/// Where a particle lands that is sent along a direction and reflected about, at most `most` times.
-pub(super) fn landings<'a>(
+/// Hits of a particle that starts in a direction and is reflected at most `most` times.
+pub(super) fn particle_hits<'a>(
     surface: &'a dyn Surface,
     origin: Vec3,
     direction: Vec3,
@@ -192,8 +194,8 @@ fn segments<'a>(
     std::iter::from_fn(next).take(most)
 }
 
-/// A place off the surface on the way that the particle came: nothing lies there, even in a corner where a step along the
-/// normal could pass through the wall beside.
+/// A point off the surface, back along the path of the particle. Nothing is there, even in a corner, where a step along
+/// the normal could pass through the wall beside it.
 fn step_back(origin: Vec3, direction: Vec3, hit: &Surfel, offset: f32) -> Vec3 {
     let cosine = direction.dot(hit.normal).abs().max(1e-3);
     hit.position - direction * (offset / cosine).min(0.5 * origin.distance(hit.position))

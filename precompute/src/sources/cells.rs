@@ -1,37 +1,38 @@
-//! Places divided into cells of small squared error: divisive k-means, the worst cell first.
+//! Points divided into cells of small squared error: divisive k-means, the worst cell first.
 
 use glam::Vec3;
 use lapidary_core::surfel::Surfel;
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-/// A cell has no fewer landings: they would not tell how wide it is.
-const LEAST_LANDINGS: usize = 8;
-/// Ways along the axes that surfaces may face most; their places are divided apart.
+/// Smallest number of hits per cell: fewer would not tell how wide it is.
+const LEAST_HITS: usize = 8;
+/// Axis directions that surfaces may face most; points of each are divided on their own.
 const SIDES: usize = 6;
 
-/// Where a segment lands.
-pub(super) struct Landing {
+/// The end of a segment.
+pub(super) struct WeightedHit {
     position: Vec3,
     side: usize,
-    /// Squared error of its light, in radians, for each squared metre between it and what it is taken to come from.
+    /// Squared error of its light, in radians, per squared metre between it and the centre that its light is taken to
+    /// come from.
     weight: f32,
 }
 
-impl Landing {
-    /// Of a segment of so many metres, more than none.
+impl WeightedHit {
+    /// Of a segment of this length in metres, which is positive.
     pub fn new(end: &Surfel, length: f32) -> Self {
         Self { position: end.position, side: side_of(end.normal), weight: length.powi(-2) }
     }
 }
 
-/// A binary tree of cells for each of the sides.
+/// A binary tree of cells for each axis direction.
 pub(super) struct Cells {
-    /// The first are the roots.
+    /// The first nodes are the roots.
     nodes: Vec<Node>,
 }
 
 enum Node {
-    /// Places below a coordinate on an axis are in the first of two nodes beside each other, the others in the second.
+    /// Points below a coordinate on an axis are in the first of two adjacent nodes, the others in the second.
     Parent { axis: usize, at: f32, first: usize },
     /// Its width in metres.
     Cell(f32),
@@ -39,10 +40,10 @@ enum Node {
 
 impl Cells {
     /// At most about `count` cells.
-    pub fn new(mut landings: Vec<Landing>, count: usize) -> Self {
-        landings.sort_unstable_by_key(|landing| landing.side);
+    pub fn new(mut hits: Vec<WeightedHit>, count: usize) -> Self {
+        hits.sort_unstable_by_key(|hit| hit.side);
         let mut nodes: Vec<Node> = (0..SIDES).map(|_| Node::Cell(f32::INFINITY)).collect();
-        let sides = landings.chunk_by_mut(|a, b| a.side == b.side);
+        let sides = hits.chunk_by_mut(|a, b| a.side == b.side);
         let mut clusters: BinaryHeap<Cluster> = sides.map(|side| Cluster::new(side[0].side, side)).collect();
         clusters.iter().for_each(|cluster| nodes[cluster.node] = Node::Cell(cluster.width));
         while nodes.len() < 2 * count {
@@ -50,7 +51,7 @@ impl Cells {
             let Some((at, below)) = split(members, axis, mean) else { continue };
             let first = nodes.len();
             nodes[node] = Node::Parent { axis, at, first };
-            for half in <[&mut [Landing]; 2]>::from(members.split_at_mut(below)) {
+            for half in <[&mut [WeightedHit]; 2]>::from(members.split_at_mut(below)) {
                 let half = Cluster::new(nodes.len(), half);
                 nodes.push(Node::Cell(half.width));
                 clusters.push(half);
@@ -59,8 +60,8 @@ impl Cells {
         Self { nodes }
     }
 
-    /// Width in metres of the cell that a place lies in: root of the mean squared distance of its landings from their mean, both
-    /// weighted by error. Infinite where there are too few.
+    /// Width in metres of the cell of a point: the root of the mean squared distance of its hits from their mean, both
+    /// weighted by error. Infinite where there are too few hits.
     pub fn width_at(&self, place: &Surfel) -> f32 {
         let mut node = side_of(place.normal);
         loop {
@@ -71,36 +72,37 @@ impl Cells {
         }
     }
 
-    /// Of all cells, where they are finite.
+    /// Finite widths of all cells.
     pub fn widths(&self) -> impl Iterator<Item = f32> {
         let width = |node: &Node| if let Node::Cell(width) = node { Some(*width) } else { None };
         self.nodes.iter().filter_map(width).filter(|width| width.is_finite())
     }
 }
 
-/// Which way along the axes a normal faces most.
+/// Index of the axis direction that a normal faces most.
 fn side_of(normal: Vec3) -> usize {
     let axis = normal.abs().max_position();
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// Brings those to the front that lie below a coordinate on an axis, and returns it and how many they are: their mean, or where
-/// that leaves too few on a side, as a few short segments at an edge may, their median. None if that does, too.
-fn split(members: &mut [Landing], axis: usize, mean: f32) -> Option<(f32, usize)> {
+/// Moves hits below a coordinate on an axis to the front. Returns the coordinate and their number. The coordinate is
+/// their mean, or their median where the mean leaves too few on a side, as a few short segments at an edge may. `None`
+/// if the median does so too.
+fn split(members: &mut [WeightedHit], axis: usize, mean: f32) -> Option<(f32, usize)> {
     let mut at = mean;
     for _ in 0..2 {
-        let below = partition(members, |landing| landing.position[axis] < at);
-        if below.min(members.len() - below) >= LEAST_LANDINGS {
+        let below = partition(members, |hit| hit.position[axis] < at);
+        if below.min(members.len() - below) >= LEAST_HITS {
             return Some((at, below));
         }
-        let by_place = |a: &Landing, b: &Landing| a.position[axis].total_cmp(&b.position[axis]);
+        let by_place = |a: &WeightedHit, b: &WeightedHit| a.position[axis].total_cmp(&b.position[axis]);
         at = members.select_nth_unstable_by(members.len() / 2, by_place).1.position[axis];
     }
     None
 }
 
-/// Brings those to the front that `is_first`, and returns how many.
-fn partition(members: &mut [Landing], is_first: impl Fn(&Landing) -> bool) -> usize {
+/// Moves those that `is_first` holds for to the front, and returns their number.
+fn partition(members: &mut [WeightedHit], is_first: impl Fn(&WeightedHit) -> bool) -> usize {
     let mut count = 0;
     for i in 0..members.len() {
         if is_first(&members[i]) {
@@ -111,26 +113,26 @@ fn partition(members: &mut [Landing], is_first: impl Fn(&Landing) -> bool) -> us
     count
 }
 
-/// Landings close together.
+/// Hits close together.
 struct Cluster<'a> {
     node: usize,
-    members: &'a mut [Landing],
+    members: &'a mut [WeightedHit],
     /// Sum of their squared errors if all light came from their mean.
     error: f32,
-    /// The axis along which they spread most, and their mean on it.
+    /// The axis of their largest spread, and their mean on it.
     axis: usize,
     mean: f32,
     width: f32,
 }
 
 impl<'a> Cluster<'a> {
-    fn new(node: usize, members: &'a mut [Landing]) -> Self {
-        let sum = |of: &dyn Fn(&Landing) -> Vec3| members.iter().map(|l| of(l) * l.weight).sum::<Vec3>();
+    fn new(node: usize, members: &'a mut [WeightedHit]) -> Self {
+        let sum = |of: &dyn Fn(&WeightedHit) -> Vec3| members.iter().map(|l| of(l) * l.weight).sum::<Vec3>();
         let weight = sum(&|_| Vec3::ONE).x;
         let mean = sum(&|l| l.position) / weight;
         let squares = sum(&|l| (l.position - mean) * (l.position - mean));
         let (axis, error) = (squares.max_position(), squares.element_sum());
-        let width = if members.len() < LEAST_LANDINGS { f32::INFINITY } else { (error / weight).sqrt() };
+        let width = if members.len() < LEAST_HITS { f32::INFINITY } else { (error / weight).sqrt() };
         Self { node, members, error, axis, mean: mean[axis], width }
     }
 }
@@ -163,12 +165,12 @@ mod tests {
         Surfel { position, normal, place: Default::default() }
     }
 
-    /// Landings spread over a square of two metres, by segments of `length`.
-    fn landings(normal: Vec3, length: impl Fn(Vec3) -> f32) -> Vec<Landing> {
+    /// Hits spread over a square of two metres, by segments of `length`.
+    fn hits(normal: Vec3, length: impl Fn(Vec3) -> f32) -> Vec<WeightedHit> {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places = std::iter::repeat_with(|| Vec3::new(coordinate(), 0.0, coordinate())).take(40_000);
-        places.map(|p| Landing::new(&surfel(p, normal), length(p))).collect()
+        places.map(|p| WeightedHit::new(&surfel(p, normal), length(p))).collect()
     }
 
     #[test]
@@ -178,32 +180,33 @@ mod tests {
             let places = (-10..=10).flat_map(|i| (-20..=20).map(move |j| at(i, j)));
             places.map(|p| cells.width_at(&surfel(p, Vec3::Y))).sum::<f32>() / 861.0
         };
-        let even = Cells::new(landings(Vec3::Y, |_| 1.0), 400);
+        let even = Cells::new(hits(Vec3::Y, |_| 1.0), 400);
         // A square metre for each hundred cells: the root of two twelfths of a cell's side of a tenth.
         let expected = 0.1 * (1.0_f32 / 6.0).sqrt();
         for x in [-0.5, 0.5] {
             assert!((width(&even, x) / expected - 1.0).abs() < 0.25, "{} for {expected}", width(&even, x));
         }
-        // Sixteen times the error for each landing: the best density of centres is its square root, and their distance
+        // Sixteen times the error for each hit: the best density of centres is its square root, and their distance
         // the root of that again.
-        let graded = Cells::new(landings(Vec3::Y, |p| if p.x < 0.0 { 0.25 } else { 1.0 }), 400);
+        let graded = Cells::new(hits(Vec3::Y, |p| if p.x < 0.0 { 0.25 } else { 1.0 }), 400);
         let ratio = width(&graded, 0.5) / width(&graded, -0.5);
         assert!((1.6..2.6).contains(&ratio), "{ratio}");
     }
 
     #[test]
     fn a_few_short_segments_at_an_edge_do_not_keep_a_cell_whole() {
-        let at_edge = (0..4).map(|i| Landing::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
-        let cells = Cells::new(landings(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
+        let at_edge =
+            (0..4).map(|i| WeightedHit::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
+        let cells = Cells::new(hits(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
         let width = cells.width_at(&surfel(Vec3::ZERO, Vec3::Y));
-        // Of two metres for a hundred cells of eight landings at least.
+        // Of two metres for a hundred cells of eight hits at least.
         assert!((0.03..0.3).contains(&width), "{width}");
         assert!(matches!(cells.nodes[2], Node::Parent { .. }), "the root of the side is divided");
     }
 
     #[test]
     fn sides_are_divided_apart_and_where_nothing_lands_cells_are_infinitely_wide() {
-        let cells = Cells::new(landings(Vec3::Y, |_| 1.0), 100);
+        let cells = Cells::new(hits(Vec3::Y, |_| 1.0), 100);
         assert!(cells.width_at(&surfel(Vec3::ZERO, Vec3::Y)).is_finite());
         assert_eq!(cells.width_at(&surfel(Vec3::ZERO, Vec3::NEG_Y)), f32::INFINITY);
         assert_eq!(Cells::new(Vec::new(), 100).width_at(&surfel(Vec3::ZERO, Vec3::Y)), f32::INFINITY);

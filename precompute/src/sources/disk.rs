@@ -14,21 +14,23 @@ use lapidary_core::{
 
 /// Rejections in a row after which a set counts as full (the paper's 2000).
 const FAILURES: usize = 2000;
-/// Squared radius of a set, as a share of the area that each of its points stands for.
+/// Squared radius of a set, as a share of the area that each of its points represents.
 pub(super) const DENSITY: f32 = 0.79;
 /// Rays of the openness test; half the directions of a sphere.
 const OPENNESS_RAYS: usize = 32;
-/// No set is larger: a bound for surfaces too large for their radius. It is told when a level ends there.
+/// Largest number of points of a set: a bound for surfaces too large for their radius. A level that ends there causes a
+/// warning.
 const MOST_POINTS: usize = 4_000_000;
-/// A factor of [`poisson_count`] with which there are some more points than asked for.
+/// A factor for [`poisson_count`] that gives some more points than asked for.
 const USUAL_FACTOR: f32 = 2.0;
 
-/// What dart throwing accepts.
+/// Criteria of dart throwing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Darts {
     /// Least distance (Eq. 11) of any two points in metres.
     pub radius: f32,
-    /// Reject points whose surroundings are nearer than a sixth of the radius, in the harmonic mean over the hemisphere.
+    /// Reject points in narrow places: the harmonic mean distance of surfaces over the hemisphere is below a sixth of
+    /// the radius.
     pub open_only: bool,
     /// Stop at this many points.
     pub most: usize,
@@ -42,13 +44,13 @@ pub fn poisson_disk(candidates: &mut Candidates, darts: Darts) -> Result<Vec<Sur
     let hemisphere: Vec<Vec3> = fibonacci_directions(2 * OPENNESS_RAYS).into_iter().filter(|d| d.z > 0.0).collect();
     let surface = candidates.surface();
     let is_open = |place: &Surfel| !darts.open_only || !is_narrow(surface, place, darts.radius, &hemisphere);
-    let points = thrown(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
+    let points = throw_darts(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
     Ok(points.into_iter().map(|(point, _)| point).collect())
 }
 
-/// Candidates that are nearer to none before than its radius, at most `most`, with their radii in metres. `radius` is that of
-/// a place, or none where no point may be.
-fn thrown(
+/// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in metres.
+/// `radius` returns that of a point, or `None` where no point may be.
+fn throw_darts(
     candidates: &mut Candidates,
     most: usize,
     radius: impl Fn(&Surfel) -> Option<f32>,
@@ -68,7 +70,7 @@ fn thrown(
     Ok(accepted.into_points())
 }
 
-/// Whether the harmonic mean distance of the surroundings, by rays of three radii, is below a sixth of the radius.
+/// Whether the harmonic mean distance of the surfaces around, by rays of three radii, is below a sixth of the radius.
 fn is_narrow(surface: &dyn Surface, at: &Surfel, radius: f32, hemisphere: &[Vec3]) -> bool {
     let frame = frame_around(at.normal);
     let origin = at.position + at.normal * surface.offset();
@@ -81,7 +83,7 @@ fn is_narrow(surface: &dyn Surface, at: &Surfel, radius: f32, hemisphere: &[Vec3
     mean_inverse > 6.0 / radius
 }
 
-/// Independent Poisson-disk sets whose radius halves from level to level, the coarsest first; all but the finest keep out of
+/// Independent Poisson-disk sets whose radius halves from level to level, the coarsest first. All but the finest avoid
 /// narrow places.
 ///
 /// # Errors
@@ -108,8 +110,8 @@ pub(super) fn levels_of_at_most(
 ) -> Result<Vec<Vec<Surfel>>, PointsError> {
     let mut candidates = Candidates::new(surface, viewpoint, seed, observer)?;
     let radius = |level: usize| coarse_radius * (-(level as f32)).exp2();
-    // Coarse functions in narrow places would reach through to what lies outside; the finest hardly can, and nothing finer
-    // stands in for them there.
+    // Coarse functions in narrow places would reach through to the outside. The finest hardly can, and no finer level
+    // replaces them.
     let open_only = |level| level + 1 < levels;
     let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most };
     let set = |level: usize| {
@@ -123,28 +125,28 @@ pub(super) fn levels_of_at_most(
     (0..levels).map(set).collect()
 }
 
-/// A Poisson-disk set of exactly `count` points whose radius goes by place, and the radius of each in metres.
+/// A Poisson-disk set of exactly `count` points with variable radius, and the radius of each in metres.
 ///
-/// `radius` is that of a place by a factor; the factor is searched for that gives some more points, and the closest of these
-/// are left out.
+/// `radius` returns the radius at a point for a factor. The search finds a factor that gives some more points, and
+/// leaves out the closest of these.
 ///
 /// # Errors
-/// Surfaces too small for so many points, or a cancelled job.
+/// Surfaces too small for this many points, or a cancelled job.
 pub fn poisson_count(
     candidates: &mut Candidates,
     count: usize,
     radius: impl Fn(&Surfel, f32) -> f32,
 ) -> Result<Vec<(Surfel, f32)>, PointsError> {
-    /// Points that are left out at most, as a share.
+    /// Largest share of points that are left out.
     const SURPLUS: f32 = 0.06;
     const ATTEMPTS: usize = 16;
-    /// Attempts that end if the factor is all but nil.
+    /// Factor below which the search fails.
     const LEAST_FACTOR: f32 = 1e-6;
     let most = (count as f32 * (1.0 + SURPLUS)) as usize + 1;
     let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        let points = thrown(candidates, 2 * most, |place| Some(radius(place, factor)))?;
+        let points = throw_darts(candidates, 2 * most, |place| Some(radius(place, factor)))?;
         let found = points.len();
         if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {
             best = Some(points);
@@ -153,8 +155,8 @@ pub fn poisson_count(
         if best.as_ref().is_some_and(|b| b.len() <= good_enough) {
             break;
         }
-        // The number of points goes with the inverse square of the radius; the first sets may be far from that law, and how many
-        // a set that was cut short would have is not known.
+        // The number of points is proportional to the inverse square of the radius. The first sets may be far from that
+        // law, and the full size of a set that was cut short is unknown.
         let law = (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt();
         factor *= if found < 2 * most { law.max(0.02) } else { 2.0 };
         if factor < LEAST_FACTOR {
@@ -193,7 +195,8 @@ fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     points
 }
 
-/// Distance, as a share of its own reach, and index of the nearest other point that reaches one; itself if there is none.
+/// The nearest other point that reaches this one: its distance as a share of its own reach, and its index. The point
+/// itself if there is none.
 fn nearest_other(grid: &GradedGrid, of: usize) -> (f32, usize) {
     let (place, reach) = grid.points()[of];
     let mut nearest = (f32::INFINITY, of);

@@ -17,8 +17,8 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 
-/// Arranges sources as the leaves of their complete binary tree, by position and
-/// normal, by pilot visibility, or by both.
+/// Arranges sources as the leaves of their complete binary tree, by position and normal, by pilot visibility, or by
+/// both.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -32,7 +32,7 @@ pub fn order_sources(
 ) -> Result<Vec<Source>, BakeError> {
     let diagonal = surface.bounds().diagonal();
     let none = PilotVisibility { lights: sources.len(), fractions: Vec::new() };
-    // By place first: the pilot's batches need neighbours in order to be neighbours in space.
+    // By position first, because the pilot's batches need neighbours in order to be neighbours in space.
     let sources = clustered(&sources, TreeKind::Geometric, 1.0, diagonal, &none);
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);

@@ -1,4 +1,5 @@
-//! Where surface sources lie (paper, 4.1, with the points of the meshless basis paper in place of a repulsion of random ones).
+//! Positions of surface sources (paper, 4.1). The points of the meshless basis paper replace the paper's repulsion of
+//! random ones.
 
 use super::{areas::sample_areas, candidates::Candidates, disk::poisson_count, spacing::Spacing};
 use crate::{errors::PointsError, mesh_surface::MeshSurface, observer::Observer};
@@ -7,13 +8,13 @@ use lapidary_core::{shot::Shot, sources::Source};
 
 /// Seed of the particles, so that the same scene gets the same sources.
 const POINTS_SEED: u64 = 0x736f_7572_6365_7301;
-/// Seed of the particles that tell how close together sources are to be.
+/// Seed of the particles that measure the spacing of sources.
 const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
-/// Seed of the points that areas are estimated by.
+/// Seed of the points that estimate areas.
 const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
 
-/// `count` sources on the surfaces that light reaches from the viewpoint, closer together where they light what is near by, above
-/// all what the shots see.
+/// `count` sources on the surfaces that light reaches from the viewpoint. They are closer together where receivers are
+/// close, above all receivers that the shots see.
 ///
 /// # Errors
 /// See [`poisson_count`].

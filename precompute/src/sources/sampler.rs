@@ -1,4 +1,4 @@
-//! What a bake point sees of the surface sources.
+//! Solid angles of the surface sources as seen from a bake point.
 
 use crate::vertices::{points::BakePoint, side::Side};
 use glam::Vec3;
@@ -7,11 +7,11 @@ use lapidary_core::{
     sources::{NearField, Origin, Source},
 };
 
-/// Solid angles of all sources from one bake point after another.
+/// Samples the solid angles of all sources, one bake point after another.
 pub struct SourceSampler<'a> {
     scene: &'a Intersector,
     sources: &'a [Source],
-    /// Where segments to each source end, off its surface.
+    /// End of the segments to each source, off its surface.
     ends: Vec<Vec3>,
     near: NearField,
 }
@@ -36,8 +36,9 @@ impl<'a> SourceSampler<'a> {
         self.sources.len()
     }
 
-    /// Sets `seen[leaf]` to the solid angle in steradians of every source. A far one has that of its disc, or zero if it faces
-    /// away, lies below the point's horizon, or is hidden; a near one what rays meet of it. Returns the rays traced.
+    /// Sets `seen[leaf]` to the solid angle in steradians of every source. A distant source has that of its disc, or
+    /// zero if it faces away, lies below the point's horizon, or is hidden; for a near one the rays decide. Returns the
+    /// number of rays traced.
     pub fn sample(&self, point: &BakePoint, scratch: &mut SourceScratch, seen: &mut [f32]) -> u64 {
         let SourceScratch { batch, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
@@ -63,8 +64,8 @@ impl<'a> SourceSampler<'a> {
         self.gather_near(point, has_near, seen);
     }
 
-    /// Calls `far` with each source to trace and the side of the point that faces it, sets all others to zero, and tells
-    /// for each side whether there are near sources.
+    /// Calls `far` with each source to trace and the side of the point that faces it, and sets all others to zero.
+    /// Returns for each side whether it has near sources.
     fn sort(&self, point: &BakePoint, seen: &mut [f32], mut far: impl FnMut(usize, Side)) -> [bool; 2] {
         let mut has_near = [false; 2];
         for (i, (source, seen)) in self.sources.iter().zip(seen.iter_mut()).enumerate() {
@@ -80,7 +81,7 @@ impl<'a> SourceSampler<'a> {
         has_near
     }
 
-    /// Adds what the sides of a point with near sources see of them, and returns the rays traced.
+    /// Adds solid angles of near sources for the sides of a point that have any. Returns the number of rays traced.
     fn gather_near(&self, point: &BakePoint, has_near: [bool; 2], seen: &mut [f32]) -> u64 {
         let gather = |(side, _): (Side, bool)| {
             let normal = side.normal(point.normal);
@@ -90,7 +91,7 @@ impl<'a> SourceSampler<'a> {
                 normal,
                 face: normal,
                 lift: point.offset,
-                own_cosine: point.own_cosine(),
+                same_surface_cosine: point.same_surface_cosine(),
             };
             let receives = |d| point.side_of(d) == side;
             self.near.gather(self.sources, self.scene, origin, receives, |i, angle| seen[i] += angle)
@@ -99,7 +100,7 @@ impl<'a> SourceSampler<'a> {
     }
 }
 
-/// The side of a point that a source lies on, if both face each other.
+/// The side of a point that a source is on, if both face each other.
 #[inline]
 fn facing_side(point: &BakePoint, source: &Source) -> Option<Side> {
     let toward = source.surfel.position - point.position;

@@ -1,47 +1,48 @@
-//! How close together surface sources are, place by place.
+//! The local spacing of surface sources.
 //!
-//! A receiver takes the light of a source to come from one place. What it receives is wrong by how far that is from where light
-//! does come from, in units of how far away the receiver is: the rim of a table over a ledge of a centimetre wants sources of
-//! millimetres, the ceiling does with decimetres. So rays go from receivers, where they end is divided into cells whose
-//! sum of these squared errors is small ([`Cells`]), and the widths of these tell how far apart sources are.
+//! A receiver takes the light of a source to come from its centre. The error is the distance between that centre and
+//! the true origin of the light, in units of the distance to the receiver. The rim of a table a centimetre above a
+//! ledge needs sources millimetres apart; for a ceiling decimetres are enough. So rays go out from receivers, and their
+//! hits are divided into cells whose sum of squared errors is small ([`Cells`]). The widths of the cells determine the
+//! spacing of the sources.
 
 use super::{
     candidates::{Candidates, Segment},
-    cells::{Cells, Landing},
+    cells::{Cells, WeightedHit},
     disk::DENSITY,
 };
 use crate::errors::PointsError;
 use lapidary_core::surfel::Surfel;
 use rayon::prelude::*;
 
-/// Segments of a cell, on average.
+/// Mean number of segments per cell.
 const SEGMENTS: usize = 128;
-/// Segments count as no shorter than this share of the median: what is nearer lies in the same fold.
+/// Smallest length of a segment, as a share of the median: closer surfaces lie in the same fold.
 const SHORTEST: f32 = 0.02;
-/// The spacing goes with this power of the width. Cells are as wide as the root of the length of the segments that land there.
-/// But light from either side of a source cancels, so that what a receiver gets is wrong by the second order of the distance
-/// over that length: for a least sum of its squares the spacing goes with the length to the power of 2/3 (best density of
-/// centres on a surface for errors to the fourth). Cells divided by that measure themselves are worse, for few segments
-/// decide then.
-const OF_WIDTH: f32 = 4.0 / 3.0;
-/// Sources are no farther apart than so many times as they are in an even set ([`even_spacing`]): little is seen of a lamp's
-/// bright spot on a table from near by, and yet it lights the whole room.
+/// The spacing is proportional to this power of the width. Cells are as wide as the root of the length of the segments
+/// that end there. But light from either side of a source cancels, so that the error of a receiver is of second order
+/// in the distance over that length. The sum of its squares is least for a spacing proportional to the length to the
+/// power of 2/3 (best density of centres on a surface for errors to the fourth). Cells divided by that measure itself
+/// are worse, because then few segments decide.
+const WIDTH_POWER: f32 = 4.0 / 3.0;
+/// Largest spacing, as a multiple of that of an even set ([`even_spacing`]): few receivers are close to a lamp's bright
+/// spot on a table, and yet it lights the whole room.
 const WIDEST: f32 = 2.0;
-/// Neighbours that tell how close together places are, at so many of these.
+/// Neighbours that measure the local density of points, and the number of points where that is done.
 const NEIGHBOURS: usize = 8;
 const SAMPLED: usize = 256;
 
-/// How far apart sources may be, but for a common factor.
+/// The largest spacing of sources, up to a common factor.
 pub struct Spacing {
     cells: Cells,
-    /// Width in metres of a cell at which the spacing goes with the width itself.
+    /// Width in metres of a cell whose spacing is the width itself.
     typical: f32,
     /// In metres.
     widest: f32,
 }
 
 impl Spacing {
-    /// For `count` sources where candidates lie.
+    /// For `count` sources on the surfaces of the candidates.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -50,37 +51,37 @@ impl Spacing {
         let widest = WIDEST * even_spacing(&segments, count);
         let mut lengths: Vec<f32> = segments.iter().map(|segment| segment.length).collect();
         let shortest = SHORTEST * median(&mut lengths);
-        let mut landings = Vec::with_capacity(SEGMENTS * count);
-        while landings.len() < SEGMENTS * count {
+        let mut hits = Vec::with_capacity(SEGMENTS * count);
+        while hits.len() < SEGMENTS * count {
             let Some(Segment { end, length }) = candidates.draw_segment()? else { break };
-            landings.push(Landing::new(&end, length.max(shortest)));
+            hits.push(WeightedHit::new(&end, length.max(shortest)));
         }
-        Ok(Self::of(Cells::new(landings, count), widest))
+        Ok(Self::of(Cells::new(hits, count), widest))
     }
 
     fn of(cells: Cells, widest: f32) -> Self {
-        // Of a power of widths as many sources fit as of the widths, if at this width both are alike.
-        let power = 2.0 - 2.0 * OF_WIDTH;
+        // The power of the widths allows as many sources as the widths if both are equal at this width.
+        let power = 2.0 - 2.0 * WIDTH_POWER;
         let (sum, count) = cells.widths().fold((0.0, 0), |(sum, count), width| (sum + width.powf(power), count + 1));
         let typical = if count > 0 { (sum / count as f32).powf(power.recip()) } else { widest };
         Self { cells, typical, widest }
     }
 
-    /// Metres at a place, by the factor.
+    /// Spacing in metres at a point, for the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
         let width = self.cells.width_at(place) / self.typical;
-        (factor * self.typical * width.powf(OF_WIDTH)).min(self.widest)
+        (factor * self.typical * width.powf(WIDTH_POWER)).min(self.widest)
     }
 }
 
-/// 0 of none.
+/// Median; 0 without values.
 fn median(values: &mut [f32]) -> f32 {
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-/// Radius of a Poisson-disk set of `count` points spread evenly over all surface that places lie on: each stands for so much of it
-/// as the nearest others leave it, however unevenly they lie.
+/// Radius of a Poisson-disk set of `count` points spread evenly over the surface that the points lie on. Each point
+/// represents the area that its nearest neighbours leave it, however uneven the set.
 fn even_spacing(places: &[Segment], count: usize) -> f32 {
     let area_of = |place: &Segment| {
         let distance_sq = |other: &Segment| other.end.position.distance_squared(place.end.position);
@@ -89,7 +90,7 @@ fn even_spacing(places: &[Segment], count: usize) -> f32 {
         std::f32::consts::PI * *distances.select_nth_unstable_by(nearest, f32::total_cmp).1 / nearest.max(1) as f32
     };
     let step = (places.len() / SAMPLED).max(1);
-    // Summed in order, which threads would not.
+    // Summed in order, which threads would not do.
     let areas: Vec<f32> = places.par_iter().step_by(step).map(area_of).collect();
     let mean = areas.iter().sum::<f32>() / areas.len().max(1) as f32;
     (DENSITY * mean * places.len() as f32 / count as f32).sqrt()
@@ -108,7 +109,7 @@ mod tests {
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places: Vec<Surfel> = (0..60_000).map(|_| surfel(coordinate(), coordinate())).collect();
         let length = |place: &Surfel| if place.position.x < 0.0 { 0.25 } else { 1.0 };
-        let cells = |count| Cells::new(places.iter().map(|p| Landing::new(p, length(p))).collect(), count);
+        let cells = |count| Cells::new(places.iter().map(|p| WeightedHit::new(p, length(p))).collect(), count);
         let ratio = |at: &dyn Fn(&Surfel) -> f32| {
             let mean = |side: f32| {
                 let of_side = places.iter().filter(|p| p.position.x * side > 0.1);

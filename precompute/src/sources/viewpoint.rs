@@ -1,12 +1,12 @@
-//! The one valid viewpoint that tells reachable surfaces from enclosed ones.
+//! The one valid viewpoint, which separates reachable surfaces from enclosed ones.
 //!
-//! A viewpoint should lie in the largest space that is closed or nearly so: there light stays, and nothing outside matters
-//! much to it. Places are judged by how many directions meet a surface, by how much surface particles from there reach and
-//! of how many parts of the scene, and by the size of the space around. Judged by directions alone the hollow of a column,
-//! or a gap between two leaves, beats any room. Spaces between walls and under roofs may be large and closed as well, but
-//! show the backs of what they lie behind, or few things: what is meant to be seen is furnished.
+//! A viewpoint should lie in the largest space that is closed or nearly so: light stays in it, and hardly depends on
+//! the outside. A point is judged by the share of directions that hit a surface, the area and number of parts of the
+//! scene that particles from it reach, and the size of the space around it. By directions alone the inside of a column,
+//! or a gap between two leaves, would beat any room. Spaces between walls and under roofs may also be large and closed,
+//! but there particles hit backs, or few objects; a space that is meant to be seen is furnished.
 
-use super::candidates::{check_viewpoint, landings};
+use super::candidates::{check_viewpoint, particle_hits};
 use crate::{errors::PointsError, mesh_surface::MeshSurface};
 use glam::Vec3;
 use lapidary_core::{
@@ -20,40 +20,42 @@ use std::collections::HashSet;
 
 /// Rays that judge a viewpoint.
 const RAYS: usize = 256;
-/// Of so many rays one goes on as a particle, and lands so often at most.
+/// One of this many rays continues as a particle, up to this many hits.
 const RAYS_PER_PARTICLE: usize = 4;
-const LANDINGS: usize = 12;
-/// Cells along the diagonal of the scene; the surface in one of them counts once for each of six directions that it faces.
+const MOST_HITS: usize = 12;
+/// Cells along the diagonal of the scene. The surface in a cell counts once per axis direction that it faces.
 const CELLS: f32 = 24.0;
-/// Places of a grid along each axis of the search.
+/// Points of a grid along each axis of the search.
 const PLACES: usize = 8;
-/// The grid goes this far beyond the bounds, as a share of their extent: over a model on a plane, all within is too close.
-const BEYOND: f32 = 0.25;
-/// Places halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is detail.
+/// The grid extends this far beyond the bounds, as a share of their extent: for a model on a plane, all points within
+/// are too close.
+const GRID_MARGIN: f32 = 0.25;
+/// Points halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is
+/// detail.
 const CHORDS: usize = 512;
-/// A camera or light serves if it is at least so good as the best place, as a share: it need not lie in the middle. Backs
-/// around a camera are what is meant to be seen, and do not count against it.
+/// Score of a camera or light, as a share of the best, at which it serves as viewpoint: it need not be in the middle.
+/// Backs around a camera are meant to be seen, and do not count against it.
 const GOOD_HINT: f32 = 0.3;
-/// Power of the share of landings that are on fronts: a few leaves and curtains are seen from behind in any room, but of
-/// what lies around a space between walls a quarter or more.
+/// Power of the share of hits that are on fronts: any room shows a few leaves and curtains from behind, but a space
+/// between walls shows backs for a quarter of its hits or more.
 const FRONTS_POWER: i32 = 6;
-/// What a place is worth that sees backs of two-sided surfaces alone, as a share: the sides of a mesh may be wrong.
+/// Factor for a point that sees only backs of two-sided surfaces: the sides of a mesh may be wrong.
 const BACKS_ONLY: f32 = 0.01;
 const SEED: u64 = 0x7669_6577_706f_696e;
 
-/// What lies around a place.
+/// The surfaces around a point.
 pub struct ViewpointSurroundings {
-    /// Share of all directions that meet no surface, not even the back of one: 0 in a closed space, about a half over a
+    /// Share of all directions that hit no surface, not even the back of one: 0 in a closed space, about a half over a
     /// plane.
     pub open: f32,
-    /// Whether in all directions a side is seen that light bounces off.
+    /// Whether light bounces off the surface in every direction.
     pub closed: bool,
-    /// What is seen, by directions spread evenly.
+    /// The surfaces seen, by directions spread evenly.
     pub seen: Vec<Surfel>,
 }
 
 impl ViewpointSurroundings {
-    /// Of a place.
+    /// For a point.
     pub fn of(surface: &MeshSurface, place: Vec3) -> Self {
         let View { hits, seen } = View::from(surface, place);
         let open = 1.0 - hits as f32 / RAYS as f32;
@@ -61,8 +63,8 @@ impl ViewpointSurroundings {
     }
 }
 
-/// The viewpoint asked for, or that of the first camera or local light that is at least 0.3 times as good as the best place
-/// found, or that place.
+/// The viewpoint that was asked for; else the first camera or local light whose score is at least 0.3 of the best; else
+/// the point of the best score.
 ///
 /// # Errors
 /// A viewpoint asked for that lies inside a solid or sees nothing; a scene without any valid one.
@@ -94,7 +96,7 @@ pub fn find_viewpoint(
     Ok(places[(0..hints).find(is_good).unwrap_or(best)])
 }
 
-/// Where a light shines from, off the surface that it may lie on.
+/// Position of a light, off the surface that it may lie on.
 fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
     match light.emission {
         Emission::Directional => None,
@@ -109,15 +111,15 @@ fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
 fn grid(surface: &MeshSurface) -> impl Iterator<Item = Vec3> {
     let bounds = surface.bounds();
     let extent = (bounds.max - bounds.min).max(Vec3::splat(0.02 * bounds.diagonal()));
-    let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * BEYOND) - BEYOND;
+    let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * GRID_MARGIN) - GRID_MARGIN;
     (0..PLACES.pow(3)).map(move |i| {
         let at = Vec3::new(share(i % PLACES), share(i / PLACES % PLACES), share(i / (PLACES * PLACES)));
-        // Off the planes of symmetry, where edges and corners tend to lie.
+        // Off the planes of symmetry, where edges and corners tend to be.
         bounds.min + extent * (at + Vec3::new(0.011, 0.013, 0.017))
     })
 }
 
-/// The middles between random points of surfaces and what lies before them, however small the rooms of a scene are.
+/// Midpoints between random points of surfaces and the surfaces in front of them. They reach rooms of any size.
 fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
     let mut rng = fastrand::Rng::with_seed(SEED);
     let mut points = surface.uniform_points(CHORDS / 2, SEED).0;
@@ -130,13 +132,13 @@ fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
     points.into_iter().filter_map(middle).collect()
 }
 
-/// How good a viewpoint is. Nothing inside solids and where nothing is seen.
+/// Score of a viewpoint. Zero inside solids and where nothing is seen.
 #[derive(Clone, Copy, Default)]
 struct Score {
-    /// The surface that particles reach, times the root of the number of its parts, the share of directions that see
-    /// surfaces and the size of the space around.
+    /// The area that particles reach, times the root of the number of its parts, the share of directions that see
+    /// surfaces, and the size of the space around.
     space: f32,
-    /// Share of landings on fronts.
+    /// Share of hits on fronts.
     fronts: f32,
 }
 
@@ -156,24 +158,24 @@ impl Score {
         Self { space, fronts: reached.fronts }
     }
 
-    /// Less if much of what is reached are backs.
+    /// Reduced if particles reach many backs.
     fn total(self) -> f32 {
         self.space * self.fronts.powi(FRONTS_POWER).max(BACKS_ONLY)
     }
 }
 
-/// What is seen around a place.
+/// The surfaces in view from a point.
 struct View {
-    /// Rays that meet something, from either side.
+    /// Rays that hit anything, from either side.
     hits: usize,
-    /// Directions that meet a side that exists, and where.
+    /// Directions that hit a visible side, and the hits.
     seen: Vec<(Vec3, Surfel)>,
 }
 
 impl View {
     fn from(surface: &MeshSurface, place: Vec3) -> Self {
         let directions = fibonacci_directions(RAYS);
-        let hits = directions.iter().filter(|&&d| surface.meets_anything(place, d)).count();
+        let hits = directions.iter().filter(|&&d| surface.hits_anything(place, d)).count();
         let seen = directions.iter().filter_map(|&d| Some((d, surface.first_hit(place, d)?))).collect();
         Self { hits, seen }
     }
@@ -182,36 +184,36 @@ impl View {
         self.hits > 0 && 2 * self.seen.len() < self.hits
     }
 
-    /// Radius in metres of a ball of the volume that is seen. Attics are low.
+    /// Radius in metres of a ball with the volume that is seen. Attics are low.
     fn size(&self, place: Vec3) -> f32 {
         let cubes: f32 = self.seen.iter().map(|s| s.1.position.distance(place).powi(3)).sum();
         (cubes / RAYS as f32).cbrt()
     }
 
-    /// Where particles from the place land.
+    /// The hits of particles from the point.
     fn reached(&self, surface: &MeshSurface, place: Vec3) -> Reached {
         let inverse_cell = CELLS / surface.bounds().diagonal();
         let mut rng = fastrand::Rng::with_seed(SEED);
-        let mut landed: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
+        let mut hits: Vec<Surfel> = self.seen.iter().map(|s| s.1).collect();
         for (direction, _) in self.seen.iter().step_by(RAYS_PER_PARTICLE) {
-            landed.extend(landings(surface, place, *direction, LANDINGS, &mut rng).skip(1));
+            hits.extend(particle_hits(surface, place, *direction, MOST_HITS, &mut rng).skip(1));
         }
-        let fronts = landed.iter().filter(|at| surface.is_front(at)).count();
+        let fronts = hits.iter().filter(|at| surface.is_front(at)).count();
         Reached {
-            cells: landed.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
-            parts: landed.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
-            fronts: fronts as f32 / landed.len().max(1) as f32,
+            cells: hits.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
+            parts: hits.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),
+            fronts: fronts as f32 / hits.len().max(1) as f32,
         }
     }
 }
 
-/// What particles from a place reach.
+/// The surfaces that particles from a point reach.
 struct Reached {
-    /// Cells that they land in: the area.
+    /// Cells that contain hits: the area.
     cells: usize,
-    /// Parts of the scene.
+    /// Parts of the scene with hits.
     parts: usize,
-    /// Share of landings on fronts.
+    /// Share of hits on fronts.
     fronts: f32,
 }
 

@@ -1,6 +1,6 @@
 //! The meshless operator: links of some functions made again, and the light that it carries against rays.
 
-use crate::{mesh_surface::MeshSurface, meshless::transport::again::links_again};
+use crate::{mesh_surface::MeshSurface, meshless::transport::recompute::recompute_links};
 use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
@@ -19,12 +19,12 @@ const FUNCTIONS: usize = 64;
 const POINTS: usize = 128;
 const RAYS: usize = 512;
 
-/// What a verification of the meshless basis found.
+/// Results of a verification of the meshless basis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshlessVerification {
     /// Functions whose links were made again with fresh rays, those that these depend on included.
     pub functions: usize,
-    /// Those of them whose links differ from the stored ones by more than their rounding.
+    /// Number of these whose links differ from the stored ones by more than their rounding.
     pub different_functions: usize,
     /// Points at which a bounce of light was compared with rays.
     pub points: usize,
@@ -41,7 +41,7 @@ pub(super) fn verify(dataset: &Dataset, intersector: &Intersector, count: usize)
     let surface = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &black);
     let mut random = fastrand::Rng::with_seed(super::seed(dataset));
     let picked = picked_functions(bake, count.min(FUNCTIONS), &mut random);
-    let again = links_again(&surface, &bake.basis, &dataset.settings.meshless, &picked);
+    let again = recompute_links(&surface, &bake.basis, &dataset.settings.meshless, &picked);
     let stored = rows_of(&bake.transport);
     let differs = |(receiver, row): &&(usize, Vec<_>)| !agree(row, &stored[*receiver], bake.transport.scale());
     let pairs = compare_light(bake, &surface, &mut random);

@@ -1,7 +1,8 @@
-//! Pilot visibility (paper, 3.4): clusters of bake points, and how much of each cluster every light sees.
+//! Pilot visibility (paper, 3.4): clusters of bake points, and the fraction of each cluster that sees each light.
 //!
-//! The paper traces every vertex twice. Here a few members stand for each cluster: on the armadillo scene 4 and 8 of some 57
-//! both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so all of them are not worth seven times the rays.
+//! The paper traces every vertex twice. Here a few members represent each cluster. On the armadillo scene 4 and 8 of
+//! some 57 members both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so tracing all of them is
+//! not worth seven times the rays.
 
 use crate::{
     errors::BakeError,
@@ -21,7 +22,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Weight of position against normal in the metric of the clusters (Eq. 10; Hašan et al. 2006).
 const K: f32 = 30.0;
-/// Points of a cluster whose visibility is averaged.
+/// Points per cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
 /// Clusters the points by position and normal and samples each cluster's visibility of `directions`.
@@ -40,7 +41,8 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, directions.len(), clusters, observer, sample)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
+/// Clusters the points and samples each cluster's visibility of `lights` with `sample`, which sets 0 or 1 for each
+/// light.
 pub fn pilot_of(
     points: &BakePoints,
     diagonal: f32,

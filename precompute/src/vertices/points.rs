@@ -1,4 +1,4 @@
-//! Bake points: where visibility is sampled for the vertices, made robust against what real meshes hold.
+//! Bake points: where visibility is sampled for the vertices, made robust against the defects of real meshes.
 
 mod creases;
 mod sight;
@@ -27,39 +27,40 @@ use std::collections::HashMap;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
-/// Rays start no further off a surface than this share of the least height of its triangles: from a strip of a moulding, long
-/// and a millimetre high, they would start within the next.
-const OFFSET_OF_HEIGHT: f32 = 0.05;
+/// Largest distance of ray origins from a surface, as a share of the least height of its triangles. From a long strip
+/// of a moulding, a millimetre high, rays would otherwise start within the next strip.
+const MOST_OFFSET_PER_HEIGHT: f32 = 0.05;
 
-/// A place where visibility is sampled.
+/// A point where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakePoint {
     /// Position of the vertex in metres.
     pub position: Vec3,
     /// Unit normal, repaired to lie on the side of its triangles.
     pub normal: Vec3,
-    /// Distance in metres by which rays start off the surface.
+    /// Distance in metres of ray origins from the surface.
     pub offset: f32,
-    /// Height above the tangent plane (as a cosine, at most 0) below which every direction is below the planes of all
-    /// the triangles around: a closed surface blocks it, and no ray is needed.
+    /// Height above the tangent plane (as a cosine, at most 0). Below it every direction is below the planes of all
+    /// triangles around: a closed surface blocks it, and no ray is needed.
     pub horizon: f32,
-    /// Sampled over the whole sphere, the lower half from the other side.
+    /// Whether the whole sphere is sampled, the lower half from the other side.
     pub two_sided: bool,
-    /// Place in metres that the front and that the back sample at: the position, but in a crease.
+    /// Points in metres where the front and the back sample: the position, except in a crease.
     pub places: [Vec3; 2],
 }
 
 /// The bake points of a mesh.
 #[derive(Clone, Debug, Default)]
 pub struct BakePoints {
-    /// Distinct points: vertices that agree in position, normal and sides share one.
+    /// Distinct points: vertices with the same position, normal and sides share one.
     pub points: Vec<BakePoint>,
     /// The point of each vertex.
     pub of_vertex: Vec<u32>,
 }
 
 impl BakePoint {
-    /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset` metres off.
+    /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset`
+    /// metres off.
     pub fn of_surfel(surfel: Surfel, offset: f32) -> Self {
         let Surfel { position, normal, .. } = surfel;
         Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
@@ -75,19 +76,19 @@ impl BakePoint {
         self.place(side) + side.normal(self.normal) * self.offset
     }
 
-    /// The place on the surface that a side samples at.
+    /// The point on the surface where a side samples.
     pub fn place(&self, side: Side) -> Vec3 {
         self.places[side as usize]
     }
 
-    /// Cosine with the normal above which faces are those that the point lies in, see [`Origin::own_cosine`].
-    pub fn own_cosine(&self) -> f32 {
-        // The most that a face around it is tilted; rounding must not part that face from its point.
+    /// Smallest cosine between the normal and a face that the point lies in, see [`Origin::same_surface_cosine`].
+    pub fn same_surface_cosine(&self) -> f32 {
+        // The largest tilt of a face around it; rounding must not separate that face from its point.
         let tilted = (1.0 - self.horizon * self.horizon).max(0.0).sqrt();
-        Origin::OWN_COSINE.min(0.99 * tilted)
+        Origin::SAME_SURFACE_COSINE.min(0.99 * tilted)
     }
 
-    /// The side that a direction is sampled from. What a one-sided point has at its back is not sampled.
+    /// The side from which a direction is sampled. A one-sided point does not sample directions behind it.
     pub fn side_of(&self, direction: Vec3) -> Side {
         let height = direction.dot(self.normal);
         let is_front = if self.two_sided { height >= 0.0 } else { height > self.horizon };
@@ -107,7 +108,7 @@ impl BakePoints {
             let point = BakePoint {
                 position,
                 normal,
-                offset: offset::of_baking(around.edge_length[v], OFFSET_OF_HEIGHT * around.height[v], diagonal),
+                offset: offset::of_baking(around.edge_length[v], MOST_OFFSET_PER_HEIGHT * around.height[v], diagonal),
                 horizon: 0.0,
                 two_sided: around.two_sided[v],
                 places: [position; 2],
@@ -139,8 +140,8 @@ impl BakePoints {
         }
     }
 
-    /// The points with the places where they sample light from surfaces near by, which vary within their triangles: not in
-    /// concave edges, nor where something hides them from the shots.
+    /// The points, moved to where they sample light from surfaces close to them, which varies within their triangles.
+    /// They move out of concave edges, and out from behind what hides them from the shots.
     pub fn for_sources(&self, mesh: &Mesh, scene: &Intersector, shots: &[Shot]) -> Vec<BakePoint> {
         let mut points = self.off_creases(mesh, scene);
         let sight = Sight::new(mesh, scene, shots, points.len(), &self.of_vertex);
@@ -155,7 +156,7 @@ impl BakePoints {
         points
     }
 
-    /// For each point: whether it lies inside a closed piece, since most of what it sees are back faces of such.
+    /// For each point: whether it lies inside a closed piece, because most of its rays hit back faces of such pieces.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -184,11 +185,11 @@ impl BakePoints {
     }
 }
 
-/// What the triangles around each vertex say.
+/// Properties of the triangles around each vertex.
 struct VertexTriangles {
     area: Vec<Vec3>,
     edge_length: Vec<f32>,
-    /// Least height of the triangles, but of those without area.
+    /// Least height of the triangles that have an area.
     height: Vec<f32>,
     two_sided: Vec<bool>,
 }
@@ -218,7 +219,7 @@ impl VertexTriangles {
         Self { area, edge_length, height, two_sided }
     }
 
-    /// The vertex normal, or that of its faces where it is unusable or points away from them.
+    /// The vertex normal, or that of its faces if it is unusable or points away from them.
     fn repaired_normal(&self, vertex: usize, normal: Vec3) -> Vec3 {
         let face = self.area[vertex].normalize_or_zero();
         let normal = normal.normalize_or_zero();

@@ -1,4 +1,4 @@
-//! What vertices of a dataset see, traced again as its bake did.
+//! Visibility of vertices of a dataset, traced again as its bake did.
 
 use crate::vertices::{points::BakePoints, sidedness::Sidedness, visibility::VisibilitySampler};
 use lapidary_core::{dataset::Dataset, ray::Intersector};
@@ -9,7 +9,7 @@ pub struct VertexSampler<'a> {
     lights: VisibilitySampler<'a>,
 }
 
-/// The places where a dataset's vertices were sampled.
+/// The points where a dataset's vertices were sampled.
 pub fn bake_points(dataset: &Dataset) -> BakePoints {
     let mesh = &dataset.scene.mesh;
     let closed = vec![true; mesh.triangles.len()]; // only burial needs it, and that is stored

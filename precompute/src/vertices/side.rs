@@ -12,7 +12,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both, in the order of what is stored for each.
+    /// Both, in storage order.
     pub const BOTH: [Self; 2] = [Self::Front, Self::Back];
 
     /// The normal of this side, of a surface with this normal.

@@ -1,8 +1,9 @@
-//! Which triangles are lit and seen from both sides.
+//! Triangles on which light arrives from both sides.
 //!
-//! A material may say so. Beyond that, a connected piece with an open boundary (a cloth, a leaf) can be seen from behind,
-//! so it is sampled from both sides, unless the whole scene lies in front of it: a floor's underside faces nothing.
-//! Closed pieces are lit from outside only; sampling inside them would cost rays and tell nothing.
+//! A material may be two-sided. Beyond that, a connected piece with an open boundary (a cloth, a leaf) can be seen from
+//! behind, so it is sampled from both sides. The exception is a piece with the whole scene in front of it: a floor's
+//! underside faces nothing. Closed pieces receive light from outside only; sampling inside them would cost rays and
+//! tell nothing.
 
 use glam::Vec3;
 use lapidary_core::scene::{Mesh, Scene};
@@ -19,10 +20,10 @@ pub fn exact_key(v: Vec3) -> [u32; 3] {
     (v + 0.0).to_array().map(f32::to_bits)
 }
 
-/// What is known of a triangle's sides.
+/// Properties of the sides of each triangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sidedness {
-    /// Lit and seen from both sides.
+    /// Receives light, and is visible, from both sides.
     pub two_sided: Vec<bool>,
     /// Part of a piece without boundary: its back is inside something.
     pub closed: Vec<bool>,

@@ -1,10 +1,10 @@
 //! Tessellation where visibility varies, by conforming longest-edge bisection (Rivara 1984).
 //!
 //! Cuts are interpolated linearly inside triangles, so vertices are needed where visibility changes: without them a
-//! floor of two triangles has no shadow. An edge is split if it is long for the vertex budget, or if at its midpoint the pilot
-//! visibility, or for bounced light the nearness of other surfaces, differs from the mean of its ends; a triangle with an edge
-//! to split also splits its longest edge, which keeps angles bounded. Edges are told apart by position, so that seams of
-//! normals and texture coordinates do not crack.
+//! floor of two triangles has no shadow. An edge is split if it is long for the vertex budget, or if linear
+//! interpolation is wrong at its midpoint, for the pilot visibility or, for bounced light, for the nearness of other
+//! surfaces. A triangle with an edge to split also splits its longest edge, which bounds angles from below. Edges are
+//! identified by position, so that seams of normals and texture coordinates do not crack.
 
 mod edges;
 mod pilot;
@@ -23,31 +23,32 @@ pub use pilot::Stored;
 use scale::EdgeScale;
 use split::split_edges;
 
-/// Part of the sphere that must be wrong at an edge's midpoint for the edge to be split, or how wrong nearness must be.
+/// Error at an edge's midpoint above which the edge is split: the wrong part of the sphere, or the error of nearness.
 const TOLERANCE: f32 = 0.01;
-/// Longest edge that is never left whole, and shortest that is never split, in units of the edge length at which equal
-/// triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
+/// Edges longer than the first are always split, and edges shorter than the second never. The unit is the edge length
+/// at which equal triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
 const LONGEST: f32 = 6.0;
 const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.
 const ROUNDS: usize = 16;
-/// Part of the vertices that are left that a round makes, but for the last: halves of urgent edges may be more urgent than
-/// all that is left of others. With all of them in the first round a picture on the living room's wall stayed black.
-const PART_A_ROUND: f32 = 0.3;
+/// Part of the remaining vertices that a round may add, except for the last: halves of urgent edges may be more urgent
+/// than all remaining edges. When the first round could add all of them, a picture on the living room's wall stayed
+/// black.
+const SHARE_PER_ROUND: f32 = 0.3;
 
-/// What vertices are for.
+/// The purpose of the vertices.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
-    /// What they store.
+    /// The functions that they store.
     pub stored: Stored,
-    /// Most of them.
+    /// Largest number of vertices.
     pub budget: usize,
-    /// Pictures that most of them are meant for, if any.
+    /// Pictures for which most of them are placed, if any.
     pub shots: &'a [Shot],
 }
 
-/// Splits edges of `mesh` until it has as many vertices as its budget allows, or what they are to store is linear enough.
-/// `sides` keeps one entry a triangle.
+/// Splits edges of `mesh` until the vertex budget is used up, or until the stored functions are linear enough. `sides`
+/// keeps one entry per triangle.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`], within the tracing of a point after the observer asked for it.
@@ -71,7 +72,7 @@ pub fn tessellate(
         }
         let edges = Edges::new(mesh);
         let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, &scale)?;
-        let part = if round < ROUNDS { (PART_A_ROUND * left as f32) as usize } else { left };
+        let part = if round < ROUNDS { (SHARE_PER_ROUND * left as f32) as usize } else { left };
         let mut chosen = edges.within_budget(&wanted, part);
         if chosen.is_empty() {
             chosen = edges.within_budget(&wanted, left);
@@ -105,7 +106,7 @@ fn wanted_edges(
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
     pilot.learn_errors(mesh, sides, edges, &candidates)?;
-    // Long edges come first, by length; then what is visibly wrong, by how much surface it is wrong on.
+    // Long edges come first, by length. Then come edges with visible errors, by the area on which they are wrong.
     let urgency = |e: u32| {
         let error = pilot.errors[&edges.key(mesh, e)];
         if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }

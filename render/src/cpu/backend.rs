@@ -34,13 +34,13 @@ pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
     local: LocalLighting,
-    /// What was said last of too many lights.
+    /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
     begun: Option<Begun>,
 }
 
-/// What is said of lights that make pictures slow.
+/// Remark on lights that make pictures slow.
 fn remark_on_rays(lights: &[Light]) -> Option<String> {
     let shining: Vec<&Light> = lights.iter().filter(|light| light.shines()).collect();
     let rays: u32 = shining.iter().map(|light| light.samples_wanted()).sum();

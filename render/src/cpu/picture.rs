@@ -1,4 +1,4 @@
-//! The planes of a picture in the making, which samples are added to row by row.
+//! The planes of an unfinished picture, to which samples are added row by row.
 
 use crate::{
     backend::PictureStats,
@@ -22,7 +22,7 @@ struct Pixel {
     covered: f32,
     /// Coverage by the lines of a wireframe.
     wire: f32,
-    /// Counted for each pixel, so that a picture is right between two bands of rows too.
+    /// Counted per pixel, so that a picture is right between two bands of rows too.
     samples: f32,
 }
 
@@ -67,7 +67,7 @@ impl Picture {
         (Image { size: self.size, pixels }, coverage)
     }
 
-    /// What a display shows of a picture of `view`; `count_top` as in [`display_pixel`].
+    /// Display colours of a picture of `view`; `count_top` as in [`display_pixel`].
     pub fn display(&self, view: &View, post: &Post, count_top: f32) -> Vec<[u8; 4]> {
         self.pixels.par_iter().map(|p| p.display(view, post, count_top)).collect()
     }
@@ -105,7 +105,7 @@ impl Pixel {
     }
 
     fn display(&self, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
-        // Nothing else may show through where the picture has no coverage, so the mean is over what is covered.
+        // The background must not show where the picture has no coverage, so the mean is over the covered samples.
         let transparent = view.background == Background::Transparent;
         let weight = if transparent { self.covered } else { self.samples };
         if !(weight > 0.0) {

@@ -1,4 +1,4 @@
-//! What surfaces are, without any light: pictures for compositing, all from one set of camera rays.
+//! Properties of surfaces, without any light: pictures for compositing, all from one set of camera rays.
 
 use crate::{
     renderer::Renderer,
@@ -13,12 +13,13 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use rayon::prelude::*;
 
-/// Distance in metres where there is no surface: far beyond any scene, and not infinite, which filters could not bear.
+/// Distance in metres where there is no surface: far beyond any scene, but finite, because filters could not handle
+/// infinity.
 pub const NO_SURFACE: f32 = 1e10;
 
-/// Pictures of what surfaces are. `normal`, `albedo` and `roughness` are means over the samples of a pixel, zero where a sample
-/// meets no surface or the back of a one-sided one, as premultiplied colours are; `depth` and `position` are those of the
-/// nearest sample, since a mean would lie in the air.
+/// Pictures of surface properties. `normal`, `albedo` and `roughness` are means over the samples of a pixel. As in
+/// premultiplied colours, a sample counts as zero if it hits no surface or the back of a one-sided one. `depth` and
+/// `position` are those of the nearest sample, because a mean would lie off the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLayers {
     /// Shading normal in world space after bump and normal map, -1 to 1.
@@ -31,7 +32,7 @@ pub struct SurfaceLayers {
     pub position: Image,
     /// Distance along the optical axis in metres, one value per pixel; [`NO_SURFACE`] where there is none.
     pub depth: Vec<f32>,
-    /// Share of the samples that meet a surface, back or front, one value per pixel.
+    /// Share of the samples that hit a surface, back or front, one value per pixel.
     pub coverage: Vec<f32>,
 }
 
@@ -47,7 +48,7 @@ struct Pixel {
 }
 
 impl Renderer {
-    /// What the surfaces of a view are, as the scene looks now.
+    /// Surface properties in a view, with the present appearance of the scene.
     pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
         let backdrop = Backdrop::black();
         let sampler = PixelSampler::new(self, view, &backdrop);
@@ -128,7 +129,7 @@ mod tests {
         test_scenes::dataset(test_scenes::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
     }
 
-    /// What the CPU renderer shows of a mode.
+    /// Picture of the CPU renderer in a mode.
     fn shown(baked: &Baked, view: &View, mode: ViewMode) -> (Image, Vec<f32>) {
         let mut backend = CpuBackend::new();
         backend.set_scene(baked).unwrap();

@@ -1,5 +1,5 @@
-//! Passes over every pixel that add light to what the samples before have added up to, in a texture between; the next of
-//! them adds to that, and the merge to the last. Floats of 32 bits cannot be blended without an optional feature.
+//! Passes over every pixel that add light to the sum of all samples and passes so far, in an intermediate texture. The
+//! next pass adds to that, and the merge to the last. Floats of 32 bits cannot be blended without an optional feature.
 
 use super::{
     device::GpuDevice,
@@ -10,7 +10,7 @@ use super::{
 use std::ops::Range;
 use wgpu::BindingResource::TextureView as View;
 
-/// What such passes read of a picture, whatever light they add.
+/// Inputs of such passes from a picture, whatever light they add.
 #[derive(Clone, Copy)]
 pub struct PictureInputs<'a> {
     pub gpu: &'a GpuDevice,
@@ -40,19 +40,19 @@ impl PictureInputs<'_> {
 
 /// One pass of a picture.
 pub struct Addition {
-    /// What it adds to, and its light.
+    /// The sum to add to, and its light.
     pub sum: wgpu::TextureView,
     label: &'static str,
     pipeline: wgpu::RenderPipeline,
     frame: wgpu::BindGroup,
     scene: wgpu::BindGroup,
     light: wgpu::BindGroup,
-    /// By which of the sums is complete.
+    /// Indexed by which of the sums is complete.
     inputs: [wgpu::BindGroup; 2],
 }
 
 impl Addition {
-    /// The pass of `pipeline`, which reads `light` and adds to `previous` (by which of the sums is complete).
+    /// The pass of `pipeline`, which reads `light` and adds to `previous` (indexed by which of the sums is complete).
     pub fn new(
         picture: &PictureInputs,
         (label, pipeline): (&'static str, &wgpu::RenderPipeline),
@@ -77,7 +77,7 @@ impl Addition {
         }
     }
 
-    /// Adds light to some rows of what the samples before have added up to.
+    /// Adds light to some rows of the sum of all samples so far.
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, from: usize, rows: &Range<u32>) {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

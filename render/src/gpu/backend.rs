@@ -1,4 +1,4 @@
-//! [`Backend`] on the GPU: resources by what changes them, and pictures made of passes.
+//! [`Backend`] on the GPU: resources grouped by what changes them, and pictures made of passes.
 
 mod encode;
 mod groups;
@@ -164,7 +164,7 @@ impl GpuBackend {
         self.local_lights.takes_room()
     }
 
-    /// What the deferred pass saw: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
+    /// Output of the deferred pass: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
     #[cfg(test)]
     pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
         let bytes = readback::read(&self.gpu, &self.targets().geometry).expect("the device is there");

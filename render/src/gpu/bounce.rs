@@ -1,5 +1,5 @@
-//! Bounced light of the meshless basis, flattened to the vertices: a buffer of vector irradiance for each side, uploaded when the
-//! solution changes and not when the camera moves, and a pass that interpolates it at every pixel before the merge.
+//! Bounced light of the meshless basis at the vertices. A buffer holds vector irradiance for each side; it is uploaded
+//! when the solution changes and not when the camera moves. A pass interpolates it at every pixel before the merge.
 
 use super::{
     addition::{Addition, PictureInputs, SumTexture},
@@ -44,7 +44,7 @@ pub struct VertexBounce {
 }
 
 impl VertexBounce {
-    /// Uploads what is not there yet, and binds what a picture needs; the pass adds to `previous`.
+    /// Uploads missing data, and binds the resources of a picture; the pass adds to `previous`.
     pub fn prepare(
         &mut self,
         picture: &PictureInputs,
@@ -60,15 +60,15 @@ impl VertexBounce {
         Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
     }
 
-    /// What the pass reads, to see whether it was uploaded again.
+    /// Input of the pass, to detect a new upload.
     #[cfg(test)]
     pub fn buffer(&self) -> Option<&wgpu::Buffer> {
         self.uploaded.as_ref().map(|(_, [front, _])| front)
     }
 }
 
-/// A vertex takes less room than in the buffer of the mesh, which has been found small enough. There is always one, for
-/// buffers cannot be empty.
+/// A vertex takes less room than in the buffer of the mesh, whose size is within the limits. There is always one,
+/// because buffers cannot be empty.
 fn upload(gpu: &GpuDevice, vertices: &[Mat3A]) -> wgpu::Buffer {
     const { assert!(size_of::<layout::VertexIrradiance>() <= size_of::<layout::Vertex>()) };
     let padded = |v: &Mat3A| layout::VertexIrradiance { vector: v.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]) };

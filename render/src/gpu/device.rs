@@ -1,5 +1,5 @@
-//! Adapter, device and what they allow. The one place that says what the renderer needs: WebGPU's default limits and no
-//! optional feature; where the adapter has more room, it is used.
+//! Adapter, device and their limits. This is the one place that states the needs of the renderer: WebGPU's default
+//! limits and no optional feature. Where the adapter has more room, it is used.
 
 use crate::backend::BackendError;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +13,7 @@ pub struct GpuDevice {
     trouble: Arc<Mutex<Option<Trouble>>>,
 }
 
-/// What the driver reported since it was last asked.
+/// Reports of the driver since the last call.
 enum Trouble {
     Lost(String),
     Error(String),
@@ -59,7 +59,7 @@ impl GpuDevice {
         polled.map(|_| ()).map_err(|e| BackendError::Driver(e.to_string()))
     }
 
-    /// What went wrong since this was last asked.
+    /// Errors since the last call.
     ///
     /// # Errors
     /// A lost device, or what the driver reported.
@@ -95,7 +95,7 @@ impl GpuDevice {
     }
 }
 
-/// The fastest adapter of some kinds of drivers; the variable WGPU_BACKEND is heeded.
+/// The fastest adapter of some kinds of drivers; the variable WGPU_BACKEND is respected.
 fn adapter(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
     let descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..descriptor }.with_env());
@@ -104,7 +104,7 @@ fn adapter(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapt
     pollster::block_on(instance.request_adapter(&options))
 }
 
-/// WebGPU's defaults, with the adapter's room for textures and buffers if it is wanted.
+/// WebGPU's defaults, with the adapter's room for textures and buffers on request.
 fn wanted_limits(adapter: &wgpu::Limits, room: Room) -> wgpu::Limits {
     let defaults = wgpu::Limits::default();
     if room == Room::Defaults {

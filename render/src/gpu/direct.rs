@@ -50,7 +50,7 @@ pub struct DirectLights {
     lights: Vec<Light>,
     plan: Plan,
     room: ShadowRoom,
-    /// What was said last of lights without shadows.
+    /// The last remark on lights without shadows.
     remark: Option<String>,
     maps: Option<ShadowMaps>,
     sum: SumTexture,
@@ -74,8 +74,8 @@ impl DirectLights {
         }
     }
 
-    /// Replaces the lights of a scene of `radius` metres; without any, what they took up is free. Returns what is said
-    /// of those without shadows, unless it was said before.
+    /// Replaces the lights of a scene of `radius` metres; without lights their memory is freed. Returns a remark on
+    /// those without shadows, unless it was returned before.
     pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
         if self.lights.is_empty() {
@@ -87,14 +87,14 @@ impl DirectLights {
         remark.filter(|_| before != self.remark)
     }
 
-    /// What shadow maps show is no longer so: the shader is another one.
+    /// Marks all shadow maps as out of date, after a change of the shader.
     pub fn forget_shadows(&mut self) {
         if let Some(maps) = &mut self.maps {
             maps.forget();
         }
     }
 
-    /// Renders shadow maps that are not as they should be, and binds what a picture needs; `None` without lights.
+    /// Renders shadow maps that are out of date, and binds the resources of a picture; `None` without lights.
     pub fn prepare(&mut self, picture: &PictureInputs, passes: &DirectPasses) -> Option<Addition> {
         if self.lights.is_empty() {
             return None;

@@ -1,4 +1,5 @@
-//! What the shaders read, byte for byte. A test reflects every struct of the shaders and compares it with these.
+//! The data that the shaders read, byte for byte. A test reflects every struct of the shaders and compares it with
+//! these.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -117,7 +118,7 @@ pub struct Display {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadowView {
     pub origin: [f32; 3],
-    /// Perspective: the distance of depth 1 in metres; parallel: how much depth falls in a metre.
+    /// Perspective: the distance of depth 1 in metres; parallel: the decrease of depth per metre.
     pub depth_scale: f32,
     pub right: [f32; 3],
     /// Perspective: tangent of half the angle of view; parallel: half the width in metres.
@@ -151,7 +152,7 @@ pub struct LocalLight {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct VertexIrradiance {
-    /// A column a colour channel, each padded to 16 bytes.
+    /// One column per colour channel, each padded to 16 bytes.
     pub vector: [[f32; 4]; 3],
 }
 
@@ -169,7 +170,7 @@ pub mod constants {
     pub const EMISSION_RECTANGLE: u32 = 3;
     /// First layer of a light that shines through everything.
     pub const NO_SHADOW: u32 = u32::MAX;
-    /// Texels of a shadow map from a receiver to the farthest one that is looked at.
+    /// Texels of a shadow map from a receiver to the farthest one that is read.
     pub const KERNEL_RADIUS: u32 = 2;
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;

@@ -1,4 +1,5 @@
-//! The light on the GPU: tree, illumination cut, and the map as it is seen directly. What an environment edit changes.
+//! The light on the GPU: tree, illumination cut, and the map as the background. An edit of the environment changes
+//! these.
 
 use super::{
     device::GpuDevice,
@@ -116,19 +117,19 @@ impl GpuMap {
     }
 }
 
-/// What is said of a map that is larger than textures may be.
+/// Remark on a map that is larger than the limit of textures.
 pub fn scaled_map(environment: &Environment, limit: u32) -> Option<String> {
     let [width, height] = environment.map.size;
     (width.max(height) > limit).then(|| {
         format!(
             "the environment \"{}\" of {width} x {height} is shown smaller behind the scene: this adapter allows textures of \
-             {limit} texels a side; it lights the scene in full",
+             {limit} texels per side; it lights the scene in full",
             environment.name
         )
     })
 }
 
-/// The map, or what is left of it after leaving out texels so that it fits; only what is seen directly loses by it.
+/// The map, reduced if necessary by leaving out texels so that it fits; only the background loses detail.
 fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
     let step = map.size[0].max(map.size[1]).div_ceil(limit);
     if step == 1 {

@@ -25,7 +25,7 @@ pub struct GpuMaterials {
 }
 
 impl GpuMaterials {
-    /// Uploads; `before` is reused where its textures still serve. Also returns what was scaled, in sentences.
+    /// Uploads; textures of `before` that still fit are reused. Also returns which were scaled, in sentences.
     pub fn new(gpu: &GpuDevice, appearance: &Appearance, before: Option<Self>) -> (Self, Vec<String>) {
         let kept = before.map(|b| b.pool).filter(|pool| pool.serves(appearance));
         let (pool, messages) = match kept {

@@ -1,4 +1,4 @@
-//! The pipelines: built once from the shaders, the merge in variants for what the scene and the mode need.
+//! The pipelines: built once from the shaders, with variants of the merge for the needs of scene and view mode.
 
 use super::{
     bounce::BouncePass,
@@ -11,7 +11,7 @@ use super::{
 use crate::backend::BackendError;
 use std::collections::HashMap;
 
-/// What the merge pass is specialised for.
+/// Specialisation of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MergeVariant {
     /// Which tree of lights is merged, one of the constants `FIELD_...`.

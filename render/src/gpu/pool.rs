@@ -36,14 +36,14 @@ impl Place {
 /// The uploaded textures.
 pub struct TexturePool {
     pub view: wgpu::TextureView,
-    /// By index of the appearance's texture; `None` for those not in use.
+    /// Indexed by the appearance's texture; `None` for textures not in use.
     pub places: Vec<Option<Place>>,
-    /// What was packed, to see whether it still is.
+    /// The packed textures, to detect changes.
     packed: Vec<Option<Arc<Texture>>>,
 }
 
 impl TexturePool {
-    /// Packs and uploads the textures in use. Also returns what was scaled, in sentences.
+    /// Packs and uploads the textures in use. Also returns which were scaled, in sentences.
     pub fn new(gpu: &GpuDevice, appearance: &Appearance) -> (Self, Vec<String>) {
         let packed = in_use(appearance);
         let capacity = u64::from(gpu.limits.max_texture_dimension_2d) << POOL_WIDTH_LOG2;
@@ -108,8 +108,8 @@ fn fit(textures: &[Option<Arc<Texture>>], capacity: u64) -> (Vec<Option<Arc<Text
     (fitted, messages)
 }
 
-/// Half the size, rounded up; each texel the mean of the four that it covers. sRGB codes are averaged as they are, which
-/// darkens hard edges a little.
+/// Half the size, rounded up; each texel is the mean of the four that it covers. sRGB codes are averaged as they are,
+/// which darkens hard edges a little.
 fn halved(texture: &Texture) -> Texture {
     let [width, height] = texture.size;
     let size = [width.div_ceil(2), height.div_ceil(2)];

@@ -1,4 +1,4 @@
-//! The mesh and its visibility cuts on the GPU. What only another bake changes.
+//! The mesh and its visibility cuts on the GPU, which only another bake changes.
 
 use super::{
     device::GpuDevice,
@@ -18,7 +18,7 @@ pub struct GpuScene {
     pub triangles: wgpu::Buffer,
     pub triangle_count: u32,
     pub cuts: wgpu::TextureView,
-    /// What vertices see of surface sources, if that was baked.
+    /// Vertices' cuts over surface sources, if they were baked.
     pub sources: Option<SourceCuts>,
     pub tree_height: u32,
     pub leaf_solid_angle: f32,

@@ -1,4 +1,4 @@
-//! The shaders: plain WGSL, one entry point a file, joined with the libraries that it uses.
+//! The shaders: plain WGSL, one entry point per file, joined with the libraries that it uses.
 
 use std::{borrow::Cow, path::PathBuf};
 

@@ -14,12 +14,12 @@ pub struct ShadowMaps {
     /// All layers, for the direct pass.
     pub array: wgpu::TextureView,
     layers: Vec<wgpu::TextureView>,
-    /// What each layer was rendered from.
+    /// View from which each layer was rendered.
     rendered: Vec<Option<ShadowView>>,
 }
 
 impl ShadowMaps {
-    /// Maps of `size` texels a side with nothing in them.
+    /// Maps of `size` texels per side with nothing in them.
     pub fn new(gpu: &GpuDevice, size: u32, layers: u32) -> Self {
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
@@ -49,7 +49,7 @@ impl ShadowMaps {
         }
     }
 
-    /// Whether `layers` of `size` texels a side fit in as they are.
+    /// Whether `layers` of `size` texels per side fit in as they are.
     pub fn holds(&self, size: u32, layers: u32) -> bool {
         self.size == size && self.layers.len() >= layers as usize
     }
@@ -59,7 +59,7 @@ impl ShadowMaps {
         stale(&self.rendered, views)
     }
 
-    /// What was rendered is no longer so: the scene is another one.
+    /// Marks all layers as out of date, after a change of the scene.
     pub fn forget(&mut self) {
         self.rendered.fill(None);
     }

@@ -36,9 +36,9 @@ pub struct Targets {
     pub shown: Target,
 }
 
-/// What samples add up to.
+/// Sums over the samples.
 pub struct Sums {
-    /// What the view shows, and coverage.
+    /// Value of the view mode, and coverage.
     pub value: Target,
     /// Nodes of the merged cut, BRDF evaluations, wireframe coverage, surfaces.
     pub work: Target,

@@ -1,7 +1,7 @@
 //! Bounced light from surface sources (paper, 4.1): local lights and environment on the sources, their radiosity under
-//! the current materials, means up their tree and the illumination cut. The merge then gathers it at every pixel.
+//! the current materials, means up their tree, and the illumination cut. The merge then gathers it at every pixel.
 //!
-//! All steps are kept apart, so that a moved light casts rays for that light only and an edited material none.
+//! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
 
 mod irradiance;
 mod light_groups;
@@ -44,7 +44,8 @@ pub struct SourceLighting {
 }
 
 impl SourceLighting {
-    /// Means up the tree of `leaf_radiance` (one a source) and an illumination cut of at most `illum_cut` nodes.
+    /// Computes means up the tree from `leaf_radiance` (one value per source) and an illumination cut of at most
+    /// `illum_cut` nodes.
     pub fn new(tree: Arc<SourceTree>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         let nodes = SourceRadiance::new(&tree, leaf_radiance);
         let criterion = IlluminationCriterion::with_budget(illum_cut);
@@ -53,7 +54,7 @@ impl SourceLighting {
     }
 }
 
-/// Lights the sources of a dataset again and again: what an edit does not change is kept.
+/// Lights the sources of a dataset repeatedly, and keeps what an edit does not change.
 pub struct SourceRig {
     dataset: Arc<Dataset>,
     tree: Arc<SourceTree>,
@@ -63,7 +64,7 @@ pub struct SourceRig {
 }
 
 impl SourceRig {
-    /// For a dataset that looks as it was baked, in the dark; `None` if it has no sources.
+    /// For a dataset with the materials of its bake and without light; `None` if it has no sources.
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let sources = &dataset.indirect.as_ref()?.sources;
@@ -77,12 +78,12 @@ impl SourceRig {
         &self.tree
     }
 
-    /// Gives the sources the reflectance of other materials; what does not fit looks as in the dataset.
+    /// Gives the sources the reflectance of other materials; materials that do not fit keep that of the dataset.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         self.lit.set_appearance(appearance);
     }
 
-    /// Shines local lights on the sources, by rays; only for those that are not as before.
+    /// Shines local lights on the sources, by rays, which only lights that have changed cast.
     pub fn set_lights(&mut self, lights: &[Light]) {
         self.lit.set_lights(lights);
     }
@@ -93,10 +94,10 @@ impl SourceRig {
         self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
     }
 
-    /// Adds irradiance of further bounces, one value a source, or none.
+    /// Adds irradiance of further bounces, one value per source, or none.
     ///
     /// # Panics
-    /// If there is not one value a source.
+    /// If there is not one value per source.
     pub fn set_further(&mut self, irradiance: Option<Vec<Vec3>>) {
         assert!(irradiance.as_ref().is_none_or(|i| i.len() == self.tree.len()), "one irradiance a source");
         self.further = irradiance;
@@ -115,8 +116,8 @@ impl SourceRig {
         sum
     }
 
-    /// What the sources send under the lights and materials that were set, with an illumination cut of at most
-    /// `illum_cut` nodes.
+    /// Radiosity of the sources under the current lights and materials, with an illumination cut of at most `illum_cut`
+    /// nodes.
     pub fn lighting(&self, illum_cut: u32) -> SourceLighting {
         let irradiance = self.irradiance_of_parts();
         let sent = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);

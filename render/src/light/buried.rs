@@ -1,4 +1,4 @@
-//! Lights that stand inside an object, where they light nothing that anyone sees.
+//! Lights inside an object, which light nothing visible.
 
 use crate::renderer::Renderer;
 use glam::Vec3;
@@ -9,8 +9,8 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 
-/// Directions that are looked into: a light that shines out of any of these is in the open.
-const LOOKS: usize = 64;
+/// Directions that are tested: a light whose ray leaves the objects in any of these is in the open.
+const DIRECTIONS: usize = 64;
 
 impl Renderer {
     /// The lights that shine and see only the inside of closed objects.
@@ -28,7 +28,7 @@ pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) ->
         hit.is_some_and(|hit| hit.back_face && !dataset.two_sided[hit.triangle as usize])
     };
     light.emission != Emission::Directional
-        && fibonacci_directions(LOOKS).into_iter().filter(shines_into).all(sees_an_inside)
+        && fibonacci_directions(DIRECTIONS).into_iter().filter(shines_into).all(sees_an_inside)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Which light is in a picture, and how bounced light is computed.
+//! The components of a picture's light, and how bounced light is computed.
 
 use lapidary_core::{dataset::Dataset, meshless::SolveSettings};
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ impl Components {
     pub const ALL: Self = Self { environment: true, direct: true, indirect: true };
     /// Nothing.
     pub const NONE: Self = Self { environment: false, direct: false, indirect: false };
-    /// What needs no bounce.
+    /// Everything but bounced light.
     pub const UNBOUNCED: Self = Self { indirect: false, ..Self::ALL };
 }
 
@@ -73,7 +73,7 @@ pub enum Solution {
 }
 
 impl Solution {
-    /// Bounces between surfaces that a picture by this solution holds.
+    /// Bounces between surfaces that a picture by this solution contains.
     pub fn bounces(self) -> u32 {
         let solved = SolveSettings::default().bounces;
         match self {

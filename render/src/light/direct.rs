@@ -1,10 +1,10 @@
 //! Direct light of local lights at a pixel, by shadow rays and without random numbers.
 //!
-//! One ray to a light without extent is exact; those that are too faint to show cast none ([`brightest`]). A
-//! rectangle has a grid of 4 x 4 cells with a ray to each, shifted from pixel to pixel by interleaved gradient noise
-//! (Jimenez 2014), which the eye averages easily. Where the BRDF's lobe is narrower than a cell, more points of it
-//! are reflected behind the one ray; the lobe is filtered by the solid angle that a point stands for, as on nodes of
-//! a cut, so that highlights of rectangles are free of spots.
+//! One ray to a light without extent is exact; lights too faint to be visible cast none ([`brightest`]). A rectangle
+//! has a grid of 4 x 4 cells with one ray to each. Interleaved gradient noise (Jimenez 2014) shifts the grid per pixel,
+//! which the eye averages easily. If the BRDF's lobe is narrower than a cell, the one ray stands for several points of
+//! the cell. The lobe is filtered by the solid angle of each point, as on nodes of a cut, so that highlights of
+//! rectangles are free of spots.
 
 mod brightest;
 
@@ -28,7 +28,7 @@ const CELLS: u32 = 4;
 /// Most points along each edge of a cell.
 const FINEST: f32 = 8.0;
 
-/// Where in the unit square the samples of a pixel begin.
+/// Offset in the unit square of a pixel's light samples.
 pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
     let (x, y) = (x as f32, y as f32);
@@ -60,7 +60,7 @@ pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: 
         + delta_light(point, delta, |direction, distance| arrives(intersector, point, direction, distance))
 }
 
-/// Light from up to eight directions that waits to be reflected.
+/// Light from up to eight directions that has not been reflected yet.
 struct Arriving<'a> {
     point: &'a SurfacePoint,
     wi: [Vec3; 8],
@@ -75,7 +75,7 @@ impl<'a> Arriving<'a> {
         Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
     }
 
-    /// Adds a cell of a rectangle, seen along `ray`, at as many points as the lobe needs.
+    /// Adds a cell of a rectangle, visible along `ray`, at as many points as the lobe needs.
     fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;

@@ -1,4 +1,5 @@
-//! The light of a picture: radiance of the tree's nodes and the illumination cut. What an environment edit redoes.
+//! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
+//! recomputes.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -13,21 +14,21 @@ use std::sync::Arc;
 pub struct Illumination {
     /// The map.
     pub environment: Arc<Environment>,
-    /// Turn of the map in radians, counter-clockwise seen from +Y.
+    /// Rotation of the map in radians, counter-clockwise seen from +Y.
     pub rotation: f32,
     /// Scales radiance.
     pub intensity: f32,
 }
 
 impl Illumination {
-    /// Whether both give the same light; the map is compared by its place in memory.
+    /// Whether both give the same light; maps are compared by address.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.environment, &other.environment)
             && (self.rotation, self.intensity) == (other.rotation, other.intensity)
     }
 }
 
-/// How wide the nodes of a tree are, by heap index: for the refinement criterion.
+/// Angular radius of the nodes of a tree, by heap index: for the refinement criterion.
 #[derive(Debug)]
 pub struct NodeCones {
     /// Half-angle in radians of the cone of a node's directions.
@@ -50,7 +51,7 @@ impl NodeCones {
 pub struct SceneLighting {
     /// Radiance, directions and spreads by heap index.
     pub nodes: Lighting,
-    /// What of the tree does not depend on the light.
+    /// Properties of the tree that do not depend on the light.
     pub cones: Arc<NodeCones>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
@@ -61,7 +62,8 @@ pub struct SceneLighting {
 }
 
 impl SceneLighting {
-    /// Means up the tree of `leaf_radiance` (one a leaf in tree order) and an illumination cut of at most `illum_cut` nodes.
+    /// Computes means up the tree from `leaf_radiance` (one value per leaf in tree order) and an illumination cut of at
+    /// most `illum_cut` nodes.
     pub fn new(tree: &LightTree, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         Self::with_cones(tree, NodeCones::new(tree).into(), leaf_radiance, illum_cut)
     }
@@ -73,7 +75,7 @@ impl SceneLighting {
     }
 }
 
-/// Lights a tree again and again: what does not depend on rotation and intensity is kept.
+/// Lights a tree repeatedly, and keeps what does not depend on rotation and intensity.
 pub struct LightRig {
     tree: LightTree,
     cones: Arc<NodeCones>,

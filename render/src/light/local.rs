@@ -1,4 +1,4 @@
-//! Local lights and bounced light of a dataset, prepared again and again: what an edit does not change is kept.
+//! Local lights and bounced light of a dataset, prepared repeatedly; results that an edit does not change are kept.
 
 use crate::{
     appearance::Appearance,
@@ -13,7 +13,7 @@ use glam::Vec3;
 use lapidary_core::{lights::Light, meshless::BounceEnergy, surfel::Surfel};
 use std::sync::Arc;
 
-/// What lights a picture beside the environment, and which parts of its light are shown.
+/// The light of a picture beside the environment, and the components that are shown.
 #[derive(Clone, Debug, Default)]
 pub struct LocalLighting {
     /// Lights whose direct light is shown.
@@ -24,7 +24,7 @@ pub struct LocalLighting {
     pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
     /// The parts that are shown.
     pub components: Components,
-    /// Energy of each bounce of the meshless basis, if they are in the picture.
+    /// Energy of each bounce of the meshless basis, if the picture contains them.
     pub energy: Option<BounceEnergy>,
 }
 
@@ -63,19 +63,19 @@ pub struct LocalRig {
     meshless: Option<MeshlessRig>,
     /// Of the sources.
     surfels: Vec<Surfel>,
-    /// The environment that shines on the sources, and on the senders of the basis.
+    /// The environment that lights the sources, and the senders of the basis.
     on_sources: Option<Arc<SceneLighting>>,
     on_senders: Option<Arc<SceneLighting>>,
-    /// What was gathered last, for which solution and size of the illumination cut; `None` after anything has changed.
+    /// The last gathered light, with its solution and size of the illumination cut; `None` after any change.
     gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
-    /// What arrived at the vertices last; `None` after anything has changed.
+    /// The last irradiance at the vertices; `None` after any change.
     interpolated: Option<Arc<VertexIrradiance>>,
-    /// Bounces on the sources beyond the direct light, as they were last; `None` after anything has changed.
+    /// The last irradiance of the sources from further bounces; `None` after any change.
     further: Option<Vec<Vec3>>,
 }
 
 impl LocalRig {
-    /// For a dataset that looks as it was baked, in the dark.
+    /// For a dataset with the materials of its bake and without light.
     pub fn new(baked: &Baked) -> Self {
         let sources = SourceRig::new(baked);
         let surfels = sources.iter().flat_map(|rig| rig.tree().sources()).map(|source| source.surfel).collect();
@@ -101,7 +101,7 @@ impl LocalRig {
         self.forget();
     }
 
-    /// Shines local lights; those that are not as before cast rays when bounced light is wanted.
+    /// Sets the local lights; those that have changed cast rays when bounced light is needed.
     pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
         if !Arc::ptr_eq(&self.lights, lights) {
             self.lights = lights.clone();
@@ -121,8 +121,8 @@ impl LocalRig {
         (self.gathered, self.interpolated, self.further) = (None, None, None);
     }
 
-    /// What lights a picture that shows `components`, its bounced light by `solution` as far as the dataset has it. The
-    /// illumination cut of the sources has at most `illum_cut` nodes.
+    /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
+    /// The illumination cut of the sources has at most `illum_cut` nodes.
     pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
         let lights = self.lights.clone();
         let (indirect, vertex_irradiance) = match solution {

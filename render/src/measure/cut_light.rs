@@ -1,4 +1,4 @@
-//! The two kinds of light that are gathered by cuts, for what is asked of either.
+//! The two kinds of light that cuts gather, for functions that take either.
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},
@@ -90,7 +90,7 @@ impl<'a> CutLight<'a> {
 
 /// Work on a tree of either kind.
 pub(crate) trait FieldJob {
-    /// What it makes.
+    /// Type of the result.
     type Output;
     /// Does it.
     fn run<F: NodeField + Sync>(self, field: F) -> Self::Output;

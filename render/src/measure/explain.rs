@@ -1,7 +1,8 @@
-//! Why a pixel has the radiance that it has: its surface point, the cuts of the three vertices, and every node of the merged
+//! The origin of a pixel's radiance: its surface point, the cuts of the three vertices, and every node of the merged
 //! cut with its radiance, visibility and BRDF (paper, 4.2).
 //!
-//! The nodes are those of [`crate::shade::merge`], in the same traversal: their contributions sum to the rendered radiance.
+//! The nodes are those of [`crate::shade::merge`], in the same traversal: their contributions sum to the rendered
+//! radiance.
 
 pub(crate) mod cut_map;
 
@@ -64,7 +65,7 @@ pub struct ExplainedVertex {
     pub index: u32,
     /// Where it is, in metres.
     pub position: Vec3,
-    /// Its share in the interpolation; zero if it is buried.
+    /// Its weight in the interpolation; zero if it is buried.
     pub weight: f32,
     /// Nodes of its cut.
     pub cut_nodes: usize,
@@ -79,20 +80,20 @@ pub struct ExplainedNode {
     pub depth: u32,
     /// Leaves below it.
     pub leaves: u32,
-    /// Steradians: of the environment those of the node, hidden or not; of surface sources what the vertices see of them,
-    /// interpolated, since that is what their cuts hold.
+    /// Solid angle in steradians. For the environment it is that of the node, hidden or not. For surface sources it is
+    /// the interpolated solid angle that the vertices see, because their cuts hold that.
     pub solid_angle: f32,
-    /// Unit direction in world space in which its light is taken to lie.
+    /// Unit direction in world space that stands for the node's light.
     pub direction: Vec3,
-    /// Middle of its light in metres; `None` if that is infinitely far.
+    /// Centre of its light in metres; `None` if that is infinitely far.
     pub center: Option<Vec3>,
     /// Mean radiance.
     pub radiance: Vec3,
-    /// Interpolated visibility, 0 to 1; 1 of surface sources, whose solid angles hold it.
+    /// Interpolated visibility, 0 to 1; 1 for surface sources, whose solid angles include it.
     pub visibility: f32,
-    /// BRDF times cosine; nil below the smooth normal's horizon.
+    /// BRDF times cosine; zero below the smooth normal's horizon.
     pub brdf_cos: Vec3,
-    /// What is reflected to the eye: radiance times BRDF and cosine times visibility times solid angle.
+    /// Light reflected to the eye: radiance times BRDF and cosine times visibility times solid angle.
     pub contribution: Vec3,
 }
 
@@ -111,21 +112,21 @@ pub struct PixelExplanation {
     pub vertices: [ExplainedVertex; 3],
     /// Nodes of the illumination cut.
     pub illumination_nodes: usize,
-    /// Nodes of the merged cut before BRDF refinement, with those that see no light.
+    /// Number of nodes of the merged cut before BRDF refinement, including nodes without visible light.
     pub merged_nodes: u64,
-    /// The terms, left to right in the tree: nodes of the merged cut that see light, after BRDF refinement.
+    /// The terms, left to right in the tree: nodes of the merged cut with visible light, after BRDF refinement.
     pub nodes: Vec<ExplainedNode>,
-    /// Heap indices of the nodes of the merged cut that see no light, left to right.
+    /// Heap indices of the nodes of the merged cut without visible light, left to right.
     pub dark_nodes: Vec<u32>,
     /// The sum of the contributions.
     pub radiance: Vec3,
-    /// What was shaded.
+    /// The shaded surface point.
     #[serde(skip)]
     point: Box<SurfacePoint>,
 }
 
 impl PixelExplanation {
-    /// What was shaded.
+    /// The shaded surface point.
     #[cfg(test)]
     pub(crate) fn surface_point(&self) -> &SurfacePoint {
         &self.point
@@ -139,7 +140,7 @@ impl PixelExplanation {
         order
     }
 
-    /// For each of `leaves` leaves the position of its node in [`Self::nodes`]; `None` where no light is seen.
+    /// For each of `leaves` leaves the position of its node in [`Self::nodes`]; `None` for nodes without visible light.
     pub fn node_of_leaf(&self, leaves: usize) -> Vec<Option<u32>> {
         let mut nodes = vec![None; leaves];
         for (i, node) in self.nodes.iter().enumerate() {
@@ -157,10 +158,10 @@ pub(crate) fn leaves_below(heap_index: u32, leaves: usize) -> Range<usize> {
 }
 
 impl Renderer {
-    /// Explains the centre of a pixel: what [`Renderer::render_lit`] gives there of `light`, with one sample per pixel.
+    /// Explains the centre of a pixel: its value for `light` in [`Renderer::render_lit`], with one sample per pixel.
     ///
     /// # Errors
-    /// A pixel outside of the picture or on no surface, and a dataset without cuts for this light.
+    /// A pixel outside the picture or on no surface, and a dataset without cuts for this light.
     pub fn explain(
         &self,
         view: &View,

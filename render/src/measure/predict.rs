@@ -1,21 +1,22 @@
-//! The error of a picture predicted from the variances of what its clusters average, without tracing a ray (paper, 3.3).
+//! The error of a picture, predicted from the variances within its clusters, without tracing a ray (paper, 3.3).
 //!
-//! On a node `C` of the merged cut the renderer multiplies means of radiance `l`, BRDF times cosine `ρ` and visibility `v`. The
-//! paper reduces the error of that to covariances (after Bohrnstedt and Goldberger 1969) and bounds each by Cauchy and Schwarz,
-//! as Eq. 8 does: `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`, σ² the variances over the leaves of the node. That is
-//! [`PredictedError::printed`]. Two things are missing in it, and [`PredictedError::bound`] adds them:
+//! On a node `C` of the merged cut the renderer multiplies means of radiance `l`, BRDF times cosine `ρ` and visibility
+//! `v`. The paper reduces the error of that to covariances (after Bohrnstedt and Goldberger 1969) and bounds each by
+//! Cauchy and Schwarz, as Eq. 8 does: `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`, where σ² are the variances over the
+//! leaves of the node. That is [`PredictedError::printed`]. It lacks two terms, which [`PredictedError::bound`] adds:
 //!
-//! - what the approximation leaves out, the third central moment: at most `|C| max(<v>, 1 - <v>) σl σρ`, since visibility lies
-//!   between 0 and 1;
-//! - that the renderer samples the BRDF (Eq. 6) where Eq. 4 takes its mean: `|C| <l> <v> |ρ - <ρ>|`.
+//! - The third central moment, which the approximation leaves out: at most `|C| max(<v>, 1 - <v>) σl σρ`, because
+//!   visibility lies between 0 and 1.
+//! - The error of sampling the BRDF (Eq. 6) where Eq. 4 takes its mean: `|C| <l> <v> |ρ - <ρ>|`.
 //!
-//! With it the sum over the nodes bounds the error, as far as the stored visibility is the mean of the pixel's: a node that the
-//! stored cuts have no part in (interpolation between vertices, a node inside a stored one) can be off by more. All nodes would
-//! have to err to one side. If their errors are independent, the root of the sum of squares is what to expect:
-//! [`PredictedError::expected`].
+//! With both, the sum over the nodes bounds the error, as far as the stored visibility is the mean of the pixel's. A
+//! node without stored cuts of its own (interpolation between vertices, a node inside a stored one) can have a larger
+//! error. The bound is reached only if all nodes have errors of the same sign. If their errors are independent, the
+//! root of the sum of squares is the expected error: [`PredictedError::expected`].
 //!
-//! Variances: of radiance those of the tree's leaves, made with the means when the light changes; of visibility
-//! `<v> - <v>²`, since it is binary; of the BRDF those of eight leaves of each node, exact for nodes that have no more.
+//! Variances of radiance are those of the tree's leaves, computed with the means when the light changes. Those of
+//! visibility are `<v> - <v>²`, because it is binary. Those of the BRDF are taken over eight leaves of each node, which
+//! is exact for nodes with at most eight.
 
 mod calibration;
 mod moments;
@@ -53,7 +54,7 @@ use std::array::from_fn;
 pub struct PredictedError {
     /// The sum over the nodes of what the paper prints.
     pub printed: Image,
-    /// The sum over the nodes with what the paper leaves out.
+    /// The sum over the nodes, with the terms that the paper leaves out.
     pub bound: Image,
     /// The root of the sum of the squares of the same terms.
     pub expected: Image,
@@ -93,7 +94,7 @@ fn radiance_variance(lighting: &SceneLighting) -> Vec<Vec3> {
     means_up_the_tree(&squares).into_iter().zip(radiance).map(variance).collect()
 }
 
-/// Gives the three sums of a point as the components of a colour.
+/// Returns the three sums of a point as the components of a colour.
 struct Predictor<'a> {
     shader: Shader<'a, &'a SceneLighting>,
     lighting: &'a SceneLighting,
@@ -145,7 +146,7 @@ fn node_moments(
     }
 }
 
-/// Mean and variance of BRDF times cosine by eight leaves of a node, evenly spaced in tree order.
+/// Mean and variance of BRDF times cosine over eight leaves of a node, evenly spaced in tree order.
 fn brdf_moments(lighting: &SceneLighting, receiver: &ReceiverX8, point: &SurfacePoint, node: u32) -> Moments {
     let leaves = 1_usize << (lighting.height() - node.ilog2());
     let first = node as usize * leaves;
@@ -156,7 +157,7 @@ fn brdf_moments(lighting: &SceneLighting, receiver: &ReceiverX8, point: &Surface
     let received = receiver.receives(direction).to_array().map(|mask| mask.to_bits() != 0);
     let value = |i: usize| if received[i] { values.lane(i) } else { Vec3::ZERO };
     let moments = Moments::of(from_fn::<_, 8, _>(value));
-    // Eight of many leaves are as far from their own mean as an eighth less than all leaves from theirs.
+    // The variance of eight leaves about their own mean is an eighth less than that of all leaves.
     let scale = if leaves > 8 { 8.0 / 7.0 } else { 1.0 };
     Moments { variance: moments.variance * scale, ..moments }
 }

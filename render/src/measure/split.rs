@@ -1,22 +1,22 @@
 //! The error of a picture, split into its causes by exchanging one factor at a time for the truth.
 //!
-//! A chain of pictures leads from the rendered one to light paths. All are computed, none is estimated, at the same samples of the
-//! same pixels and on black, so that an environment behind the scene is no part of any norm. Two neighbours differ in one
-//! factor only, and their difference is the error of that factor:
+//! A chain of pictures leads from the rendered one to light paths. All are computed at the same samples of the same
+//! pixels; none is estimated. They have a black background, so that an environment behind the scene is not part of any
+//! norm. Two neighbours differ in one factor only, and their difference is the error of that factor:
 //!
 //! | picture | sum over | radiance | visibility | BRDF | what the step to the next one shows |
 //! |---|---|---|---|---|---|
-//! | [`Rendered`](SplitPicture::Rendered) | nodes of the merged cut, refined or not | node mean | interpolated cuts | one sample a node | BRDF sampling |
+//! | [`Rendered`](SplitPicture::Rendered) | nodes of the merged cut, refined or not | node mean | interpolated cuts | one sample per node | BRDF sampling |
 //! | [`MeanBrdf`](SplitPicture::MeanBrdf) | the same nodes | node mean | interpolated cuts | mean over the node's leaves | the light's clusters |
 //! | [`AllLeaves`](SplitPicture::AllLeaves) | all leaves | leaf | interpolated cuts | leaf | the clusters of the visibility cuts |
 //! | [`TracedVertices`](SplitPicture::TracedVertices) | all leaves | leaf | rays from the three vertices, interpolated | leaf | interpolation |
 //! | [`Samples`](SplitPicture::Samples) | all leaves | leaf | rays from the pixel | leaf | light samples |
 //! | [`Paths`](SplitPicture::Paths) | light paths | continuous | rays | continuous | |
 //!
-//! `MeanBrdf` is Eq. 4 of the paper, where the renderer's Eq. 6 samples. Without a way to trace vertices as the bake did, and of
-//! surface sources, `TracedVertices` is left out and one step shows both errors of visibility. Of surface sources the paths have
-//! one bounce, and the last step also shows what the discs of the sources lose. Errors of steps are those of vectors: they may
-//! cancel, and do not sum to the whole.
+//! `MeanBrdf` is Eq. 4 of the paper, where the renderer samples by Eq. 6. `TracedVertices` needs a way to trace
+//! vertices as the bake did. Without one, and for surface sources, it is left out, and one step shows both errors of
+//! visibility. For surface sources the paths have one bounce, and the last step also shows the error of the sources'
+//! discs. Errors of steps are those of vectors: they may cancel, and do not sum to the whole.
 
 mod leaf_sum;
 pub(crate) mod vertices;
@@ -59,18 +59,18 @@ use serde::Serialize;
 use thiserror::Error;
 use vertices::{TraceVertex, TracedVertices};
 
-/// What is split.
+/// The picture whose error is split.
 #[derive(Clone, Copy)]
 pub struct SplitJob<'a> {
     /// Camera, size and samples of the picture.
     pub view: &'a View,
     /// Which of its pixels.
     pub region: Region,
-    /// The light that is gathered by cuts, with its illumination cut.
+    /// The light that cuts gather, with its illumination cut.
     pub light: CutLight<'a>,
     /// How the BRDF is sampled on nodes.
     pub sampling: BrdfSampling,
-    /// The continuous environment: the truth of the environment's tree, and of what its light bounces.
+    /// The continuous environment: the truth for the environment's tree, and for its bounced light.
     pub illumination: &'a Illumination,
     /// Local lights, whose bounce the sources hold.
     pub lights: &'a [Light],
@@ -115,7 +115,7 @@ impl SplitPicture {
 /// The difference of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SplitStep {
-    /// What the two differ in.
+    /// The factor in which the two differ.
     pub factor: &'static str,
     /// The one that is farther from the truth.
     pub from: SplitPicture,
@@ -127,7 +127,8 @@ pub struct SplitStep {
     pub rel_rmse: f64,
     /// Mean FLIP.
     pub flip: f64,
-    /// How much of `rel_rmse` is noise of light paths, by their halves: squares of error and noise add.
+    /// Share of `rel_rmse` that is noise of light paths, from the difference of two halves: squares of error and noise
+    /// add.
     pub noise: f64,
 }
 
@@ -165,8 +166,8 @@ pub enum SplitError {
 }
 
 impl Renderer {
-    /// Splits the error of a picture or a part of it; `None` if cancelled. `progress` is shown every picture of the chain as soon
-    /// as it is complete.
+    /// Splits the error of a picture or a part of it; `None` if cancelled. `progress` receives every picture of the
+    /// chain as soon as it is complete.
     ///
     /// # Errors
     /// A region without pixels or surfaces, a dataset without cuts for this light.
@@ -185,7 +186,7 @@ impl Renderer {
     }
 }
 
-/// The errors between pictures that were made, of which the last has `noise`.
+/// The errors between the pictures; the last picture has `noise`.
 fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) -> Result<ErrorSplit, CompareError> {
     let step = |factor, (from, a): &(SplitPicture, Image), (to, b): &(SplitPicture, Image)| {
         let metrics = compare(a, b)?;
@@ -199,7 +200,7 @@ fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) ->
     Ok(ErrorSplit { region: job.region, spp: 2 * half_of(job), steps, total, pictures })
 }
 
-/// What two neighbours of the chain differ in.
+/// The factor in which two neighbours of the chain differ.
 fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     match (from, to) {
         (SplitPicture::Rendered, _) => "BRDF sampling",
@@ -225,7 +226,7 @@ struct Chain<'a> {
     progress: &'a dyn Progress,
 }
 
-/// Units of progress per pixel for a picture of all leaves, where a path is one.
+/// Units of progress per pixel for a picture of all leaves; a path is one unit.
 const LEAVES_UNITS: u64 = 16;
 
 impl Chain<'_> {
@@ -255,7 +256,7 @@ impl Chain<'_> {
         Some((pictures, noise))
     }
 
-    /// Every leaf by itself: the nodes of an illumination cut of all leaves.
+    /// Every leaf on its own: the nodes of an illumination cut of all leaves.
     fn all_leaves(&self) -> Option<Image> {
         match self.job.light {
             CutLight::Environment(lighting) => {
@@ -285,7 +286,7 @@ impl Chain<'_> {
         }
     }
 
-    /// Light paths, and their noise as a relative RMSE by the difference of two halves.
+    /// Light paths, and their noise as a relative RMSE from the difference of two halves.
     fn paths(&self) -> Option<(Image, f64)> {
         let half = half_of(self.job);
         let components = match self.job.light {
@@ -305,7 +306,7 @@ impl Chain<'_> {
         picture_of(&self.sampler, self.job.region, shader, &self.part(number, 0, LEAVES_UNITS))
     }
 
-    /// Progress of the picture of that `number`, of which `before` units are done and the next are `units` a pixel.
+    /// Progress of picture `number`. `before` units precede it, and it takes `units` per pixel.
     fn part(&self, number: u64, before: u64, units: u64) -> Part<'_> {
         let total = 5 * LEAVES_UNITS + 2 * u64::from(half_of(self.job));
         Part { whole: self.progress, before: number * LEAVES_UNITS + before, units, total }

@@ -1,8 +1,8 @@
 //! Reference (b): light paths of any number of bounces, from the continuous environment and from local lights.
 //!
 //! Every vertex of a path gathers direct light by multiple importance sampling (Veach 1997): of the environment by its
-//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF. Unlike all else here it
-//! knows neither light samples nor cuts: it shows the whole error. Seeded by pixel and pass.
+//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF. It uses neither light
+//! samples nor cuts, so it shows the whole error. Random numbers are seeded by pixel and pass.
 
 mod environment_sampling;
 mod halves;
@@ -30,7 +30,7 @@ use tracer::Tracer;
 
 impl Renderer {
     /// The scene under the continuous environment and local lights, in passes of one path per pixel. If cancelled, the
-    /// picture of the passes that are complete.
+    /// picture of the complete passes.
     pub fn path_reference(
         &self,
         view: &View,

@@ -1,7 +1,7 @@
-//! Reference (a): all light samples, with visibility traced at the pixel. It isolates what the cuts lose: of the
-//! environment, whose samples are directions, and of bounced light, whose samples are surface sources.
+//! Reference (a): all light samples, with visibility traced at the pixel. It isolates the error of the cuts, both for
+//! the environment, whose samples are directions, and for bounced light, whose samples are surface sources.
 //!
-//! Progressive in space: 16 passes over interleaved pixels, each pass exact where it has been.
+//! It is progressive in space: 16 passes over interleaved pixels, each exact at its pixels.
 
 pub(crate) mod distant;
 pub(crate) mod sources;
@@ -23,7 +23,7 @@ use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
 use sources::SourceSamples;
 
-/// Pixels of a 4 x 4 block in the order of the passes: each pass halves the distance to the nearest one done.
+/// Pixels of a 4 x 4 block in the order of the passes: each pass halves the distance to the nearest finished pixel.
 const PASSES: [(u32, u32); 16] = [
     (0, 0),
     (2, 2),
@@ -67,7 +67,8 @@ pub struct SampledLight<'a> {
 }
 
 impl Renderer {
-    /// All light samples of the environment without cuts. If cancelled, pixels not reached repeat one in their block.
+    /// All light samples of the environment without cuts. If cancelled, unfinished pixels repeat a finished one of
+    /// their block.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
         self.sampled(view, SampledLight { environment: Some(light), ..Default::default() }, progress)
     }
@@ -162,12 +163,12 @@ impl Progress for OverBases<'_> {
     }
 }
 
-/// The grid of pixels that are complete after a number of passes, where there is a new one.
+/// The grid of complete pixels after a number of passes, if it has changed.
 fn step_after(passes: usize) -> Option<u32> {
     [(1, 4), (4, 2), (16, 1)].into_iter().find(|&(p, _)| p == passes).map(|(_, step)| step)
 }
 
-/// Gives pixels that no finished pass has reached the value of the nearest one to the upper left in their block that one has.
+/// Copies to unfinished pixels the value of the nearest finished pixel to the upper left in their block.
 fn fill_blocks(image: &mut Image, finished: usize) {
     let [width, height] = image.size;
     let step = match finished {

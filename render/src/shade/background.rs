@@ -1,4 +1,4 @@
-//! The environment as it is turned and scaled, seen directly, and what else may stand behind a scene.
+//! The environment with rotation and intensity, as the background, and other backgrounds.
 
 use crate::{
     light::environment::Illumination,
@@ -37,11 +37,11 @@ impl<'a> Sky<'a> {
     }
 }
 
-/// What is seen where there is no surface.
+/// The background where there is no surface.
 pub enum Backdrop {
     /// The environment, sharp or blurred.
     Map {
-        /// What is looked up.
+        /// The map.
         map: Arc<Environment>,
         /// Turns world directions into the frame of the map.
         environment_from_world: Quat,
@@ -61,7 +61,7 @@ impl Backdrop {
         }
     }
 
-    /// For one picture. Modes that show other quantities than radiance have nothing behind the scene.
+    /// For one picture. View modes that show quantities other than radiance have a black background.
     pub fn new(view: &View, light: &Illumination, blur: &mut BlurCache) -> Self {
         let map = |map| {
             let environment_from_world = Sky::new(light).environment_from_world;
@@ -92,7 +92,8 @@ impl Backdrop {
     }
 }
 
-/// Keeps a blurred environment until another one or another width is asked for: blurring takes longer than a frame.
+/// Keeps a blurred environment until another environment or width is asked for, because blurring takes longer than a
+/// frame.
 #[derive(Default)]
 pub struct BlurCache(Option<Blurred>);
 

@@ -1,8 +1,8 @@
-//! The merge at one pixel (paper, 4.2): three visibility cuts interpolated and multiplied with light and BRDF.
+//! The merge at one pixel (paper, 4.2): three visibility cuts, interpolated and multiplied by light and BRDF.
 //!
-//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes with no visibility are dropped before the
-//! BRDF is evaluated; the rest is evaluated eight at a time. One traversal serves the environment and the sources on
-//! surfaces, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
+//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes without visibility are dropped before
+//! the BRDF is evaluated; the others are evaluated eight at a time. One traversal serves the environment and the
+//! surface sources, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
 
 use crate::shade::{
     node_field::NodeField,
@@ -25,9 +25,9 @@ use wide::f32x8;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrdfSampling {
-    /// Once a node at its direction, as in the paper (Eq. 6).
+    /// Once per node at its direction, as in the paper (Eq. 6).
     Once,
-    /// Nodes too wide for the lobe are halved, and the lobe is filtered by what width remains.
+    /// Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
     #[default]
     Refine,
 }
@@ -66,7 +66,7 @@ impl AddAssign for Work {
 pub(crate) struct Term {
     /// Heap index.
     pub node: u32,
-    /// Interpolated value of the vertices' cuts; nil in padding alone.
+    /// Interpolated value of the vertices' cuts; zero in padding alone.
     pub visibility: f32,
 }
 
@@ -79,19 +79,19 @@ pub(crate) struct EightTerms<'t> {
     pub radiance: Vec3x8,
     /// BRDF times cosine at their directions.
     pub brdf_cos: Vec3x8,
-    /// Visibility times number of leaves; nil where the direction is below the smooth normal.
+    /// Visibility times number of leaves; zero where the direction is below the smooth normal's horizon.
     pub weight: f32x8,
 }
 
 impl EightTerms<'_> {
-    /// What is reflected of the nodes, but for the solid angle of a leaf.
+    /// Light reflected from the nodes, without the factor of a leaf's solid angle.
     #[inline(always)]
     pub fn reflected(&self) -> Vec3x8 {
         self.brdf_cos.scale(self.radiance) * self.weight
     }
 }
 
-/// The node of `root` that begins where `node` ends and is as large as can be; 0 at the end of `root`.
+/// The largest node of `root` that begins where `node` ends; 0 at the end of `root`.
 fn next_node(node: u32, root: u32) -> u32 {
     let left = node >> node.trailing_ones();
     if left <= root { 0 } else { left + 1 }
@@ -123,7 +123,8 @@ impl<'a, F: NodeField> Shader<'a, F> {
         sum.reduce_add() * self.field.solid_angle()
     }
 
-    /// The terms whose sum [`Self::shade`] is, left to right, and before them the nodes of the merged cut that see no light.
+    /// Visits the terms that [`Self::shade`] sums, left to right, and before them the nodes of the merged cut without
+    /// visible light.
     #[inline(always)]
     pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(Interval), visit: impl FnMut(&EightTerms)) {
         self.merge_cuts(point, dark);
@@ -135,7 +136,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         self.evaluate(point, visit);
     }
 
-    /// Fills `merged` with the nodes of the merged cut that see any light; the others are `dark`.
+    /// Fills `merged` with the nodes of the merged cut that have visible light; the others go to `dark`.
     #[inline(always)]
     fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(Interval)) {
         let height = self.height;

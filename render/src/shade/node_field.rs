@@ -1,5 +1,5 @@
-//! What the merge asks of a tree of lights: distant ones, whose directions are the same everywhere, or sources on
-//! surfaces, whose directions depend on the point.
+//! The interface of the merge to a tree of lights: distant lights, whose directions are the same everywhere, or surface
+//! sources, whose directions depend on the point.
 
 use crate::light::{bounce::SourceLighting, environment::SceneLighting};
 use glam::Vec3;
@@ -10,27 +10,27 @@ use lapidary_core::{
 use std::sync::LazyLock;
 use wide::f32x8;
 
-/// A light tree under one illumination. Nodes are given by heap index.
+/// A light tree under one illumination. Nodes are heap indices.
 pub(crate) trait NodeField: Copy {
     /// Height of the tree.
     fn height(&self) -> u32;
     /// Packed illumination cut.
     fn illumination_cut(&self) -> &[u16];
-    /// What a vertex's cut says by a code of 12 bits.
+    /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
     fn solid_angle(&self) -> f32;
-    /// The node as seen from a point, to decide on its refinement.
+    /// The node as seen from a point, for the decision on refinement.
     fn cone(&self, node: usize, from: Vec3) -> Cone;
     /// Unit directions to eight nodes from a point.
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
-    /// How far light from eight nodes spreads: inverse concentrations as von Mises-Fisher lobes.
+    /// Angular spread of the light from eight nodes: inverse concentrations as von Mises-Fisher lobes.
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
-    /// How far the references take light from eight leaves to spread.
+    /// Angular spread that the references use for the light from eight leaves.
     fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
     /// Mean radiance.
     fn radiance(&self, node: usize) -> Vec3;
-    /// Where the middle of a node's light lies, if it is not infinitely far.
+    /// Centre of a node's light, if it is not infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
 }
 
@@ -101,19 +101,19 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Of every code: a table is faster than a power.
+    /// Solid angle of every code: a table is faster than a power.
     solid_angles: &'static [f32],
 }
 
 impl<'a> SourceField<'a> {
-    /// Of sources under one illumination.
+    /// For sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
         static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
         Self { lighting, solid_angles: &SOLID_ANGLES }
     }
 }
 
-/// Distances below this many metres are taken for it: a point on a source sees it in some direction.
+/// Smallest distance in metres: a point on a source sees it in some direction.
 pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
 
 impl NodeField for SourceField<'_> {

@@ -1,4 +1,4 @@
-//! What a surface point gives a pixel in each view mode: radiance, or one of the quantities behind it.
+//! The value of a surface point in each view mode: radiance, or one of the quantities behind it.
 
 use crate::{
     light::{
@@ -26,15 +26,15 @@ pub(crate) struct PictureLight<'a> {
     pub sources: Option<&'a SourceLighting>,
     /// Bounced light at the vertices, as vector irradiance.
     pub vertex_irradiance: Option<&'a VertexIrradiance>,
-    /// Local lights whose direct light is shown, and what casts their shadow rays.
+    /// Local lights whose direct light is shown, and the intersector for their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
 }
 
-/// Values of surface points; keeps its buffers between them.
+/// Computes values of surface points; keeps its buffers between them.
 pub(crate) struct Painter<'a> {
     mode: ViewMode,
     dataset: &'a Dataset,
-    /// `None` without a light: what depends on it is black.
+    /// `None` without a light: values that depend on it are black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     sources: Option<Shader<'a, SourceField<'a>>>,
     vertex_irradiance: Option<&'a VertexIrradiance>,
@@ -91,7 +91,7 @@ impl<'a> Painter<'a> {
         self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
     }
 
-    /// What a diffuse surface of the same albedo reflects of the vertices' irradiance.
+    /// Light that a diffuse surface of the same albedo reflects of the vertices' irradiance.
     fn interpolated(&self, point: &SurfacePoint) -> Vec3 {
         let Some(vertices) = self.vertex_irradiance else { return Vec3::ZERO };
         let at = |i: usize| vertices.at(point.vertices[i], point.from_behind) * point.weights[i];
@@ -99,7 +99,7 @@ impl<'a> Painter<'a> {
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
 
-    /// What the merges give.
+    /// Radiance from the merges.
     fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
         let environment = self.environment.as_mut().map(|shader| shader.shade(point));
         let sources = self.sources.as_mut().map(|shader| shader.shade(point));

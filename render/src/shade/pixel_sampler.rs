@@ -1,4 +1,4 @@
-//! Pixel sampling that all CPU renderers share: from a sample of a pixel to what is seen there.
+//! Pixel sampling that all CPU renderers share: from a sample of a pixel to the surface or background seen there.
 
 use crate::{
     renderer::Renderer,
@@ -12,7 +12,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
-/// Casts camera rays through the samples of a view's pixels, and shades what they meet.
+/// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     screen: Screen,
@@ -21,13 +21,13 @@ pub(crate) struct PixelSampler<'a> {
     offsets: Vec<Vec2>,
 }
 
-/// What one sample of a pixel sees.
+/// The view along one sample of a pixel.
 pub(crate) struct Sight {
-    /// Where the sample lies in the picture, in pixels from the top left corner.
+    /// Position of the sample in the picture, in pixels from the top left corner.
     pub position: Vec2,
     /// Unit direction from the eye.
     pub direction: Vec3,
-    /// What is met first.
+    /// The first hit.
     pub seen: FirstHit,
 }
 
@@ -46,12 +46,12 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
-    /// What one of a pixel's samples sees.
+    /// The view along one of a pixel's samples.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
         self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
     }
 
-    /// What is seen at a position in the pixel's unit square.
+    /// The view from a position in the pixel's unit square.
     fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
         let camera = &self.view.camera;
         let position = Vec2::new(x as f32, y as f32) + in_pixel;
@@ -65,12 +65,12 @@ impl<'a> PixelSampler<'a> {
         wireframe::line_coverage(wireframe::edge_distance(position, corners))
     }
 
-    /// What is seen along a direction that meets no surface.
+    /// Background along a direction that hits no surface.
     pub fn behind(&self, direction: Vec3) -> Vec3 {
         self.backdrop.radiance(direction)
     }
 
-    /// One of the pixel's samples: `shade`, or what is seen where there is no surface.
+    /// One of the pixel's samples: `shade` of its surface, or the background.
     pub fn sample(&self, x: u32, y: u32, sample: usize, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         self.radiance(self.sight(x, y, sample), shade)
     }

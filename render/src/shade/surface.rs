@@ -1,4 +1,4 @@
-//! What a camera ray meets: position, frame after bump and normal map, and the BRDF with its textured parameters.
+//! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with its textured parameters.
 
 use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
@@ -24,42 +24,43 @@ pub struct SurfacePoint {
     pub from_behind: bool,
     /// Where it is, in metres.
     pub position: Vec3,
-    /// Where shadow rays start: just off the face, on the side that is seen.
+    /// Origin of shadow rays: just off the face, on the visible side.
     pub ray_origin: Vec3,
-    /// Interpolated normal before bump and normal map, on the side that is seen. No light from below it is received.
+    /// Interpolated normal before bump and normal map, on the visible side. Light from below it is not received.
     pub smooth_normal: Vec3,
     /// Tangent, bitangent and shading normal as columns.
     pub world_from_local: Mat3,
     /// Direction to the eye in the local frame.
     pub wo: Vec3,
-    /// Its material's parameters after their textures, in their ranges.
+    /// Its material's parameters after their textures, within their ranges.
     pub parameters: BrdfParameters,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
 }
 
 impl SurfacePoint {
-    /// Whether light from a direction can be reflected: it is above the shading normal's horizon and the smooth one's.
+    /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
+    /// smooth normal.
     #[inline(always)]
     pub fn receives(&self, direction: Vec3) -> bool {
         direction.dot(self.world_from_local.z_axis) > 0.0 && direction.dot(self.smooth_normal) > 0.0
     }
 }
 
-/// A place on a surface before its material: what maps are looked up by, and the frame that they tilt.
+/// A surface position before its material: the coordinates for lookups in maps, and the frame that maps tilt.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePlace {
     /// In metres.
     pub position: Vec3,
-    /// Unit normal before bump and normal map, on the side that is seen, and facing the eye.
+    /// Unit normal before bump and normal map, on the visible side, facing the eye.
     pub smooth_normal: Vec3,
     /// Direction along which u grows; of any length, and not necessarily in the tangent plane.
     pub tangent: Vec3,
-    /// 1, or -1 where textures are mirrored: then v grows against `smooth_normal` x `tangent`.
+    /// 1, or -1 for mirrored textures, where v increases against `smooth_normal` x `tangent`.
     pub handedness: f32,
     /// Texture coordinates.
     pub uv: Vec2,
-    /// Gradients of u and v along the surface, per metre, for bump maps; `None` where they have none.
+    /// Gradients of u and v along the surface, per metre, for bump maps; `None` if they are undefined.
     pub slopes: Option<[Vec3; 2]>,
 }
 
@@ -69,14 +70,14 @@ pub(crate) struct PlaceLook {
     pub world_from_local: Mat3,
     /// Direction to the eye in this frame.
     pub wo: Vec3,
-    /// The material's parameters after their textures, in their ranges.
+    /// The material's parameters after their textures, within their ranges.
     pub parameters: BrdfParameters,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
 }
 
 impl SurfacePlace {
-    /// How it looks with `material`, whose maps are those of `appearance`, from the world direction `wo`.
+    /// Frame and BRDF with `material`, whose maps are those of `appearance`, from the world direction `wo`.
     pub(crate) fn under(&self, appearance: &Appearance, material: &Material, wo: Vec3) -> PlaceLook {
         let normal = self.bumped_normal(appearance, material);
         let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
@@ -147,13 +148,13 @@ pub struct Surfaces<'a> {
     dataset: &'a Dataset,
     appearance: &'a Appearance,
     intersector: &'a Intersector,
-    /// Distance in metres that shadow rays start off a surface, at most.
+    /// Largest distance in metres of shadow ray origins from a surface.
     largest_offset: f32,
 }
 
 impl<'a> Surfaces<'a> {
-    /// For all points of `dataset`, as they look under `appearance`; shadow rays start at most `largest_offset` metres
-    /// off a surface.
+    /// For all points of `dataset`, with the materials of `appearance`. Shadow rays start at most `largest_offset`
+    /// metres off a surface.
     pub fn new(
         dataset: &'a Dataset,
         appearance: &'a Appearance,
@@ -163,7 +164,7 @@ impl<'a> Surfaces<'a> {
         Self { dataset, appearance, intersector, largest_offset }
     }
 
-    /// What a ray meets first.
+    /// The first hit of a ray.
     pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
         match self.intersector.closest_hit(origin, direction) {
             None => FirstHit::Background,
@@ -172,7 +173,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The surface where a ray that came from the direction `wo` met it.
+    /// The surface at the hit of a ray from direction `wo`.
     pub fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
         let mesh = &self.dataset.scene.mesh;
         let triangle = hit.triangle as usize;

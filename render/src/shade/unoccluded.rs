@@ -1,7 +1,7 @@
-//! Shading where nothing hides the light: a convex surface that stands alone.
+//! Shading without occlusion: a single convex surface.
 //!
-//! The merge is the renderer's. Full visibility is a cut of one node, the root, which merges with the illumination cut to
-//! the illumination cut itself.
+//! The merge is the renderer's. Full visibility is a cut of one node, the root, so the merged cut is the illumination
+//! cut.
 
 use crate::{
     appearance::Appearance,
@@ -23,20 +23,22 @@ static FULL_VISIBILITY: LazyLock<PackedCuts> = LazyLock::new(|| {
     cuts
 });
 
-/// Shades places from which every direction above their horizon is open, with BRDF refinement; keeps its buffers between
-/// them.
+/// Shades surface positions with free view of every direction above their horizon, with BRDF refinement; keeps its
+/// buffers between them.
 pub struct UnoccludedShader<'a> {
     appearance: &'a Appearance,
     shader: Shader<'a, &'a SceneLighting>,
 }
 
 impl<'a> UnoccludedShader<'a> {
-    /// For places with the materials of `appearance`, whose maps must all be there ([`Appearance::fitted`]), under `lighting`.
+    /// For surface positions with the materials of `appearance` under `lighting`. All maps must be present
+    /// ([`Appearance::fitted`]).
     pub fn new(appearance: &'a Appearance, lighting: &'a SceneLighting) -> Self {
         Self { appearance, shader: Shader::new(lighting, &FULL_VISIBILITY, BrdfSampling::Refine) }
     }
 
-    /// Radiance that a place of the material with this index reflects toward `wo`, a unit direction in world space.
+    /// Radiance that a surface position with the material of this index reflects toward `wo`, a unit direction in world
+    /// space.
     ///
     /// # Panics
     /// If there is no such material.

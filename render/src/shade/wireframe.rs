@@ -1,15 +1,15 @@
-//! Edges of triangles as lines of an even width in pixels, drawn over the displayed picture after its tone curve, so that
-//! they look the same at any exposure.
+//! Edges of triangles as lines of uniform width in pixels, drawn over the displayed picture after its tone curve, so
+//! that they look the same at any exposure.
 //!
-//! Twin of `shaders/wireframe.wgsl`. A line is found from the projected corners in homogeneous coordinates, so that a
-//! corner behind the eye needs no clipping.
+//! Twin of `shaders/wireframe.wgsl`. Lines are computed from the projected corners in homogeneous coordinates, so that
+//! a corner behind the eye needs no clipping.
 
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::camera::Camera;
 
 /// Width of a line in pixels where it is full.
 pub const LINE_WIDTH: f32 = 1.0;
-/// Pixels over which each side of a line fades out: one, as the width of a pixel.
+/// Width in pixels of the soft edge on each side of a line: one pixel.
 pub const LINE_FADE: f32 = 1.0;
 /// Share of the line's colour in the middle of a line.
 pub const LINE_OPACITY: f32 = 0.7;

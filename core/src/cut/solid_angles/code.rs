@@ -2,11 +2,11 @@
 
 /// Largest solid angle that a source can fill, in steradians: a hemisphere.
 pub const LARGEST_SOLID_ANGLE: f32 = 2.0 * std::f32::consts::PI;
-/// Binary orders of magnitude that the code spans; what is smaller counts as hidden.
+/// Range of the code in powers of two; smaller solid angles count as hidden.
 const ORDERS: f32 = 30.0;
 const CODES: f32 = 4094.0;
 
-/// A solid angle in 12 bits: 0 for none, else logarithmic, in steps of half a percent.
+/// Codes a solid angle in 12 bits: 0 for none, else its logarithm in steps of half a percent.
 pub fn solid_angle_code(steradians: f32) -> u16 {
     if !(steradians > LARGEST_SOLID_ANGLE * (-ORDERS).exp2()) {
         return 0;

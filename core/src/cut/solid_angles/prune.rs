@@ -1,4 +1,4 @@
-//! Coarsening of source cuts that are stored already, for what they are to fit into.
+//! Coarsening of stored source cuts, so that they fit into a texture.
 
 use super::{
     SourceCriterion,
@@ -6,9 +6,9 @@ use super::{
 };
 use crate::cut::packed::{VALUE_MAX, depth};
 
-/// Coarsens a packed cut of solid angles of `2^height` sources: each node that keeps `criterion`, by the values that are stored,
-/// takes the place of all below it. What these have left out is not known any more, so that a cut selected by `criterion` at once
-/// may be longer.
+/// Coarsens a packed cut of solid angles of `2^height` sources. A node that meets `criterion`, judged by the stored
+/// values, replaces all nodes below it. Detail that the stored values have lost is unknown here, so a cut selected by
+/// `criterion` in the first place may be longer.
 pub fn prune_sources(height: u32, criterion: SourceCriterion, cut: &[u16]) -> Vec<u16> {
     let unit = LARGEST_SOLID_ANGLE / (1_u32 << height) as f32;
     let mut pruned = Vec::with_capacity(cut.len());
@@ -36,15 +36,15 @@ pub fn prune_sources(height: u32, criterion: SourceCriterion, cut: &[u16]) -> Ve
     pruned
 }
 
-/// A node of the tree all leaves of which are done.
+/// A node of the tree whose leaves have all been visited.
 struct Node {
     /// Number of its leaves.
     size: u32,
-    /// Of their values, in units of 2π/N.
+    /// Sum of their values, in units of 2π/N.
     sum: f32,
-    /// Squared error of their mean, as far as the stored values tell.
+    /// Squared error of their mean, estimated from the stored values.
     error: f32,
-    /// Where its part of the shorter cut begins.
+    /// Index of its first node in the shorter cut.
     first: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What a file says about its picture, in the attributes of OpenEXR.
+//! Metadata of a picture, in the attributes of OpenEXR.
 
 use crate::camera::Camera;
 use exr::{meta::attribute::AttributeValue, prelude as openexr};
@@ -15,12 +15,13 @@ pub enum MetaValue {
     Vector(Vec3),
 }
 
-/// What is said about a picture.
+/// Metadata of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
     /// The program that made it, with its version.
     pub software: Option<String>,
-    /// Where it was seen from; becomes the standard attributes `worldToCamera`, `screenWindowWidth` and the fields of view.
+    /// The camera of the picture; becomes the standard attributes `worldToCamera`, `screenWindowWidth` and the fields
+    /// of view.
     pub camera: Option<Camera>,
     /// Names and values of other attributes.
     pub entries: Vec<(String, MetaValue)>,
@@ -44,8 +45,8 @@ impl Metadata {
     }
 }
 
-/// Into the space of the camera: right, up and backward. By columns it is stored as OpenEXR has it, which multiplies rows
-/// from the left.
+/// Into the space of the camera: right, up and backward. It is stored by columns, because OpenEXR multiplies rows from
+/// the left.
 fn camera_from_world(camera: &Camera) -> Mat4 {
     let turn = camera.world_from_view().transpose();
     Mat4::from_mat3(turn) * Mat4::from_translation(-camera.eye)
@@ -61,7 +62,7 @@ impl MetaValue {
     }
 }
 
-/// UTF-8, as OpenEXR has its strings.
+/// A string of OpenEXR, in UTF-8.
 pub(super) fn text(words: &str) -> openexr::Text {
     openexr::Text::from_slice_unchecked(words.as_bytes())
 }

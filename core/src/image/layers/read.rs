@@ -8,7 +8,7 @@ use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use std::{io::Cursor, path::Path};
 
-/// What the layer without a name is called where a name is needed.
+/// Name of the layer without a name, where a name is needed.
 const UNNAMED: &str = "beauty";
 
 /// Channels of a layer: their names without its own, and their samples.
@@ -19,8 +19,8 @@ struct Group {
 }
 
 impl Image {
-    /// Reads one layer of an OpenEXR file: its colours, its vectors, or its one value repeated. Names may be of any case,
-    /// `-` counts as `_`, and the last words of a long name suffice; `beauty` is also the layer without a name.
+    /// Reads one layer of an OpenEXR file: its colours, its vectors, or its one value repeated. Names match in any
+    /// case, `-` matches `_`, and the last words of a long name suffice; `beauty` is also the layer without a name.
     ///
     /// # Errors
     /// A file that cannot be read or has no such layer.

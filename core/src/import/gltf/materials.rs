@@ -41,7 +41,7 @@ pub(super) fn index_of(source: &mut Source, gltf: &gltf::Document, primitive: &g
     index as u32
 }
 
-/// What materials asked for that is not shown.
+/// Features of materials that are not supported.
 #[derive(Default)]
 struct Ignored {
     transparent: Vec<String>,
@@ -71,7 +71,7 @@ impl Ignored {
     }
 }
 
-/// `KHR_texture_transform` where the `gltf` crate does not offer it: on normal textures.
+/// `KHR_texture_transform` on normal textures, where the `gltf` crate does not offer it.
 #[derive(Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Transform {

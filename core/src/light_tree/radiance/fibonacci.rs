@@ -1,7 +1,7 @@
 //! The Fibonacci sample nearest to a direction, in closed form (Keinert et al. 2015, *Spherical Fibonacci Mapping*).
 //!
-//! What depends on the height alone, and the directions of all samples, are computed once: the grid of an
-//! [`super::EnvironmentSampler`] asks for millions of neighbours.
+//! The directions of all samples, and everything that depends on height alone, are computed once: the grid of an
+//! [`super::EnvironmentSampler`] asks for millions of nearest samples.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -21,7 +21,7 @@ pub struct Longitude {
 }
 
 impl Longitude {
-    /// Of any angle.
+    /// For any angle.
     pub fn new(radians: f64) -> Self {
         let turned = radians.rem_euclid(TAU);
         let radians = if turned > PI { turned - TAU } else { turned };
@@ -38,7 +38,7 @@ pub struct Zone<'a> {
 }
 
 impl FibonacciLattice {
-    /// Of `lights` samples.
+    /// For `lights` samples.
     pub fn new(lights: usize) -> Self {
         let count = lights as f64;
         let direction = |i: usize| {

@@ -48,8 +48,8 @@ fn a_spot_fades_from_the_penumbra_to_its_edge() {
     let at = |degrees: f32| irradiance(&spot, Vec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0));
     assert!((at(0.0) - 3.0).abs() < 1e-5 && (at(24.9) - 3.0).abs() < 1e-4);
     assert_eq!((at(40.1), at(90.0), at(180.0)), (0.0, 0.0, 0.0));
-    let fading: Vec<f32> = (0..=14).map(|i| at(25.2 + i as f32)).collect();
-    assert!(fading.windows(2).all(|w| w[0] > w[1]), "{fading:?}");
+    let falling_off: Vec<f32> = (0..=14).map(|i| at(25.2 + i as f32)).collect();
+    assert!(falling_off.windows(2).all(|w| w[0] > w[1]), "{falling_off:?}");
     let sharp = light(Emission::Spot { cone_degrees: 40.0, penumbra_degrees: 0.0 }, Vec3::ZERO, Vec3::NEG_Y);
     let inside = Vec3::new(39.9_f32.to_radians().sin(), -39.9_f32.to_radians().cos(), 0.0);
     assert!((irradiance(&sharp, inside) - 3.0).abs() < 1e-4);

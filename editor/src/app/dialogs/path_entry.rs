@@ -15,7 +15,7 @@ const LISTED: usize = 2000;
 pub struct PathEntry {
     purpose: Purpose,
     folder: PathBuf,
-    /// What is typed: a name in the folder, or any path.
+    /// The typed text: a name in the folder, or any path.
     text: String,
     entries: Vec<Entry>,
     problem: Option<String>,
@@ -134,7 +134,7 @@ impl PathEntry {
         field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter))
     }
 
-    /// The path if it will do; otherwise says why not, or goes into the folder that was typed.
+    /// The path if it is valid; otherwise shows the reason, or opens the folder that was typed.
     fn accept(&mut self) -> Option<PathBuf> {
         let typed = self.text.trim();
         let path = if typed.is_empty() { self.folder.clone() } else { absolute(&self.folder.join(expand_home(typed))) };
@@ -191,7 +191,7 @@ impl PathEntry {
         }
     }
 
-    /// An entry that is listed: folders and files of this purpose, without hidden ones and what bakes have left.
+    /// Whether an entry is listed: folders and files of this purpose, without hidden ones and checkpoints of bakes.
     fn entry(&self, entry: &std::fs::DirEntry) -> Option<Entry> {
         let path = entry.path();
         let name = entry.file_name().to_string_lossy().into_owned();

@@ -1,4 +1,4 @@
-//! What a file dialog is for: its title, the files it lists, and how its answer completes the action that asked.
+//! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{actions::Action, preferences::FileUse};
 use std::path::{Path, PathBuf};
@@ -16,20 +16,20 @@ pub enum Mode {
     Folder,
 }
 
-/// What a dialog is for.
+/// The purpose of a dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Purpose {
-    /// What it says above.
+    /// Its title.
     pub title: &'static str,
-    /// What its button says.
+    /// The label of its button.
     pub button: &'static str,
     /// Which dialog.
     pub mode: Mode,
-    /// What the listed files are called.
+    /// Name of the listed files.
     pub files: &'static str,
     /// Extensions of the files that are listed; empty for all.
     pub extensions: &'static [&'static str],
-    /// What they are for, which decides where it begins.
+    /// Their purpose, which decides in which folder the dialog begins.
     pub files_for: FileUse,
 }
 
@@ -38,7 +38,7 @@ const MATERIALS: &[&str] = &["json"];
 const LIGHTS: &[&str] = &["json"];
 
 impl Purpose {
-    /// What a dialog for an action's path is for; `None` for actions without one.
+    /// The purpose of a dialog for an action's path; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
         let purpose = |files_for, title, button, mode, files, extensions| Self {
             title,

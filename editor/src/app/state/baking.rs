@@ -19,11 +19,11 @@ pub struct Baking {
     pub(in crate::app) ended: Option<Ended>,
     /// Held by the bake at work, also by one that was left and has not noticed yet.
     pub(in crate::app) turn: Arc<Mutex<()>>,
-    /// What an interrupted bake has left, and when that was looked at.
+    /// What an interrupted bake left, and when it was read.
     pub(in crate::app) leftover: Option<(Looked, Leftover)>,
 }
 
-/// Everything that decides what an interrupted bake has left, small enough to compare every frame.
+/// The inputs that decide what an interrupted bake left, small enough to compare every frame.
 #[derive(PartialEq)]
 pub struct Looked {
     pub(in crate::app) output: PathBuf,

@@ -1,4 +1,4 @@
-//! The comparison with a reference: its threads, what they have made, and what was asked of them.
+//! The comparison with a reference: its threads, their results, and their last requests.
 
 use crate::{
     panels::comparison::{ComparisonContext, ComparisonPanel},
@@ -23,7 +23,7 @@ pub struct Jobs {
     pub(in crate::app) measuring: MeasureThread,
 }
 
-/// What measures depend on, small enough to compare every frame.
+/// Inputs of the measurements, small enough to compare every frame.
 #[derive(PartialEq)]
 pub struct Asked {
     pub(in crate::app) pictures: u64,
@@ -74,7 +74,7 @@ impl Comparison {
         }
     }
 
-    /// What the strip shows.
+    /// Contents of the strip.
     pub fn context(&self) -> ComparisonContext<'_> {
         let tracing = self.jobs.as_ref().map(|jobs| &jobs.tracing);
         ComparisonContext {
@@ -87,7 +87,7 @@ impl Comparison {
         }
     }
 
-    /// What the viewport shows.
+    /// Contents of the viewport.
     pub fn compared(&self, panel: &ComparisonPanel, illum_cut: u32, accent: Color32) -> Compared<'_> {
         let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
         let reference = self.reference.as_ref();
@@ -134,7 +134,7 @@ impl Comparison {
         self.forget();
     }
 
-    /// What was made is of another picture.
+    /// The results belong to another picture.
     pub(in crate::app) fn forget(&mut self) {
         (self.test, self.reference, self.measured, self.asked) = (None, None, None, None);
         (self.trace_problem, self.measure_problem) = (None, None);

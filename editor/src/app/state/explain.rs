@@ -7,7 +7,7 @@ use lapidary_studies::jobs::explain::{ExplainJob, ExplainedPicture, ExplainedPix
 /// Nodes that are drawn over the picture: those with the largest contributions.
 const DRAWN: usize = 64;
 
-/// What is explained, and what is on its way.
+/// The present explanation, and the one in progress.
 #[derive(Default)]
 pub struct ExplainWindow {
     pub(in crate::app) panel: ExplainPanel,

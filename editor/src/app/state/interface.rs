@@ -1,4 +1,4 @@
-//! What the interface remembers between frames.
+//! State of the interface between frames.
 
 use crate::{
     panels::{
@@ -9,7 +9,7 @@ use crate::{
 };
 use egui::Rect;
 
-/// What the inspector shows.
+/// The tab of the inspector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Inspector {
     /// The selected material.
@@ -39,7 +39,7 @@ impl Inspector {
     }
 }
 
-/// What the left side shows.
+/// The tab of the left side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Side {
     /// Objects, materials and cameras.
@@ -49,11 +49,11 @@ pub enum Side {
     Library,
 }
 
-/// What the interface remembers between frames.
+/// State of the interface between frames.
 pub struct Interface {
-    /// What the inspector shows.
+    /// The tab of the inspector.
     pub inspector: Inspector,
-    /// What the left side shows.
+    /// The tab of the left side.
     pub side: Side,
     /// Only the picture is shown.
     pub panels_hidden: bool,

@@ -48,7 +48,7 @@ impl Pictures {
         self.texture.as_ref()
     }
 
-    /// What is known about it.
+    /// The frame in the viewport, with its statistics.
     pub fn shown(&self) -> Option<&RenderedFrame> {
         self.shown.as_ref()
     }

@@ -24,11 +24,11 @@ pub enum Prompt {
         /// The autosave it was read from, which nothing else keeps.
         recovery: Option<Recovery>,
     },
-    /// What this program is.
+    /// The identity of this program.
     About,
 }
 
-/// What is done once the document may be left.
+/// The action after the document may be left.
 pub enum Then {
     /// The window closes.
     Quit,

@@ -1,8 +1,8 @@
-//! What the render thread was asked for last.
+//! The last request to the render thread.
 
 use crate::jobs::render_thread::RenderRequest;
 
-/// What was asked for last.
+/// The last request.
 #[derive(Default)]
 pub struct Requests {
     pub(in crate::app) sent: Option<RenderRequest>,
@@ -13,12 +13,12 @@ pub struct Requests {
 }
 
 impl Requests {
-    /// What the render thread was asked for last.
+    /// The last request to the render thread.
     pub fn last_sent(&self) -> Option<&RenderRequest> {
         self.sent.as_ref()
     }
 
-    /// Sends the next request even if it is that of before: the scene was replaced in place.
+    /// Sends the next request even if it equals the last one: the scene was replaced in place.
     pub fn forget(&mut self) {
         self.is_forgotten = true;
     }

@@ -80,7 +80,7 @@ impl Screen {
         assert!(self.processes[1].try_wait().unwrap().is_none(), "the program has ended");
         let picture = Command::new("import").args(["-window", "root", "png:-"]).env("DISPLAY", &self.display).output();
         let texture = decode(&picture.unwrap().stdout, Path::new("screen.png")).unwrap();
-        let Texels::U8(texels) = texture.texels else { panic!("8 bits a channel") };
+        let Texels::U8(texels) = texture.texels else { panic!("8 bits per channel") };
         let [left, top] = [rect.min.x.round() as u32, rect.min.y.round() as u32];
         let [width, height] = [rect.width().round() as u32, rect.height().round() as u32];
         let texel = |x: u32, y: u32| texels[((top + y) * texture.size[0] + left + x) as usize];

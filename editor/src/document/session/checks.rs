@@ -1,4 +1,4 @@
-//! Values that a file can hold and a renderer cannot bear are brought into range, each with a warning.
+//! Clamps values of a file that a renderer cannot use, each with a warning.
 
 use super::{Session, SessionCamera, SessionMaterial};
 use crate::document::{EnvironmentSettings, ViewSettings, lights};
@@ -125,7 +125,7 @@ impl Checks<'_> {
             self.range("the background color", &mut view.background_color[i], [0.0, 1e6, fallback]);
         }
         self.range("the illumination cut", &mut view.illum_cut, [1, 32_768, default.illum_cut]);
-        self.range("the number of samples a pixel", &mut view.aa, [1, 256, default.aa]);
+        self.range("the number of samples per pixel", &mut view.aa, [1, 256, default.aa]);
         self.range("the frame budget", &mut view.frame_budget_ms, [1.0, 10_000.0, default.frame_budget_ms]);
     }
 

@@ -12,7 +12,7 @@ pub enum SessionError {
         action: &'static str,
         /// Which file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Larger than any session can be.

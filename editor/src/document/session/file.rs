@@ -1,4 +1,4 @@
-//! What a session file holds, as plain data: degrees instead of radians, textures by where they came from.
+//! Contents of a session file as plain data: degrees instead of radians, textures by their source.
 
 use crate::document::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use glam::{Vec2, Vec3};
@@ -36,7 +36,7 @@ pub struct Session {
     pub bookmarks: Vec<SessionCamera>,
     /// How the picture is made and shown.
     pub view: ViewSettings,
-    /// What the next bake is made with.
+    /// Settings of the next bake.
     pub bake: BakeSettings,
 }
 

@@ -1,5 +1,5 @@
-//! Reading JSON that people and other versions write: value by value over a template, so that one bad value costs no
-//! other, and with what is not known kept for writing back.
+//! Reads JSON that people and other versions write: value by value over a template, so that one bad value costs no
+//! other. Unknown keys are kept for writing back.
 
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
@@ -39,8 +39,8 @@ fn merge_lists(written: &mut [Value], unknown: &[Value]) {
     }
 }
 
-/// `template` with all values of `given` that it can take, and the keys of `given` that it does not have. Objects
-/// inside are read the same way. `at` says in warnings where `given` stands.
+/// `template` with all valid values of `given`, and the keys of `given` that it lacks. Nested objects are read the same
+/// way. `at` is the position of `given` in warnings.
 pub fn read_leniently<T: Serialize + DeserializeOwned>(
     given: &Value,
     template: T,
@@ -58,7 +58,7 @@ pub fn read_leniently<T: Serialize + DeserializeOwned>(
     (read, unknown)
 }
 
-/// What a warning says of a value that cannot be.
+/// Text of a warning about an invalid value.
 pub(super) fn refusal(at: &str, given: &Value) -> String {
     let mut text = given.to_string();
     if let Some((end, _)) = text.char_indices().nth(40) {

@@ -26,9 +26,9 @@ pub struct LoadedSession {
     pub session: Session,
     /// Files that it names and that are not there, each once.
     pub missing: Vec<MissingFile>,
-    /// What was replaced or left out, in sentences.
+    /// Replacements and omissions, in sentences.
     pub warnings: Vec<String>,
-    /// What this version does not know, for writing back.
+    /// Unknown keys, for writing back.
     pub unknown: Unknown,
 }
 

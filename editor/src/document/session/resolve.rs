@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Scene textures that are stood in for when there is no scene; a file may name any number.
+/// Largest number of scene textures with stand-ins when there is no scene; a file may name any number.
 const MAX_STAND_INS: u32 = 10_000;
 
 impl LoadedSession {
@@ -58,8 +58,8 @@ fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mu
     own.iter().zip(&places).map(merge).collect()
 }
 
-/// For each material of the scene the one of the session: of the same name, first in the same place; or, in lists of
-/// the same length, what is left in the same place, since artists rename materials.
+/// For each material of the scene the session's material: of the same name, first at the same index. In lists of the
+/// same length, a remaining one at the same index counts too, because artists rename materials.
 fn match_materials(own: &[Material], session: &[SessionMaterial]) -> Vec<Option<usize>> {
     let mut places = vec![None; own.len()];
     let mut free = vec![true; session.len()];

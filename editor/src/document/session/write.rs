@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Writes `document` as a session, with the keys of the file it came from that this version does not know.
 ///
 /// # Errors
-/// What the file system says; a file that was there before is kept then.
+/// Errors of the file system; an existing file is kept then.
 pub fn save(document: &Document, kept: &Unknown, path: &Path) -> Result<(), SessionError> {
     let folder = folder_of(path);
     write(value(document, kept, |path| relative_to(path, &folder)), path)

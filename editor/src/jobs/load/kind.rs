@@ -1,4 +1,4 @@
-//! What a file is: by its extension, by its shape for pictures, and by its contents for JSON.
+//! The kind of a file: by its extension, by its shape for pictures, and by its contents for JSON.
 
 use lapidary_core::{image::dimensions, import::MaterialFile};
 use std::path::Path;

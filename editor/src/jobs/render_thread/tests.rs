@@ -229,7 +229,7 @@ fn moving_gives_reduced_pictures_and_rest_the_full_one() {
         moved.look.view.camera.eye.x = x as f32;
         thread.request(moved.clone());
         let frame = wait_for("a picture", || thread.frames().filter(|f| f.pixels[0][0] == x));
-        // 10 ms at 20 µs a pixel are 500 pixels: three eighths of each axis, if sleeping were exact.
+        // 10 ms at 20 µs per pixel are 500 pixels: three eighths of each axis, if sleeping were exact.
         assert!(!frame.full_size && frame.size[0] <= 24, "{:?}", frame.size);
     }
     linger();

@@ -149,7 +149,7 @@ impl Worker {
         matches!(self.stage, PictureStage::Full { .. }) && self.held.load(SeqCst)
     }
 
-    /// Builds the renderer's shaders anew; those of before go on if that fails.
+    /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
     fn reload(&mut self) {
         // A renderer that is yet to be made reads them when it is.
         let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
@@ -222,7 +222,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Gives the renderer the scene, its materials and its light, as far as it does not have them.
+    /// Gives the renderer the scene, its materials and its light, as far as they have changed.
     fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
         let scene = match &mut self.scene {
             Some(scene) => {

@@ -4,7 +4,7 @@ use super::BakeContext;
 use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings};
 use lapidary_precompute::Phase;
 
-/// (vertex, light) pairs a second of one core, where no bake has measured it: half of what two cores were measured to do.
+/// (vertex, light) pairs per second and core, where no bake has measured it: half of the measurement on two cores.
 const PAIRS_PER_SECOND_AND_CORE: f64 = 7.5e6;
 /// Mean nodes of a cut at 32,768 lights and sigma 2 on the test scenes.
 const MEAN_CUT: f64 = 170.0;
@@ -13,7 +13,7 @@ const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
 /// Bytes of a packed node.
 const NODE_BYTES: f64 = 2.0;
 
-/// Segments between vertices and sources a second of one core, where no bake has measured them: 3.3 to 3.9 million in
+/// Segments between vertices and sources per second and core, where no bake has measured them: 3.3 to 3.9 million in
 /// Sponza.
 const SEGMENTS_PER_SECOND_AND_CORE: f64 = 3.6e6;
 /// Share of the (vertex, source) pairs that face each other, and so take a segment: 0.52 in Sponza, 0.53 in a living
@@ -23,13 +23,13 @@ const FACING: f64 = 0.5;
 const MEAN_SOURCE_CUT: f64 = 800.0;
 /// The samples and sigma that it holds for.
 const MEAN_SOURCE_CUT_AT: (usize, f32) = (32_768, 2.0);
-/// How it grows with their number; it goes with one over sigma. In the colour box 330 nodes for 8,192 samples at sigma 1,
-/// 100 at sigma 4; in the Cornell box 1,336 at sigma 2, 650 at sigma 4, 328 at sigma 8.
+/// How it changes with their number and with sigma, to whose inverse it is proportional. In the colour box 330 nodes
+/// for 8,192 samples at sigma 1, 100 at sigma 4; in the Cornell box 1,336 at sigma 2, 650 at sigma 4, 328 at sigma 8.
 const SOURCE_CUT_POWER: f64 = 0.7;
 /// Bytes of a source beside its cut: place, normal, area, triangle.
 const SOURCE_BYTES: f64 = 40.0;
-/// Core seconds and bytes of the colour box's meshless basis, and its levels. Each level has about four times the functions
-/// of the one above it; their number goes with the surface in units of the coarsest distance, not with the vertices.
+/// Core seconds, bytes and levels of the colour box's meshless basis. Each level has about four times the functions of
+/// the one above it; their number depends on the surface in units of the coarsest distance, not on the vertices.
 const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
 
 /// Size of a scene before tessellation.
@@ -50,7 +50,7 @@ pub struct Speed {
     pub pairs_per_second: f64,
     /// A mean cut size, and the lights and sigma that it came from.
     pub mean_cut: (f64, usize, f32),
-    /// Segments between vertices and surface samples a second.
+    /// Segments between vertices and surface samples per second.
     pub segments_per_second: f64,
     /// A mean cut over surface samples, and the samples and sigma that it came from.
     pub mean_source_cut: (f64, usize, f32),
@@ -138,7 +138,8 @@ impl Speed {
     }
 
     /// Mean cut for `settings`. A cut refines along the borders of visibility, lines on the sphere, down to clusters of
-    /// some `4 sigma²` leaves (Eq. 5): their number goes with the square root of the lights, and with one over sigma.
+    /// some `4 sigma²` leaves (Eq. 5). So their number is proportional to the square root of the number of lights and
+    /// to the inverse of sigma.
     fn cut_size(&self, settings: &BakeSettings) -> f64 {
         let (size, lights, sigma) = self.mean_cut;
         let finer = (settings.lights as f64 / lights as f64).sqrt();

@@ -1,4 +1,4 @@
-//! What a bake is of: light from outside, light that surfaces send on, or both. Each choice says what it gives and costs.
+//! The parts of a bake: light from outside, bounced light, or both. Each choice shows its effect and cost.
 
 use super::estimate::Speed;
 use crate::{

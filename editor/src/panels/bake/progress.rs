@@ -1,4 +1,5 @@
-//! How far a bake is: one bar a step, and when the present one will end. Phases have names that tell what light they are for.
+//! Progress of a bake: one bar per step, and the end of the present one. Phases are named after the light that they are
+//! for.
 
 use super::{BakeStatus, Draft};
 use crate::{

@@ -9,8 +9,8 @@ use lapidary_core::{
     shot::Shot,
 };
 
-/// What differs between what the document asks for and what the dataset was baked with, in sentences; empty if nothing.
-/// `scene_hash_now` is the hash of the scene file as it is, if that is known.
+/// Differences between the document's settings and those of the dataset, in sentences; empty if there are none.
+/// `scene_hash_now` is the hash of the scene file in its present state, if that is known.
 pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Option<&str>) -> Vec<String> {
     let mut reasons = Vec::new();
     if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {

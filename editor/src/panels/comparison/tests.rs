@@ -38,7 +38,7 @@ fn labels_say_what_both_sides_are() {
     let mut panel = ComparisonPanel { kind: KindChoice::Paths, spp: 256, ..Default::default() };
     assert_eq!(panel.picture_label(64), "A: illumination cut of 64 nodes");
     let label = panel.reference_label(&reference, Some(0.0213), 0.5);
-    assert_eq!(label, "B: 256 light paths a pixel, noise 2.1 %, 50 % done");
+    assert_eq!(label, "B: 256 light paths per pixel, noise 2.1 %, 50 % done");
     reference.finished = true;
     assert!(!panel.reference_label(&reference, None, 1.0).contains("done"));
     (panel.kind, panel.file) = (KindChoice::File, Some("/a/b/truth.exr".into()));

@@ -1,4 +1,4 @@
-//! The map as a wide picture, turned as the light is turned: directions of the world stand still, the map moves.
+//! The map as a wide picture, rotated like the light: world directions keep their position, the map moves.
 
 use super::{EnvironmentContext, overlay, thumbnail, wrapped};
 use crate::{

@@ -1,5 +1,5 @@
-//! Which lights stand inside an object, where they light nothing that is seen. Looked up for the rows that are shown only,
-//! and again only when a light or the scene has changed.
+//! Lights inside an object, which light nothing visible. They are searched for among the visible rows only, and again
+//! only when a light or the scene has changed.
 
 use lapidary_core::lights::Light;
 use lapidary_render::{Baked, is_buried};

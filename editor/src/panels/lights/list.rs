@@ -40,7 +40,7 @@ impl Renaming {
         Self { index, name: before.clone(), before, count: lights.len(), focused: false }
     }
 
-    /// Whether the light is still that of before.
+    /// Whether the light is still the same.
     fn fits(&self, lights: &[Light]) -> bool {
         lights.len() == self.count && lights.get(self.index).is_some_and(|light| light.name == self.before)
     }

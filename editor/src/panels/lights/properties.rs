@@ -45,7 +45,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// One row. What it makes of the light counts only if that can shine: its other values may not fit.
+    /// One row. Its change counts only if the resulting light is valid: other values of the light may not fit.
     fn row(&mut self, label: &'static str, row: impl FnOnce(&mut Ui, &mut Light) -> Edited) {
         let (ui, index) = (&mut *self.ui, self.index);
         let edit = |light| Edit::Light { index, light: Box::new(light) };

@@ -1,7 +1,7 @@
-//! A ball of the material under the light of the scene, for judging it apart from the scene's shadows.
+//! A ball of the material under the light of the scene, to judge it apart from the scene's shadows.
 //!
-//! The ball is convex and alone, so every node above the horizon is visible: the renderer's shader with full visibility. The
-//! camera looks from +Z, a little from above.
+//! The ball is convex and alone, so every node above the horizon is visible: the renderer's shader with full
+//! visibility. The camera looks from +Z, a little from above.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{material::Material, texture::Texture};
@@ -73,7 +73,8 @@ impl View {
     }
 }
 
-/// The place of the ball with this normal; u goes with longitude from +Z toward +X, v with colatitude from +Y.
+/// The surface position of the ball with this normal; u increases with longitude from +Z toward +X, v with colatitude
+/// from +Y.
 fn place_of(normal: Vec3) -> SurfacePlace {
     let (longitude, colatitude) = (normal.x.atan2(normal.z), normal.y.clamp(-1.0, 1.0).acos());
     let (sin, cos) = longitude.sin_cos();

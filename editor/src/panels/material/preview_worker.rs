@@ -1,5 +1,5 @@
-//! Renders preview balls on a thread of its own. The latest request wins; the last picture of a material stays until a
-//! new one of it is there.
+//! Renders preview balls on its own thread. The latest request wins; the last picture of a material stays until its
+//! next one is ready.
 
 use super::preview_ball::{Ball, BallPixel};
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
@@ -75,8 +75,8 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// The latest picture of the material of this index, `size` pixels across: that of `ball`, or of what it was before an
-    /// edit; `None` while there is none but of another material. Asks for a new one if anything changed.
+    /// The latest picture of the material of this index, `size` pixels across: that of `ball`, or of its state before
+    /// an edit; `None` while there are only pictures of other materials. Asks for a new one if anything changed.
     pub fn picture(
         &mut self,
         context: &Context,

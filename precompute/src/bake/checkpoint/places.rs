@@ -1,14 +1,14 @@
-//! Which places the chunks of a checkpoint are about.
+//! The points that the chunks of a checkpoint belong to.
 //!
-//! The surface sources and the points of the meshless basis are placed from a viewpoint that cameras and lights are hints
-//! for, and these may move between an interrupted bake and its resumption. So a fingerprint of the places stands beside the
-//! chunks about them (`places-sources.txt`, `places-transport.txt`), and those of other places are removed.
+//! Surface sources and points of the meshless basis are placed from a viewpoint. Cameras and lights are hints for it,
+//! and may move between an interrupted bake and its resumption. So a fingerprint of the points is stored beside their
+//! chunks (`places-sources.txt`, `places-transport.txt`), and chunks of other points are removed.
 
 use super::{Checkpoint, CheckpointError, io_error};
 use lapidary_core::surfel::Surfel;
 use std::fs;
 
-/// The chunks that are about the same places.
+/// The chunks that belong to the same points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Both series of the surface sources.
@@ -25,7 +25,7 @@ impl Part {
         }
     }
 
-    /// What the names of its chunks begin with.
+    /// Prefix of the names of its chunks.
     fn prefix(self) -> &'static str {
         match self {
             Self::Sources => "source-",
@@ -35,7 +35,7 @@ impl Part {
 }
 
 impl Checkpoint {
-    /// Says which places the chunks of a part are about. Those about others are removed; returns whether there were any.
+    /// Names the points of the chunks of a part. Removes chunks of other points, and returns whether there were any.
     ///
     /// # Errors
     /// A folder that cannot be read or written.
@@ -63,7 +63,7 @@ impl Checkpoint {
     }
 }
 
-/// BLAKE3 of places and of numbers that go with them, hexadecimal.
+/// BLAKE3 of points and of the numbers that belong to them, hexadecimal.
 fn fingerprint(places: &[Surfel], numbers: &[f32]) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&(places.len() as u64).to_le_bytes());

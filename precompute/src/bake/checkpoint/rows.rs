@@ -1,4 +1,4 @@
-//! Finished rows of the meshless operator in a checkpoint: one file a step.
+//! Finished rows of the meshless operator in a checkpoint: one file per step.
 
 use super::{Checkpoint, CheckpointError, sealed, unsealed};
 use crate::meshless::transport::{gather::Row, steps::KeepsRows};

@@ -20,10 +20,12 @@ use lapidary_core::{
     surfel::Surfel,
 };
 
-/// Share of directions that may miss the scene around a viewpoint without a warning: a court without a roof has a third.
+/// Largest share of directions that may miss the scene around a viewpoint without a warning: in a court without a roof
+/// a third miss.
 const MOST_OPEN: f32 = 0.4;
 
-/// Mean reflectance of a closed space above which its bounces are remarked upon: of 0.95 the fourteenth holds half.
+/// Mean reflectance of a closed space above which a warning says that bounces hardly lose light. At 0.95 the fourteenth
+/// bounce carries half of the first.
 const MOST_REFLECTANCE: f32 = 0.95;
 
 /// The parts that bounce light.
@@ -35,7 +37,7 @@ pub struct Bounces {
     pub meshless_report: Option<MeshlessReport>,
 }
 
-/// Bakes what the mode asks for beyond the environment.
+/// Bakes the parts beyond the environment.
 pub fn bake_bounces(
     geometry: &Geometry,
     tree: &LightTree,
@@ -63,7 +65,7 @@ pub fn bake_bounces(
     Ok(bounces)
 }
 
-/// The viewpoint asked for or found, at a shot's camera before any other place, and a warning if light is lost around it.
+/// The viewpoint that was asked for, or the one found, preferably at a shot's camera. Warns if light is lost around it.
 fn viewpoint(
     surface: &MeshSurface,
     scene: &Scene,
@@ -83,7 +85,7 @@ fn viewpoint(
     Ok(viewpoint)
 }
 
-/// Largest channel of the mean diffuse reflectance of what is seen, textures left aside.
+/// Largest channel of the mean diffuse reflectance of the surfaces seen, without textures.
 fn mean_reflectance(scene: &Scene, seen: &[Surfel]) -> f32 {
     let reflectance = |at: &Surfel| {
         let material = scene.mesh.triangle_material[at.place.triangle as usize];

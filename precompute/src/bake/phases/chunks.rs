@@ -79,7 +79,7 @@ impl CutMaker for SourceCuts<'_> {
     }
 }
 
-/// The cuts of all points; chunks that the checkpoint holds are not made again.
+/// The cuts of all points; chunks in the checkpoint are not made again.
 pub fn bake_chunks<M: CutMaker>(
     maker: &M,
     series: Series,

@@ -17,7 +17,7 @@ use crate::{
 };
 use lapidary_core::light_tree::LightTree;
 
-/// What the bake points see of distant light, or nothing if that is not asked for.
+/// Visibility of distant light from the bake points, if it is asked for.
 pub fn bake_environment(
     geometry: &Geometry,
     tree: &LightTree,

@@ -1,4 +1,4 @@
-//! Cuts coarsened to what a texture holds, and those over the environment to the byte budget.
+//! Coarsens cuts until they fit into a texture, and cuts over the environment until they fit into the byte budget.
 
 use crate::{
     bake::settings::ResolvedBake,
@@ -13,10 +13,11 @@ use lapidary_core::cut::{
 };
 use rayon::prelude::*;
 
-/// What a texture holds.
+/// Capacity of a texture in bytes.
 pub const TEXTURE_BYTES: u64 = (TEXTURE_WIDTH * TEXTURE_WIDTH * TEXEL_BYTES) as u64;
 
-/// The vertices' cuts over the environment within the byte budget and a texture, and the sigma that they have then.
+/// Coarsens the vertices' cuts over the environment to the byte budget and to a texture. Returns them with their final
+/// sigma.
 pub fn fit_environment(
     cuts: Vec<Vec<u16>>,
     height: u32,
@@ -34,7 +35,8 @@ pub fn fit_environment(
     (cuts, sigma)
 }
 
-/// The vertices' cuts over the surface sources within `most` bytes, and how many times as uneven they may be for that.
+/// Coarsens the vertices' cuts over the surface sources to at most `most` bytes. Returns the factor by which their
+/// bounds were raised.
 pub fn fit_sources(
     cuts: Vec<Vec<u16>>,
     height: u32,
@@ -51,8 +53,8 @@ pub fn fit_sources(
     (cuts, factor)
 }
 
-/// Coarsens all cuts by a common factor, the smallest of a geometric series with which they take no more than `most` bytes; `None`
-/// where they do as they are.
+/// Coarsens all cuts by a common factor, the smallest of a geometric series with which they take at most `most` bytes.
+/// `None` if they fit already.
 fn fit(
     cuts: Vec<Vec<u16>>,
     most: u64,
@@ -73,7 +75,7 @@ fn fit(
     }
 }
 
-/// Of whole texels.
+/// Size in whole texels.
 fn bytes(cuts: &[Vec<u16>]) -> u64 {
     cuts.iter().map(|c| (c.len().div_ceil(NODES_PER_TEXEL) * TEXEL_BYTES) as u64).sum()
 }
@@ -84,7 +86,7 @@ mod tests {
     use crate::{bake::remarks::Remarks, observer::Silent};
     use lapidary_core::cut::{packed::VALUE_MAX, solid_angle_code};
 
-    /// Nodes that alternate between seen and hidden, which any sigma below a half keeps.
+    /// Nodes that alternate between visible and hidden, which any sigma below a half keeps.
     fn alternating(height: u32, seen: u16) -> Vec<u16> {
         (0..1_u16 << height).map(|i| ((height as u16) << 12) | ((i & 1) * seen)).collect()
     }

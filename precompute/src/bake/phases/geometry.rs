@@ -126,7 +126,7 @@ impl Geometry {
     }
 }
 
-/// Tells of a mesh that has as many vertices already as it may get.
+/// Warns of a mesh that already has as many vertices as its budget allows.
 fn remark_on_budget(vertices: usize, budget: usize, observer: &dyn Observer) {
     if budget <= vertices {
         let message = Warning::NoRoomForVertices { vertices, enough: with_room(0, vertices) };

@@ -1,4 +1,5 @@
-//! The phases of the light tree: pilot visibility and clustering, unless an interrupted bake has left its tree.
+//! The phases of the light tree: pilot visibility and clustering. An interrupted bake has left its tree, which is used
+//! again.
 
 use super::geometry::Geometry;
 use crate::{
@@ -13,7 +14,7 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 
-/// Bake points of one chunk unless asked for otherwise: a second or two of work to lose.
+/// Default number of bake points per chunk: a second or two of work to lose.
 const POINTS_PER_CHUNK: usize = 4096;
 
 /// The light tree and the checkpoint: those of an interrupted bake, or new ones.

@@ -17,8 +17,8 @@ use lapidary_core::{
     surfel::Surface,
 };
 
-/// Both phases, each timed. When a bake is resumed the points are placed again, and if they are those of before, the
-/// finished links are taken from the checkpoint.
+/// Both phases, each timed. A resumed bake places the points again. If they are the same, it takes the finished links
+/// from the checkpoint.
 pub fn bake_meshless(
     surface: &dyn Surface,
     viewpoint: Vec3,

@@ -1,6 +1,7 @@
-//! The phases of the surface sources: points, their tree, what the bake points see of them, what they see of the environment.
+//! The phases of the surface sources: points, their tree, the bake points' cuts over them, and their cuts over the
+//! environment.
 //!
-//! Sources and tree are made again when a bake is resumed; if they are others than before, their chunks are discarded.
+//! A resumed bake makes sources and tree again. If they differ, their chunks are discarded.
 
 use super::{
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
@@ -29,7 +30,7 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 
-/// What the phases work on.
+/// Input of the phases.
 pub struct SourcePhases<'a> {
     pub geometry: &'a Geometry,
     pub surface: &'a MeshSurface<'a>,
@@ -85,7 +86,7 @@ impl SourcePhases<'_> {
         })
     }
 
-    /// Chunks about other sources do not count.
+    /// Discards chunks of other sources.
     fn bind(&self, sources: &[Source], clock: &Clock) -> Result<(), BakeError> {
         let places: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
         let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
@@ -95,7 +96,8 @@ impl SourcePhases<'_> {
         Ok(())
     }
 
-    /// What the bake points see of the sources, and by what factor that was coarsened, see [`IndirectReport::coarsened`].
+    /// The bake points' cuts over the sources, and the factor by which they were coarsened, see
+    /// [`IndirectReport::coarsened`].
     fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<(Packed, Option<f32>), BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let places = points.for_sources(&scene.mesh, intersector, &self.settings.shots);

@@ -59,7 +59,7 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     turned.iter_mut().filter(|t| t.iter().all(|p| p.x > 0.9 || p.y > 0.6)).for_each(|t| t.swap(1, 2));
     let mut scene = scene_of(&turned);
     scene.materials[0].parameters.base_color = Vec3::ONE;
-    assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so it fades");
+    assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so bounces end");
     // A white room beside a large grey one.
     let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
     scene.materials.push(scene.materials[0].clone());
@@ -68,7 +68,7 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     scene.materials[0].parameters.base_color = Vec3::ONE;
     scene.materials[1].parameters.base_color = Vec3::splat(0.3);
     let white = remarks(scene.clone(), "b.cuts");
-    assert!(white.contains("do not fade"), "{white}");
+    assert!(white.contains("light is missing after the last bounce"), "{white}");
     scene.materials[0].parameters.base_color = Vec3::splat(0.9);
     assert_eq!(remarks(scene, "c.cuts"), "");
 }

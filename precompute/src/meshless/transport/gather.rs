@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 /// Senders of a receiver in ascending order, and the vector irradiance from each.
 pub type Row = Vec<(u32, Vec3)>;
 
-/// What gathering needs of the scene.
+/// The scene and the basis, as gathering needs them.
 pub struct Gatherer<'a> {
     surface: &'a dyn Surface,
     basis: &'a Basis,
@@ -36,7 +36,7 @@ impl Scratch {
         self.sums[k] += vector;
     }
 
-    /// Takes all sums out, by sender.
+    /// Returns all sums by sender and resets them.
     fn take(&mut self) -> Row {
         self.senders.sort_unstable();
         let row = self.senders.iter().map(|&sender| (sender, self.sums[sender as usize])).collect();
@@ -90,7 +90,7 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Subtracts what all parents bring to the receiver's point, and counts them.
+    /// Subtracts what all parents carry to the receiver's point. Returns the number of parents.
     fn subtract_parents(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> usize {
         let point = &self.basis.points()[receiver];
         let mut parents = Vec::new();
@@ -104,8 +104,8 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// The `i`-th of `n` directions spread evenly over the hemisphere around +Z, the set turned around the axis and shifted
-/// along it by parts of a stratum.
+/// The `i`-th of `n` directions spread evenly over the hemisphere around +Z. `turn` rotates the set around the axis,
+/// and `shift` moves it along the axis by a part of a stratum.
 fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {
     const GOLDEN: f32 = 0.618_034;
     let z = (i as f32 + shift) / n as f32;

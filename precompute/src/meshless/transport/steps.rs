@@ -1,14 +1,14 @@
-//! Keeping what is finished of the operator, so that an interrupted computation can go on.
+//! Keeps finished rows of the operator, so that an interrupted computation can resume.
 
 use super::gather::Row;
 use crate::errors::CheckpointError;
 
 /// Keeps the rows of finished steps.
 pub trait KeepsRows {
-    /// The rows of a step, if it was finished with so many of them.
+    /// The rows of a step, if it was finished with this number of rows.
     fn load_rows(&self, step: usize, rows: usize) -> Option<Vec<Row>>;
 
-    /// Keeps them.
+    /// Stores them.
     fn store_rows(&self, step: usize, rows: &[Row]) -> Result<(), CheckpointError>;
 }
 
@@ -25,7 +25,7 @@ impl KeepsRows for Forget {
     }
 }
 
-/// The rows of a step, made and stored unless they are kept already.
+/// The rows of a step: those kept, else made and stored.
 pub fn kept_or_made(
     kept: &dyn KeepsRows,
     step: usize,

@@ -1,7 +1,7 @@
-//! Where bake points in concave edges sample light from surfaces near by.
+//! Where bake points in concave edges sample light from surfaces close to them.
 //!
-//! At the foot of a wall the floor is seen edge on and fills no solid angle, and just above it fills half of the view.
-//! Interpolation between vertices takes such a point for the strip of wall around it, so it samples in that strip.
+//! At the foot of a wall the floor is seen edge on and fills no solid angle; just above, it fills half of the view.
+//! Interpolation between vertices uses such a point for the strip of wall around it, so it samples within that strip.
 
 use super::{BakePoint, BakePoints};
 use crate::vertices::side::Side;
@@ -9,14 +9,14 @@ use glam::Vec3;
 use lapidary_core::{ray::Intersector, scene::Mesh};
 use rayon::prelude::*;
 
-/// A point that lies nearer to the middle of its triangles than this many offsets stays.
+/// A point stays if it is closer to the middle of its triangles than this many offsets.
 const LEAST_SHIFT: f32 = 4.0;
-/// Triangles that a point's normal leans away from by more than this cosine do not count: it would rise too far.
+/// Smallest cosine between a point's normal and a triangle that counts: for a smaller one the point would rise too far.
 const LEAST_LEAN: f32 = 0.2;
 
 impl BakePoints {
-    /// The points; those in concave edges sample at the centroid of what interpolation takes them for. An edge of a sheet is
-    /// concave from one of its sides.
+    /// The points. Those in concave edges move to the centroid of the area that interpolation uses them for. An edge of
+    /// a sheet is concave from one of its sides.
     pub fn off_creases(&self, mesh: &Mesh, scene: &Intersector) -> Vec<BakePoint> {
         let centroids = self.hat_centroids(mesh);
         let rises = self.rises(mesh, &centroids);
@@ -32,9 +32,9 @@ impl BakePoints {
         self.points.par_iter().zip(&centroids).zip(&rises).map(moved).collect()
     }
 
-    /// How far each centroid must rise along its point's normal, and sink against it, to lie on one side of all its triangles:
-    /// around a vertex of a ball it lies inside the ball, and where the normal leans, beside the surface. At most as far as it
-    /// is from the point.
+    /// Distances by which each centroid must rise along its point's normal, and sink against it, to lie on one side of
+    /// all its triangles. Around a vertex of a ball the centroid lies inside the ball, and where the normal leans,
+    /// beside the surface. The distance is at most that between centroid and point.
     fn rises(&self, mesh: &Mesh, centroids: &[Vec3]) -> Vec<[f32; 2]> {
         let mut rises = vec![[0.0_f32; 2]; self.points.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -54,7 +54,7 @@ impl BakePoints {
         rises
     }
 
-    /// Centroid of the hat function of each point: one at its vertices, falling to nil at their neighbours.
+    /// Centroid of the hat function of each point: one at its vertices, falling to zero at their neighbours.
     fn hat_centroids(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![(Vec3::ZERO, 0.0_f32); self.points.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -73,7 +73,7 @@ impl BakePoints {
     }
 }
 
-/// Whether another surface rises just behind a side of the point, seen from further inside its own.
+/// Whether another surface rises just behind a side of the point, tested from a point further inside its own surface.
 fn is_in_crease(point: &BakePoint, inside: &BakePoint, scene: &Intersector, side: Side) -> bool {
     let back = point.position - inside.place(side);
     let origin = inside.origin(side);

@@ -1,50 +1,52 @@
-//! Where bake points sample that something hides from the shots, though these see some of the surface around.
+//! Where bake points sample that are hidden from the shots, while some of the surface around them is visible.
 //!
-//! A ceiling goes on above its cornice, a wall behind its pictures: the vertices there get nothing of the light of the room, and
-//! next to the edge in sight interpolation takes them for what is seen of their triangles. So they sample in the middle of that.
+//! A ceiling continues above its cornice, a wall behind its pictures. The vertices there receive no light from the
+//! room, and at the visible edge interpolation uses them for the visible part of their triangles. So they sample in the
+//! middle of that part.
 
 use crate::vertices::spread::on_triangle;
 use glam::Vec3;
 use lapidary_core::{
     ray::Intersector,
     scene::Mesh,
-    shot::{Frame, Shot},
+    shot::{Frustum, Shot},
 };
 
-/// Places looked at in each triangle around a hidden point.
+/// Points tested in each triangle around a hidden point.
 const PLACES: u32 = 16;
 
-/// What shots see of a mesh around its points.
+/// The parts of a mesh around its points that shots see.
 pub(super) struct Sight<'a> {
     mesh: &'a Mesh,
     scene: &'a Intersector,
-    frames: Vec<Frame>,
-    /// Triangles around each point, and which of their corners it is; none without shots.
+    frustums: Vec<Frustum>,
+    /// Triangles around each point, and its corner in each; empty without shots.
     around: Vec<Vec<[u32; 2]>>,
 }
 
 impl<'a> Sight<'a> {
-    /// Of as many points, each of some vertices: `of_vertex` has the point of each.
+    /// For this many points; `of_vertex` gives the point of each vertex.
     pub fn new(mesh: &'a Mesh, scene: &'a Intersector, shots: &[Shot], points: usize, of_vertex: &[u32]) -> Self {
         let mut around = vec![Vec::new(); if shots.is_empty() { 0 } else { points }];
         let triangles = (0..).zip(&mesh.triangles).filter(|_| !shots.is_empty());
         for (triangle, corners) in triangles {
             (0..).zip(corners).for_each(|(corner, &v)| around[of_vertex[v as usize] as usize].push([triangle, corner]));
         }
-        Self { mesh, scene, frames: shots.iter().map(Shot::frame).collect(), around }
+        Self { mesh, scene, frustums: shots.iter().map(Shot::frustum).collect(), around }
     }
 
-    /// Where a point does better than at `position`, on the side of a unit normal from which rays start `offset` metres off: the
-    /// middle of what is seen of its triangles, by its weight in interpolation. None if nothing hides it from an eye that it faces,
-    /// in the picture or beside it, if it faces none, or if all around it is hidden.
+    /// A better point to sample than `position`, on the side of a unit normal, where rays start `offset` metres off. It
+    /// is the middle of the visible part of its triangles, weighted as in interpolation. `None` if the point is visible
+    /// to an eye that it faces, within the picture or beside it, if it faces no eye, or if everything around it is
+    /// hidden.
     pub fn better_place(&self, point: usize, position: Vec3, normal: Vec3, offset: f32) -> Option<Vec3> {
         let place = position + normal * offset;
-        let mut facing = self.frames.iter().filter(|f| faces(f, place, normal)).peekable();
+        let mut facing = self.frustums.iter().filter(|f| faces(f, place, normal)).peekable();
         let is_hidden = facing.peek().is_some() && facing.all(|f| self.scene.occluded_between(place, f.eye));
         is_hidden.then(|| middle(&self.seen_around(point, normal, offset))).flatten()
     }
 
-    /// Places in sight of the triangles around a point, and what they weigh.
+    /// Visible points of the triangles around a point, with their weights.
     fn seen_around(&self, point: usize, normal: Vec3, offset: f32) -> Vec<(Vec3, f32)> {
         let mut seen = Vec::new();
         for &[triangle, corner] in &self.around[point] {
@@ -55,7 +57,7 @@ impl<'a> Sight<'a> {
             let face = if face.dot(normal) < 0.0 { -face } else { face };
             for [u, v] in (0..PLACES).map(on_triangle) {
                 let place = a + (b - a) * u + (c - a) * v;
-                if self.frames.iter().any(|frame| self.sees(frame, place, face, offset)) {
+                if self.frustums.iter().any(|frustum| self.sees(frustum, place, face, offset)) {
                     seen.push((place, (1.0 - u - v) * area.length()));
                 }
             }
@@ -63,19 +65,19 @@ impl<'a> Sight<'a> {
         seen
     }
 
-    fn sees(&self, frame: &Frame, place: Vec3, normal: Vec3, offset: f32) -> bool {
+    fn sees(&self, frustum: &Frustum, place: Vec3, normal: Vec3, offset: f32) -> bool {
         let above = place + normal * offset;
-        let in_picture = frame.magnification(place, normal) > 0.0 && faces(frame, above, normal);
-        in_picture && !self.scene.occluded_between(above, frame.eye)
+        let in_picture = frustum.magnification(place, normal) > 0.0 && faces(frustum, above, normal);
+        in_picture && !self.scene.occluded_between(above, frustum.eye)
     }
 }
 
 /// Whether the eye is above a surface.
-fn faces(frame: &Frame, place: Vec3, normal: Vec3) -> bool {
-    (frame.eye - place).dot(normal) > 0.0
+fn faces(frustum: &Frustum, place: Vec3, normal: Vec3) -> bool {
+    (frustum.eye - place).dot(normal) > 0.0
 }
 
-/// Of weighted places the nearest to their mean.
+/// The one of weighted points that is closest to their mean.
 fn middle(places: &[(Vec3, f32)]) -> Option<Vec3> {
     let weight: f32 = places.iter().map(|p| p.1).sum();
     let mean = places.iter().map(|&(place, weight)| place * weight).sum::<Vec3>() / weight;

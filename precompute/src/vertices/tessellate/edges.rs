@@ -13,7 +13,7 @@ pub(super) struct Edges {
     pub of_triangle: Vec<[u32; 3]>,
     /// Triangles of each edge.
     pub triangles: Vec<Vec<u32>>,
-    /// Vertices that splitting each edge makes: one, or at a seam one for each pair of vertices at its ends.
+    /// Number of vertices that a split of each edge makes: one, or at a seam one per pair of vertices at its ends.
     pub copies: Vec<usize>,
 }
 
@@ -61,7 +61,8 @@ impl Edges {
         longer(longer(edges[0], edges[1]), edges[2])
     }
 
-    /// Edges to split: `wanted` in order of urgency and what conformity adds to each, while new vertices are left.
+    /// Edges to split: `wanted` in order of urgency with the edges that conformity adds to each, within a budget of new
+    /// vertices.
     pub fn within_budget(&self, wanted: &[u32], budget: usize) -> HashSet<u32> {
         let mut chosen = HashSet::new();
         let mut left = budget;
@@ -98,5 +99,5 @@ pub(super) fn end_vertices(mesh: &Mesh, edges: &Edges, edge: u32) -> [u32; 2] {
     [mesh.triangles[triangle][(corner + 1) % 3], mesh.triangles[triangle][(corner + 2) % 3]]
 }
 
-/// The bits of both ends' positions, which, unlike numbers, stay the same when others are split.
+/// The bits of both ends' positions, which, unlike edge numbers, stay the same when other edges are split.
 pub(super) type EdgeKey = [[u32; 3]; 2];

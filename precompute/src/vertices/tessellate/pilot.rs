@@ -1,4 +1,4 @@
-//! How wrong linear interpolation of visibility would be at the middle of an edge.
+//! Error of linear interpolation of visibility at the middle of an edge.
 
 use super::edges::{EdgeKey, Edges, end_vertices};
 use crate::{
@@ -21,7 +21,7 @@ use std::collections::{HashMap, HashSet};
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √256.
 const DIRECTIONS: usize = 256;
 
-/// What vertices store, and what has to be linear along edges, therefore.
+/// The functions that vertices store, which must therefore be linear along edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stored {
     /// Visibility of distant light.
@@ -30,9 +30,9 @@ pub struct Stored {
     pub bounces: bool,
 }
 
-/// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, with `r` so many
-/// units of the edge length. What is much further away hides other light from all of an edge alike. In the colour box 8, 24 and
-/// 64 units leave errors of 0.037, 0.032 and 0.035.
+/// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, where `r` is
+/// this many units of the edge length. A surface at a much larger distance hides other light from the whole edge alike.
+/// In the colour box 8, 24 and 64 units leave errors of 0.037, 0.032 and 0.035.
 const HALF_DISTANCE: f32 = 24.0;
 
 /// Visibility and nearness from single points over few directions.
@@ -41,15 +41,15 @@ pub(super) struct Pilot<'a> {
     directions: DirectionSet,
     toward: Vec<Vec3>,
     stored: Stored,
-    /// Distance in metres of a nearness of a half.
+    /// Distance in metres at which nearness is a half.
     half_distance: f32,
-    /// Errors at the midpoints of edges, kept from round to round: most edges stay whole.
+    /// Errors at the midpoints of edges, kept between rounds: most edges are not split.
     pub errors: HashMap<EdgeKey, f32>,
-    /// Asked before each point whether to go on: a round traces millions of rays.
+    /// Asked before each point whether to continue: a round traces millions of rays.
     observer: &'a dyn Observer,
 }
 
-/// For each direction, of 255: whether light comes from far away, and how near a surface is.
+/// For each direction, as a fraction of 255: whether light arrives from far away, and the nearness of a surface.
 struct PilotSample {
     open: [u8; DIRECTIONS],
     nearness: [u8; DIRECTIONS],
@@ -129,7 +129,8 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
     }
 }
 
-/// Mean over directions of how far the midpoint is from the mean of the ends, for what is further.
+/// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness,
+/// whichever is larger.
 fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
     let mean = |of: fn(&PilotSample) -> &[u8; DIRECTIONS]| {
         let [middle, a, b] = [of(middle), of(a), of(b)].map(|values| values.map(u32::from));

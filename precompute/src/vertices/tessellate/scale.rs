@@ -1,7 +1,7 @@
-//! How long an edge is, in units of the length that is wanted where it lies.
+//! Length of an edge, in units of the length that is wanted where it lies.
 //!
-//! Without shots the unit is the same all over the surface. With shots it is the same all over their pictures, of which the
-//! surfaces that they see get most of the vertices; the rest goes to all surfaces alike, for views from elsewhere.
+//! Without shots the unit is the same all over the surface. With shots it is the same all over their pictures: the
+//! surfaces in them get most of the vertices, and the rest is spread over all surfaces, for views from elsewhere.
 
 use crate::{
     errors::{BakeError, cancelled},
@@ -13,63 +13,64 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     ray::Intersector,
     scene::Mesh,
-    shot::{Frame, Shot},
+    shot::{Frustum, Shot},
 };
 use rayon::prelude::*;
 
 /// Part of the vertices that is meant for the pictures.
 const PICTURES: f32 = 0.8;
-/// Places of a triangle that are looked for in the pictures: at least so many, and at most.
+/// Least and greatest number of points of a triangle that are searched for in the pictures.
 const PLACES: std::ops::RangeInclusive<f32> = 4.0..=4096.0;
-/// Segments from an eye end so near a place, as a share of their length, that its own surface does not hide it.
-const SHORT_OF: f32 = 1e-4;
-/// Rows of rays through a picture that tell how much of it surfaces fill.
+/// Segments from an eye end before a point, by this share of their length, so that the point's own surface does not
+/// hide it.
+const GAP_AT_END: f32 = 1e-4;
+/// Rows of rays through a picture that measure how much of it surfaces fill.
 const ROWS: u32 = 96;
 
-/// Turns metres into units.
+/// Converts metres to units.
 pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
-    /// Of the shots that see any surface.
-    frames: Vec<Frame>,
+    /// Frustums of the shots that see any surface.
+    frustums: Vec<Frustum>,
     /// Edge length in metres at which equal triangles over the whole surface would use up the budget.
     pub unit: f32,
-    /// Units in a metre of a surface that no shot sees.
+    /// Units per metre of a surface that no shot sees.
     unseen: f32,
-    /// Units in the height of a picture.
+    /// Units per height of a picture.
     seen: f32,
 }
 
 impl<'a> EdgeScale<'a> {
-    /// For a mesh that gets `budget` vertices. Remarks on shots that see nothing.
+    /// For a mesh that gets `budget` vertices. Warns of shots that see nothing.
     pub fn new(mesh: &Mesh, scene: &'a Intersector, shots: &[Shot], budget: usize, observer: &'a dyn Observer) -> Self {
         let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t)).sum();
         let unit = edge_length(area, budget as f32);
-        let (mut frames, mut in_pictures) = (Vec::new(), 0.0);
+        let (mut frustums, mut in_pictures) = (Vec::new(), 0.0);
         for (i, shot) in shots.iter().enumerate() {
             let filled = filled_part(shot, scene);
             if filled > 0.0 {
-                frames.push(shot.frame());
+                frustums.push(shot.frustum());
                 in_pictures += filled * shot.aspect;
             } else {
                 observer.event(Event::Warning { message: Warning::BlindShot(i + 1) });
             }
         }
-        let (unseen, seen) = if frames.is_empty() {
+        let (unseen, seen) = if frustums.is_empty() {
             (unit.recip(), 0.0)
         } else {
             let unit_of = |area, part| edge_length(area, part * budget as f32).recip();
             (unit_of(area, 1.0 - PICTURES), unit_of(in_pictures, PICTURES))
         };
-        Self { scene, observer, frames, unit, unseen, seen }
+        Self { scene, observer, frustums, unit, unseen, seen }
     }
 
-    /// Units in a metre of each triangle.
+    /// Units per metre of each triangle.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
     pub fn of_triangles(&self, mesh: &Mesh) -> Result<Vec<f32>, BakeError> {
-        if self.frames.is_empty() {
+        if self.frustums.is_empty() {
             return Ok(vec![self.unseen; mesh.triangles.len()]);
         }
         let of_triangle = |t| {
@@ -79,7 +80,7 @@ impl<'a> EdgeScale<'a> {
         (0..mesh.triangles.len()).into_par_iter().map(of_triangle).collect()
     }
 
-    /// The most that any place of a triangle is magnified by in the shots together, 0 where it is hidden.
+    /// Largest magnification, summed over the shots, of any point of a triangle; 0 where it is hidden.
     fn largest_magnification(&self, mesh: &Mesh, triangle: usize) -> f32 {
         let [a, b, c] = mesh.corners(triangle);
         let normal = mesh.area_vector(triangle).normalize_or_zero();
@@ -87,14 +88,14 @@ impl<'a> EdgeScale<'a> {
         let at = |i: u32| {
             let [u, v] = on_triangle(i);
             let place = a + (b - a) * u + (c - a) * v;
-            self.frames.iter().map(|frame| self.magnification(frame, place, normal)).sum()
+            self.frustums.iter().map(|frustum| self.magnification(frustum, place, normal)).sum()
         };
         (0..places as u32).map(at).fold(0.0, f32::max)
     }
 
-    fn magnification(&self, frame: &Frame, place: Vec3, normal: Vec3) -> f32 {
-        let magnification = frame.magnification(place, normal);
-        let hidden = || self.scene.occluded_between(frame.eye, place + (frame.eye - place) * SHORT_OF);
+    fn magnification(&self, frustum: &Frustum, place: Vec3, normal: Vec3) -> f32 {
+        let magnification = frustum.magnification(place, normal);
+        let hidden = || self.scene.occluded_between(frustum.eye, place + (frustum.eye - place) * GAP_AT_END);
         if magnification > 0.0 && !hidden() { magnification } else { 0.0 }
     }
 }
@@ -110,7 +111,7 @@ fn filled_part(shot: &Shot, scene: &Intersector) -> f32 {
     (0..rays).into_par_iter().filter(|&pixel| hits(pixel)).count() as f32 / rays as f32
 }
 
-/// Edge length of equal triangles that share `area`, twice as many as there are vertices.
+/// Edge length of equal triangles that share `area`, twice as many as vertices.
 fn edge_length(area: f32, vertices: f32) -> f32 {
     (1.15 * area / vertices.max(1.0)).sqrt()
 }

@@ -6,7 +6,8 @@ use glam::Vec3;
 use lapidary_core::scene::Mesh;
 use std::collections::{HashMap, HashSet};
 
-/// Splits the chosen edges at their midpoints. For every triangle with a chosen edge, its longest is chosen too.
+/// Splits the chosen edges at their midpoints. For every triangle with a chosen edge, its longest edge must be chosen
+/// too.
 pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges, chosen: &HashSet<u32>) {
     let mut midpoints = HashMap::new();
     for t in 0..edges.of_triangle.len() {
@@ -33,7 +34,7 @@ pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges,
     }
 }
 
-/// Puts the first part in the triangle's place and the others at the end.
+/// Replaces the triangle by the first part and appends the others.
 fn replace_triangle(mesh: &mut Mesh, sides: &mut Sidedness, t: usize, parts: &[[u32; 3]]) {
     mesh.triangles[t] = parts[0];
     for &part in &parts[1..] {

@@ -112,8 +112,9 @@ fn vertices_gather_where_a_shot_looks() {
     let (scene, shot) = halved_room();
     let eye = shot.camera.eye;
     let room = Intersector::new(&scene.mesh);
-    let seen =
-        |p: &Vec3| shot.frame().magnification(*p, Vec3::Y) > 0.0 && !room.occluded_between(eye, *p + (eye - *p) * 1e-3);
+    let seen = |p: &Vec3| {
+        shot.frustum().magnification(*p, Vec3::Y) > 0.0 && !room.occluded_between(eye, *p + (eye - *p) * 1e-3)
+    };
     let bounced = Stored { environment: false, bounces: true };
     let count = |shots: &[Shot]| {
         let scene = tessellated_for(bounced, shots, scene.clone(), 6000);

@@ -73,8 +73,8 @@ impl GpuBackend {
         );
     }
 
-    /// What is added before the merges of a sample, and all merges, one after another: each adds to what the one
-    /// before it has written.
+    /// The additions before the merges of a sample, and all merges, one after another: each adds to the output of the
+    /// one before it.
     pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
         let fields = self.fields();
         let complete = (sample & 1) as usize;
@@ -94,7 +94,8 @@ impl GpuBackend {
         }
     }
 
-    /// Which trees of lights are merged, in order; never none of all, since the first pass also shows what has no light.
+    /// The trees of lights that are merged, in order. It is never empty, because the first pass also shows what has no
+    /// light.
     fn fields(&self) -> Vec<u32> {
         let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
         let sources = self.picture().groups.sources.as_ref().map(|_| FIELD_SOURCES);

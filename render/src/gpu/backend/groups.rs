@@ -1,4 +1,4 @@
-//! What the passes of a picture read, bound.
+//! Bind groups of the passes of a picture.
 
 use super::{GpuBackend, Loaded};
 use crate::gpu::{
@@ -18,7 +18,7 @@ pub struct Groups {
     pub geometry: wgpu::BindGroup,
     /// Surface sources, if their light is shown.
     pub sources: Option<wgpu::BindGroup>,
-    /// By which of the sums is read.
+    /// Indexed by which of the sums is read.
     pub merge_complete: [wgpu::BindGroup; 2],
     pub merge_partial: [wgpu::BindGroup; 2],
     pub display: [wgpu::BindGroup; 2],

@@ -40,7 +40,7 @@ impl GpuBackend {
         self.gpu.within("the pixels of the picture", "bytes", bytes, limit, "render a smaller picture")
     }
 
-    /// A picture without samples. What another picture can use again is not made again.
+    /// A picture without samples. It reuses the resources of the previous picture where possible.
     pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Picture {
         if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
             // Freed first: two sets of a large picture may not fit.

@@ -18,7 +18,7 @@ pub struct PassTimes {
 }
 
 impl GpuBackend {
-    /// Renders one sample pass by pass, waiting for each, and says how long each took.
+    /// Renders one sample pass by pass, waiting for each. Returns the time of each.
     ///
     /// # Errors
     /// A lost device.

@@ -9,7 +9,7 @@ use lapidary_core::lights::{Emission, Light};
 pub struct ShadowRoom {
     /// Layers in all; WebGPU's default limit is 256.
     pub layers: u32,
-    /// Texels of a side with few layers; halved down to [`SMALLEST`] where there are more.
+    /// Texels per side with few layers; halved down to [`SMALLEST`] with many layers.
     pub largest: u32,
 }
 
@@ -19,7 +19,7 @@ pub const SMALLEST: u32 = 512;
 /// Texels of all layers together, 256 MiB at 4 bytes each: 16 layers of 2048 x 2048, or 256 of 512 x 512.
 const MOST_TEXELS: u64 = 64 << 20;
 
-/// Up to so many layers rectangles cast shadows from a finer grid: maps of 1024 x 1024 remain.
+/// With at most this many layers, rectangles cast shadows from a finer grid: maps of 1024 x 1024 remain.
 const LAYERS_FOR_FINE_GRID: u32 = 64;
 const FINE_GRID: u32 = 3;
 const COARSE_GRID: u32 = 2;
@@ -38,7 +38,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Layers for `lights`; where not all fit, those with the most power a layer in a scene of `radius` metres have them.
+    /// Layers for `lights`. If not all fit, lights with the most power per layer in a scene of `radius` metres get
+    /// them.
     pub fn new(lights: &[Light], room: ShadowRoom, radius: f32) -> Self {
         let grid = if layers_wanted(lights, FINE_GRID) <= LAYERS_FOR_FINE_GRID { FINE_GRID } else { COARSE_GRID };
         let casts = casting(lights, room.layers, grid, radius);
@@ -53,7 +54,7 @@ impl Plan {
         Self { first, layers, size: map_size(layers, room.largest), grid }
     }
 
-    /// What is said of lights without shadows.
+    /// Remark on lights without shadows.
     pub fn remark(&self, lights: &[Light], room: ShadowRoom) -> Option<String> {
         let without = self.first.iter().filter(|&&first| first == NO_SHADOW).count();
         let (all, wanted, limit) = (lights.len(), layers_wanted(lights, self.grid), room.layers);

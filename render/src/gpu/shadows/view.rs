@@ -1,7 +1,7 @@
-//! Views from lights: what each layer of the shadow maps shows. Twin of `shaders/shadow.wgsl`.
+//! Views from lights, one per layer of the shadow maps. Twin of `shaders/shadow.wgsl`.
 //!
-//! A narrow spot has one view; a point looks through the six faces of a cube, a wide spot and each point of a rectangle
-//! through the five of a hemicube; parallel light has one view of the whole scene.
+//! A narrow spot has one view. A point has the six faces of a cube. A wide spot and each point of a rectangle have the
+//! five faces of a hemicube. Parallel light has one view of the whole scene.
 
 use crate::gpu::layout::{ShadowView, constants::KERNEL_RADIUS};
 use glam::{Vec2, Vec3};
@@ -10,18 +10,18 @@ use lapidary_core::{
     lights::{Emission, Light, RectangleShape},
 };
 
-/// Texels around what a view has to show, so that the filter stays on the map.
+/// Margin of texels around the contents of a view, so that the filter stays on the map.
 pub const BORDER: u32 = KERNEL_RADIUS + 2;
 
 /// Cones beyond this angle from axis to edge, in degrees, take a hemicube: one view would be coarse in the middle.
 const WIDEST_VIEW: f32 = 75.0;
 
-/// What views depend on besides the light.
+/// Inputs of views besides the light.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowViewSettings {
-    /// Of all that casts shadows.
+    /// Bounds of everything that casts shadows.
     pub bounds: Bounds,
-    /// Distance from a light, in metres, nearer than which nothing casts a shadow.
+    /// Distance from a light, in metres, within which nothing casts a shadow.
     pub near: f32,
     /// Texels of a side of a map.
     pub size: u32,

@@ -1,4 +1,4 @@
-//! Irradiance of points of surfaces: by local lights through shadow rays, by the environment through cuts.
+//! Irradiance of surface points: from local lights by shadow rays, from the environment by cuts.
 
 use crate::light::environment::SceneLighting;
 use glam::{Vec2, Vec3};
@@ -15,13 +15,13 @@ use rayon::prelude::*;
 /// How shadow rays are cast.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRays {
-    /// Samples along each side of an area light; neighbouring points average what they miss.
+    /// Samples along each side of an area light; averages over neighbouring points reduce their error.
     pub area_samples: u32,
     /// Distance in metres that they start off a surface.
     pub offset: f32,
 }
 
-/// What `lights` give each point, received by a normal each.
+/// Irradiance of each point from `lights`, by one normal per point.
 pub fn light_irradiance(
     points: &[Surfel],
     normals: &[Vec3],
@@ -43,7 +43,7 @@ pub fn light_irradiance(
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     let side = if light.is_delta() { 1 } else { area_samples };
-    // The middles of equal parts, drawn apart so that they spread as the whole side does.
+    // The middles of equal parts, moved apart so that their spread is that of the whole side.
     let apart = 1.0 / (1.0 - 1.0 / (side * side).max(2) as f32).sqrt();
     let middle = |i: u32| 0.5 + ((i as f32 + 0.5) / side as f32 - 0.5) * apart;
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
@@ -57,13 +57,13 @@ fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersecto
         return Vec3::ZERO;
     }
     let origin = position + point.normal * offset;
-    // A light may lie on a surface, which does not hide it.
+    // A light may lie on a surface, which does not block it.
     let blocked = intersector.occluded_before(origin, sample.direction, offset::REACH_OF_BOUNCE * sample.distance);
     if blocked { Vec3::ZERO } else { received }
 }
 
-/// What the environment gives each source: its cut merged with the illumination cut, times the cosine. `None` if sources
-/// have no cuts of it.
+/// Irradiance of each source from the environment: its cut merged with the illumination cut, times the cosine. `None`
+/// if sources have no cuts over the environment.
 pub fn environment_irradiance(dataset: &Dataset, lighting: &SceneLighting) -> Option<Vec<Vec3>> {
     let (bake, mesh) = (dataset.indirect.as_ref()?, &dataset.scene.mesh);
     if bake.environment_cuts.len() != bake.sources.len() {
@@ -76,7 +76,7 @@ pub fn environment_irradiance(dataset: &Dataset, lighting: &SceneLighting) -> Op
     Some(bake.sources.par_iter().enumerate().with_min_len(64).map(of_source).collect())
 }
 
-/// What the environment gives points of a dataset's mesh: the cuts of their vertices, interpolated.
+/// Irradiance of points of a dataset's mesh from the environment, by interpolated cuts of the vertices.
 pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting: &SceneLighting) -> Vec<Vec3> {
     let of_point = |point: &Surfel| {
         let mesh = &dataset.scene.mesh;

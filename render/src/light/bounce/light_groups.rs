@@ -1,20 +1,21 @@
-//! Lights in groups whose irradiance on some points is known, so that an edit casts rays for what has changed: for all
-//! that shared a group with it at first, then for the edited lights alone, which have groups of their own.
+//! Groups of lights with stored irradiance on some points, so that an edit casts rays only for lights that have
+//! changed. The first edit of a light casts rays for all lights of its group. Edited lights then have groups of their
+//! own.
 
 use glam::Vec3;
 use lapidary_core::lights::{Emission, Light};
 use std::collections::{HashMap, HashSet};
 
-/// Most groups that are kept apart; each takes 12 bytes a point.
+/// Largest number of groups; each takes 12 bytes per point.
 pub(super) const LIGHT_GROUPS: usize = 64;
 
 /// Groups that edited lights may take up.
 const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
 
-/// Bits of all that the irradiance of a light depends on.
+/// Bits of everything that the irradiance of a light depends on.
 type LightKey = [u32; 12];
 
-/// Some lights and what they give each point together, visibility included.
+/// Some lights and their joint irradiance at each point, visibility included.
 pub(super) struct LightGroup {
     lights: Vec<LightKey>,
     pub(super) irradiance: Vec<Vec3>,
@@ -27,7 +28,7 @@ pub(super) struct LightGroups {
 }
 
 impl LightGroups {
-    /// Replaces the lights; `cast` finds the irradiance of some of them. Returns whether any light is not as before.
+    /// Replaces the lights; `cast` computes the irradiance of some of them. Returns whether any light has changed.
     pub fn update(&mut self, lights: &[Light], cast: impl Fn(&[Light]) -> Vec<Vec3>) -> bool {
         let on: Vec<&Light> = lights.iter().filter(|light| light.enabled).collect();
         let mut wanted = Wanted::new(&on);
@@ -51,7 +52,7 @@ impl LightGroups {
         has_changed
     }
 
-    /// Adds up the irradiance of the smallest groups until there are no more than `most`.
+    /// Adds up the irradiance of the smallest groups until at most `most` groups are left.
     fn merge_down_to(&mut self, most: usize) {
         let most = most.max(1);
         if self.groups.len() <= most {
@@ -107,7 +108,7 @@ mod tests {
     use crate::test_scenes::point_light;
     use std::cell::Cell;
 
-    /// Irradiance of a point that every light gives its x and a count of one.
+    /// Irradiance of a point from lights that each give it their x and a count of one.
     fn irradiance(lights: &[Light]) -> Vec<Vec3> {
         vec![lights.iter().map(|l| Vec3::new(l.position.x, 1.0, 0.0)).sum()]
     }

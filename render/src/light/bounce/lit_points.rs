@@ -1,4 +1,4 @@
-//! Points of surfaces under lights that come and go: what an edit does not change is kept.
+//! Surface points under changing lights, with stored results of what an edit does not change.
 
 use super::{
     irradiance::{ShadowRays, light_irradiance},
@@ -15,22 +15,23 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Points with the direct light on them and their reflectance.
+/// Points with their direct light and reflectance.
 pub(super) struct LitPoints {
     dataset: Arc<Dataset>,
     intersector: Arc<Intersector>,
     pub(super) points: Vec<Surfel>,
-    /// Of shading, one a point: the bounce is as bright as the surface that is seen.
+    /// Shading normals, one per point, so that the bounce is as bright as the visible surface.
     normals: Vec<Vec3>,
     area_samples: u32,
     albedo: Vec<Vec3>,
-    /// What local lights give the points.
+    /// Irradiance of the points from local lights.
     pub(super) lights: LightGroups,
     environment: Option<Vec<Vec3>>,
 }
 
 impl LitPoints {
-    /// Points of a dataset that looks as it was baked, in the dark. Area lights cast so many samples along each of their sides.
+    /// Points of a dataset with the materials of its bake and without light. Area lights cast `area_samples` rays along
+    /// each of their sides.
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
         let (dataset, intersector) = (baked.dataset.clone(), baked.intersector());
         let (albedo, lights) = (Vec::new(), LightGroups::default());
@@ -45,22 +46,21 @@ impl LitPoints {
         &self.albedo
     }
 
-    /// Gives the points the reflectance of other materials; what does not fit looks as in the dataset.
+    /// Gives the points the reflectance of other materials; materials that do not fit keep that of the dataset.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         let scene = &self.dataset.scene;
         let (fitted, _) = appearance.fitted(&scene.materials);
         self.albedo = self.points.par_iter().map(|p| fitted.albedo(&scene.mesh, p.place)).collect();
     }
 
-    /// Shines local lights on the points, by rays; only for those that are not as before. Returns whether there are
-    /// such.
+    /// Shines local lights on the points, by rays, which only lights that have changed cast. Returns whether any has.
     pub fn set_lights(&mut self, lights: &[Light]) -> bool {
         let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
         self.lights
             .update(lights, |lights| light_irradiance(&self.points, &self.normals, lights, &self.intersector, rays))
     }
 
-    /// Shines an environment on the points that gives each of them so much, or none.
+    /// Sets the irradiance of each point from the environment, or none.
     pub fn set_environment(&mut self, irradiance: Option<Vec<Vec3>>) {
         self.environment = irradiance;
     }
@@ -74,7 +74,7 @@ impl LitPoints {
         sum
     }
 
-    /// Distance in metres that shadow rays start off a surface.
+    /// Distance in metres of shadow ray origins from a surface.
     fn ray_offset(&self) -> f32 {
         offset::BOUNCE * self.dataset.scene.mesh.bounds().diagonal()
     }

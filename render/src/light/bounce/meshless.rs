@@ -1,5 +1,6 @@
-//! Bounced light through the meshless basis: direct light on the senders, by samples under them, some bounces through the operator,
-//! and what arrives at the vertices, for display, or at the surface sources, for the bounce that cuts gather.
+//! Bounced light through the meshless basis. Direct light on the senders is sampled at points under them and sent
+//! through the operator for some bounces. The result is evaluated at the vertices, for display, or at the surface
+//! sources, for the bounce that cuts gather.
 
 use super::{
     irradiance::environment_irradiance_of,
@@ -21,23 +22,23 @@ use std::sync::Arc;
 /// Samples of an area light along each of its sides; senders have several points.
 const AREA_SAMPLES: u32 = 2;
 
-/// Solves for the bounces of a dataset again and again: what an edit does not change is kept.
+/// Solves for the bounces of a dataset repeatedly, and keeps what an edit does not change.
 pub struct MeshlessRig {
     dataset: Arc<Dataset>,
     solver: Solver,
     samples: SenderSamples,
     /// Their points under local lights.
     lit: LitPoints,
-    /// What the environment gives the senders.
+    /// Irradiance of the senders from the environment.
     environment: Option<Vec<Vec3>>,
-    /// Weights of the vertices, and of the sources if there are any; found at the first use.
+    /// Weights of the vertices, and of the sources if there are any; computed at the first use.
     at_vertices: Option<VertexFlattening>,
     at_sources: Option<Flattening>,
     solved: Option<Solution>,
 }
 
 impl MeshlessRig {
-    /// For a dataset that looks as it was baked, in the dark; `None` if it has no meshless basis.
+    /// For a dataset with the materials of its bake and without light; `None` if it has no meshless basis.
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_ref()?;
@@ -59,7 +60,7 @@ impl MeshlessRig {
         self.solved = None;
     }
 
-    /// Shines local lights on the senders, by rays; only for those that are not as before.
+    /// Shines local lights on the senders, by rays, which only lights that have changed cast.
     pub fn set_lights(&mut self, lights: &[Light]) {
         if self.lit.set_lights(lights) {
             self.solved = None;
@@ -74,7 +75,7 @@ impl MeshlessRig {
         self.solved = None;
     }
 
-    /// What arrives at the vertices after all bounces.
+    /// Vector irradiance at the vertices after all bounces.
     pub fn at_vertices(&mut self) -> Option<VertexIrradiance> {
         let dataset = self.solve()?;
         let solved = self.solved.as_ref()?;
@@ -100,7 +101,7 @@ impl MeshlessRig {
         Some(vectors.par_iter().zip(sources).map(received).collect())
     }
 
-    /// Energy of each bounce of the last solution; `None` after a change that was not solved for.
+    /// Energy of each bounce of the last solution; `None` after a change that has not been solved for.
     pub fn energy(&self) -> Option<BounceEnergy> {
         self.solved.as_ref().map(Solution::energy)
     }
@@ -235,7 +236,8 @@ mod tests {
     #[test]
     fn further_bounces_arrive_by_smooth_normals() {
         const BACK: Vec3 = Vec3::new(0.3, -0.2, 0.1);
-        // Both send. The light stands behind the wall and shines over it on the floor, so that the wall has what the floor sends alone.
+        // Both send. The light stands behind the wall and shines over it on the floor, so that the wall receives only
+        // what the floor sends.
         let over_the_wall = Light { position: Vec3::new(-3.0, 5.0, 0.0), ..lamp(3.0)[0].clone() };
         let means = |wall_normal: Vec3| {
             let mut dataset = linked(Vec3::Y, LINK);

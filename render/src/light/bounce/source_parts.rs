@@ -1,5 +1,5 @@
-//! Points spread over the surface that each source stands for: a shadow's edge, a lamp close by or a pattern crosses it, and
-//! what it sends is its mean.
+//! Points spread over the surface that each source represents. The edge of a shadow, a close lamp or a pattern may
+//! cross it, and the source sends the mean.
 
 use glam::Vec3;
 use lapidary_core::{meshless::distance::distance, ray::Intersector, sources::Source, surfel::Surfel};
@@ -18,8 +18,8 @@ pub(super) fn source_parts(sources: &[Source], intersector: &Intersector, offset
     sources.par_iter().enumerate().with_min_len(64).flat_map_iter(parts).collect()
 }
 
-/// A point of the surface beneath a place in the source's disc, or the source itself where that lies behind a wall, or over
-/// another surface or none.
+/// A point of the surface beneath a position in the source's disc. It is the source itself if that position is behind a
+/// wall, above another surface, or above none.
 fn place_of_part(
     (source_index, source): (usize, &Source),
     part: usize,
@@ -29,7 +29,7 @@ fn place_of_part(
     let Surfel { position, normal, .. } = source.surfel;
     let radius = (source.area * FRAC_1_PI).sqrt();
     let (u, v) = normal.any_orthonormal_pair();
-    // A square as wide as spreads like the disc, turned by source so that neighbours do not line up.
+    // A square with the same spread as the disc, rotated per source so that neighbours do not line up.
     let golden_angle = PI * (3.0 - 5.0_f32.sqrt());
     let (sin, cos) = (golden_angle * (source_index % 4096) as f32 + 0.5 * PI * part as f32).sin_cos();
     let lift = normal * (0.5 * radius + offset);
@@ -39,7 +39,7 @@ fn place_of_part(
     found.filter(|place| distance(place, &source.surfel) < 2.0 * radius).unwrap_or(source.surfel)
 }
 
-/// Means of [`PARTS`] values a source.
+/// Means of [`PARTS`] values per source.
 pub(super) fn means(parts: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
     let values: Vec<Vec3> = parts.collect();
     values.chunks(PARTS).map(|parts| parts.iter().sum::<Vec3>() / PARTS as f32).collect()

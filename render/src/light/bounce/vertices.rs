@@ -1,9 +1,9 @@
 //! The meshless solution at the vertices of a mesh, for display: on the side of their normals, and on the other where
-//! light reaches it.
+//! it receives light.
 //!
-//! Normals of open shells often point away from where they are seen: walls of a room to the outside, leaves and cloth to
-//! one side. A function weighs nothing at points that face away from it (meshless paper, 2.2, Eq. 8), so that each side has a
-//! value of its own.
+//! Normals of open shells often point away from their visible side: walls of a room to the outside, leaves and cloth to
+//! one side. A function has no weight at points that face away from it (meshless paper, 2.2, Eq. 8), so each side has
+//! its own value.
 
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
@@ -13,17 +13,17 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Vector irradiance of bounced light in W/m², a column a colour channel.
+/// Vector irradiance of bounced light in W/m², one column per colour channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VertexIrradiance {
-    /// On the front of surfaces, whence their triangles are counter-clockwise: one a vertex.
+    /// On the front of surfaces, where their triangles are counter-clockwise: one per vertex.
     pub front: Vec<Mat3A>,
-    /// On their back: likewise, or empty if no light reaches one.
+    /// On their back: one per vertex, or empty if no back receives light.
     pub back: Vec<Mat3A>,
 }
 
 impl VertexIrradiance {
-    /// Of a vertex whose surface is seen from one side.
+    /// Irradiance at a vertex for the visible side of its surface.
     #[inline(always)]
     pub fn at(&self, vertex: u32, from_behind: bool) -> Mat3A {
         let vertex = vertex as usize;
@@ -60,8 +60,8 @@ impl VertexFlattening {
     }
 }
 
-/// Vertices of two-sided triangles whose back is lit at any corner: a function of the finest level reaches it. Where a back is
-/// seen such a function is near, and coarser ones also reach backs that nobody sees, through walls.
+/// Vertices of two-sided triangles whose back receives light at any corner: a function of the finest level reaches it.
+/// A visible back has such a function close to it. Coarser functions also reach hidden backs, through walls.
 fn lit_backs(dataset: &Dataset, basis: &Basis) -> Vec<u32> {
     let mesh = &dataset.scene.mesh;
     let two_sided =

@@ -1,5 +1,5 @@
-//! Lights without extent, from the brightest at a point to the faintest: where those that are left could not change what
-//! has arrived, even if nothing hid them, they cast no rays.
+//! Lights without extent, from the brightest at a point to the faintest. Shadow rays end once the remaining lights
+//! could not change the sum, even if nothing blocked them.
 
 use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
@@ -9,10 +9,10 @@ use lapidary_core::{
 };
 use wide::f32x8;
 
-/// Most that is left out, as a share of what arrives from lights without extent, in each channel.
+/// Largest neglected share of the light that arrives from lights without extent, in each channel.
 pub(crate) const NEGLIGIBLE: f32 = 1e-4;
 
-/// A light as a point would reflect it toward the eye if nothing were between.
+/// The light that a point would reflect toward the eye if nothing blocked it.
 struct Unshadowed {
     radiance: Vec3,
     direction: Vec3,
@@ -21,8 +21,8 @@ struct Unshadowed {
     with_fainter: Vec3,
 }
 
-/// Radiance that a point reflects of `lights` within [`NEGLIGIBLE`]; `arrives` tells by direction and distance whether
-/// nothing is between.
+/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arrives` tells by direction and distance whether
+/// the path is free.
 pub(super) fn delta_light<'a>(
     point: &SurfacePoint,
     lights: impl Iterator<Item = &'a Light>,
@@ -59,7 +59,7 @@ fn unshadowed<'a>(point: &SurfacePoint, lights: impl Iterator<Item = &'a Light>)
     out
 }
 
-/// Sorted, the dark ones left out; sums go from the faintest up, so that none of them is lost to rounding.
+/// Sorts the lights and leaves out dark ones. Sums start at the faintest, so that rounding loses none of them.
 fn from_brightest(mut lights: Vec<Unshadowed>) -> Vec<Unshadowed> {
     lights.retain(|light| light.radiance.max_element() > 0.0);
     lights.sort_unstable_by(|a, b| b.radiance.element_sum().total_cmp(&a.radiance.element_sum()));

@@ -44,7 +44,7 @@ pub fn flip(test: &Image, reference: &Image, pixels_per_degree: f32) -> Vec<f32>
     colors.zip(features).map(|(color, feature)| color.powf(1.0 - feature)).collect()
 }
 
-/// What an observer sees of a picture.
+/// A picture as an observer perceives it.
 struct Perceived {
     /// Hunt-adjusted CIELab after spatial filtering.
     colors: Vec<Vec3>,

@@ -43,7 +43,7 @@ pub struct ErrorMapImage {
 /// sRGB-encoded magenta, for pixels that are not finite in either picture.
 const NOT_FINITE: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 
-/// This share of the pixels lies within the range of the bar, so that a few outliers do not darken the rest.
+/// Share of the pixels within the range of the bar, so that a few outliers do not darken the rest.
 const SHARE_IN_RANGE: f32 = 0.99;
 
 /// The error of each pixel.
@@ -51,21 +51,22 @@ const SHARE_IN_RANGE: f32 = 0.99;
 pub struct ErrorField {
     /// Which error.
     pub kind: ErrorMap,
-    /// What it is called.
+    /// Its name.
     pub title: &'static str,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Errors row by row.
     pub errors: Vec<f32>,
-    /// Which pixels are finite in both pictures; the errors of others mean nothing.
+    /// Which pixels are finite in both pictures; the errors of others are meaningless.
     pub finite: Vec<bool>,
-    /// The error at the upper end of the colours. Those of signed errors begin at its negative, others at 0.
+    /// The error at the upper end of the colours. The range of signed errors begins at its negative, other ranges at 0.
     pub top: f32,
 }
 
 impl ErrorField {
-    /// The errors of `test` against `reference`. The colours end at `top`, which makes several maps comparable; without it
-    /// at 1 for FLIP and otherwise at the 99th percentile of the errors, rounded up to 1, 2 or 5 times a power of ten.
+    /// The errors of `test` against `reference`. The colours end at `top`, which makes several maps comparable. Without
+    /// `top` they end at 1 for FLIP. For other errors they end at the 99th percentile, rounded up to 1, 2 or 5 times a
+    /// power of ten.
     ///
     /// # Errors
     /// Sizes that differ, pictures without pixels, and a `top` that is not positive.
@@ -81,8 +82,8 @@ impl ErrorField {
         Ok(Self { kind, title: kind.title(), size: test.size, errors, finite: pair.finite, top })
     }
 
-    /// Errors in scene-linear units that no reference was needed for, one for all components of a pixel, in the colours of absolute
-    /// ones; `top` as in [`Self::new`].
+    /// Errors in scene-linear units that were predicted without a reference, one per pixel for all its components. They
+    /// have the colours of absolute errors; `top` as in [`Self::new`].
     ///
     /// # Errors
     /// A picture without pixels, or none that is finite, and a `top` that is not positive.
@@ -97,12 +98,13 @@ impl ErrorField {
         self.errors.par_iter().zip(&self.finite).map(color).collect()
     }
 
-    /// Errors at `parts` evenly spaced places of the colours and both ends, as short texts.
+    /// Errors at both ends of the colours and at evenly spaced positions that divide them into `parts`, as short texts.
     pub fn ticks(&self, parts: usize) -> Vec<String> {
         (0..=parts).map(|i| legend::short_number(self.top * self.kind.error_at(i as f32 / parts as f32))).collect()
     }
 
-    /// How many pixels have errors in each of `bins` equal parts of the range; what lies outside is in the outer ones.
+    /// Number of pixels with errors in each of `bins` equal parts of the range; errors beyond the range are in the
+    /// outer ones.
     pub fn histogram(&self, bins: usize) -> Vec<u32> {
         let mut counts = vec![0; bins];
         for error in self.finite_errors() {
@@ -166,7 +168,7 @@ impl ErrorMap {
         }
     }
 
-    /// The error, in units of the range's upper end, at a place of the colours from 0 to 1.
+    /// The error, in units of the range's upper end, at a position of 0 to 1 in the colours.
     pub fn error_at(self, place: f32) -> f32 {
         if self == Self::Signed { 2.0 * place - 1.0 } else { place }
     }
@@ -198,7 +200,7 @@ fn root_mean(a: Vec3, b: Vec3, squared_error: fn(f64, f64) -> f64) -> f32 {
     (sum / 3.0).sqrt() as f32
 }
 
-/// A round number with most errors below it; the largest error if most are nil, 1 if all are.
+/// A round number above most errors; the largest error if most are zero, 1 if all are.
 fn top_of_range(mut errors: Vec<f32>) -> f32 {
     errors.sort_unstable_by(f32::total_cmp);
     let Some(last) = errors.len().checked_sub(1) else { return 1.0 };

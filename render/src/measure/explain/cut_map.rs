@@ -1,7 +1,8 @@
-//! A merged cut drawn on the map of directions around the point: what the renderer takes to arrive from there, and what does.
+//! A merged cut drawn on the map of directions around the point: the light that the renderer uses from each direction,
+//! and the traced light.
 //!
-//! All pictures are latitude-longitude maps of the world as environments are, with +Z in the middle: directions stand still when
-//! an environment is turned.
+//! All pictures are latitude-longitude maps in world space, like environments, with +Z in the middle. Directions keep
+//! their position when an environment is rotated.
 
 use super::{PixelExplanation, leaves_below};
 use crate::{
@@ -21,14 +22,15 @@ use rayon::prelude::*;
 /// Pictures of a merged cut; scene-linear, of one size.
 #[derive(Clone, Debug)]
 pub struct CutMap {
-    /// Every cluster filled with its mean radiance times its interpolated visibility, dimmed where the surface does not receive
-    /// light. Without borders.
+    /// Every cluster filled with its mean radiance times its interpolated visibility, darkened where the surface does
+    /// not receive light. Without borders.
     pub cut: Image,
-    /// The light of each sample for itself, where rays find that it is not hidden.
+    /// The light of each sample that rays find visible.
     pub traced: Image,
-    /// Interpolated against traced visibility of the samples whose light is received: grey from hidden to seen where they
-    /// agree, red where the renderer lets light through that is hidden, blue where it holds light back. Only of the
-    /// environment: what is seen of surface sources is no share of one.
+    /// Interpolated and traced visibility of the samples whose light is received. Where they agree, the colour is grey,
+    /// from hidden to visible. It is red where the renderer lets blocked light through, and blue where it holds visible
+    /// light back. Only for the environment: the cuts over surface sources hold solid angles, which are not fractions
+    /// of one.
     pub visibility: Option<Image>,
     /// The cluster of each pixel, a heap index; 0 where nothing sends light.
     pub cluster: Vec<u32>,
@@ -36,7 +38,7 @@ pub struct CutMap {
 
 /// Linear greys of the borders of bright and of dark clusters.
 const BORDERS: [Vec3; 2] = [Vec3::splat(0.02), Vec3::splat(0.35)];
-/// What is left of light from below the horizon: it is in the cuts of vertices that see it, and not in the pixel.
+/// Factor of light from below the horizon: it is in the cuts of vertices that see it, and not in the pixel.
 const NOT_RECEIVED: f32 = 0.1;
 /// Distance in diagonals of the scene within which rays look for sources.
 const FAR: f32 = 2.0;
@@ -58,7 +60,7 @@ impl CutMap {
         Image { size: self.cut.size, pixels: self.cut.pixels.iter().enumerate().map(pixel).collect() }
     }
 
-    /// A scale that maps all but the brightest twentieth of the light in both pictures below white.
+    /// A scale at which all but the brightest twentieth of the light in both pictures is below white.
     pub fn exposure(&self) -> f32 {
         const IN_RANGE: f32 = 0.95;
         let lit = self.cut.pixels.iter().chain(&self.traced.pixels).map(|p| p.max_element()).filter(|&v| v > 0.0);
@@ -69,7 +71,8 @@ impl CutMap {
 }
 
 impl Renderer {
-    /// Draws the merged cut of an explained pixel, `width` pixels wide and half as high. `light` must be what was explained.
+    /// Draws the merged cut of an explained pixel, `width` pixels wide and half as high. `light` must be the light that
+    /// was explained.
     ///
     /// # Panics
     /// If `light` is on the other tree.
@@ -126,7 +129,7 @@ fn directions(size: [u32; 2]) -> impl Iterator<Item = Vec3> {
     (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| texel_direction(x, y, size)))
 }
 
-/// What the merged cut gives every leaf.
+/// Light and cluster of every leaf in the merged cut.
 struct Shown {
     /// Mean radiance times visibility.
     light: Vec<Vec3>,

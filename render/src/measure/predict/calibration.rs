@@ -1,4 +1,4 @@
-//! How far a predicted error can be trusted: against the true one, pixel by pixel.
+//! How far a predicted error can be trusted, by comparison with the true one, pixel by pixel.
 
 use lapidary_core::{color::luminance, image::Image};
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub struct Calibration {
     pub bins: Vec<Bin>,
     /// Share of the pixels whose true error is not above the predicted one.
     pub within: f64,
-    /// Spearman's rank correlation: 1 if a greater prediction always means a greater error, 0 if they have nothing in common.
+    /// Spearman's rank correlation: 1 if a greater prediction always means a greater error, 0 if they are unrelated.
     pub rank_correlation: f64,
     /// Predicted over true error, both as root mean squares.
     pub ratio: f64,
@@ -51,8 +51,8 @@ pub enum CalibrationError {
     NoPixels,
 }
 
-/// Holds `predicted` luminance errors against the true luminance error of `test` from `reference`, in `bins` bins. Pixels that are
-/// not finite in any of them are left out, and those without any error.
+/// Compares `predicted` luminance errors with the true luminance error of `test` from `reference`, in `bins` bins.
+/// Pixels that are not finite in any picture, and pixels without error, are left out.
 ///
 /// # Errors
 /// Pictures of different sizes, or no pixel to compare.
@@ -86,7 +86,7 @@ pub fn calibrate(
     })
 }
 
-/// Slack for pairs that are equal but for rounding, as a share of the prediction.
+/// Tolerance for pairs that are equal up to rounding, as a share of the prediction.
 const ROUNDING: f32 = 1e-4;
 
 fn within(pairs: &[[f32; 2]]) -> f64 {

@@ -1,4 +1,4 @@
-//! What a node's error can be by the variances over its leaves (paper, Eq. 7 to 9).
+//! Bounds of a node's error from the variances over its leaves (paper, Eq. 7 to 9).
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of as many values.
+    /// Moments of these values.
     pub fn of<const N: usize>(values: [Vec3; N]) -> Self {
         let scale = 1.0 / N as f32;
         let mean = values.iter().sum::<Vec3>() * scale;
@@ -35,14 +35,14 @@ pub struct NodeMoments {
     pub radiance: Moments,
     /// BRDF times cosine toward its leaves.
     pub brdf: Moments,
-    /// What the renderer takes for the mean of that.
+    /// The renderer's estimate of that mean.
     pub sampled_brdf: Vec3,
     /// Mean visibility, 0 to 1.
     pub visibility: f32,
 }
 
 impl NodeMoments {
-    /// Of a binary function of this mean.
+    /// Standard deviation of a binary function of this mean.
     fn visibility_deviation(&self) -> f32 {
         (self.visibility * (1.0 - self.visibility)).max(0.0).sqrt()
     }
@@ -53,13 +53,13 @@ impl NodeMoments {
         self.leaves * (self.radiance.mean * rho * v + self.brdf.mean * l * v + l * rho * self.visibility)
     }
 
-    /// The most that the third central moment can add: `|C| max(<v>, 1 - <v>) σl σρ`.
+    /// Largest contribution of the third central moment: `|C| max(<v>, 1 - <v>) σl σρ`.
     pub fn third_moment(&self) -> Vec3 {
         let farthest = self.visibility.max(1.0 - self.visibility);
         self.leaves * farthest * self.radiance.deviation() * self.brdf.deviation()
     }
 
-    /// What sampling the BRDF once does: `|C| <l> <v> |ρ - <ρ>|`.
+    /// Error of sampling the BRDF once: `|C| <l> <v> |ρ - <ρ>|`.
     pub fn sampling(&self) -> Vec3 {
         self.leaves * self.visibility * self.radiance.mean * (self.sampled_brdf - self.brdf.mean).abs()
     }
@@ -69,7 +69,7 @@ impl NodeMoments {
 mod tests {
     use super::*;
 
-    /// A node's moments, and by how much `|C| <l> <ρ> <v>` misses the sum of the products.
+    /// A node's moments, and the difference of `|C| <l> <ρ> <v>` from the sum of the products.
     fn node<const N: usize>(l: [f32; N], rho: [f32; N], v: [bool; N]) -> (NodeMoments, f32) {
         let moments = |values: [f32; N]| Moments::of(values.map(Vec3::splat));
         let v = v.map(|v| f32::from(u8::from(v)));

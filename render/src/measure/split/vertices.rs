@@ -1,4 +1,4 @@
-//! Visibility by rays from the vertices, interpolated: what exact cuts would give.
+//! Visibility by rays from the vertices, interpolated: the result that exact cuts would give.
 
 use super::leaf_sum::LeafSum;
 use crate::{
@@ -14,7 +14,8 @@ use std::{
 /// Sets the visibility of all leaves of the environment's tree (0 or 1) as a vertex sees them.
 pub type TraceVertex<'a> = &'a (dyn Fn(u32, &mut [u8]) + Sync);
 
-/// Vertices that are kept, at a byte a leaf: half a gigabyte of 32,768. Neighbouring pixels ask for the same ones.
+/// Number of vertices in the cache, at one byte per leaf: half a gigabyte for 32,768 leaves. Neighbouring pixels share
+/// vertices.
 const KEPT: usize = 16_384;
 
 /// Visibility of vertices, traced when it is first asked for.

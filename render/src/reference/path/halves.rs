@@ -9,13 +9,13 @@ pub struct PathPicture {
     pub image: Image,
     /// Passes that it is the mean of.
     pub passes: u32,
-    /// Relative RMSE of [`Self::image`] against one without noise, as far as two halves of the passes tell by what they
-    /// differ by; `None` while there is one half only.
+    /// Relative RMSE of [`Self::image`] against a picture without noise, estimated from the difference of two halves of
+    /// the passes; `None` while there is only one half.
     pub noise: Option<f64>,
 }
 
-/// Sums over the passes of both halves. Passes take turns by whole patterns of the pixel's samples, or else
-/// the halves would look at different parts of the pixels.
+/// Sums over the passes of both halves. Passes alternate by whole patterns of the pixel's samples; otherwise the halves
+/// would see different parts of the pixels.
 pub(super) struct Halves {
     sums: [Image; 2],
     passes: [u32; 2],
@@ -49,7 +49,7 @@ impl Halves {
         PathPicture { noise: self.noise(&image), image, passes: self.passes() }
     }
 
-    /// The variance of a pass, which the difference of the halves' means tells, over the number of passes.
+    /// The variance of a pass, estimated from the difference of the halves' means, over the number of passes.
     fn noise(&self, mean: &Image) -> Option<f64> {
         let [m, n] = self.passes.map(f64::from);
         if !(m > 0.0 && n > 0.0) {

@@ -5,7 +5,7 @@ use lapidary_core::lights::Light;
 /// Up to as many lights are asked one by one.
 const ALL_OF: usize = 8;
 
-/// Share of the choice that is blind to power: bounds of power may be far off, and no light may be left out.
+/// Share of the choice that ignores power: bounds of power may be far off, and no light may be left out.
 const UNIFORM: f64 = 0.1;
 
 /// The lights that shine, and how often each is asked.

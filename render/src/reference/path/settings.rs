@@ -1,18 +1,18 @@
-//! Which light paths a picture is made of.
+//! The light paths of a picture.
 
 use crate::light::components::Components;
 
-/// What [`Renderer::path_reference`](crate::Renderer::path_reference) follows, and how often.
+/// The paths of [`Renderer::path_reference`](crate::Renderer::path_reference), and their number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
     /// Paths per pixel; noise falls with the square root.
     pub spp: u32,
     /// Number of the first path: pictures of other paths have other noise.
     pub first_pass: u32,
-    /// Most reflections of light between surfaces before the one toward the eye: 0 is direct light, 1 adds one indirect
-    /// bounce.
+    /// Largest number of reflections between surfaces before the one toward the eye: 0 is direct light, 1 adds one
+    /// indirect bounce.
     pub bounces: u32,
-    /// What of the light is in the picture.
+    /// Components of the light in the picture.
     pub components: Components,
     /// Where in the pixels paths begin.
     pub positions: SamplePositions,
@@ -21,12 +21,13 @@ pub struct PathSettings {
 /// Positions of samples in a pixel: where in it paths begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplePositions {
-    /// Where cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): pictures of the two differ by light alone.
+    /// The positions at which cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): the two pictures
+    /// differ by light alone.
     #[default]
     Shared,
-    /// Anywhere: in each pixel, and for each first path, the pattern is shifted by another random vector (Cranley and
-    /// Patterson 1976), and no position comes twice. The mean is that over the whole pixel, as other renderers have it, and
-    /// what a pattern misses is noise.
+    /// Random positions: in each pixel, and for each first path, the pattern is shifted by another random vector
+    /// (Cranley and Patterson 1976), so that no position repeats. The expected value is the mean over the whole pixel,
+    /// as in other renderers, and the error of a finite pattern is noise.
     Shifted,
 }
 

@@ -12,7 +12,8 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::lights::Light;
 
-/// From here on paths that carry little are ended at random and the others weigh more (Arvo and Kirk 1990).
+/// From this bounce on, Russian roulette ends paths of low throughput and gives the others more weight (Arvo and Kirk
+/// 1990).
 const SAFE_BOUNCES: u32 = 3;
 
 /// Highest chance to go on, so that a path between white walls ends.
@@ -146,7 +147,7 @@ impl<'a> Tracer<'a> {
         (weight.is_finite() && weight != Vec3::ZERO).then_some(Scattered { world, pdf, weight })
     }
 
-    /// Radiance of the rectangular lights along a reflection, weighed against their samples.
+    /// Radiance of the rectangular lights along a reflection, weighted against their samples.
     fn rectangles(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for (light, probability) in self.lights.all() {
@@ -158,7 +159,7 @@ impl<'a> Tracer<'a> {
         sum
     }
 
-    /// Radiance of the environment along a reflection, weighed against its samples, unless something is before it.
+    /// Radiance of the environment along a reflection, weighted against its samples, unless a surface blocks it.
     fn environment_behind(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
         let radiance = self.environment_along(scattered);
         if radiance == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, scattered.world) {
@@ -173,7 +174,7 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// BRDF times cosine for light from a world direction, and the density at which the BRDF would choose it.
+/// BRDF times cosine for light from a world direction, and the pdf of that direction in BRDF sampling.
 fn reflection(point: &SurfacePoint, world: Vec3) -> (Vec3, f32) {
     let wi = point.world_from_local.transpose() * world;
     if !(wi.z > 0.0 && point.receives(world)) {
@@ -183,7 +184,7 @@ fn reflection(point: &SurfacePoint, world: Vec3) -> (Vec3, f32) {
     (brdf.brdf_cos(wi, point.wo), brdf.pdf(wi, point.wo))
 }
 
-/// Whether a direction leaves the side of the triangle that is seen; below it a ray would meet the triangle itself.
+/// Whether a direction leaves the visible side of the triangle; below it a ray would hit the triangle itself.
 fn leaves_face(point: &SurfacePoint, world: Vec3) -> bool {
     let [a, b, c] = point.corners;
     let normal = (b - a).cross(c - a);

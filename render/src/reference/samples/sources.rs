@@ -1,4 +1,5 @@
-//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions to near ones.
+//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions for near
+//! sources.
 
 use crate::{
     light::bounce::SourceLighting,
@@ -57,7 +58,7 @@ struct SourceShader<'a> {
 }
 
 impl SourceShader<'_> {
-    /// Sets the solid angles of the sources that are seen, and lists those and others.
+    /// Sets the solid angles of visible sources, and lists these and others.
     fn trace(&mut self, point: &SurfacePoint) {
         let receives = |direction: Vec3| point.receives(direction);
         let has_near = self.trace_far(point, receives);
@@ -66,7 +67,7 @@ impl SourceShader<'_> {
         }
     }
 
-    /// Far sources, one segment each. Returns whether near sources face the point.
+    /// Distant sources, one segment each. Returns whether near sources face the point.
     fn trace_far(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) -> bool {
         let Self { samples, solid_angles, wanted, .. } = self;
         let lighting = samples.lighting;
@@ -103,7 +104,7 @@ impl SourceShader<'_> {
             normal: point.world_from_local.z_axis,
             face: lifted.normalize_or(point.smooth_normal),
             lift: lifted.length(),
-            own_cosine: Origin::OWN_COSINE,
+            same_surface_cosine: Origin::SAME_SURFACE_COSINE,
         };
         samples.near.gather(sources, &renderer.intersector, origin, receives, |i, solid_angle| {
             if solid_angles[i] == 0.0 {

@@ -111,7 +111,7 @@ pub fn combine(cuts: &[&Cut], mut f: impl FnMut(&[f32]) -> f32) -> Cut {
     Cut { height, nodes }
 }
 
-/// `Σ |C| Π values` over the merged cut: the multi-product integral (paper, Eq. 4), with unit weight a leaf.
+/// `Σ |C| Π values` over the merged cut: the multi-product integral (paper, Eq. 4), with unit weight per leaf.
 ///
 /// # Panics
 /// If there are no cuts or their trees differ in height.

@@ -1,5 +1,5 @@
-//! Colours of errors with a sign: blue below zero, orange above, black where there is none. Blue and orange are told apart with
-//! every common colour blindness, and as with magma what is right stays dark.
+//! Colours of errors with a sign: blue below zero, orange above, black for no error. Blue and orange differ for every
+//! common colour blindness, and as with magma correct pixels are dark.
 
 use glam::Vec3;
 

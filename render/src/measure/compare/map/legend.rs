@@ -6,7 +6,7 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use std::ops::Range;
 
-/// What the strip says.
+/// Contents of the strip.
 pub(super) struct Legend {
     /// Which error.
     pub kind: ErrorMap,

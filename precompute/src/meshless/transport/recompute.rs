@@ -1,4 +1,4 @@
-//! Links of single receivers made again, for verification.
+//! Recomputes the links of single receivers, for verification.
 
 use super::{
     gather::{Gatherer, Row},
@@ -7,9 +7,9 @@ use super::{
 use lapidary_core::{dataset::MeshlessSettings, meshless::Basis, surfel::Surface};
 use rayon::prelude::*;
 
-/// The links of some receivers and of all that these depend on, with fresh rays: their parents, the parents of these, and
-/// so on. Bit for bit what a bake finds for them.
-pub fn links_again(
+/// Recomputes the links of some receivers with new rays, and those of all their ancestors, on which they depend. The
+/// result is bit for bit that of a bake.
+pub fn recompute_links(
     surface: &dyn Surface,
     basis: &Basis,
     settings: &MeshlessSettings,
@@ -36,7 +36,8 @@ pub fn links_again(
     needed.into_iter().map(|receiver| (receiver, std::mem::take(&mut rows[receiver]))).collect()
 }
 
-/// The functions, and all of coarser levels that reach their points or those of their parents.
+/// The functions with their ancestors: all functions of coarser levels that reach their points or those of their
+/// parents.
 fn with_ancestors(basis: &Basis, functions: &[usize]) -> Vec<usize> {
     let mut needed = vec![false; basis.len()];
     functions.iter().for_each(|&i| needed[i] = true);
