@@ -54,7 +54,7 @@ struct MaterialArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "View")]
 struct CameraArgs {
-    /// Camera of the scene, by name, or "ViewedScene 1" and so on for the shots that it was baked for [default: the first viewed, or
+    /// Camera of the scene, by name, or "Shot 1" and so on for the shots that it was baked for [default: the first shot, or
     /// else the first camera, or a view of the whole scene if it has none]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
@@ -218,7 +218,7 @@ impl CameraArgs {
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
-        // A viewed may be one of the scene's own cameras.
+        // A shot may be one of the scene's own cameras.
         let mut cameras = shots.iter().chain(scene.cameras.iter().filter(|camera| !shots.contains(camera)));
         match &self.camera {
             Some(name) => Ok(Some(camera_named(cameras, name)?)),
@@ -282,15 +282,15 @@ mod tests {
     #[test]
     fn shots_come_before_the_cameras_of_the_scene_and_have_names_too() {
         let scene = scene(vec![named("a", 1.0)]);
-        let shots = [named("ViewedScene 1", 3.0), named("ViewedScene 2", 4.0), named("a", 1.0)];
+        let shots = [named("Shot 1", 3.0), named("Shot 2", 4.0), named("a", 1.0)];
         let resolved = |camera: Option<&str>| {
             CameraArgs { camera: camera.map(Into::into), ..NOTHING }.resolve(&scene, &shots).map(|camera| camera.name)
         };
-        assert_eq!(resolved(None).unwrap(), "ViewedScene 1");
-        assert_eq!(resolved(Some("ViewedScene 2")).unwrap(), "ViewedScene 2");
+        assert_eq!(resolved(None).unwrap(), "Shot 1");
+        assert_eq!(resolved(Some("Shot 2")).unwrap(), "Shot 2");
         assert_eq!(resolved(Some("a")).unwrap(), "a");
-        let missing = resolved(Some("ViewedScene 3")).unwrap_err().to_string();
-        assert!(missing.ends_with("it has ViewedScene 1, ViewedScene 2, a"), "each once: {missing}");
+        let missing = resolved(Some("Shot 3")).unwrap_err().to_string();
+        assert!(missing.ends_with("it has Shot 1, Shot 2, a"), "each once: {missing}");
     }
 
     #[test]

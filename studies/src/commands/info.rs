@@ -56,7 +56,7 @@ fn info_text(dataset: &Dataset) -> String {
     );
     if !s.shots.is_empty() {
         let plural = if s.shots.len() == 1 { "" } else { "s" };
-        text += &format!("for        {} viewed{plural}\n", s.shots.len());
+        text += &format!("for        {} shot{plural}\n", s.shots.len());
     }
     if s.mode.environment() {
         text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);

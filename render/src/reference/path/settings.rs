@@ -1,6 +1,7 @@
 //! Which light paths a picture is made of.
 
 use crate::light::components::Components;
+use serde::Deserialize;
 
 /// What [`Renderer::path_reference`](crate::Renderer::path_reference) follows, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +20,8 @@ pub struct PathSettings {
 }
 
 /// Positions of samples in a pixel: where in it paths begin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SamplePositions {
     /// Where cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): pictures of the two differ by light alone.
     #[default]
