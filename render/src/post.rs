@@ -18,6 +18,7 @@ pub enum ToneMap {
     /// The fit of the ACES reference curves by Hill (in Baking Lab, 2016).
     Aces,
     /// AgX (Sobotka 2022), the polynomial fit of its default contrast by Wrensch (2023).
+    #[serde(alias = "agx")]
     AgX,
     /// Khronos PBR Neutral (2024): keeps colours of product renders below 0.8.
     PbrNeutral,

@@ -1,7 +1,7 @@
 //! Options that several commands share, and the values that their texts stand for.
 
 mod backend;
-mod bake;
+pub mod choices;
 mod light;
 mod picture;
 mod shot;
@@ -9,8 +9,7 @@ pub mod values;
 mod view;
 
 pub use backend::{BackendOption, shader_source};
-pub use bake::{PresetOption, TreeOption};
 pub use light::{LocalLightArgs, warn_of_buried};
-pub use picture::{BrdfOption, PictureArgs};
+pub use picture::PictureArgs;
 pub use shot::ShotOption;
 pub use view::{ViewArgs, ViewedScene, replace_materials};

@@ -1,9 +1,9 @@
 //! The options about light: the environment, local lights, and what of them is in the picture.
 
-use super::values;
+use super::{choices, values};
 use crate::terminal::Console;
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use lapidary_core::{
     dataset::{BakeParts, Dataset},
     environment::Environment,
@@ -50,29 +50,8 @@ pub struct LocalLightArgs {
     components: Option<Components>,
     /// How bounced light is computed from the dataset; light paths need none of it [default: cuts if they are baked, else
     /// meshless; all of them with bounces]
-    #[arg(long, value_enum)]
-    solution: Option<SolutionOption>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum SolutionOption {
-    /// One bounce by cuts over surface sources
-    Cuts,
-    /// Many bounces in the meshless basis
-    Meshless,
-    /// Cuts over surface sources that hold the meshless bounces
-    #[value(name = "cuts+meshless")]
-    CutsMeshless,
-}
-
-impl From<SolutionOption> for Solution {
-    fn from(option: SolutionOption) -> Self {
-        match option {
-            SolutionOption::Cuts => Self::Cuts,
-            SolutionOption::Meshless => Self::Meshless,
-            SolutionOption::CutsMeshless => Self::CutsMeshless,
-        }
-    }
+    #[arg(long, value_parser = choices::solution())]
+    solution: Option<Solution>,
 }
 
 /// Local lights as asked for.
@@ -135,11 +114,7 @@ impl LocalLightArgs {
     pub(super) fn resolve(&self, lights: Option<Vec<Light>>, dataset: &Dataset, path: &Path) -> Result<LocalLights> {
         let file = LightsFile { lights: lights.unwrap_or_else(|| dataset.scene.lights.clone()) };
         file.validate(path)?;
-        Ok(LocalLights {
-            lights: file.lights,
-            components: self.components,
-            solution: self.solution.map(Solution::from),
-        })
+        Ok(LocalLights { lights: file.lights, components: self.components, solution: self.solution })
     }
 
     /// Whether the parts of the light are asked for by name.
@@ -236,7 +211,7 @@ mod tests {
         let local = |text: &str| options(text).map(|o| o.local);
         let two = local("--components direct,indirect --solution cuts+meshless").unwrap();
         assert_eq!(two.components, Some(Components { environment: false, ..Components::ALL }));
-        assert_eq!(two.solution.map(Solution::from), Some(Solution::CutsMeshless));
+        assert_eq!(two.solution, Some(Solution::CutsMeshless));
         let bad = local("--components sun").unwrap_err().to_string();
         assert!(bad.contains("environment, direct or indirect"), "{bad}");
         assert!(local("--solution magic").is_err());

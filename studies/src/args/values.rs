@@ -1,13 +1,30 @@
 //! Values of options, from text.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use lapidary_render::Region;
+use serde::{
+    Deserialize,
+    de::{IntoDeserializer, value},
+};
 
 /// Largest width and height of a picture in pixels.
 const MAX_SIDE: u32 = 32_768;
 
 /// Most pixels of a picture: as many as can be read back.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// One of a library's choices by the name that files have for it; each name comes with its line of `--help`.
+pub fn choice<T>(choices: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+where
+    T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
+{
+    let names = choices.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(names).try_map(|name| {
+        let name: value::StringDeserializer<value::Error> = name.into_deserializer();
+        T::deserialize(name)
+    })
+}
 
 /// Three finite numbers separated by commas.
 ///

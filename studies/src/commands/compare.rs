@@ -1,12 +1,12 @@
 //! `lapidary compare`: metrics, an error map, and bounds for scripts.
 
 use crate::{
-    args::values,
+    args::{choices, values},
     export::{check_folder, check_pictures, write_pictures},
     terminal::{Console, Outcome, write_json},
 };
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use lapidary_core::image::Image;
 use lapidary_render::compare::{
     Metrics, compare,
@@ -34,8 +34,8 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
     /// Draw the error of each pixel, to --out
-    #[arg(long, value_enum, requires = "out")]
-    map: Option<MapOption>,
+    #[arg(long, requires = "out", value_parser = choices::error_map())]
+    map: Option<ErrorMap>,
     /// Error at the upper end of the map's colors, above 0 [default: 1 for flip, else so that 99 % of the pixels fit]
     #[arg(long, value_name = "ERROR", requires = "map", value_parser = values::positive)]
     map_top: Option<f32>,
@@ -48,29 +48,6 @@ pub struct CompareArgs {
     /// Exit with code 3 if the metric is below the value; may be given several times
     #[arg(long, value_name = "METRIC=VALUE", value_parser = bound)]
     fail_below: Vec<Bound>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MapOption {
-    /// Difference relative to the reference
-    Rel,
-    /// Difference in scene-linear units
-    Abs,
-    /// Difference of luminance: orange where the test picture is too bright, blue where it is too dark
-    Signed,
-    /// Difference as seen, 0 to 1
-    Flip,
-}
-
-impl From<MapOption> for ErrorMap {
-    fn from(option: MapOption) -> Self {
-        match option {
-            MapOption::Rel => Self::Relative,
-            MapOption::Abs => Self::Absolute,
-            MapOption::Signed => Self::Signed,
-            MapOption::Flip => Self::Flip,
-        }
-    }
 }
 
 /// A metric and the value that it is held against.
@@ -104,7 +81,7 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
         console.warning(format_args!("{} pixels are not finite and were left out", metrics.non_finite_pixels));
     }
     if let (Some(kind), Some(out)) = (args.map, &args.out) {
-        let map = error_map(&test, &reference, kind.into(), args.map_top)?;
+        let map = error_map(&test, &reference, kind, args.map_top)?;
         write_pictures(&map.image, None, slice::from_ref(out))?;
     }
     if let Some(path) = &args.json {

@@ -4,7 +4,7 @@ mod report;
 mod sheet;
 
 use crate::{
-    args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene, values},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, choices, values},
     export::create_folder,
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
@@ -13,8 +13,8 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::VertexSampler;
 use lapidary_render::{
-    Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, PixelExplanation, Region, Renderer,
-    Solution, SplitJob,
+    BrdfSampling, Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, PixelExplanation,
+    Region, Renderer, Solution, SplitJob,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -39,8 +39,8 @@ pub struct ExplainArgs {
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
-    #[arg(long, value_enum, default_value_t)]
-    brdf: BrdfOption,
+    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    brdf: BrdfSampling,
     /// Light paths a pixel, the truth of the split
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
@@ -164,7 +164,7 @@ impl<'a> Explainer<'a> {
     /// Explains a pixel, says so, and draws its merged cut.
     fn explain(&self, pixel: [u32; 2], console: Console) -> Result<PixelExplanation> {
         let light = self.light()?;
-        let explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf.into())?;
+        let explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf)?;
         console.summary(report::of_pixel(&explanation))?;
         let map = self.renderer.cut_map(&explanation, light, MAP_WIDTH);
         let exposure = map.exposure();
@@ -182,7 +182,7 @@ impl<'a> Explainer<'a> {
             view: &self.viewed.view,
             region,
             light: self.light()?,
-            sampling: self.args.brdf.into(),
+            sampling: self.args.brdf,
             illumination: &self.viewed.light,
             lights: &self.viewed.local.lights,
             spp: self.args.spp,

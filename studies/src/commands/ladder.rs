@@ -1,7 +1,7 @@
 //! `lapidary ladder`: which size of the illumination cut is enough for a picture.
 
 use crate::{
-    args::{BackendOption, BrdfOption, LocalLightArgs, ViewArgs, warn_of_buried},
+    args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
     export::create_folder,
     ladder::{self, Ladder, Settings, Summary, climb},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
@@ -9,7 +9,7 @@ use crate::{
 use anyhow::{Context, Result};
 use clap::Args;
 use lapidary_core::atomic::write_atomically;
-use lapidary_render::{LitScene, Look, Post, Renderer};
+use lapidary_render::{BrdfSampling, LitScene, Look, Post, Renderer};
 use std::path::PathBuf;
 
 /// Options of `ladder`.
@@ -23,8 +23,8 @@ pub struct LadderArgs {
           value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cuts: Vec<u32>,
     /// How the BRDF is sampled
-    #[arg(long, value_enum, default_value_t)]
-    brdf: BrdfOption,
+    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    brdf: BrdfSampling,
     /// What computes the pictures; the reference is traced on the CPU
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
@@ -46,7 +46,7 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);
     let mut scene = LitScene::new(args.backend.open()?, viewed.baked)?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
-    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf.into(), ..Settings::default() };
+    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf, ..Settings::default() };
     let ladder = climb(&mut scene, &look, &settings, None, &progress, &mut |found| {
         tell(found, console)?;
         ladder::write_picture(found, &args.out, "")

@@ -1,7 +1,7 @@
 //! `lapidary predict`: the error of a picture before any ray is traced, and how far that can be trusted.
 
 use crate::{
-    args::{BrdfOption, LocalLightArgs, ViewArgs, ViewedScene},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, choices},
     export::{check_folder, check_pictures},
     terminal::{Console, Interrupted, Outcome, ProgressReporter, StepProgress, write_json},
 };
@@ -11,7 +11,7 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
 use lapidary_render::{
-    Background, Calibration, PredictedError, Renderer, View, calibrate,
+    Background, BrdfSampling, Calibration, PredictedError, Renderer, View, calibrate,
     compare::map::{ErrorMap, error_map},
     predicted_error,
 };
@@ -34,8 +34,8 @@ pub struct PredictArgs {
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
-    #[arg(long, value_enum, default_value_t)]
-    brdf: BrdfOption,
+    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    brdf: BrdfSampling,
     /// Map to write: .png in false colors with a legend, .exr or .hdr the luminances themselves; may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
@@ -82,7 +82,7 @@ pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
     let renderer = Renderer::new(viewed.baked.clone());
     let lighting = renderer.lighting(&viewed.light, args.illum_cut);
     let progress = StepProgress::new("prediction", "pixels", &interrupt, console.quiet);
-    let predicted = predicted_error(&renderer, &viewed.view, &lighting, args.brdf.into(), &progress)?;
+    let predicted = predicted_error(&renderer, &viewed.view, &lighting, args.brdf, &progress)?;
     progress.finish();
     let Some(predicted) = predicted else { bail!(Interrupted) };
     let shown = args.kind.of(&predicted);
@@ -106,7 +106,7 @@ fn calibration(
     console: Console,
 ) -> Result<Report> {
     let view = View { background: Background::Flat(Vec3::ZERO), ..viewed.view.clone() };
-    let test = renderer.render(&view, &viewed.light, args.illum_cut, args.brdf.into()).0;
+    let test = renderer.render(&view, &viewed.light, args.illum_cut, args.brdf).0;
     let progress = StepProgress::new("reference", "pixels", interrupt, console.quiet);
     let reference = renderer.samples_reference(&view, &viewed.light, &progress);
     progress.finish();

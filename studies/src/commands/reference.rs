@@ -1,7 +1,7 @@
 //! `lapidary reference`: the picture by ray tracing.
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
     export::{check_pictures, write_pictures},
     ladder::every_sample,
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
@@ -31,8 +31,8 @@ pub struct ReferenceArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
     seed: Option<u32>,
     /// Where in the pixels paths of --kind path begin [default: shared]
-    #[arg(long, value_enum)]
-    places: Option<PlacesArg>,
+    #[arg(long, value_parser = choices::sample_positions())]
+    places: Option<SamplePositions>,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
@@ -50,23 +50,6 @@ enum Kind {
     /// Light paths from the continuous environment and from local lights by multiple importance sampling, with any
     /// number of bounces: shows the whole error, with some noise
     Path,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PlacesArg {
-    /// At the --aa places of `render`, the same in all pixels: what differs from its pictures is light alone
-    Shared,
-    /// Anywhere, in each pixel and for each --seed elsewhere: the mean over whole pixels, as other renderers have it
-    Shifted,
-}
-
-impl From<PlacesArg> for SamplePositions {
-    fn from(places: PlacesArg) -> Self {
-        match places {
-            PlacesArg::Shared => Self::Shared,
-            PlacesArg::Shifted => Self::Shifted,
-        }
-    }
 }
 
 /// Samples a pixel by default: noise about that of a clean preview.
@@ -151,6 +134,6 @@ fn path_settings(args: &ReferenceArgs, viewed: &ViewedScene) -> PathSettings {
     let bounces = args.bounces.unwrap_or(default);
     let spp = args.spp.unwrap_or(DEFAULT_SPP);
     let first_pass = args.seed.unwrap_or(0) * spp.max(viewed.view.aa);
-    let positions = args.places.map(SamplePositions::from).unwrap_or_default();
+    let positions = args.places.unwrap_or_default();
     PathSettings { spp, first_pass, bounces, components, positions }
 }

@@ -9,20 +9,24 @@ use lapidary_core::{
 use legend::Legend;
 pub use magma::{magma, magma_stops};
 use rayon::prelude::*;
+use serde::Deserialize;
 
 mod diverging;
 mod legend;
 mod magma;
 
 /// Which error a map shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ErrorMap {
     /// Root of the mean of `(a-b)² / (b² + 0.01)` over the components; the mean of its squares is
     /// [`rel_mse`](super::Metrics::rel_mse).
     #[default]
+    #[serde(rename = "rel")]
     Relative,
     /// Root of the mean of `(a-b)²` over the components, in scene-linear units; its root mean square is
     /// [`rmse`](super::Metrics::rmse).
+    #[serde(rename = "abs")]
     Absolute,
     /// Luminance of `a` less that of `b`: above zero where the test picture is too bright.
     Signed,

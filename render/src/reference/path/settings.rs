@@ -1,6 +1,7 @@
 //! The light paths of a picture.
 
 use crate::light::components::Components;
+use serde::Deserialize;
 
 /// The paths of [`Renderer::path_reference`](crate::Renderer::path_reference), and their number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +20,8 @@ pub struct PathSettings {
 }
 
 /// Positions of samples in a pixel: where in it paths begin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SamplePositions {
     /// The positions at which cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): the two pictures
     /// differ by light alone.

@@ -1,7 +1,7 @@
 //! The `bake` command.
 
 use crate::{
-    args::{PresetOption, ShotOption, TreeOption, values::vector},
+    args::{ShotOption, choices, values::vector},
     terminal::{ProgressReporter, ProgressStyle, write_json},
 };
 use anyhow::{Context, Result};
@@ -10,6 +10,7 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
     import::import,
+    light_tree::TreeKind,
 };
 use lapidary_precompute::{BakeJob, Preset, bake, resolve};
 use std::{path::PathBuf, time::Instant};
@@ -23,8 +24,8 @@ pub struct BakeArgs {
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
     /// Starting point for the options below
-    #[arg(long, value_enum, default_value_t)]
-    pub preset: PresetOption,
+    #[arg(long, default_value = "normal", value_parser = choices::preset())]
+    pub preset: Preset,
     /// Parts to bake, with commas between: environment (its visibility), indirect (surface sources, which gather a
     /// bounce of local lights), meshless (the meshless basis and its transport); cuts stands for
     /// environment,indirect, and all for all three
@@ -62,8 +63,8 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub lights: Option<usize>,
     /// Metric that the light tree is clustered by [default: mixed]
-    #[arg(long, value_enum)]
-    pub tree: Option<TreeOption>,
+    #[arg(long, value_parser = choices::tree_kind())]
+    pub tree: Option<TreeKind>,
     /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
     #[arg(long, value_name = "B")]
     pub beta: Option<f32>,
@@ -122,9 +123,9 @@ pub struct BakeArgs {
 
 impl BakeArgs {
     fn settings(&self) -> BakeSettings {
-        let mut s = Preset::from(self.preset).settings();
+        let mut s = self.preset.settings();
         s.lights = self.lights.unwrap_or(s.lights);
-        s.tree = self.tree.map_or(s.tree, Into::into);
+        s.tree = self.tree.unwrap_or(s.tree);
         s.beta = self.beta.unwrap_or(s.beta);
         s.criterion.sigma = self.sigma.unwrap_or(s.criterion.sigma);
         s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);

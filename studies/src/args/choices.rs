@@ -1,0 +1,172 @@
+//! Choices of the libraries as options: their names are those of files, and each has its line of `--help`.
+
+use super::values::choice;
+use clap::builder::TypedValueParser;
+use lapidary_core::light_tree::TreeKind;
+use lapidary_precompute::Preset;
+use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, compare::map::ErrorMap};
+
+/// Clustering metric of the light tree.
+pub fn tree_kind() -> impl TypedValueParser<Value = TreeKind> {
+    choice(&[
+        ("geometric", "Direction alone (Eq. 10 of the paper)"),
+        ("data-driven", "Pilot visibility alone (Eq. 11)"),
+        ("mixed", "Both, weighted by --beta (Eq. 12)"),
+    ])
+}
+
+/// Settings of a bake to start from.
+pub fn preset() -> impl TypedValueParser<Value = Preset> {
+    choice(&[
+        (
+            "draft",
+            "8,192 lights and surface sources, up to 30,000 vertices, a meshless basis of 4 levels: seconds for the \
+             environment alone",
+        ),
+        ("normal", "32,768 lights and surface sources, sigma 2, up to 100,000 vertices, a meshless basis of 6 levels"),
+        ("high", "Sigma 1.5 for the environment and up to 300,000 vertices, the rest as normal"),
+    ])
+}
+
+/// How the BRDF is sampled.
+pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
+    choice(&[
+        ("refine", "Halve nodes that are wider than the lobe can bear, during the merge"),
+        ("once", "Once for each node of the merged cut, as in the paper"),
+    ])
+}
+
+/// Tone curve of png files.
+pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
+    choice(&[
+        ("standard", "None: clamped and sRGB-encoded"),
+        ("reinhard", "Reinhard, on luminance"),
+        ("aces", "A fit of the ACES curves"),
+        ("agx", "AgX with its default contrast"),
+        ("pbr-neutral", "Khronos PBR Neutral"),
+    ])
+}
+
+/// How bounced light is computed.
+pub fn solution() -> impl TypedValueParser<Value = Solution> {
+    choice(&[
+        ("cuts", "One bounce by cuts over surface sources"),
+        ("meshless", "Many bounces in the meshless basis"),
+        ("cuts+meshless", "Cuts over surface sources that hold the meshless bounces"),
+    ])
+}
+
+/// Which error a map shows.
+pub fn error_map() -> impl TypedValueParser<Value = ErrorMap> {
+    choice(&[
+        ("rel", "Difference relative to the reference"),
+        ("abs", "Difference in scene-linear units"),
+        ("signed", "Difference of luminance: orange where the test picture is too bright, blue where it is too dark"),
+        ("flip", "Difference as seen, 0 to 1"),
+    ])
+}
+
+/// Where in the pixels light paths begin.
+pub fn sample_positions() -> impl TypedValueParser<Value = SamplePositions> {
+    choice(&[
+        (
+            "shared",
+            "At the --aa places of `render`, the same in all pixels: what differs from its pictures is light alone",
+        ),
+        (
+            "shifted",
+            "Anywhere, in each pixel and for each --seed elsewhere: the mean over whole pixels, as other renderers have it",
+        ),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Arg, Command};
+    use serde::{
+        Deserialize,
+        de::{
+            Deserializer, Error as _, IntoDeserializer, Visitor,
+            value::{Error, StrDeserializer},
+        },
+    };
+    use std::fmt::Debug;
+
+    /// Leaves the names of an enum's variants behind as the text of its error.
+    struct Variants;
+
+    impl<'de> Deserializer<'de> for Variants {
+        type Error = Error;
+
+        fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
+            panic!("not an enum")
+        }
+
+        fn deserialize_enum<V: Visitor<'de>>(
+            self,
+            _: &'static str,
+            variants: &'static [&'static str],
+            _: V,
+        ) -> Result<V::Value, Error> {
+            Err(Error::custom(variants.join(" ")))
+        }
+
+        serde::forward_to_deserialize_any! {
+            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit unit_struct newtype_struct
+            seq tuple tuple_struct map struct identifier ignored_any
+        }
+    }
+
+    fn variants<T: for<'de> Deserialize<'de> + Debug>() -> Vec<T> {
+        let names = T::deserialize(Variants).unwrap_err().to_string();
+        let variant = |name: &str| {
+            let name: StrDeserializer<Error> = name.into_deserializer();
+            T::deserialize(name).unwrap()
+        };
+        names.split(' ').map(variant).collect()
+    }
+
+    fn command(parser: impl TypedValueParser) -> Command {
+        Command::new("test").arg(Arg::new("choice").value_parser(clap::builder::ValueParser::new(parser)))
+    }
+
+    /// What is wrong with the list: a name that does not parse, or a variant without a name.
+    fn gaps<T>(parser: impl TypedValueParser<Value = T>) -> Vec<String>
+    where
+        T: for<'de> Deserialize<'de> + Clone + Debug + PartialEq + Send + Sync + 'static,
+    {
+        let names: Vec<_> = parser.possible_values().unwrap().collect();
+        assert!(names.iter().all(|name| name.get_help().is_some()), "{names:?}");
+        let command = command(parser);
+        let value = |name: &str| {
+            let mut matches = command.clone().try_get_matches_from(["test", name]).ok()?;
+            matches.remove_one::<T>("choice")
+        };
+        let unread = names.iter().filter(|name| value(name.get_name()).is_none());
+        let mut gaps: Vec<_> = unread.map(|name| name.get_name().to_owned()).collect();
+        let listed: Vec<T> = names.iter().filter_map(|name| value(name.get_name())).collect();
+        gaps.extend(variants::<T>().iter().filter(|variant| !listed.contains(variant)).map(|v| format!("{v:?}")));
+        gaps
+    }
+
+    #[test]
+    fn every_choice_listed_parses_and_every_variant_is_listed() {
+        let none = Vec::<String>::new();
+        assert_eq!(gaps(tree_kind()), none);
+        assert_eq!(gaps(preset()), none);
+        assert_eq!(gaps(brdf_sampling()), none);
+        assert_eq!(gaps(tone_map()), none);
+        assert_eq!(gaps(solution()), none);
+        assert_eq!(gaps(error_map()), none);
+        assert_eq!(gaps(sample_positions()), none);
+        let short = choice::<Preset>(&[("draft", "a"), ("normal", "b"), ("hgih", "c")]);
+        assert_eq!(gaps(short), ["hgih", "High"], "negative control");
+    }
+
+    #[test]
+    fn a_wrong_choice_is_told_the_right_ones() {
+        let error = command(brdf_sampling()).try_get_matches_from(["test", "twice"]).unwrap_err().to_string();
+        assert!(error.contains("possible values: refine, once"), "{error}");
+    }
+}
