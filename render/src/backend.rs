@@ -16,6 +16,7 @@ use crate::{
     view::View,
 };
 use lapidary_core::image::Image;
+use serde::Serialize;
 use std::{ops::Range, sync::Arc};
 use thiserror::Error;
 
@@ -66,6 +67,30 @@ pub struct PictureStats {
     pub mean_merged_nodes: f64,
     /// BRDF evaluations, averaged over them.
     pub mean_brdf_evaluations: f64,
+}
+
+/// How a picture was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RenderStats {
+    /// `cpu` or `gpu`.
+    pub backend: String,
+    /// Name of the graphics adapter.
+    pub adapter: Option<String>,
+    /// Wall-clock seconds for light, illumination cut and pixels.
+    pub seconds: f64,
+    /// Samples of pixels that show a surface.
+    pub pixels_shaded: u64,
+    /// Nodes of the merged cut, averaged over them.
+    pub mean_merged_nodes: f64,
+    /// BRDF evaluations, averaged over them.
+    pub mean_brdf_evaluations: f64,
+}
+
+impl From<&RenderStats> for PictureStats {
+    fn from(stats: &RenderStats) -> Self {
+        let &RenderStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, .. } = stats;
+        Self { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations }
+    }
 }
 
 /// Makes a renderer, and another one when its device is lost.

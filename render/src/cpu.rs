@@ -1,7 +1,6 @@
-//! Pictures on the cores of this machine, whole or in steps.
+//! Pictures on the cores of this machine.
 
 pub(crate) mod backend;
 pub(crate) mod display;
-mod picture;
-pub(crate) mod render;
+pub(crate) mod picture;
 pub(crate) mod surface_layers;

@@ -1,6 +1,6 @@
 //! Dataset, lighting, materials and camera to image.
 //!
-//! [`Renderer::render`] merges cuts on the CPU (paper, 4.2). [`Renderer::samples_reference`] and
+//! A [`LitScene`] shows one [`Look`] after another by merging cuts (paper, 4.2). [`Renderer::samples_reference`] and
 //! [`Renderer::path_reference`] trace rays instead: the first shows the error of the cuts, the second also that of the
 //! light samples. All three sample the pixel and look up the surface by the same code, so that edges and textures do
 //! not count as error. [`compare`] measures pictures.
@@ -35,12 +35,11 @@ mod view;
 mod view_mode;
 
 pub use appearance::Appearance;
-pub use backend::{Backend, BackendError, BackendFactory, PictureStats};
+pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats};
 pub use baked::Baked;
 pub use cpu::{
     backend::{CPU, CpuBackend},
     display::display_pixel,
-    render::RenderStats,
     surface_layers::{NO_SURFACE, SurfaceLayers},
 };
 pub use lapidary_core::image::{Region, RegionError};

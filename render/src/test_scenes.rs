@@ -1,9 +1,15 @@
 //! Scenes, lights and views that tests share, small enough for known answers.
 
 use crate::{
-    Background, Illumination, Renderer, View,
+    Background, BrdfSampling, Illumination, PictureStats, RenderStats, Renderer, SceneLighting, View,
+    cpu::picture::Picture,
     measure::compare::compare,
-    shade::surface::{FirstHit, SurfacePoint},
+    shade::{
+        background::{Backdrop, BlurCache},
+        painter::{Painter, PictureLight},
+        pixel_sampler::PixelSampler,
+        surface::{FirstHit, SurfacePoint},
+    },
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
@@ -25,7 +31,7 @@ use lapidary_core::{
     sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
-use std::f32::consts::PI;
+use std::{f32::consts::PI, time::Instant};
 
 /// Sources along each side of the wall, as a power of two.
 pub(crate) const SIDE_LOG2: u32 = 5;
@@ -336,4 +342,51 @@ pub(crate) fn linked(normal: Vec3, link: Vec3) -> Dataset {
     let transport = Transport::from_rows(&[Vec::new(), vec![(0, link)]], 2);
     dataset.meshless = Some(MeshlessBake { basis, transport });
     dataset
+}
+
+impl Renderer {
+    /// Renders the environment alone, with an illumination cut of at most `illum_cut` nodes, without the steps of a backend.
+    pub(crate) fn render(
+        &self,
+        view: &View,
+        light: &Illumination,
+        illum_cut: u32,
+        sampling: BrdfSampling,
+    ) -> (Image, RenderStats) {
+        drop(self.rig());
+        let start = Instant::now();
+        let lighting = self.lighting(light, illum_cut);
+        let (image, stats) = self.render_lit(view, light, &lighting, sampling);
+        (image, RenderStats { seconds: start.elapsed().as_secs_f64(), ..stats })
+    }
+
+    /// Renders under a light that was prepared: `light` is only seen directly.
+    pub(crate) fn render_lit(
+        &self,
+        view: &View,
+        light: &Illumination,
+        lighting: &SceneLighting,
+        sampling: BrdfSampling,
+    ) -> (Image, RenderStats) {
+        let start = Instant::now();
+        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+        let sampler = PixelSampler::new(self, view, &backdrop);
+        let light = PictureLight { environment: Some(lighting), ..Default::default() };
+        let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
+        let mut picture = Picture::new(view.size);
+        for sample in 0..view.aa.max(1) {
+            picture.add_rows(&sampler, painter, sample, 0..view.size[1]);
+        }
+        let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations } = picture.stats();
+        let seconds = start.elapsed().as_secs_f64();
+        let stats = RenderStats {
+            backend: "cpu".into(),
+            adapter: None,
+            seconds,
+            pixels_shaded,
+            mean_merged_nodes,
+            mean_brdf_evaluations,
+        };
+        (picture.read().0, stats)
+    }
 }

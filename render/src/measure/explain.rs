@@ -158,7 +158,7 @@ pub(crate) fn leaves_below(heap_index: u32, leaves: usize) -> Range<usize> {
 }
 
 impl Renderer {
-    /// Explains the centre of a pixel: its value for `light` in [`Renderer::render_lit`], with one sample per pixel.
+    /// Explains the centre of a pixel: its value for `light` in a picture with one sample per pixel.
     ///
     /// # Errors
     /// A pixel outside the picture or on no surface, and a dataset without cuts for this light.

@@ -60,7 +60,7 @@ pub struct PredictedError {
     pub expected: Image,
 }
 
-/// Predicts the error of [`Renderer::render_lit`] against [`Renderer::samples_reference`] for every pixel; `None` if cancelled.
+/// Predicts the error of a picture by cuts against [`Renderer::samples_reference`] for every pixel; `None` if cancelled.
 ///
 /// # Errors
 /// A dataset without visibility of the environment.

@@ -1,7 +1,7 @@
 //! `lapidary predict`: the error of a picture before any ray is traced, and how far that can be trusted.
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene, choices},
+    args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene, choices},
     export::{check_folder, check_pictures},
     terminal::{Console, Interrupted, Outcome, ProgressReporter, StepProgress, write_json},
 };
@@ -11,7 +11,7 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
 use lapidary_render::{
-    Background, BrdfSampling, Calibration, PredictedError, Renderer, View, calibrate,
+    Background, BrdfSampling, Calibration, LitScene, Look, PredictedError, Renderer, View, calibrate,
     compare::map::{ErrorMap, error_map},
     predicted_error,
 };
@@ -105,10 +105,13 @@ fn calibration(
     interrupt: &ProgressReporter,
     console: Console,
 ) -> Result<Report> {
-    let view = View { background: Background::Flat(Vec3::ZERO), ..viewed.view.clone() };
-    let test = renderer.render(&view, &viewed.light, args.illum_cut, args.brdf).0;
+    let ViewedScene { baked, view, light, .. } = viewed;
+    let view = View { background: Background::Flat(Vec3::ZERO), ..view.clone() };
+    let look = Look::under_environment(&baked.dataset.scene, view.clone(), light.clone());
+    let look = Look { illum_cut: args.illum_cut, sampling: args.brdf, ..look };
+    let test = LitScene::new(BackendOption::Cpu.open()?, baked.clone())?.show_whole(&look)?.image;
     let progress = StepProgress::new("reference", "pixels", interrupt, console.quiet);
-    let reference = renderer.samples_reference(&view, &viewed.light, &progress);
+    let reference = renderer.samples_reference(&view, light, &progress);
     progress.finish();
     if interrupt.cancelled() {
         bail!(Interrupted);

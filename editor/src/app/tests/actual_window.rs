@@ -4,10 +4,14 @@
 //! It keeps the cores busy for long. It may run beside any other test: all of them wait for answers longer than they take.
 
 use super::{Place, Window};
-use crate::{actions::Action, app::requests::view_of, document::Document};
+use crate::{
+    actions::Action,
+    app::requests::{illumination, view_of},
+    document::Document,
+};
 use egui_kittest::kittest::Queryable;
 use lapidary_core::{dataset::Dataset, environment::Environment, image::decode, texture::Texels};
-use lapidary_render::{Backend, CpuBackend, Illumination, LightRig};
+use lapidary_render::{Backend, CpuBackend, LitScene, Look};
 use std::{
     io::{BufRead, BufReader},
     path::{Path, PathBuf},
@@ -120,19 +124,19 @@ fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
 
 /// The picture that a document asks for.
 fn expected(document: &Document, dataset: &Arc<Dataset>, size: [u32; 2]) -> Vec<[u8; 4]> {
-    let mut cpu = CpuBackend::new();
-    cpu.set_scene(&dataset.clone().into()).unwrap();
-    cpu.set_appearance(&document.appearance()).unwrap();
     let (environment, _) = Environment::from_spec(&document.environment.spec).unwrap();
-    let settings = &document.environment;
-    let light =
-        Illumination { environment: environment.into(), rotation: settings.rotation(), intensity: settings.intensity };
-    let lighting = LightRig::new(&dataset.tree).lighting(&light, document.view.illum_cut);
-    cpu.set_light(&light, &lighting.into()).unwrap();
-    let view = view_of(document, size);
-    cpu.begin(&view, document.view.sampling).unwrap();
-    (0..view.aa).for_each(|sample| cpu.render_rows(sample, 0..size[1]).unwrap());
-    cpu.display(&document.view.post, view.aa).unwrap()
+    let light = illumination(document, environment.into());
+    let look = Look {
+        appearance: document.appearance(),
+        illum_cut: document.view.illum_cut,
+        sampling: document.view.sampling,
+        post: document.view.post,
+        ..Look::under_environment(&dataset.scene, view_of(document, size), light)
+    };
+    let backend: Box<dyn Backend> = Box::new(CpuBackend::new());
+    let mut scene = LitScene::new(backend, dataset.clone().into()).unwrap();
+    scene.show_whole(&look).unwrap();
+    scene.display(&look.post).unwrap()
 }
 
 /// What the test needs that is missing.

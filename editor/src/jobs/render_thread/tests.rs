@@ -8,7 +8,7 @@ use fake::{Fake, Log, Shared};
 use glam::Vec3;
 use lapidary_core::{lights::Light, material::Material, test_scenes};
 use lapidary_render::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, Post, Renderer,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Post,
     Solution, View, test_looks::plain_look,
 };
 use lapidary_studies::jobs::testing::{silent, wait_for};
@@ -302,13 +302,10 @@ fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
         Some(RenderEvent::Picture { result, .. }) => Some(result.unwrap()),
         _ => None,
     });
-    let renderer = Renderer::new(dataset);
-    let (light, cut) = (&request.look.light, request.look.illum_cut);
-    assert!(picture.image == renderer.render(&request.look.view, light, cut, request.look.sampling).0);
+    let backend: Box<dyn Backend> = Box::new(CpuBackend::new());
+    let mut headless = LitScene::new(backend, dataset.into()).unwrap();
+    assert!(picture.image == headless.show_whole(&request.look).unwrap().image);
     assert!(picture.coverage.iter().any(|&c| c > 0.0) && picture.coverage.contains(&0.0));
     request.look.view.aa = 1;
-    assert!(
-        picture.image != renderer.render(&request.look.view, light, cut, request.look.sampling).0,
-        "negative control"
-    );
+    assert!(picture.image != headless.show_whole(&request.look).unwrap().image, "negative control");
 }
