@@ -1,7 +1,7 @@
 //! Adapter, device and what they allow. The one place that says what the renderer needs: WebGPU's default limits and no
 //! optional feature; where the adapter has more room, it is used.
 
-use crate::backend::BackendError;
+use crate::{backend::BackendError, remedy::Remedy};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device and its queue.
@@ -81,7 +81,7 @@ impl GpuDevice {
         unit: &'static str,
         needed: u64,
         limit: u64,
-        remedy: &'static str,
+        remedy: Remedy,
     ) -> Result<(), BackendError> {
         if needed <= limit {
             return Ok(());
