@@ -8,44 +8,44 @@ use lapidary_studies::{
     terminal::{Console, Outcome},
 };
 
-const ABOUT: &str = "Relight scenes with visibility that was baked once: noise-free shadows and reflections of whole \
-environments, for any material, and always measured against ray tracing.";
+const ABOUT: &str = "Relights scenes whose visibility was baked once. Shadows and reflections of whole environments are \
+free of noise, for any material, and are measured against ray tracing.";
 
 const TUTORIAL: &str = "\
-`lapidary` alone opens the window with a still life to try things on.
+`lapidary` without a command opens the window with a still life.
 
-A first tour of the command line, on the data that comes with the program:
+To try the command line on the bundled data:
 
   lapidary demo
       bakes a still life, renders it, traces the references, and writes a report:
       out/demo/report.html
 
-Then with a scene of your own:
+With your own scene:
 
   lapidary bake scene.gltf -o scene.cuts --preset draft
-      bakes its visibility; draft takes seconds to a minute, normal and high are finer
+      bakes its visibility; draft takes up to a minute, normal and high are finer and take longer
   lapidary info scene.cuts
-      says what is in the dataset: mesh, light tree, cut sizes, error, bytes, times
+      describes the dataset: mesh, light tree, cut sizes, error, bytes, times
   lapidary verify scene.cuts
-      traces some vertices again, ray by ray, and compares
+      traces some vertices again and compares
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
-      relights it: any environment, turned by any angle, without a new bake
+      relights it by any environment at any rotation, without a new bake
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
       gives the whole scene another material
   lapidary render scene.cuts --lights lamps.json --out night.png
-      lights it by lamps: {\"lights\": [{\"kind\": \"point\", \"position\": [0, 2, 0], \"intensity\": [9, 8, 6]}]}
+      lights it by local lights: {\"lights\": [{\"kind\": \"point\", \"position\": [0, 2, 0], \"intensity\": [9, 8, 6]}]}
   lapidary reference scene.cuts --env sky.hdr --rotate 30 --out truth.exr
-      traces rays for the same picture: slower, and right
+      renders the same picture by ray tracing, as a reference
   lapidary compare sky.exr truth.exr --map rel --out error.png
-      measures the difference, and draws where it is
+      measures the error and draws it as a map
   lapidary ladder scene.cuts --env sky.hdr --size 160x120 --out ladder
-      the same picture at growing light cuts against ray tracing: which size is enough
+      finds the size of the illumination cut that is enough, against ray tracing
 
 `lapidary COMMAND --help` explains every option.
 
 Exit codes:
   0    done
-  1    an error, which is told on standard error
+  1    an error; standard error says which
   2    wrong options
   3    `compare` found a metric out of bounds
   130  stopped by Ctrl-C";
@@ -54,7 +54,8 @@ Exit codes:
 #[derive(Parser)]
 #[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, max_term_width = 110)]
 pub struct Cli {
-    /// No progress, warnings, notes or summaries; errors are still printed, and what `info` and `verify` are asked for
+    /// Print no progress, warnings, notes or summaries; errors and the output of `info` and `verify` are still
+    /// printed
     #[arg(long, global = true)]
     pub quiet: bool,
     /// What to do; without a command the window opens.
@@ -72,10 +73,10 @@ impl Cli {
 /// What to do.
 #[derive(Clone, Subcommand)]
 pub enum Command {
-    /// Open the window: load a scene, bake it, edit materials and light (the default without a command)
+    /// Open the window: load a scene, bake it, edit materials and light (the default command)
     #[command(after_help = "\
-Without a file the bundled still life opens; its bake is made on the first start and kept in the cache folder.
-A scene's bake is looked for beside it (NAME.cuts). F1 shows the keys.
+Without a file the bundled still life opens. The first start bakes it and keeps the bake in the cache folder.
+The bake of a scene is expected beside it (NAME.cuts). F1 shows the keys.
 
 Examples:
   lapidary

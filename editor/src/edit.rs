@@ -12,7 +12,7 @@ pub struct EditArgs {
     /// A scene (.gltf, .glb, .obj, .ply), a dataset (.cuts) or a session (.lapidary) [default: the bundled still life]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    /// What computes the pictures
+    /// What renders the pictures
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
     /// Folder with the bundled scenes and environments [default: that of the source tree]

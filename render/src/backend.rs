@@ -12,33 +12,29 @@ use crate::{
         local::LocalLighting,
     },
     post::Post,
+    remedy::{Remedy, Wording},
     shade::merge::BrdfSampling,
     view::View,
 };
 use lapidary_core::image::Image;
 use serde::Serialize;
-use std::{ops::Range, sync::Arc};
+use std::{error::Error, fmt, ops::Range, sync::Arc};
 use thiserror::Error;
 
 /// Why a renderer cannot go on.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum BackendError {
     /// There is nothing to render on.
-    #[error(
-        "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, or use --backend cpu"
-    )]
     NoAdapter {
         /// Why none can be used.
         reason: String,
     },
     /// The adapter went away or was reset.
-    #[error("the graphics device was lost ({reason}); the renderer starts again on it, or use --backend cpu")]
     DeviceLost {
         /// Message of the driver.
         reason: String,
     },
     /// Something is larger than the adapter can hold.
-    #[error("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}")]
     Limit {
         /// The data that are too large.
         what: &'static str,
@@ -52,11 +48,42 @@ pub enum BackendError {
         adapter: String,
         /// The remedy.
         remedy: &'static str,
+        /// What to do; the CPU has no such limit on what is baked.
+        remedy: Remedy,
     },
     /// The driver refused.
-    #[error("the graphics driver failed ({0}); update it, or use --backend cpu")]
     Driver(String),
 }
+
+impl BackendError {
+    /// In words, with remedies told by `wording`.
+    pub fn text(&self, wording: Wording) -> String {
+        let cpu = wording(Remedy::Cpu);
+        match self {
+            Self::NoAdapter { reason } => format!(
+                "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, \
+                 or {cpu}"
+            ),
+            Self::DeviceLost { reason } => {
+                format!("the graphics device was lost ({reason}); the renderer starts again on it, or {cpu}")
+            }
+            Self::Limit { what, needed, limit, unit, adapter, remedy } => {
+                let or_cpu = if *remedy == Remedy::SmallerPicture { String::new() } else { format!(", or {cpu}") };
+                let remedy = wording(*remedy);
+                format!("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}{or_cpu}")
+            }
+            Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
+        }
+    }
+}
+
+impl fmt::Display for BackendError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text(Remedy::words))
+    }
+}
+
+impl Error for BackendError {}
 
 /// Work done for the picture so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

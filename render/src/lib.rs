@@ -25,6 +25,7 @@ mod look;
 mod measure;
 mod post;
 mod reference;
+mod remedy;
 mod renderer;
 mod shade;
 #[cfg(any(test, feature = "test-scenes"))]
@@ -68,6 +69,7 @@ pub use reference::{
     },
     samples::SampledLight,
 };
+pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
 pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use view::{Background, Preview, Progress, Quiet, View};

@@ -38,16 +38,16 @@ use verify::VerifyArgs;
 /// A command that needs no window.
 #[derive(Clone, Subcommand)]
 pub enum Command {
-    /// Show all of it on bundled data: bake, render, trace, compare, and write a report to look at
+    /// Bake, render, trace and compare the bundled still life, and write a report
     #[command(after_help = "\
-Takes under two minutes on two cores. Writes pictures (PNG and EXR), report.json (every figure) and report.html.
+It takes under two minutes on two cores. It writes pictures (PNG and EXR), report.json (all figures) and report.html.
 
 Example:
   lapidary demo --out /tmp/demo")]
     Demo(DemoArgs),
     /// Bake a scene's visibility into a dataset
     #[command(after_help = "\
-Ctrl-C leaves a checkpoint beside the output (exit code 130); the same command with --resume goes on from there.
+Ctrl-C leaves a checkpoint beside the output (exit code 130). The same command with --resume continues from it.
 Units are metres. The result is the same, bit for bit, for any number of threads and chunks.
 
 Examples:
@@ -58,11 +58,11 @@ Examples:
     /// Describe a dataset
     #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
     Info(InfoArgs),
-    /// Trace random vertices of a dataset again and compare
-    #[command(after_help = "Fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
+    /// Trace random vertices of a dataset again, and compare
+    #[command(after_help = "It fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
 verify scene.cuts --vertices 1000")]
     Verify(VerifyArgs),
-    /// Render with cuts: seconds, free of noise
+    /// Render a picture with cuts, free of noise, in seconds
     #[command(after_help = "\
 Examples:
   lapidary render scene.cuts --env sky.hdr --out picture.png
@@ -73,11 +73,11 @@ Examples:
   lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr
   lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth")]
     Render(RenderArgs),
-    /// Render turntables and sweeps of any parameter as image sequences
+    /// Render turntables and parameter sweeps as image sequences
     #[command(after_help = "\
-What turns, turns about the vertical through the point that the camera looks at. Visibility was baked for the scene as
-it stands, so --turn object turns it as a whole: camera, environment and lights go the other way together.
-Turn and sweeps run together. Ctrl-C leaves the finished frames (exit code 130); the same command with --resume goes on.
+Turns are about the vertical through the camera's target. Visibility was baked for the scene as it stands, so
+--turn object turns the whole scene: camera, environment and lights turn the other way together.
+A turn and sweeps run together. Ctrl-C keeps the finished frames (exit code 130). The same command with --resume continues.
 
 Examples:
   lapidary sequence scene.cuts --env studio --turn object --frames 48 --out turn/frame.####.png
@@ -86,17 +86,17 @@ Examples:
   lapidary sequence scene.cuts --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
-    /// Measure how long a frame takes, by pass and size of the illumination cut
+    /// Measure the time of a frame, by pass and size of the illumination cut
     #[command(after_help = "\
-Prints medians. The passes wait for each other, which an editor's frames need not.
+It prints medians. Here each pass waits for the one before; in the window they may overlap.
 
 Examples:
   lapidary bench scene.cuts --size 1920x1080 --json
   lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5")]
     Bench(BenchArgs),
-    /// Trace rays for the same picture, to measure against
+    /// Render the same picture by ray tracing, as a reference
     #[command(after_help = "\
-Ctrl-C writes the picture as far as it is (exit code 130).
+Ctrl-C writes the unfinished picture (exit code 130).
 
 Examples:
   lapidary reference scene.cuts --env sky.hdr --out truth.exr
@@ -104,61 +104,62 @@ Examples:
   lapidary reference scene.cuts --lights lamps.json --kind path --bounces 4 --spp 256 --out truth.exr
   lapidary reference scene.cuts --lights lamps.json --kind path --bounces 1 --components indirect --out bounce.exr")]
     Reference(ReferenceArgs),
-    /// Measure the dataset's solutions of bounced light against light paths
+    /// Measure each solution of bounced light against light paths
     #[command(after_help = "\
-Takes minutes: paths are noisy, and the noise is estimated and taken off the error. Writes bounces.json and, for each
-solution, a picture of reference, solution and error side by side (PNG) and the pictures themselves (EXR).
+It takes minutes. Light paths are noisy; their noise is estimated and subtracted from the error. It writes bounces.json
+and, for each solution, reference, solution and error side by side (PNG) and the pictures themselves (EXR).
 
 Examples:
   lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
   lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
     Bounces(BouncesArgs),
-    /// Find out which size of the illumination cut is enough for a shot
+    /// Find the size of the illumination cut that is enough for a shot
     #[command(after_help = "\
-Renders at each size, traces every light sample for the same picture, and measures. Writes all pictures (PNG and EXR),
-sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The reference takes longest, in
-proportion to pixels and lights: begin with a small --size.
+It renders the picture at each size, traces every light sample as a reference, and measures the error. It writes all
+pictures (PNG and EXR), sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The
+reference takes longest, in proportion to pixels and lights: start with a small --size.
 
 Examples:
   lapidary ladder scene.cuts --env studio --size 160x120 --out ladder
   lapidary ladder scene.cuts --env sky.hdr --roughness 0.2 --metalness 1 --illum-cuts 128,256,512,1024 --out ladder")]
     Ladder(LadderArgs),
-    /// Measure the paper's figures anew: clusters, wavelets, cut sizes, the table, and errors by setting
+    /// Reproduce the paper's figures: clusters, wavelets, cut sizes, the table, and errors by setting
     #[command(after_help = "\
-Runs unattended, for some tens of minutes on two cores over the bundled scenes, and writes one page with pictures,
-evidence.html, and evidence.json. A figure that is done is on disk before the next begins; Ctrl-C keeps it (exit code 130).
+It runs unattended; the bundled scenes take some tens of minutes on two cores. It writes evidence.html, one page with
+pictures, and evidence.json. Each figure is on disk before the next begins; Ctrl-C keeps them (exit code 130).
 
 Examples:
   lapidary evidence --out evidence
   lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
   lapidary evidence --out try --quick")]
     Evidence(EvidenceArgs),
-    /// Explain a pixel by its merged cut, and split the error of a picture by causes
+    /// Explain a pixel by its merged cut, and split the error of a picture into its causes
     #[command(after_help = "\
-Writes explain.json; of the pixel its merged cut drawn on the map of directions (cut.png), what rays find there (traced.png), and
-where interpolated visibility lets light through (red) or holds it back (blue, visibility.png); of the region the pictures between
-the rendered one and light paths, two neighbours of which differ in one factor (EXR, and all in split.png, below each what the step
-to the next one changes). Takes seconds for a pixel and its surroundings, minutes for a picture.
+It writes explain.json. For the pixel it writes the merged cut on the map of directions (cut.png), the light that rays
+find there (traced.png), and where interpolated visibility lets light through (red) or blocks it (blue, visibility.png).
+For the region it writes a series of pictures from the rendered one to light paths. Each differs from the next in one
+factor (EXR; split.png shows all, and below each the change to the next). It takes seconds for a pixel and its
+surroundings, minutes for a picture.
 
 Examples:
   lapidary explain scene.cuts --env sky.hdr --pixel 320,240 --out why
   lapidary explain scene.cuts --env sky.hdr --region 100,80,200,150 --spp 1024 --out why
   lapidary explain room.cuts --lights lamps.json --tree sources --pixel 320,240 --no-split --out why")]
     Explain(ExplainArgs),
-    /// Predict the error of a picture without tracing a ray, by the variances of what its clusters average
+    /// Predict the error of a picture from the variances in its clusters, without tracing rays
     #[command(after_help = "\
-The bound adds up what every cluster could err by; with --calibrate the error that is really there is traced, and the table tells
-how much of it the bound holds and how well it sorts pixels by their error.
+The bound is the sum of the error bounds of all clusters. --calibrate traces the true error; a table then tells for how
+many pixels the bound holds, and how well it ranks pixels by their error.
 
 Examples:
   lapidary predict scene.cuts --env sky.hdr --out predicted.png --out predicted.exr
   lapidary predict scene.cuts --env sky.hdr --kind expected --size 320x240 --calibrate --out predicted.png")]
     Predict(PredictArgs),
-    /// Measure how far a picture is from a reference
+    /// Measure the error of a picture against a reference
     #[command(after_help = "\
-rmse, rel_rmse, rel_mse: on scene-linear values, 0 for equal pictures.
-psnr (decibels), ssim (1 for equal), flip (0 for equal): on what a display shows.
-Bounds compare literally: for psnr and ssim, where larger is better, use --fail-below.
+rmse, rel_rmse and rel_mse use scene-linear values; equal pictures have 0.
+psnr (decibels), ssim (1 for equal pictures) and flip (0 for equal pictures) use displayed values.
+For psnr and ssim larger is better: use --fail-below.
 
 Examples:
   lapidary compare picture.exr truth.exr
@@ -166,10 +167,10 @@ Examples:
   lapidary compare layers.exr truth.exr --layer indirect
   lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
     Compare(CompareArgs),
-    /// Write the scene for another renderer, to measure against it
+    /// Write the scene for another renderer, to compare with it
     #[command(after_help = "\
-Takes the view, material and light options of `render`. materials.xml has Mitsuba's nearest BSDFs; materials-exact.xml
-has the formulas of this program, for the plugin in tests/crosscheck.
+It takes the view, material and light options of `render`. materials.xml has Mitsuba's closest BSDFs. materials-exact.xml
+has this program's formulas, for the plugin in tests/crosscheck.
 
 Examples:
   lapidary export scene.cuts --env sky.hdr --rotate 30 --mitsuba /tmp/scene

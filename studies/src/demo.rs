@@ -27,7 +27,7 @@ use std::{
 /// Options of `demo`.
 #[derive(Args, Clone, Debug)]
 pub struct DemoArgs {
-    /// Folder for pictures, report.json and report.html; it is created if it is not there
+    /// Folder for pictures, report.json and report.html; it is created if missing
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
     /// Folder with the bundled scenes and environments [default: that of the source tree]

@@ -30,19 +30,19 @@ use std::path::PathBuf;
 /// Options of `evidence`.
 #[derive(Args, Clone, Debug)]
 pub struct EvidenceArgs {
-    /// Folder for the pictures, evidence.json and evidence.html; it is created if it is not there
+    /// Folder for the pictures, evidence.json and evidence.html; it is created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Further scenes: .obj, .gltf, .glb or .ply
     #[arg(long, value_name = "FILE", num_args = 1..)]
     scenes: Vec<PathBuf>,
-    /// Leave the bundled scenes out
+    /// Leave out the bundled scenes
     #[arg(long, requires = "scenes")]
     no_bundled: bool,
     /// Environment, as for `render`: a file, or constant:R,G,B, sun-sky:ELEVATION, studio or orientation
     #[arg(long, value_name = "MAP", default_value = "studio")]
     env: String,
-    /// Few lights, vertices and pixels: to see that all of it works, in a minute; the figures mean little
+    /// Use few lights, vertices and pixels, to check in a minute that everything works; the figures mean little
     #[arg(long)]
     quick: bool,
     /// Folder with the bundled scenes [default: that of the source tree]

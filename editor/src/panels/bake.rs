@@ -14,7 +14,7 @@ mod views;
 
 pub use estimate::SceneStats;
 pub use progress::line;
-pub use setting_names::control_name;
+pub use setting_names::{control_name, remedy_control};
 pub use stale::stale_reasons;
 #[cfg(test)]
 pub use tests::test_dataset;

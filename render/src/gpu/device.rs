@@ -1,7 +1,7 @@
 //! Adapter, device and their limits. This is the one place that states the needs of the renderer: WebGPU's default
 //! limits and no optional feature. Where the adapter has more room, it is used.
 
-use crate::backend::BackendError;
+use crate::{backend::BackendError, remedy::Remedy};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device and its queue.
@@ -81,7 +81,7 @@ impl GpuDevice {
         unit: &'static str,
         needed: u64,
         limit: u64,
-        remedy: &'static str,
+        remedy: Remedy,
     ) -> Result<(), BackendError> {
         if needed <= limit {
             return Ok(());

@@ -4,7 +4,7 @@ use super::{
     device::GpuDevice,
     layout::{Triangle, Vertex, constants::TWO_SIDED},
 };
-use crate::{backend::BackendError, view_mode::visibility_cuts};
+use crate::{backend::BackendError, remedy::Remedy, view_mode::visibility_cuts};
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
@@ -43,7 +43,7 @@ impl GpuScene {
         let mesh = &dataset.scene.mesh;
         let bytes = |count: usize, size: usize| count as u64 * size as u64;
         let limit = gpu.max_storage_bytes();
-        let remedy = "bake with a smaller --max-vertices, or use --backend cpu";
+        let remedy = Remedy::FewerVertices;
         gpu.within("the vertices", "bytes", bytes(mesh.positions.len(), size_of::<Vertex>()), limit, remedy)?;
         gpu.within("the triangles", "bytes", bytes(mesh.triangles.len(), size_of::<Triangle>()), limit, remedy)?;
         Ok(Self {
@@ -108,7 +108,7 @@ fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<wgpu::TextureView, 
     let texels = cuts.nodes().len() / NODES_PER_TEXEL;
     let rows = texels.div_ceil(TEXTURE_WIDTH).max(1);
     let limit = gpu.limits.max_texture_dimension_2d as u64;
-    let remedy = "bake with larger sigmas or fewer vertices, or use --backend cpu";
+    let remedy = Remedy::SmallerCuts;
     gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, remedy)?;
     Ok(cut_texture(gpu, "visibility cuts", cuts.nodes()))
 }

@@ -2,12 +2,12 @@
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},
+    remedy::{Remedy, Wording},
     shade::node_field::{NodeField, SourceField},
 };
 use lapidary_core::{cut::packed::PackedCuts, dataset::Dataset};
 use serde::Serialize;
-use std::sync::Arc;
-use thiserror::Error;
+use std::{error::Error, fmt, sync::Arc};
 
 /// Light on a tree, with its illumination cut.
 #[derive(Clone, Copy, Debug)]
@@ -48,15 +48,32 @@ pub enum TreeOf {
 }
 
 /// Why nothing can be said about the cuts over a tree.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoCuts {
     /// Visibility of the environment was not baked.
-    #[error("the dataset has no visibility of the environment; bake it with --mode environment, cuts or all")]
     Environment,
     /// Surface sources were not baked.
-    #[error("the dataset has no surface sources; bake it with --mode indirect, cuts or all")]
     Sources,
 }
+
+impl NoCuts {
+    /// In words, with remedies told by `wording`.
+    pub fn text(self, wording: Wording) -> String {
+        let (what, remedy) = match self {
+            Self::Environment => ("visibility of the environment", Remedy::EnvironmentBake),
+            Self::Sources => ("surface sources", Remedy::SourceBake),
+        };
+        format!("the dataset has no {what}; {}", wording(remedy))
+    }
+}
+
+impl fmt::Display for NoCuts {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.text(Remedy::words))
+    }
+}
+
+impl Error for NoCuts {}
 
 impl<'a> CutLight<'a> {
     /// Which light it is.

@@ -1,5 +1,6 @@
 //! The option that says what computes pictures, for the window and the commands alike.
 
+use crate::terminal::remedy_option;
 use clap::ValueEnum;
 use lapidary_render::{
     Backend, BackendError, CpuBackend,
@@ -9,12 +10,12 @@ use lapidary_render::{
 /// What computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum BackendOption {
-    /// The graphics adapter if there is one that is not emulated, else the CPU
+    /// The graphics adapter; the CPU if there is none or only an emulated one
     #[default]
     Auto,
-    /// The graphics adapter, also an emulated one; an error if there is none
+    /// The graphics adapter, even an emulated one; an error if there is none
     Gpu,
-    /// All cores of this machine
+    /// All cores of the CPU
     Cpu,
 }
 
@@ -35,7 +36,7 @@ impl BackendOption {
                 Ok(gpu) => Ok(Some(gpu)),
                 Err(BackendError::NoAdapter { .. }) => Ok(None),
                 Err(error) => {
-                    eprintln!("warning: rendering on the CPU: {error}");
+                    eprintln!("warning: rendering on the CPU: {}", error.text(remedy_option));
                     Ok(None)
                 }
             },

@@ -20,26 +20,26 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
     choice(&[
         (
             "draft",
-            "8,192 lights and surface sources, up to 30,000 vertices, a meshless basis of 4 levels: seconds for the \
+            "8,192 lights and surface sources, up to 30,000 vertices, a meshless basis of 4 levels; takes seconds for the \
              environment alone",
         ),
         ("normal", "32,768 lights and surface sources, sigma 2, up to 100,000 vertices, a meshless basis of 6 levels"),
-        ("high", "Sigma 1.5 for the environment and up to 300,000 vertices, the rest as normal"),
+        ("high", "As normal, with sigma 1.5 for the environment and up to 300,000 vertices"),
     ])
 }
 
 /// How the BRDF is sampled.
 pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
     choice(&[
-        ("refine", "Halve nodes that are wider than the lobe can bear, during the merge"),
-        ("once", "Once for each node of the merged cut, as in the paper"),
+        ("refine", "Split nodes that are too wide for the lobe, during the merge"),
+        ("once", "Once per node of the merged cut, as in the paper"),
     ])
 }
 
 /// Tone curve of png files.
 pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
     choice(&[
-        ("standard", "None: clamped and sRGB-encoded"),
+        ("standard", "No curve: clamped and sRGB-encoded"),
         ("reinhard", "Reinhard, on luminance"),
         ("aces", "A fit of the ACES curves"),
         ("agx", "AgX with its default contrast"),
@@ -50,9 +50,9 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
 /// How bounced light is computed.
 pub fn solution() -> impl TypedValueParser<Value = Solution> {
     choice(&[
-        ("cuts", "One bounce by cuts over surface sources"),
-        ("meshless", "Many bounces in the meshless basis"),
-        ("cuts+meshless", "Cuts over surface sources that hold the meshless bounces"),
+        ("cuts", "One bounce, by cuts over surface sources"),
+        ("meshless", "Many bounces, in the meshless basis"),
+        ("cuts+meshless", "Meshless bounces added to the surface sources, gathered by cuts"),
     ])
 }
 
@@ -71,11 +71,11 @@ pub fn sample_positions() -> impl TypedValueParser<Value = SamplePositions> {
     choice(&[
         (
             "shared",
-            "At the --aa places of `render`, the same in all pixels: what differs from its pictures is light alone",
+            "At the --aa sample positions of `render`, the same in all pixels: its pictures differ by light alone",
         ),
         (
             "shifted",
-            "Anywhere, in each pixel and for each --seed elsewhere: the mean over whole pixels, as other renderers have it",
+            "Anywhere, different in each pixel and for each --seed: the mean over whole pixels, as in other renderers",
         ),
     ])
 }

@@ -19,14 +19,15 @@ const DARK: &str = "constant:0,0,0";
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
-    /// Environment: the path of a latitude-longitude .hdr or .exr, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to
-    /// 90), studio, orientation or none [default: studio, none with --lights or if it was not baked]
+    /// Environment map: a latitude-longitude .hdr or .exr file, or one of constant:R,G,B, sun-sky:ELEVATION (0 to 90
+    /// degrees), studio, orientation and none [default: studio; none with --lights or if the dataset was baked
+    /// without the environment]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
-    /// Turn the environment about the vertical, in degrees, counter-clockwise seen from above
+    /// Rotation of the environment about the vertical in degrees, counter-clockwise seen from above
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
     rotate: f32,
-    /// Scale the environment's radiance, 0 or more
+    /// Factor on the environment's radiance, 0 or more
     #[arg(long, value_name = "X", default_value = "1", value_parser = values::non_negative)]
     intensity: f32,
 }
@@ -37,19 +38,19 @@ pub(super) struct EnvironmentArgs {
 pub struct LocalLightArgs {
     // The brackets are of JSON, no links.
     #[allow(rustdoc::broken_intra_doc_links)]
-    /// Local lights as JSON, or none: {"lights": [{"kind": "point|spot|directional|rectangle", "position": [x,y,z],
-    /// "target": [x,y,z], "intensity": [r,g,b], ...}]}; spots have cone_degrees (axis to edge) and penumbra_degrees,
-    /// rectangles width and height in metres. Intensity is in W/sr; of directional lights the irradiance in W/m², of
-    /// rectangles the radiance in W/(m² sr) [default: the lights of the scene]
+    /// Local lights: a JSON file, or none. The file holds {"lights": [{"kind": "point|spot|directional|rectangle",
+    /// "position": [x,y,z], "target": [x,y,z], "intensity": [r,g,b], ...}]}. Spots have cone_degrees (axis to edge)
+    /// and penumbra_degrees; rectangles have width and height in metres. Intensity is in W/sr; for directional lights
+    /// it is the irradiance in W/m², for rectangles the radiance in W/(m² sr) [default: the lights of the scene]
     #[arg(long, value_name = "FILE.json")]
     lights: Option<PathBuf>,
-    /// What of the light is in the picture, a comma list of environment (its direct light, and itself behind the scene),
-    /// direct (direct light of local lights) and indirect (all that bounced) [default: what there is; without indirect in a
-    /// reference]
+    /// Components of the light in the picture, separated by commas: environment (its direct light, and the
+    /// background), direct (direct light of local lights) and indirect (bounced light) [default: all that the dataset
+    /// has; references leave indirect out]
     #[arg(long, value_name = "LIST")]
     components: Option<Components>,
-    /// How bounced light is computed from the dataset; light paths need none of it [default: cuts if they are baked, else
-    /// meshless; all of them with bounces]
+    /// How bounced light is computed from the dataset; light paths do not use it [default: cuts if baked, else
+    /// meshless; `bounces` measures all]
     #[arg(long, value_parser = choices::solution())]
     solution: Option<Solution>,
 }
@@ -91,8 +92,8 @@ impl EnvironmentArgs {
             Some(NONE) => light,
             Some(_) => {
                 console.warning(
-                    "the environment lights nothing in pictures of this dataset, which was baked without it, but does \
-                     so in light paths; bake with --mode cuts or all, or add --env none",
+                    "only light paths show light of the environment: the dataset was baked without it; bake with \
+                     --mode cuts or all, or add --env none",
                 );
                 light
             }
@@ -142,7 +143,7 @@ impl LocalLights {
                 Solution::Cuts => bail!("the dataset has no surface sources; bake it with --mode indirect"),
                 Solution::Meshless => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
                 Solution::CutsMeshless => {
-                    bail!("the dataset has not both surface sources and a meshless basis; bake it with --mode all")
+                    bail!("the dataset lacks surface sources or a meshless basis; bake it with --mode all")
                 }
             }
         }

@@ -8,19 +8,19 @@ use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
 /// How pictures are made and shown.
 #[derive(Args, Clone, Debug)]
 pub struct PictureArgs {
-    /// Most nodes of the illumination cut, 1 to 32768: more follow small lights more closely, and cost time
+    /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
-    /// Stops by which png files are brighter; exr and hdr files are scene-linear and stay as they are
+    /// Exposure of png files in stops; exr and hdr files stay scene-linear
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
     exposure: f32,
     /// Tone curve of png files
     #[arg(long, default_value = "standard", value_parser = choices::tone_map())]
     tone_map: ToneMap,
-    /// What computes
+    /// What renders
     #[arg(long, value_enum, default_value_t)]
     pub backend: BackendOption,
 }

@@ -31,7 +31,7 @@ impl ShotOption {
             return Ok(Self::Camera(text.to_owned()));
         };
         if rest.len() > 2 {
-            return Err("give EYE:TARGET:DEGREES:ASPECT, of which the last two can be left out".into());
+            return Err("give EYE:TARGET:DEGREES:ASPECT; the last two can be left out".into());
         }
         let number = |i: usize, default: f32| match rest.get(i) {
             Some(text) => text.trim().parse().map_err(|_| format!("\"{text}\" is no number")),
@@ -42,8 +42,8 @@ impl ShotOption {
         if shot.is_valid() {
             Ok(Self::Free(shot))
         } else {
-            Err("it looks nowhere; eye and target must differ, the field of view lie between 0 and 180 degrees, and width \
-                 over height be above 0"
+            Err("the camera is invalid; eye and target must differ, the field of view must lie between 0 and 180 degrees, \
+                 and width over height must be above 0"
                 .into())
         }
     }

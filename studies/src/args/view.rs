@@ -37,16 +37,16 @@ pub struct ViewArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Material (any of these replaces all materials of the scene by one)")]
 struct MaterialArgs {
-    /// Perceptual roughness of a GGX material, 0 to 1; its alpha is the square [default with the others: 0.5]
+    /// Perceptual roughness of a GGX material, 0 to 1; alpha is its square [default if another is given: 0.5]
     #[arg(long, value_name = "R", value_parser = values::fraction)]
     roughness: Option<f32>,
-    /// Base color of a GGX material, linear, each 0 to 1 [default with the others: 0.8,0.8,0.8]
+    /// Base color of a GGX material, linear, each component 0 to 1 [default if another is given: 0.8,0.8,0.8]
     #[arg(long, value_name = "R,G,B", value_parser = values::color)]
     base_color: Option<Vec3>,
-    /// Metalness of a GGX material, 0 to 1 [default with the others: 0]
+    /// Metalness of a GGX material, 0 to 1 [default if another is given: 0]
     #[arg(long, value_name = "M", value_parser = values::fraction)]
     metalness: Option<f32>,
-    /// Material of any model, with textures, as JSON
+    /// Material of any model, with textures, as a JSON file
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["roughness", "base_color", "metalness"])]
     material: Option<PathBuf>,
 }
@@ -54,8 +54,8 @@ struct MaterialArgs {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "View")]
 struct CameraArgs {
-    /// Camera of the scene, by name, or "Shot 1" and so on for the shots that it was baked for [default: the first shot, or
-    /// else the first camera, or a view of the whole scene if it has none]
+    /// Camera by name: one of the scene, or "Shot 1" and so on for the shots of the bake [default: the first shot,
+    /// else the first camera of the scene, else a view of the whole scene]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// Position of the eye in metres [default: that of the camera]
@@ -64,16 +64,16 @@ struct CameraArgs {
     /// Point to look at in metres [default: that of the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     target: Option<Vec3>,
-    /// Vertical field of view in degrees, 1 to 170 [default: that of the camera, 40 with --eye and --target]
+    /// Vertical field of view in degrees, 1 to 170 [default: that of the camera; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     fov: Option<f32>,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
     size: [u32; 2],
-    /// Samples a pixel, 1 to 256; 1 is its center
+    /// Samples per pixel, 1 to 256; 1 is the pixel's center
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     aa: u32,
-    /// What is seen where there is no surface; black leaves the environment out of measured errors
+    /// What pixels without a surface show; black leaves the environment out of measured errors
     #[arg(long, value_enum, default_value_t)]
     background: BackgroundOption,
 }
@@ -84,11 +84,11 @@ enum BackgroundOption {
     /// The environment
     #[default]
     Environment,
-    /// The environment out of focus
+    /// The environment, blurred
     Blurred,
     /// Black
     Black,
-    /// Nothing: png and exr files get an alpha channel
+    /// Nothing; png and exr files get an alpha channel
     Transparent,
 }
 

@@ -24,10 +24,10 @@ pub struct BenchArgs {
     #[arg(long, value_name = "K,..", value_delimiter = ',', default_values_t = [128, 256, 512],
           value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cuts: Vec<u32>,
-    /// Frames to take the median of, after one to warm up
+    /// Frames whose median is taken, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
-    /// What computes
+    /// What renders
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
     /// Print the figures as JSON

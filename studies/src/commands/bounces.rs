@@ -24,13 +24,13 @@ pub struct BouncesArgs {
     /// Folder for bounces.json and the pictures
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Samples a pixel of the light paths, a multiple of twice --aa; the noise is what their halves differ by
+    /// Light paths per pixel, a multiple of twice --aa; the difference of their halves gives the noise
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
-    /// Nodes of the illumination cut
+    /// Most nodes of the illumination cut
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
-    /// Leave out the pictures with a ray from every pixel to every source, which take longest
+    /// Leave out the pictures with a ray from every pixel to every source, which take the longest
     #[arg(long)]
     no_samples: bool,
     #[command(flatten)]
@@ -69,13 +69,13 @@ struct Row {
 /// Files that cannot be read or written, a dataset without bounced light, and interruption.
 pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
-        bail!("bounces shows bounced light only; leave --components out");
+        bail!("bounces shows bounced light only; leave out --components");
     }
     let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     let solutions = solutions(&viewed)?;
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {
-        bail!("--spp must be a multiple of {}: both of its halves sample all of a pixel", 2 * viewed.view.aa);
+        bail!("--spp must be a multiple of {}, so that both halves cover the whole pixel", 2 * viewed.view.aa);
     }
     create_folder(&args.out)?;
     let mut report = Report { size: viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };

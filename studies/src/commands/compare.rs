@@ -22,7 +22,7 @@ use std::{
 pub struct CompareArgs {
     /// Picture to measure: exr, hdr, png, jpg or tga
     test: PathBuf,
-    /// What it should be, of the same size
+    /// Reference of the same size
     reference: PathBuf,
     /// Layer of the picture, if it is an exr file with layers [default: the picture itself, beauty]
     #[arg(long, value_name = "NAME")]
@@ -33,13 +33,14 @@ pub struct CompareArgs {
     /// Write the metrics as JSON; infinity becomes null
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
-    /// Draw the error of each pixel, to --out
+    /// Draw this error of each pixel to --out
     #[arg(long, requires = "out", value_parser = choices::error_map())]
     map: Option<ErrorMap>,
-    /// Error at the upper end of the map's colors, above 0 [default: 1 for flip, else so that 99 % of the pixels fit]
+    /// Error at the upper end of the map's colors, above 0 [default: 1 for flip, else such that 99 % of the pixels
+    /// fit]
     #[arg(long, value_name = "ERROR", requires = "map", value_parser = values::positive)]
     map_top: Option<f32>,
-    /// Picture of the error map
+    /// Error map to write
     #[arg(long, value_name = "FILE.png", requires = "map")]
     out: Option<PathBuf>,
     /// Exit with code 3 if the metric is above the value; may be given several times
@@ -104,7 +105,7 @@ fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
 fn warn_of_literal_bounds(args: &CompareArgs, console: Console) {
     for Bound { metric, value } in args.fail_above.iter().filter(|b| b.metric == "psnr" || b.metric == "ssim") {
         console.warning(format_args!(
-            "larger is better for {metric}, and this fails above {value}; --fail-below {metric}={value} may be meant"
+            "larger is better for {metric}, but this fails above {value}; you may mean --fail-below {metric}={value}"
         ));
     }
 }

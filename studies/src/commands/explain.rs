@@ -13,8 +13,8 @@ use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::VertexSampler;
 use lapidary_render::{
-    BrdfSampling, Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, PixelExplanation,
-    Region, Renderer, Solution, SplitJob,
+    BrdfSampling, Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, NoCuts,
+    PixelExplanation, Region, Renderer, Solution, SplitJob,
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -25,14 +25,14 @@ pub struct ExplainArgs {
     /// Pixel to explain: its column and row, counted from 0 at the top left
     #[arg(long, value_name = "X,Y", value_parser = values::pixel)]
     pixel: Option<[u32; 2]>,
-    /// Part of the picture whose error is split, by its left column, upper row, width and height [default: 64 x 64 pixels
-    /// around the pixel, or the whole picture without one]
+    /// Region whose error is split: left column, top row, width and height [default: 64 x 64 pixels around the pixel;
+    /// the whole picture without a pixel]
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::region)]
     region: Option<Region>,
-    /// Only explain the pixel
+    /// Explain the pixel only
     #[arg(long, requires = "pixel", conflicts_with = "region")]
     no_split: bool,
-    /// Which light [default: environment if the dataset has its visibility]
+    /// Light to explain [default: environment if the dataset has its visibility]
     #[arg(long, value_enum)]
     tree: Option<TreeOption>,
     /// Most nodes of the illumination cut
@@ -41,7 +41,7 @@ pub struct ExplainArgs {
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
-    /// Light paths a pixel, the truth of the split
+    /// Light paths per pixel, the reference of the split
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
     /// Folder for explain.json and the pictures
@@ -55,9 +55,9 @@ pub struct ExplainArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum TreeOption {
-    /// The environment: clusters of directions
+    /// The environment, by clusters of directions
     Environment,
-    /// Bounced light: clusters of surface sources
+    /// Bounced light, by clusters of surface sources
     Sources,
 }
 
@@ -83,12 +83,12 @@ struct Report<'a> {
 /// Files that cannot be read or written, pixels and regions without a surface, a dataset without the cuts.
 pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
-        bail!("explain is about one light at a time; choose it by --tree and leave --components out");
+        bail!("explain shows one light at a time; choose it with --tree and leave out --components");
     }
     let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;
     if viewed.local.solution.is_some_and(|solution| solution != Solution::Cuts) {
-        bail!("explain shows one bounce by cuts; leave --solution out");
+        bail!("explain shows one bounce by cuts; leave out --solution");
     }
     let region = region_of(args, &viewed)?;
     create_folder(&args.out)?;
@@ -157,7 +157,7 @@ impl<'a> Explainer<'a> {
     fn light(&self) -> Result<CutLight<'_>> {
         match &self.gathered {
             Some(gathered) => Ok(gathered.light()),
-            None => bail!("the dataset has no surface sources; bake it with --mode indirect, cuts or all"),
+            None => bail!(NoCuts::Sources),
         }
     }
 

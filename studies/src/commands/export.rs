@@ -17,11 +17,11 @@ use std::path::PathBuf;
 /// Options of `export`.
 #[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
-    /// Folder for a scene of Mitsuba 3: scene.xml, materials.xml, meshes, textures and environment; files of these names
+    /// Folder for a Mitsuba 3 scene: scene.xml, materials.xml, meshes, textures and environment; files of these names
     /// are replaced
     #[arg(long, value_name = "DIR", required = true)]
     mitsuba: PathBuf,
-    /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0, or 1 if
+    /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0; 1 if
     /// --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
     bounces: Option<u32>,

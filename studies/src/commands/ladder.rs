@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Options of `ladder`.
 #[derive(Args, Clone, Debug)]
 pub struct LadderArgs {
-    /// Folder for the pictures (PNG and EXR), sheet.png, ladder.html and ladder.json; it is created if it is not there
+    /// Folder for the pictures (PNG and EXR), sheet.png, ladder.html and ladder.json; it is created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Sizes of the illumination cut, separated by commas
@@ -25,7 +25,7 @@ pub struct LadderArgs {
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
-    /// What computes the pictures; the reference is traced on the CPU
+    /// What renders the pictures; the reference is traced on the CPU
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
     #[command(flatten)]
@@ -53,7 +53,8 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     })?;
     progress.finish();
     let Some(ladder) = ladder else {
-        console.note(format_args!("stopped early: {} has the pictures so far, without errors", args.out.display()));
+        console
+            .note(format_args!("stopped early: {} has the pictures so far, without their errors", args.out.display()));
         return Ok(Outcome::Interrupted);
     };
     write(args, &look, &ladder)?;

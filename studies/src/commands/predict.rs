@@ -24,10 +24,10 @@ use std::{
 /// Options of `predict`.
 #[derive(Args, Clone, Debug)]
 pub struct PredictArgs {
-    /// Which prediction is written and told
+    /// Prediction to write and to summarize
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
-    /// Trace the samples reference, and hold the predictions against the true error
+    /// Trace the samples reference and compare the predictions with the true error
     #[arg(long)]
     calibrate: bool,
     /// Most nodes of the illumination cut
@@ -36,7 +36,7 @@ pub struct PredictArgs {
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
-    /// Map to write: .png in false colors with a legend, .exr or .hdr the luminances themselves; may be given several times
+    /// Map to write: .png in false colors with a legend, .exr or .hdr with the luminances; may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
     /// Write the calibration of all predictions as JSON
@@ -48,12 +48,12 @@ pub struct PredictArgs {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// Sum of the nodes' covariance bounds, with all that the renderer adds to them
+    /// Sum of the nodes' covariance bounds, with the terms that the renderer adds
     #[default]
     Bound,
     /// Sum of the nodes' covariance bounds as the paper prints them
     Printed,
-    /// What to expect if the nodes' errors are independent of each other
+    /// Expected error if the errors of the nodes are independent
     Expected,
 }
 

@@ -16,21 +16,20 @@ use std::{path::PathBuf, time::Instant};
 /// Options of `reference`.
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceArgs {
-    /// What is traced
+    /// What to trace
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
-    /// Samples a pixel of --kind path, 1 to 1000000 [default: 64]
+    /// Samples per pixel of --kind path, 1 to 1000000 [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
     /// Most bounces of light between surfaces with --kind path, 0 to 1000; 1 is direct light and one indirect bounce
-    /// [default: 0, or 1 if --components names indirect]
+    /// [default: 0; 1 if --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
     bounces: Option<u32>,
-    /// Which light paths of --kind path are followed, 0 to 4000: pictures of other numbers have noise of their own
-    /// [default: 0]
+    /// Which random light paths --kind path follows, 0 to 4000; each number gives other noise [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
     seed: Option<u32>,
-    /// Where in the pixels paths of --kind path begin [default: shared]
+    /// Where in a pixel the light paths of --kind path start [default: shared]
     #[arg(long, value_parser = choices::sample_positions())]
     places: Option<SamplePositions>,
     /// Picture to write: .exr or .hdr (scene-linear), .png (sRGB, clamped); may be given several times
@@ -44,7 +43,7 @@ pub struct ReferenceArgs {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// All light samples of the dataset with a ray each at every pixel: shows what the cuts lose
+    /// A ray to every light sample of the dataset at every pixel: shows the error of the cuts
     #[default]
     Samples,
     /// Light paths from the continuous environment and from local lights by multiple importance sampling, with any
@@ -71,7 +70,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         bail!("--seed goes with --kind path; --kind samples has no noise");
     }
     if args.kind == Kind::Samples && args.places.is_some() {
-        bail!("--places goes with --kind path; --kind samples takes those of `render`");
+        bail!("--places goes with --kind path; --kind samples uses those of `render`");
     }
     let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&args.local, console)?;

@@ -18,9 +18,9 @@ pub struct RenderArgs {
     /// Picture to write: .exr or .hdr (scene-linear), .png (as displayed); may be given several times
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
-    /// Layers of exr files beside the picture, a comma list of environment, direct and indirect (parts of the light, which sum
-    /// to the picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes, merged-nodes and
-    /// brdf-evaluations (work), or all
+    /// Layers of exr files beside the picture, separated by commas: environment, direct and indirect (light, which
+    /// sums to the picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes,
+    /// merged-nodes and brdf-evaluations (work), or all
     #[arg(long, value_name = "LIST")]
     layers: Option<LayerList>,
     /// Write times and counts as JSON

@@ -14,43 +14,43 @@ use std::{path::PathBuf, time::Instant};
 /// Options of `sequence`.
 #[derive(Args, Clone, Debug)]
 pub struct SequenceArgs {
-    /// What turns about the vertical through the point that the camera looks at
+    /// What turns about the vertical through the camera's target
     #[arg(long, value_enum)]
     turn: Option<Turn>,
-    /// How far it turns, in degrees, counter-clockwise seen from above; after whole turns the last frame is one step before
-    /// the first, so that the sequence loops
+    /// Angle of the turn in degrees, counter-clockwise seen from above. After whole turns the last frame is one step
+    /// before the first, so that the sequence loops
     #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::args::values::finite, allow_hyphen_values = true, requires = "turn")]
     degrees: f32,
-    /// Parameter that goes from one value to another, from the first frame to the last, in equal steps or with log: in equal
-    /// ratios: NAME=FROM..TO or NAME=log:FROM..TO; may be given several times. NAME is roughness, base-color, metalness,
-    /// specular, ior, anisotropy, bump or normal (of all materials, or with @MATERIAL of one), rotation, intensity,
-    /// exposure, illum-cut, light-intensity (a factor; of all lights, or with @LIGHT of one), light-position, light-target
-    /// (X,Y,Z..X,Y,Z), eye, target or fov
+    /// Parameter to vary from the first frame to the last: NAME=FROM..TO in equal steps, or NAME=log:FROM..TO in
+    /// equal ratios; may be given several times. NAME is roughness, base-color, metalness, specular, ior, anisotropy,
+    /// bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure, illum-cut,
+    /// light-intensity (a factor; of all lights, or of one with @LIGHT), light-position, light-target (X,Y,Z..X,Y,Z),
+    /// eye, target or fov
     #[arg(long, value_name = "SWEEP", allow_hyphen_values = true)]
     sweep: Vec<Sweep>,
-    /// How many frames
+    /// Number of frames
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=108_000))]
     frames: u32,
     /// Number of the first frame
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=9_999_999))]
     first: u32,
-    /// Files to write, #### standing for the frame's number: DIR/frame.####.png (as displayed), .exr or .hdr (scene-linear);
-    /// may be given several times. DIR is made; frame.json in it says what each frame shows
+    /// Files to write, with #### for the frame number: DIR/frame.####.png (as displayed), .exr or .hdr
+    /// (scene-linear); may be given several times. DIR is created; frame.json in it describes each frame
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
     /// Layers of exr files, as for `render`
     #[arg(long, value_name = "LIST")]
     layers: Option<LayerList>,
-    /// Draw all frames on one sheet
+    /// Write a contact sheet of all frames
     #[arg(long, value_name = "FILE.png")]
     contact_sheet: Option<PathBuf>,
-    /// Frames in a row of the sheet [default: about as many as rows]
+    /// Frames per row of the contact sheet [default: about as many as rows]
     #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=100))]
     columns: Option<u32>,
-    /// Go on: frames that are there stay
+    /// Continue, and keep frames that exist
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Replace frames that are there
+    /// Replace frames that exist
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -95,7 +95,7 @@ fn tell(task: &SequenceTask, end: SequenceEnd, start: Instant, console: Console)
     if cancelled {
         let (done, all) = (rendered + kept, task.frames.len());
         console
-            .note(format_args!("stopped: {done} of {all} frames are there; --resume goes on ({})", record.display()));
+            .note(format_args!("stopped: {done} of {all} frames are there; --resume continues ({})", record.display()));
         return Ok(Outcome::Interrupted);
     }
     let kept = if kept > 0 { format!(", {kept} were there") } else { String::new() };

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 pub struct VerifyArgs {
     /// Dataset to verify
     pub file: PathBuf,
-    /// Vertices to trace again, and most surface sources and functions of the meshless basis (64 at most), 1 or more,
-    /// picked at random but always the same
+    /// Vertices to trace again, 1 or more, and as many surface sources and functions of the meshless basis (64 at
+    /// most); the random choice is always the same
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     pub vertices: usize,
     /// Print JSON

@@ -8,8 +8,9 @@ use lapidary_render::Look;
 /// What turns, counter-clockwise seen from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Turn {
-    /// The scene as a whole, before the camera and under its lights. Visibility was baked for the scene as it stands, so
-    /// camera, environment and lights turn the other way together, which shows the same; single objects cannot turn
+    /// The whole scene, in front of the camera and under its lights. Visibility was baked for the scene as it stands,
+    /// so camera, environment and lights turn the other way together, which shows the same; single objects cannot
+    /// turn
     Object,
     /// The camera, about the point that it looks at
     Camera,

@@ -1,6 +1,7 @@
-//! What the command line calls the settings of a bake.
+//! What the command line calls the settings of a bake, and how remedies against errors are set there.
 
 use lapidary_precompute::{BakeError, CheckpointError, PointsError, Setting, SettingsError};
+use lapidary_render::{BackendError, ExplainError, NoCuts, Remedy, SplitError};
 use std::error::Error;
 
 /// The option that sets it, or its plain name where none does.
@@ -29,13 +30,41 @@ pub fn option_name(setting: Setting) -> &'static str {
     }
 }
 
+/// The options that set it.
+pub fn remedy_option(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::Cpu => "use --backend cpu",
+        Remedy::FewerVertices => "bake with a smaller --max-vertices",
+        Remedy::SmallerCuts => "bake with a larger --sigma and --source-sigma, or a smaller --max-vertices",
+        Remedy::SmallerPicture => "lower --size",
+        Remedy::EnvironmentBake => "bake it with --mode environment, cuts or all",
+        Remedy::SourceBake => "bake it with --mode indirect, cuts or all",
+    }
+}
+
 /// An error in words, with the options that would help.
 pub fn with_options(error: &(dyn Error + 'static)) -> String {
     let bake = error.downcast_ref().map(|e: &BakeError| e.text(option_name));
     let settings = || error.downcast_ref().map(|e: &SettingsError| e.text(option_name));
     let points = || error.downcast_ref().map(|e: &PointsError| e.text(option_name));
     let checkpoint = || error.downcast_ref().map(|e: &CheckpointError| e.text(option_name));
-    bake.or_else(settings).or_else(points).or_else(checkpoint).unwrap_or_else(|| error.to_string())
+    let backend = || error.downcast_ref().map(|e: &BackendError| e.text(remedy_option));
+    let cuts = || no_cuts(error).map(|e| e.text(remedy_option));
+    let told = bake.or_else(settings).or_else(points).or_else(checkpoint).or_else(backend).or_else(cuts);
+    told.unwrap_or_else(|| error.to_string())
+}
+
+/// Which cuts are missing, if that is the error.
+fn no_cuts(error: &(dyn Error + 'static)) -> Option<NoCuts> {
+    let explained = match error.downcast_ref() {
+        Some(ExplainError::NoCuts(cuts)) => Some(*cuts),
+        _ => None,
+    };
+    let split = match error.downcast_ref() {
+        Some(SplitError::NoCuts(cuts)) => Some(*cuts),
+        _ => None,
+    };
+    explained.or(split).or(error.downcast_ref().copied())
 }
 
 #[cfg(test)]
@@ -51,5 +80,14 @@ mod tests {
         assert!(told.starts_with("--beta"), "{told}");
         assert!(with_options(&PointsError::NoViewpoint).ends_with("--viewpoint x,y,z"));
         assert!(with_options(&BakeError::Cancelled).contains("--resume"));
+        let lost = BackendError::Driver("out of memory".into());
+        assert!(with_options(&lost).ends_with("or use --backend cpu") && !lost.to_string().contains("--"), "{lost}");
+        for error in [
+            with_options(&NoCuts::Sources),
+            with_options(&ExplainError::NoCuts(NoCuts::Sources)),
+            with_options(&SplitError::NoCuts(NoCuts::Sources)),
+        ] {
+            assert_eq!(error, "the dataset has no surface sources; bake it with --mode indirect, cuts or all");
+        }
     }
 }

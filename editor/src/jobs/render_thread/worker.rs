@@ -4,8 +4,8 @@ use super::{
     LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
     stage::{PictureStage, Restarts},
 };
-use crate::jobs::budget::Pace;
-use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, View};
+use crate::{jobs::budget::Pace, panels::bake::remedy_control};
+use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, Remedy, View};
 use lapidary_studies::jobs::panic_text;
 use std::{
     ops::Range,
@@ -352,17 +352,17 @@ impl Worker {
     }
 
     fn failed(&mut self, error: BackendError) {
-        let BackendError::DeviceLost { reason } = &error else { return self.give_up(error.to_string()) };
+        let BackendError::DeviceLost { reason } = &error else { return self.give_up(error.text(remedy_control)) };
         self.reset();
         self.begun = None;
         if self.restarts.allow(Instant::now()) {
-            self.outbox.event(RenderEvent::Remark(error.to_string()));
+            self.outbox.event(RenderEvent::Remark(error.text(remedy_control)));
             self.stage = PictureStage::Coarse;
         } else {
             self.give_up(format!(
-                "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or use \
-                 --backend cpu",
-                Restarts::MOST
+                "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or {}",
+                Restarts::MOST,
+                remedy_control(Remedy::Cpu)
             ));
         }
     }

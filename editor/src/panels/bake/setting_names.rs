@@ -1,6 +1,7 @@
-//! What the window calls the settings of a bake.
+//! What the window calls the settings of a bake, and how remedies against errors are set there.
 
 use lapidary_precompute::{Setting, SettingsError};
+use lapidary_render::Remedy;
 
 /// The label of the control that sets it, or its plain name where none does.
 pub fn control_name(setting: Setting) -> &'static str {
@@ -26,6 +27,18 @@ pub fn control_name(setting: Setting) -> &'static str {
         | Setting::LargestSolidAngle
         | Setting::Viewpoint
         | Setting::CoarseRadius => setting.name(),
+    }
+}
+
+/// The controls that set it; the renderer is chosen where the window is started.
+pub fn remedy_control(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::Cpu => "start the window with --backend cpu",
+        Remedy::FewerVertices => "bake with smaller Max vertices",
+        Remedy::SmallerCuts => "bake with a larger Sigma and Source sigma, or smaller Max vertices",
+        Remedy::SmallerPicture => remedy.words(),
+        Remedy::EnvironmentBake => "choose Environment in Bake of, and bake again",
+        Remedy::SourceBake => "choose Bounce light in Bake of, and bake again",
     }
 }
 

@@ -8,6 +8,7 @@ use crate::{
         light::{GpuLight, GpuMap, GpuSources},
         targets::Targets,
     },
+    remedy::Remedy,
     shade::merge::BrdfSampling,
     view::{Background, View},
     view_mode::ViewMode,
@@ -34,10 +35,10 @@ impl GpuBackend {
     pub(super) fn check_size(&self, size: [u32; 2]) -> Result<(), BackendError> {
         let limit = u64::from(self.gpu.limits.max_texture_dimension_2d);
         let longest = u64::from(size[0].max(size[1]));
-        self.gpu.within("the sides of the picture", "pixels", longest, limit, "render a smaller picture")?;
+        self.gpu.within("the sides of the picture", "pixels", longest, limit, Remedy::SmallerPicture)?;
         let bytes = u64::from(size[0].next_multiple_of(256)) * u64::from(size[1]) * 16;
         let limit = self.gpu.limits.max_buffer_size;
-        self.gpu.within("the pixels of the picture", "bytes", bytes, limit, "render a smaller picture")
+        self.gpu.within("the pixels of the picture", "bytes", bytes, limit, Remedy::SmallerPicture)
     }
 
     /// A picture without samples. It reuses the resources of the previous picture where possible.

@@ -23,79 +23,79 @@ pub struct BakeArgs {
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
-    /// Starting point for the options below
+    /// Settings to start from; the options below change them
     #[arg(long, default_value = "normal", value_parser = choices::preset())]
     pub preset: Preset,
-    /// Parts to bake, with commas between: environment (its visibility), indirect (surface sources, which gather a
-    /// bounce of local lights), meshless (the meshless basis and its transport); cuts stands for
-    /// environment,indirect, and all for all three
+    /// Parts to bake, separated by commas: environment (its visibility), indirect (surface sources, which gather one
+    /// bounce of local lights) and meshless (the meshless basis and its transport). cuts stands for
+    /// environment,indirect; all stands for all three
     #[arg(long, value_name = "PARTS", default_value_t)]
     pub mode: BakeParts,
     /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub sources: Option<usize>,
-    /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's part of the
+    /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's share of the
     /// hemisphere; 0 to 1000, smaller is finer [default: 2]
     #[arg(long, value_name = "S")]
     pub source_sigma: Option<f32>,
-    /// A place in the open from which light reaches all that matters, in metres; surfaces that it cannot
-    /// reach get no sources [default: in the largest closed space, at a camera or light if one is there]
+    /// Bounced light is baked for one enclosed space: that around this point, in metres. Surfaces that light from
+    /// there cannot reach get no sources [default: the space chosen from shots, cameras and lights, else the largest
+    /// found]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub viewpoint: Option<Vec3>,
     /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
     #[arg(long, value_name = "L")]
     pub levels: Option<usize>,
-    /// How many of its first levels send light [default: that of the preset: 4, of a draft 3]
+    /// First levels of the meshless basis that send light [default: that of the preset: 4, draft 3]
     #[arg(long, value_name = "L")]
     pub sender_levels: Option<usize>,
-    /// Distance of its coarsest points in metres, a ten-thousandth of the scene's diagonal or more [default: one
-    /// that gives about 300 of them]
+    /// Distance between the coarsest points of the meshless basis in metres, at least 1/10000 of the scene's diagonal
+    /// [default: one that gives about 300 points]
     #[arg(long, value_name = "R")]
     pub coarse_radius: Option<f32>,
-    /// Rays by which each of its points gathers light, 16 to 65536 [default: that of the preset]
+    /// Rays by which each point of the meshless basis gathers light, 16 to 65536 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub gather_rays: Option<usize>,
-    /// Links between its functions are kept above this share of the light of a sender of reflectance 0.38, 0 to 1;
-    /// smaller is finer [default: 0.025]
+    /// Smallest link between functions of the meshless basis that is kept, as a share of the light of a sender of
+    /// reflectance 0.38; 0 to 1, smaller is finer [default: 0.025]
     #[arg(long, value_name = "E")]
     pub epsilon: Option<f32>,
-    /// Number of light samples: a power of two up to 32768 [default: that of the preset]
+    /// Light samples of the environment: a power of two up to 32768 [default: that of the preset]
     #[arg(long, value_name = "N")]
     pub lights: Option<usize>,
-    /// Metric that the light tree is clustered by [default: mixed]
+    /// Metric that clusters the light tree [default: mixed]
     #[arg(long, value_parser = choices::tree_kind())]
     pub tree: Option<TreeKind>,
     /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
     #[arg(long, value_name = "B")]
     pub beta: Option<f32>,
-    /// Error bound of a cluster: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
+    /// Error bound of a cluster of lights: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
     /// is finer [default: that of the preset]
     #[arg(long, value_name = "S")]
     pub sigma: Option<f32>,
-    /// Most nodes of a vertex's cut, 1 or more [default: no limit]
+    /// Most nodes in the cut of one vertex, 1 or more [default: no limit]
     #[arg(long, value_name = "K")]
     pub max_cut: Option<u32>,
     /// Bound the error of each whole cut instead of each cluster, 0 to 1000 [default: off]
     #[arg(long, value_name = "E")]
     pub total_error: Option<f32>,
-    /// Most bytes for the vertices' cuts over the environment, 1024 or more; they are coarsened until they fit.
-    /// Surface sources and the meshless basis have no such bound [default: no limit]
+    /// Most bytes for the vertices' cuts over the environment, 1024 or more; cuts are coarsened until they fit. The
+    /// limit leaves out surface sources and the meshless basis [default: no limit]
     #[arg(long, value_name = "BYTES")]
     pub max_bytes: Option<u64>,
     /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
     #[arg(long, value_name = "M")]
     pub pilot_clusters: Option<usize>,
-    /// Most vertices after tessellation, 3 or more [default: that of the preset, or a quarter more than the scene
-    /// has if that is more]
+    /// Most vertices after tessellation, 3 or more [default: that of the preset, or 1.25 times the scene's vertices
+    /// if that is more]
     #[arg(long, value_name = "V")]
     pub max_vertices: Option<usize>,
-    /// Leave the mesh as it is
+    /// Do not tessellate the mesh
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
-    /// A picture that the bake is for, again for each further one: most vertices go where its camera looks. The
-    /// name of a camera of the scene (for a picture of 16 to 9), or the places of the eye and of what it looks at
-    /// in metres, the vertical field of view in degrees (40 if left out) and width over height (1.7778)
-    /// [default: all views alike]
+    /// Shot to bake for; may be given several times. Most vertices go where its camera looks. Give the name of a
+    /// camera of the scene (16:9), or eye and target in metres, then the vertical field of view in degrees (40 if
+    /// left out) and width over height (1.7778 if left out) [default: all views alike]
     #[arg(
         long = "shot",
         conflicts_with = "no_tessellate",
@@ -104,13 +104,13 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Worker threads; the result does not depend on them [default: one for each core]
+    /// Worker threads; the result does not depend on them [default: one per core]
     #[arg(long, value_name = "T")]
     pub threads: Option<usize>,
     /// Number of checkpoints; the result does not depend on them [default: one every few seconds]
     #[arg(long, value_name = "C")]
     pub chunks: Option<usize>,
-    /// Go on with an interrupted bake of the same scene, options and output
+    /// Continue an interrupted bake of the same scene, options and output
     #[arg(long)]
     pub resume: bool,
     /// Write the bake report as JSON

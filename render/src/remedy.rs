@@ -1,0 +1,35 @@
+//! What helps against errors of renderers. The library says it in words; a front end says how it is set there.
+
+/// What to change so that an error does not come again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// Compute on the CPU.
+    Cpu,
+    /// A bake of fewer vertices.
+    FewerVertices,
+    /// A bake of smaller visibility cuts.
+    SmallerCuts,
+    /// A picture of fewer pixels.
+    SmallerPicture,
+    /// A bake of the environment's visibility.
+    EnvironmentBake,
+    /// A bake of surface sources.
+    SourceBake,
+}
+
+/// How a front end words each of them.
+pub type Wording = fn(Remedy) -> &'static str;
+
+impl Remedy {
+    /// In plain words, as what to do.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Cpu => "render on the CPU",
+            Self::FewerVertices => "bake fewer vertices",
+            Self::SmallerCuts => "bake with larger sigmas or fewer vertices",
+            Self::SmallerPicture => "render a smaller picture",
+            Self::EnvironmentBake => "bake it with the environment",
+            Self::SourceBake => "bake it with surface sources",
+        }
+    }
+}
