@@ -7,9 +7,9 @@
 pub mod comparison;
 pub mod explain;
 pub mod export;
-mod hearing;
 pub mod ladder;
 pub mod measure;
+mod shared_progress;
 
 use std::{
     any::Any,

@@ -1,6 +1,6 @@
 //! Explains pixels of the live picture, and splits its error by causes, on threads of their own.
 
-use super::{Wake, guarded, hearing::Hearing, spawn};
+use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use anyhow::Result;
 use lapidary_core::image::Region;
 use lapidary_precompute::VertexSampler;
@@ -63,7 +63,7 @@ pub struct ExplainedPixel {
 /// Work on its way; dropping it cancels.
 pub struct ExplainJob<T> {
     answer: Receiver<Result<T, String>>,
-    hearing: Arc<Hearing>,
+    progress: Arc<SharedProgress>,
 }
 
 impl ExplainJob<ExplainedPixel> {
@@ -76,21 +76,21 @@ impl ExplainJob<ExplainedPixel> {
 impl ExplainJob<Option<ErrorSplit>> {
     /// Splits the error of a region; `None` if cancelled.
     pub fn split(picture: ExplainedPicture, region: Region, wake: Wake) -> Self {
-        Self::start(wake, move |hearing| picture.split(region, hearing))
+        Self::start(wake, move |progress| picture.split(region, progress))
     }
 }
 
 impl<T: Send + 'static> ExplainJob<T> {
-    fn start(wake: Wake, work: impl FnOnce(&Hearing) -> Result<T> + Send + 'static) -> Self {
+    fn start(wake: Wake, work: impl FnOnce(&SharedProgress) -> Result<T> + Send + 'static) -> Self {
         let (sender, answer): (Sender<Result<T, String>>, _) = channel();
-        let hearing = Arc::new(Hearing::new(wake));
-        let theirs = hearing.clone();
+        let progress = Arc::new(SharedProgress::new(wake));
+        let theirs = progress.clone();
         spawn("explain", move || {
             // Nobody is left to tell if the window is gone.
             let _ = sender.send(guarded("the explanation", || work(&theirs)));
             theirs.wake();
         });
-        Self { answer, hearing }
+        Self { answer, progress }
     }
 
     /// The answer, once.
@@ -100,12 +100,12 @@ impl<T: Send + 'static> ExplainJob<T> {
 
     /// Share that is done, 0 to 1.
     pub fn progress(&self) -> f32 {
-        self.hearing.share()
+        self.progress.share()
     }
 }
 
 impl<T> Drop for ExplainJob<T> {
     fn drop(&mut self) {
-        self.hearing.cancel();
+        self.progress.cancel();
     }
 }

@@ -1,6 +1,6 @@
 //! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
 
-use super::{Wake, guarded, hearing::Hearing, spawn};
+use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
     export::{Finished, LayerKind, Studio},
     sequence::{Record, SequenceEnd, SequenceTask},
@@ -53,22 +53,22 @@ pub enum ExportMessage {
 /// An export at work. Dropping it cancels.
 pub struct ExportRun {
     messages: Receiver<ExportMessage>,
-    hearing: Arc<Hearing>,
+    progress: Arc<SharedProgress>,
 }
 
 impl ExportRun {
     /// Starts an export of a scene.
     pub fn start(task: ExportTask, baked: Baked, factory: BackendFactory, wake: Wake) -> Self {
         let (sender, messages) = channel();
-        let hearing = Arc::new(Hearing::new(wake));
-        let theirs = hearing.clone();
+        let progress = Arc::new(SharedProgress::new(wake));
+        let theirs = progress.clone();
         spawn("export", move || {
             let end = guarded("the export", || run(task, baked, &factory, &theirs, &sender));
             // Nobody is left to tell if the window is gone.
             let _ = sender.send(end.unwrap_or_else(ExportMessage::Failed));
             theirs.wake();
         });
-        Self { messages, hearing }
+        Self { messages, progress }
     }
 
     /// What happened since the last call.
@@ -78,12 +78,12 @@ impl ExportRun {
 
     /// Pictures that are done, and all of them; 0 before it is known.
     pub fn progress(&self) -> (u64, u64) {
-        self.hearing.counts()
+        self.progress.counts()
     }
 
     /// Asks it to stop; [`ExportMessage::Cancelled`] follows when it has.
     pub fn cancel(&self) {
-        self.hearing.cancel();
+        self.progress.cancel();
     }
 }
 
@@ -97,7 +97,7 @@ fn run(
     task: ExportTask,
     baked: Baked,
     factory: &BackendFactory,
-    state: &Hearing,
+    state: &SharedProgress,
     sender: &Sender<ExportMessage>,
 ) -> Result<ExportMessage> {
     let backend = factory()?;
@@ -112,7 +112,7 @@ fn run(
     end
 }
 
-fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &Hearing) -> Result<ExportMessage> {
+fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &SharedProgress) -> Result<ExportMessage> {
     let SequenceEnd { rendered, kept, cancelled } = task.run(record, studio, state)?;
     let (there, all, place) = (rendered + kept, task.frames.len(), task.record_path());
     Ok(if cancelled {
@@ -127,7 +127,7 @@ fn picture(
     layers: &[LayerKind],
     path: PathBuf,
     studio: &mut Studio,
-    state: &Hearing,
+    state: &SharedProgress,
 ) -> Result<ExportMessage> {
     state.advanced(0, 1);
     match Finished::take(studio, look, layers, &|| state.cancelled()) {

@@ -1,6 +1,6 @@
 //! The ladder of cut sizes of the live picture, climbed on a thread of its own.
 
-use super::{Wake, guarded, hearing::Hearing, spawn};
+use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
     ladder::{Found, Rung, Settings, climb},
     sheet::DisplayPicture,
@@ -76,20 +76,20 @@ impl StepFigures {
 /// The window's end of the thread, which ends with it.
 pub struct LadderJob {
     events: Receiver<LadderEvent>,
-    hearing: Arc<Hearing>,
+    progress: Arc<SharedProgress>,
 }
 
 impl LadderJob {
     /// Climbs the sizes for the look of the live picture, in a size of its own.
     pub fn start(factory: BackendFactory, baked: Option<Baked>, look: Look, wake: Wake) -> Self {
         let (sender, events) = channel();
-        let hearing = Arc::new(Hearing::new(wake));
-        let shared = hearing.clone();
+        let progress = Arc::new(SharedProgress::new(wake));
+        let shared = progress.clone();
         spawn("ladder", move || {
             let ended = guarded("the ladder", || climbed(&factory, baked, &look, &sender, &shared));
             tell(&sender, &shared, LadderEvent::Ended(ended));
         });
-        Self { events, hearing }
+        Self { events, progress }
     }
 
     /// What was found since the last call.
@@ -99,20 +99,20 @@ impl LadderJob {
 
     /// Share of the reference that is traced.
     pub fn progress(&self) -> f32 {
-        self.hearing.share()
+        self.progress.share()
     }
 }
 
 impl Drop for LadderJob {
     fn drop(&mut self) {
-        self.hearing.cancel();
+        self.progress.cancel();
     }
 }
 
-fn tell(sender: &Sender<LadderEvent>, hearing: &Hearing, event: LadderEvent) {
+fn tell(sender: &Sender<LadderEvent>, progress: &SharedProgress, event: LadderEvent) {
     // Nobody is left to tell if the window is gone.
     let _ = sender.send(event);
-    hearing.wake();
+    progress.wake();
 }
 
 fn climbed(
@@ -120,18 +120,18 @@ fn climbed(
     baked: Option<Baked>,
     look: &Look,
     sender: &Sender<LadderEvent>,
-    hearing: &Hearing,
+    progress: &SharedProgress,
 ) -> Result<()> {
     let baked = baked.context("there is no picture to compare; open a scene")?;
     let (post, settings) = (look.post, Settings { sampling: look.sampling, frames: FRAMES, ..Settings::default() });
     let look = affordable_look(&baked, look);
     let mut scene = LitScene::new(factory()?, baked)?;
-    let climbing = Climbing { hearing, sender, rungs: Mutex::default() };
+    let climbing = Climbing { progress, sender, rungs: Mutex::default() };
     let mut found = |found: Found| {
         if let Found::Picture(rung) = found {
             locked(&climbing.rungs).push(rung.clone());
         }
-        tell(sender, hearing, event_of(found, &post));
+        tell(sender, progress, event_of(found, &post));
         Ok(())
     };
     climb(&mut scene, &look, &settings, None, &climbing, &mut found)?;
@@ -141,14 +141,14 @@ fn climbed(
 /// Measures the pictures by what of the reference is traced: every fourth pixel along each axis is there after a sixteenth of
 /// the time, and says nearly as much.
 struct Climbing<'a> {
-    hearing: &'a Hearing,
+    progress: &'a SharedProgress,
     sender: &'a Sender<LadderEvent>,
     rungs: Mutex<Vec<Rung>>,
 }
 
 impl Progress for Climbing<'_> {
     fn advanced(&self, done: u64, total: u64) {
-        self.hearing.advanced(done, total);
+        self.progress.advanced(done, total);
     }
 
     fn preview(&self, preview: &Preview) {
@@ -160,17 +160,17 @@ impl Progress for Climbing<'_> {
         for rung in locked(&self.rungs).iter() {
             // Pictures that cannot be compared are an error of the ladder's end.
             if let Ok(metrics) = compare(&rung.image.every(preview.step), &traced) {
-                tell(self.sender, self.hearing, LadderEvent::Step(StepFigures::new(rung, metrics)));
+                tell(self.sender, self.progress, LadderEvent::Step(StepFigures::new(rung, metrics)));
             }
         }
     }
 
     fn cancelled(&self) -> bool {
-        self.hearing.cancelled()
+        self.progress.cancelled()
     }
 
     fn abandoned(&self) -> bool {
-        self.hearing.abandoned()
+        self.progress.abandoned()
     }
 }
 

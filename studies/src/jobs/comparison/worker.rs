@@ -164,20 +164,20 @@ impl Worker {
         let look = &request.look;
         let renderer = renderer_of(&mut self.renderer, baked, look);
         self.control.wait(number);
-        let hearing = Hearing::new(number, &self.control, &self.outbox);
+        let progress = TracingProgress::new(number, &self.control, &self.outbox);
         let (image, noise) = match request.kind {
             ReferenceKind::Paths { spp } => {
-                let PathPicture { image, noise, .. } = paths(renderer, look, view, spp, &hearing);
+                let PathPicture { image, noise, .. } = paths(renderer, look, view, spp, &progress);
                 (image, noise)
             }
             _ => {
                 let look = Look { view: view.clone(), ..look.clone() };
-                (every_sample(baked, &look, renderer, &hearing)?, None)
+                (every_sample(baked, &look, renderer, &progress)?, None)
             }
         };
-        if !hearing.abandoned() {
-            let (image, seconds) = (Arc::new(image), hearing.seconds());
-            hearing.tell(ReferencePicture { image, step: 1, noise, finished: true, seconds });
+        if !progress.abandoned() {
+            let (image, seconds) = (Arc::new(image), progress.seconds());
+            progress.tell(ReferencePicture { image, step: 1, noise, finished: true, seconds });
         }
         Ok(())
     }
@@ -245,7 +245,7 @@ impl Progress for Wanted<'_> {
 }
 
 /// Passes on how a reference advances, and what the window says meanwhile.
-struct Hearing<'a> {
+struct TracingProgress<'a> {
     number: u64,
     control: &'a Control,
     outbox: &'a Outbox,
@@ -254,7 +254,7 @@ struct Hearing<'a> {
     previewed: Mutex<Instant>,
 }
 
-impl<'a> Hearing<'a> {
+impl<'a> TracingProgress<'a> {
     fn new(number: u64, control: &'a Control, outbox: &'a Outbox) -> Self {
         let start = Instant::now();
         Self { number, control, outbox, start, paused: Mutex::default(), previewed: start.into() }
@@ -275,7 +275,7 @@ fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Progress for Hearing<'_> {
+impl Progress for TracingProgress<'_> {
     fn advanced(&self, done: u64, total: u64) {
         if self.abandoned() {
             return;

@@ -5,14 +5,14 @@ use lapidary_render::Progress;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
 
 /// Shared by both; to be kept in an `Arc`.
-pub struct Hearing {
+pub struct SharedProgress {
     wake: Wake,
     cancelled: AtomicBool,
     done: AtomicU64,
     total: AtomicU64,
 }
 
-impl Hearing {
+impl SharedProgress {
     /// With nothing done; `wake` makes the window look.
     pub fn new(wake: Wake) -> Self {
         Self { wake, cancelled: false.into(), done: 0.into(), total: 0.into() }
@@ -40,7 +40,7 @@ impl Hearing {
     }
 }
 
-impl Progress for Hearing {
+impl Progress for SharedProgress {
     fn advanced(&self, done: u64, total: u64) {
         self.done.store(done, SeqCst);
         self.total.store(total, SeqCst);
