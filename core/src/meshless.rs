@@ -45,4 +45,4 @@ impl MeshlessBake {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
