@@ -78,6 +78,20 @@ fn on() -> bool {
     true
 }
 
+impl Default for Light {
+    /// A point of unit intensity at the origin, switched on.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            enabled: true,
+            emission: Emission::Point,
+            position: Vec3::ZERO,
+            target: Vec3::ZERO,
+            intensity: Vec3::ONE,
+        }
+    }
+}
+
 impl Light {
     /// Unit direction from position to target; `None` if they are one point.
     pub fn forward(&self) -> Option<Vec3> {

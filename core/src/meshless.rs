@@ -46,4 +46,4 @@ impl MeshlessBake {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

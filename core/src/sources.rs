@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn solid_angles_are_near_those_of_discs_at_any_distance() {
         let disc = Source {
-            surfel: Surfel { position: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Y, place: Default::default() },
+            surfel: Surfel { position: Vec3::new(1.0, 2.0, 3.0), ..Default::default() },
             area: 0.25 * std::f32::consts::PI,
             spacing: 0.5,
         };

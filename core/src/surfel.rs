@@ -28,6 +28,13 @@ pub struct Surfel {
     pub place: MeshPlace,
 }
 
+impl Default for Surfel {
+    /// At the origin, facing up.
+    fn default() -> Self {
+        Self { position: Vec3::ZERO, normal: Vec3::Y, place: MeshPlace::default() }
+    }
+}
+
 /// All that light transport needs of a scene: ray casts and reflectance (meshless basis paper, 5.1).
 pub trait Surface: Sync {
     /// The first surface along a ray, with its normal on the side of the ray's origin. The origin lies off any surface,

@@ -6,16 +6,20 @@ use crate::{
         CutCriterion,
         packed::{PackedCuts, pack_node},
     },
-    dataset::{BakeParts, BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
+    dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
     image::Image,
-    light_tree::{LightTree, TreeKind},
+    light_tree::LightTree,
     lights::{Emission, Light},
     material::Material,
+    meshless::Basis,
     scene::{Mesh, Object, Scene},
+    sources::Source,
+    sphere::{fibonacci_directions, uniform_direction},
+    surfel::Surfel,
     texture::Texture,
 };
 use glam::{Vec2, Vec3, Vec4};
-use std::path::Path;
+use std::{f32::consts::PI, path::Path};
 
 /// A baked triangle that sees all of the environment, with materials and textures of these names.
 pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
@@ -57,16 +61,12 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
 fn settings() -> BakeSettings {
     BakeSettings {
         lights: 64,
-        tree: TreeKind::Mixed,
-        beta: 0.5,
         criterion: CutCriterion { sigma: 1.5, ..CutCriterion::default() },
         pilot_clusters: 256,
         max_vertices: Some(30_000),
-        shots: Vec::new(),
-        max_bytes: None,
-        mode: BakeParts::ENVIRONMENT,
         indirect: IndirectSettings { sources: 8192, ..IndirectSettings::default() },
         meshless: MeshlessSettings { levels: 4, sender_levels: 3, rays: 256, ..MeshlessSettings::default() },
+        ..Default::default()
     }
 }
 
@@ -79,11 +79,10 @@ pub fn camera(name: &str) -> Camera {
 pub fn light() -> Light {
     Light {
         name: "spot".into(),
-        enabled: true,
         emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
         position: Vec3::new(0.0, 2.0, 0.0),
-        target: Vec3::ZERO,
         intensity: Vec3::new(3.0, 2.0, 1.0),
+        ..Default::default()
     }
 }
 
@@ -143,4 +142,40 @@ pub fn cuboid(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
 /// A closed box that faces inward.
 pub fn room(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
     cuboid(center, half).into_iter().map(|[a, b, c]| [a, c, b]).collect()
+}
+
+/// Points that lie evenly on a sphere, with normals outward, or inward for a negative radius.
+pub fn sphere_points(n: usize, radius: f32) -> Vec<Surfel> {
+    let point = |d: Vec3| Surfel { position: d * radius.abs(), normal: d * radius.signum(), ..Default::default() };
+    fibonacci_directions(n).into_iter().map(point).collect()
+}
+
+/// A basis on a sphere: levels of four times as many points each.
+///
+/// # Panics
+/// If there are more levels of senders than levels.
+pub fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32) -> Basis {
+    let sets: Vec<_> = (0..levels).map(|l| sphere_points(coarsest << (2 * l), radius)).collect();
+    // A maximal Poisson-disk set of radius R has about 0.7 / R² points per area.
+    let spacing = (0.7 * 4.0 * PI / coarsest as f32).sqrt();
+    Basis::new(&sets, spacing, senders).expect("enough levels")
+}
+
+/// Uniform directions, the same ones at each call.
+pub fn random_directions(n: usize) -> Vec<Vec3> {
+    let mut random = fastrand::Rng::with_seed(2);
+    (0..n).map(|_| uniform_direction(random.f32(), random.f32())).collect()
+}
+
+/// A square of `2^(2 k)` sources in the plane y = 0, in Morton order, far from the origin.
+pub fn square_of_sources(k: u32, half: f32) -> Vec<Source> {
+    let side = 1 << k;
+    let cell = 2.0 * half / side as f32;
+    let coordinate = |code: u32| (0..k).fold(0, |c, bit| c | (code >> (2 * bit) & 1) << bit);
+    let source = |i: u32| {
+        let at = |c: u32| 100.0 - half + cell * (c as f32 + 0.5);
+        let position = Vec3::new(at(coordinate(i)), 0.0, at(coordinate(i >> 1)));
+        Source { surfel: Surfel { position, ..Default::default() }, area: cell * cell, spacing: cell }
+    };
+    (0..side * side).map(source).collect()
 }

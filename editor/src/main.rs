@@ -9,6 +9,8 @@ mod jobs;
 mod panels;
 mod paths;
 mod preferences;
+#[cfg(test)]
+mod test_support;
 mod viewport;
 
 use clap::Parser;

@@ -10,8 +10,6 @@ pub mod lights;
 pub mod material;
 pub mod presets;
 pub mod scene;
-#[cfg(test)]
-mod tests;
 pub mod units;
 pub mod view;
 pub mod widgets;

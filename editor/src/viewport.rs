@@ -196,4 +196,6 @@ fn outline(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportCon
 }
 
 #[cfg(test)]
+mod test_window;
+#[cfg(test)]
 mod tests;

@@ -19,7 +19,6 @@ use crate::{
 use lapidary_core::image::Image;
 use serde::Serialize;
 use std::{error::Error, fmt, ops::Range, sync::Arc};
-use thiserror::Error;
 
 /// Why a renderer cannot go on.
 #[derive(Debug)]
@@ -46,8 +45,6 @@ pub enum BackendError {
         unit: &'static str,
         /// Whose limit it is.
         adapter: String,
-        /// The remedy.
-        remedy: &'static str,
         /// What to do; the CPU has no such limit on what is baked.
         remedy: Remedy,
     },

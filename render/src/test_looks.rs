@@ -18,11 +18,11 @@ pub fn look() -> Look {
     let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
     let light = Light {
         name: "key".into(),
-        enabled: true,
         emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
         position: Vec3::new(1.0, 2.0, 0.5),
         target: Vec3::new(0.0, 0.2, 0.0),
         intensity: Vec3::splat(5.0),
+        ..Default::default()
     };
     Look {
         appearance: Appearance { materials: vec![material("gold"), material("wood")], textures: Vec::new() },

@@ -116,11 +116,7 @@ pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f3
         criterion,
         pilot_clusters: 1,
         max_vertices: None,
-        shots: Vec::new(),
-        max_bytes: None,
-        mode: Default::default(),
-        indirect: Default::default(),
-        meshless: Default::default(),
+        ..Default::default()
     };
     Dataset {
         indirect: None,
@@ -170,8 +166,7 @@ pub(crate) fn rel_rmse(test: &Image, reference: &Image) -> f64 {
 }
 
 pub(crate) fn light(emission: Emission, position: Vec3, target: Vec3, intensity: f32) -> Light {
-    let intensity = Vec3::splat(intensity);
-    Light { name: String::new(), enabled: true, emission, position, target, intensity }
+    Light { emission, position, target, intensity: Vec3::splat(intensity), ..Default::default() }
 }
 
 pub(crate) fn mean(image: &Image) -> f32 {

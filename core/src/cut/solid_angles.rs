@@ -8,6 +8,8 @@
 
 mod code;
 mod prune;
+#[cfg(test)]
+mod test_cuts;
 
 pub use code::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
 pub use prune::prune_sources;
@@ -128,37 +130,8 @@ impl SourceCutSelector {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::cut::packed::cut_len;
-
-    pub const HEIGHT: u32 = 10;
-
-    /// Runs of alike solid angles, some hidden, some large.
-    pub fn leaves(seed: u64) -> Vec<f32> {
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let unit = LARGEST_SOLID_ANGLE / 1024.0;
-        let mut values = Vec::new();
-        while values.len() < 1024 {
-            let level = if rng.bool() { 0.0 } else { unit * 4.0 * rng.f32() };
-            values.extend((0..rng.usize(1..60)).map(|i| level * (1.0 + 0.01 * i as f32)));
-        }
-        values.truncate(1024);
-        values
-    }
-
-    /// The cut and its squared error.
-    pub fn select(criterion: SourceCriterion, leaves: &[f32]) -> (Vec<u16>, f64) {
-        let mut cut = Vec::new();
-        let error = SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
-        assert_eq!(cut_len(HEIGHT, &cut), Ok(cut.len()));
-        (cut, error)
-    }
-
-    pub fn expand(cut: &[u16]) -> Vec<f32> {
-        let repeat = |&n: &u16| std::iter::repeat_n(solid_angle(n & VALUE_MAX), 1 << (HEIGHT - depth(n)));
-        cut.iter().flat_map(repeat).collect()
-    }
+mod tests {
+    use super::{test_cuts::*, *};
 
     #[test]
     fn nodes_keep_both_bounds_and_the_error_is_that_of_the_stored_values() {

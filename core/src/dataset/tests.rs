@@ -3,34 +3,20 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
-    material::{MapKind, Material, MaterialMaps},
+    material::{MapKind, MaterialMaps},
     meshless::{Basis, Transport},
-    scene::{Mesh, Object},
     sources::Source,
     surfel::{MeshPlace, Surfel},
+    test_scenes,
     texture::{Channel, Texture, TextureSlot},
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 use std::path::PathBuf;
 
 mod damage;
 
+/// The shared triangle with cuts and marks that differ from vertex to vertex.
 fn dataset() -> Dataset {
-    let mesh = Mesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
-        normals: vec![Vec3::Y; 3],
-        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 3],
-        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
-        triangles: vec![[0, 2, 1]],
-        triangle_material: vec![0],
-        triangle_object: vec![0],
-    };
-    let scene = Scene {
-        mesh,
-        materials: vec![Material { name: "m".into(), ..Default::default() }],
-        objects: vec![Object { name: "o".into() }],
-        ..Default::default()
-    };
     let mut cuts = PackedCuts::default();
     for value in [0.0, 0.5, 1.0] {
         let offset = cuts.push_cut(&[pack_node(1, value), pack_node(1, 0.25)]);
@@ -39,26 +25,10 @@ fn dataset() -> Dataset {
     Dataset {
         two_sided: vec![true],
         vertex_valid: vec![true, false, true],
-        tree: LightTree::geometric(64).unwrap(),
         cuts,
-        indirect: None,
-        meshless: None,
-        settings: BakeSettings {
-            lights: 64,
-            tree: TreeKind::Mixed,
-            beta: 0.5,
-            criterion: CutCriterion::default(),
-            pilot_clusters: 16,
-            max_vertices: None,
-            shots: Vec::new(),
-            max_bytes: None,
-            mode: BakeParts::ENVIRONMENT,
-            indirect: IndirectSettings::default(),
-            meshless: MeshlessSettings::default(),
-        },
-        scene_hash: scene_hash(&scene),
+        settings: BakeSettings { lights: 64, pilot_clusters: 16, max_vertices: None, ..Default::default() },
         report: BakeReport { vertices: 3, ..Default::default() },
-        scene,
+        ..test_scenes::dataset(&["m"], &[])
     }
 }
 
@@ -104,8 +74,9 @@ fn maps_of_every_parameter_survive_the_disk() {
     dataset.write(&path).unwrap();
     let read = Dataset::read(&path).unwrap().scene.materials;
     assert_eq!(read, dataset.scene.materials);
-    dataset.scene.materials[0].maps[MapKind::Ior] = None;
-    assert_ne!(read, dataset.scene.materials, "negative control");
+    let strength = |kind| read[0].maps[kind].as_ref().map(|slot| slot.strength);
+    let in_place = [MapKind::Anisotropy, MapKind::Ior, MapKind::Bump].map(strength);
+    assert_eq!(in_place, [Some(0.5), Some(0.25), Some(0.125)]);
 }
 
 /// Writes over the first `from` of the header, with spaces behind so that its length stays.

@@ -90,14 +90,7 @@ mod tests {
     #[test]
     fn every_problem_is_found_and_a_good_light_has_none() {
         let spot = |cone_degrees, penumbra_degrees| Emission::Spot { cone_degrees, penumbra_degrees };
-        let with = |emission| Light {
-            name: String::new(),
-            enabled: true,
-            emission,
-            position: Vec3::Y,
-            target: Vec3::ZERO,
-            intensity: Vec3::ONE,
-        };
+        let with = |emission| Light { emission, position: Vec3::Y, ..Default::default() };
         let good = with(Emission::Point);
         for emission in [Emission::Point, spot(90.0, 90.0), spot(30.0, 0.0), Emission::Directional] {
             assert_eq!(with(emission).validate(), Ok(()));

@@ -69,9 +69,7 @@ mod tests {
 
     fn facing(target: Vec3) -> RectangleShape {
         let emission = Emission::Rectangle { width: 2.0, height: 1.0 };
-        let light =
-            Light { name: String::new(), enabled: true, emission, position: Vec3::ZERO, target, intensity: Vec3::ONE };
-        RectangleShape::of(&light).unwrap()
+        RectangleShape::of(&Light { emission, target, ..Default::default() }).unwrap()
     }
 
     #[test]

@@ -165,9 +165,9 @@ fn differences(values: &[Vec3], matrix: &SparseRows, vector: &[Vec3]) -> Vec<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::meshless::{
-        MeshlessBake, Transport,
-        tests::{random_points, sphere_basis},
+    use crate::{
+        meshless::{MeshlessBake, Transport},
+        test_scenes::{random_directions, sphere_basis},
     };
 
     fn sampled(basis: &Basis) -> (Solver, SenderSamples) {
@@ -180,7 +180,7 @@ mod tests {
     /// RMS over the sphere of a function of the senders minus `expected`, and the difference of their means.
     fn misses(basis: &Basis, senders: &[f32], expected: impl Fn(Vec3) -> f32 + Sync) -> (f32, f32) {
         let coefficients = Projection::new(basis, basis.sender_levels()).pull_push(senders);
-        let points = random_points(20_000);
+        let points = random_directions(20_000);
         let miss = |&p: &Vec3| basis.evaluate(basis.sender_levels(), p, p, &coefficients) - expected(p);
         let misses: Vec<f32> = points.par_iter().map(miss).collect();
         let mean = |f: &dyn Fn(f32) -> f32| misses.iter().map(|&m| f(m)).sum::<f32>() / misses.len() as f32;
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_wall_before_a_gap_sends_its_own_light_and_not_the_gap_s() {
-        let at = |position: Vec3| Surfel { position, normal: Vec3::Y, place: Default::default() };
+        let at = |position: Vec3| Surfel { position, ..Default::default() };
         let [front, behind] = [at(Vec3::X * 0.1), at(Vec3::NEG_X * 0.1)];
         let basis = Basis::new(&[vec![at(Vec3::ZERO)], vec![front, behind]], 1.0, 1).unwrap();
         let light = [Vec3::ONE, Vec3::ZERO];

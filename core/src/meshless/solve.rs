@@ -189,7 +189,7 @@ mod tests {
     use super::*;
     use crate::{
         meshless::{Basis, Transport},
-        surfel::{MeshPlace, Surfel},
+        surfel::Surfel,
     };
     use std::f32::consts::PI;
 
@@ -210,8 +210,7 @@ mod tests {
 
     #[test]
     fn means_are_over_area_and_not_over_points() {
-        let at =
-            |x: f32, z: f32| Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: MeshPlace::default() };
+        let at = |x: f32, z: f32| Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() };
         // One coarse function with nine finer ones under it, and another with one.
         let mut fine: Vec<Surfel> =
             (0..9).map(|i| at(0.1 * (i % 3) as f32 - 0.1, 0.1 * (i / 3) as f32 - 0.1)).collect();
@@ -231,7 +230,7 @@ mod tests {
 
     #[test]
     fn bounces_arrive_by_the_normals_that_are_given() {
-        let at = |x: f32| Surfel { position: Vec3::X * x, normal: Vec3::Y, place: MeshPlace::default() };
+        let at = |x: f32| Surfel { position: Vec3::X * x, ..Default::default() };
         let basis = Basis::new(&[vec![at(0.0), at(10.0)]], 1.0, 1).unwrap();
         let vector = Vec3::new(0.8, 0.5, 0.0);
         let transport = Transport::from_rows(&[Vec::new(), vec![(0, vector)]], 2);

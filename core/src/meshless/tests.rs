@@ -2,26 +2,12 @@
 
 use super::*;
 use crate::{
-    sphere::{fibonacci_directions, frame_around, uniform_direction},
-    surfel::{MeshPlace, Surfel},
+    sphere::{fibonacci_directions, frame_around},
+    surfel::Surfel,
+    test_scenes::{random_directions, sphere_basis, sphere_points},
 };
 use glam::Vec3;
 use std::f32::consts::PI;
-
-/// Points that lie evenly on a sphere, with normals outward, or inward for a negative radius.
-pub fn sphere_points(n: usize, radius: f32) -> Vec<Surfel> {
-    let point =
-        |d: Vec3| Surfel { position: d * radius.abs(), normal: d * radius.signum(), place: MeshPlace::default() };
-    fibonacci_directions(n).into_iter().map(point).collect()
-}
-
-/// Levels of four times as many points each, and their Poisson-disk radius.
-pub fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32) -> Basis {
-    let sets: Vec<_> = (0..levels).map(|l| sphere_points(coarsest << (2 * l), radius)).collect();
-    // A maximal Poisson-disk set of radius R has about 0.7 / R² points per area.
-    let spacing = (0.7 * 4.0 * PI / coarsest as f32).sqrt();
-    Basis::new(&sets, spacing, senders).unwrap()
-}
 
 fn samples<T>(basis: &Basis, f: impl Fn(Vec3) -> T) -> Vec<T> {
     basis.points().iter().map(|p| f(p.position)).collect()
@@ -31,16 +17,11 @@ fn wavy(p: Vec3) -> f32 {
     1.0 + p.z * (3.0 * p.x).sin() + 0.5 * p.y
 }
 
-pub fn random_points(n: usize) -> Vec<Vec3> {
-    let mut random = fastrand::Rng::with_seed(2);
-    (0..n).map(|_| uniform_direction(random.f32(), random.f32())).collect()
-}
-
 #[test]
 fn values_of_each_level_sum_to_one() {
     let basis = sphere_basis(40, 4, 2, 1.0);
     assert_eq!((basis.len(), basis.levels(), basis.senders()), (40 * 85, 4, 0..200));
-    for p in random_points(300) {
+    for p in random_directions(300) {
         for level in 0..4 {
             let mut values = Vec::new();
             basis.values(level, p, p, &mut values);
@@ -70,7 +51,7 @@ fn constants_are_exact_and_need_no_fine_levels() {
     for coefficients in [projection.coarse_to_fine(&constant), projection.pull_push(&constant)] {
         assert!(coefficients[basis.level(0)].iter().all(|c| c.abs_diff_eq(constant[0], 1e-5)));
         assert!(coefficients[40..].iter().all(|c| c.abs().max_element() < 1e-5), "finer coefficients vanish");
-        for p in random_points(100) {
+        for p in random_directions(100) {
             assert!(basis.evaluate(4, p, p, &coefficients).abs_diff_eq(constant[0], 1e-5));
         }
     }
@@ -79,7 +60,7 @@ fn constants_are_exact_and_need_no_fine_levels() {
 }
 
 fn rms_error(basis: &Basis, levels: usize, coefficients: &[f32]) -> f32 {
-    let points = random_points(500);
+    let points = random_directions(500);
     let square = |p: &Vec3| (basis.evaluate(levels, *p, *p, coefficients) - wavy(*p)).powi(2);
     (points.iter().map(square).sum::<f32>() / points.len() as f32).sqrt()
 }
@@ -148,10 +129,12 @@ fn points_that_are_no_basis_are_refused() {
     let points = sphere_points(10, 1.0);
     let parts =
         |offsets: Vec<u32>, radii: Vec<f32>, senders| Basis::from_parts(points.clone(), offsets, radii, senders);
-    assert!(parts(vec![0, 4, 10], vec![1.0, 0.5], 2).is_ok());
-    assert!(parts(vec![0, 4, 9], vec![1.0, 0.5], 2).is_err(), "points left over");
-    assert!(parts(vec![0, 11, 10], vec![1.0, 0.5], 2).is_err(), "out of order");
-    assert!(parts(vec![0, 4, 10], vec![1.0], 1).is_err(), "a radius too few");
+    let good = parts(vec![0, 4, 10], vec![1.0, 0.5], 2).unwrap();
+    assert_eq!((good.level(0), good.level(1), good.senders()), (0..4, 4..10, 0..10));
+    let levels = BasisError::Levels { points: 10 };
+    assert_eq!(parts(vec![0, 4, 9], vec![1.0, 0.5], 2).unwrap_err(), levels, "points left over");
+    assert_eq!(parts(vec![0, 11, 10], vec![1.0, 0.5], 2).unwrap_err(), levels, "out of order");
+    assert_eq!(parts(vec![0, 4, 10], vec![1.0], 1).unwrap_err(), levels, "a radius too few");
     let senders = BasisError::SenderLevels { sender_levels: 3, levels: 2 };
     assert_eq!(parts(vec![0, 4, 10], vec![1.0, 0.5], 3).unwrap_err(), senders, "more senders than levels");
     let radius = parts(vec![0, 4, 10], vec![1.0, f32::NAN], 2).unwrap_err();
@@ -195,7 +178,7 @@ fn inside_a_sphere_each_bounce_is_the_mean_times_the_reflectance() {
         assert!((*mean - expected).abs().max_element() <= tolerance * expected.max_element(), "{bounce}: {mean}");
     }
     let all = 0.5 + 0.25 + 0.125;
-    for p in random_points(100) {
+    for p in random_directions(100) {
         let vector = bake.basis.evaluate(2, p, -p, &solution.coefficients);
         let e = irradiance(&vector, -p).x;
         assert!((e / all - 1.0).abs() < 0.04, "irradiance is the same everywhere: {e} at {p}");
@@ -228,7 +211,7 @@ fn flattening_is_evaluation_at_the_points() {
     let direct = samples(&bake.basis, |p| Vec3::splat(1.0 + p.x));
     let reflectance = vec![Vec3::splat(0.5); direct.len()];
     let solution = solver.solve(&bake, &direct, &reflectance, SolveSettings::default());
-    let points: Vec<_> = random_points(2000).into_iter().map(|p| (p, -p)).collect();
+    let points: Vec<_> = random_directions(2000).into_iter().map(|p| (p, -p)).collect();
     let flattening = Flattening::new(&bake.basis, &bake.transport, &points);
     let flat = flattening.apply(&solution.coefficients);
     for (&(position, normal), flat) in points.iter().zip(&flat) {

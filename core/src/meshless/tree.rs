@@ -84,7 +84,7 @@ fn support_box(point: &Surfel, radius: f32) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{meshless::tests::sphere_points, sphere::uniform_direction};
+    use crate::{sphere::uniform_direction, test_scenes::sphere_points};
 
     #[test]
     fn the_tree_finds_what_brute_force_finds() {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn layers_close_behind_each_other_hardly_mix_and_a_lone_one_reaches_as_far_as_before() {
-        let layer = |y: f32| Surfel { position: Vec3::Y * y, normal: Vec3::Y, place: Default::default() };
+        let layer = |y: f32| Surfel { position: Vec3::Y * y, ..Default::default() };
         let share_of_back = |gap: f32| {
             let tree = LevelTree::new(&[layer(0.0), layer(-gap)], 0, 1.0);
             let mut found = Vec::new();

@@ -189,8 +189,7 @@ mod tests {
             mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         }
         let at = |i: i32| (i as f32 + 0.5) * CELL;
-        let surfel =
-            |x, z| Surfel { position: Vec3::new(at(x), 0.0, at(z)), normal: Vec3::Y, place: Default::default() };
+        let surfel = |x, z| Surfel { position: Vec3::new(at(x), 0.0, at(z)), ..Default::default() };
         let places = (0..40).flat_map(|x| (-40..40).map(move |z| (x, z)));
         let sources = places.map(|(x, z)| Source { surfel: surfel(x, z), area: CELL * CELL, spacing: CELL }).collect();
         (Intersector::new(&mesh), sources)
@@ -314,7 +313,7 @@ mod tests {
 
     #[test]
     fn a_ledge_below_a_rim_is_not_taken_for_the_top() {
-        let surfel = |x, y, z| Surfel { position: Vec3::new(x, y, z), normal: Vec3::Y, place: Default::default() };
+        let surfel = |x, y, z| Surfel { position: Vec3::new(x, y, z), ..Default::default() };
         let source = |surfel| Source { surfel, area: 1e-3, spacing: 0.05 };
         // A ledge of two centimetres at the foot of a rim of one; the top's source is nearer to what the rim sees of it.
         let (low, wide) = (-0.01, 0.02);
@@ -335,7 +334,7 @@ mod tests {
     #[test]
     fn sources_at_the_very_foot_of_a_wall_do_not_take_the_light_from_above() {
         let (scene, _) = floor_and_wall();
-        let surfel = |y, z| Surfel { position: Vec3::new(0.0, y, z), normal: Vec3::X, place: Default::default() };
+        let surfel = |y, z| Surfel { position: Vec3::new(0.0, y, z), normal: Vec3::X, ..Default::default() };
         let at = |row: i32, i: i32| surfel(CELL * (row as f32 + 0.02), CELL * i as f32);
         let row = |row: i32| (-20..20).map(move |i| at(row, i));
         let source = |surfel| Source { surfel, area: CELL * CELL, spacing: CELL };

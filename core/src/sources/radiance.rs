@@ -53,12 +53,12 @@ fn means_by_area(tree: &SourceTree, leaves: &[Vec3]) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tree::tests::square;
     use super::*;
+    use crate::test_scenes::square_of_sources;
 
     #[test]
     fn radiance_is_weighted_by_area_and_centres_lean_to_the_bright_source() {
-        let mut sources = square(3, 1.0);
+        let mut sources = square_of_sources(3, 1.0);
         sources[7].area *= 5.0;
         let tree = SourceTree::new(&sources);
         let mut radiance = vec![Vec3::splat(0.01); 64];
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn darkness_has_no_radiance_and_no_nan() {
-        let tree = SourceTree::new(&square(2, 1.0));
+        let tree = SourceTree::new(&square_of_sources(2, 1.0));
         let dark = SourceRadiance::new(&tree, &[Vec3::ZERO; 16]);
         assert!(dark.radiance.iter().all(|&l| l == Vec3::ZERO));
         assert!(dark.center.iter().all(|c| c.is_finite()));

@@ -113,27 +113,13 @@ impl Cloud {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::surfel::{MeshPlace, Surfel};
-
-    /// A square of `2^(2 k)` sources in the plane y = 0, in Morton order, far from the origin.
-    pub(in crate::sources) fn square(k: u32, half: f32) -> Vec<Source> {
-        let side = 1 << k;
-        let cell = 2.0 * half / side as f32;
-        let coordinate = |code: u32| (0..k).fold(0, |c, bit| c | (code >> (2 * bit) & 1) << bit);
-        let source = |i: u32| {
-            let at = |c: u32| 100.0 - half + cell * (c as f32 + 0.5);
-            let position = Vec3::new(at(coordinate(i)), 0.0, at(coordinate(i >> 1)));
-            let surfel = Surfel { position, normal: Vec3::Y, place: MeshPlace::default() };
-            Source { surfel, area: cell * cell, spacing: cell }
-        };
-        (0..side * side).map(source).collect()
-    }
+    use crate::test_scenes::square_of_sources;
 
     #[test]
     fn nodes_have_the_area_centre_and_radius_of_their_part_of_the_square() {
-        let tree = SourceTree::new(&square(5, 1.0));
+        let tree = SourceTree::new(&square_of_sources(5, 1.0));
         assert_eq!((tree.len(), tree.height()), (1024, 10));
         assert!((tree.areas()[1] - 4.0).abs() < 1e-4);
         assert!((tree.centers()[1] - Vec3::new(100.0, 0.0, 100.0)).length() < 1e-4);
@@ -142,14 +128,14 @@ pub(super) mod tests {
             let expected = (side * side / 3.0).sqrt();
             assert!((tree.radii()[node] / expected - 1.0).abs() < 0.01, "{}", tree.radii()[node]);
         }
-        let mut swapped = square(5, 1.0);
+        let mut swapped = square_of_sources(5, 1.0);
         swapped.swap(0, 1023);
         assert!(SourceTree::new(&swapped).radii()[64] > 0.5, "negative control");
     }
 
     #[test]
     fn sources_without_area_make_no_nan() {
-        let mut sources = square(2, 1.0);
+        let mut sources = square_of_sources(2, 1.0);
         sources.iter_mut().for_each(|s| s.area = 0.0);
         let tree = SourceTree::new(&sources);
         assert!(tree.centers().iter().all(|c| c.is_finite()) && tree.radii().iter().all(|r| r.is_finite()));

@@ -81,7 +81,7 @@ mod tests {
     fn points() -> Vec<(Surfel, f32)> {
         let mut rng = fastrand::Rng::with_seed(3);
         let mut coordinate = || rng.f32() * 2.0 - 1.0;
-        let surfel = |position| Surfel { position, normal: Vec3::Y, place: Default::default() };
+        let surfel = |position| Surfel { position, ..Default::default() };
         let mut point = |i: usize| {
             let reach = 0.005 * (1.0 + (i % 37) as f32);
             (surfel(Vec3::new(coordinate(), 0.0, coordinate())), reach)
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn points_without_reach_are_kept_and_found_nowhere_else() {
-        let at = Surfel { position: Vec3::ONE, normal: Vec3::Y, place: Default::default() };
+        let at = Surfel { position: Vec3::ONE, ..Default::default() };
         let grid = GradedGrid::of([(at, 0.0)]);
         assert_eq!((grid.points().len(), grid.nearest(&at)), (1, Some(0)));
         assert_eq!(grid.nearest(&Surfel { position: Vec3::X, ..at }), None);

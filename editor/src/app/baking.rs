@@ -266,7 +266,7 @@ mod tests {
     #[test]
     fn another_bake_keeps_edited_materials_and_adds_new_ones() {
         let named = |name: &str| Material { name: name.into(), ..Default::default() };
-        let mut dataset = crate::panels::bake::test_dataset();
+        let mut dataset = crate::test_support::baked_triangle();
         dataset.scene.materials = vec![named("a"), named("b")];
         let mut document = Document { materials: vec![named("edited")], ..Document::empty() };
         fit_materials(&mut document, &dataset);

@@ -204,4 +204,4 @@ impl Drop for RenderThread {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

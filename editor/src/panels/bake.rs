@@ -16,8 +16,6 @@ pub use estimate::SceneStats;
 pub use progress::line;
 pub use setting_names::{control_name, remedy_control};
 pub use stale::stale_reasons;
-#[cfg(test)]
-pub use tests::test_dataset;
 
 use super::widgets::section;
 use crate::{actions::Action, document::Document};

@@ -79,27 +79,12 @@ fn node_color(number: usize) -> Color32 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
+    use crate::test_support::row_of_sources;
     use egui::{Pos2, pos2};
-    use glam::{Vec2, Vec3};
-    use lapidary_core::{
-        scene::Mesh as SceneMesh,
-        sources::{Source, SourceTree},
-        surfel::{MeshPlace, Surfel},
-    };
-
-    /// Four sources in a row on the plane z = 0 that face the eye, the first two much brighter than the others.
-    pub fn lighting(illum_cut: u32) -> SourceLighting {
-        let source = |i: usize| {
-            let place = MeshPlace { triangle: 0, barycentric: Vec2::ZERO };
-            let surfel = Surfel { position: Vec3::new(i as f32 - 1.5, 0.0, 0.0), normal: Vec3::Z, place };
-            Source { surfel, area: 0.1, spacing: 0.3 }
-        };
-        let sources: Vec<Source> = (0..4).map(source).collect();
-        let radiance = [9.0, 3.0, 0.1, 0.1].map(Vec3::splat);
-        SourceLighting::new(Arc::new(SourceTree::new(&sources)), &radiance, illum_cut)
-    }
+    use glam::Vec3;
+    use lapidary_core::scene::Mesh as SceneMesh;
 
     fn triangle(z: f32) -> Intersector {
         let positions = [[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]].map(Vec3::from_array).to_vec();
@@ -109,7 +94,7 @@ pub(super) mod tests {
     fn drawn(eye: Vec3, wall: f32, illum_cut: u32) -> Vec<(Pos2, Color32)> {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
         let projection = Projection::new(&Camera::look_at(eye, Vec3::ZERO, 40.0), rect);
-        let mesh = dots(&projection, rect, &triangle(wall), &lighting(illum_cut));
+        let mesh = dots(&projection, rect, &triangle(wall), &row_of_sources(illum_cut));
         mesh.vertices.chunks(4).map(|dot| (dot[0].pos, dot[0].color)).collect()
     }
 

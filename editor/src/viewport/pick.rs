@@ -39,7 +39,7 @@ pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::viewport::tests::two_squares;
+    use crate::test_support::two_squares;
 
     const SIZE: [u32; 2] = [800, 600];
 

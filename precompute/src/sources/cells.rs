@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     fn surfel(position: Vec3, normal: Vec3) -> Surfel {
-        Surfel { position, normal, place: Default::default() }
+        Surfel { position, normal, ..Default::default() }
     }
 
     /// Hits spread over a square of two metres, by segments of `length`.

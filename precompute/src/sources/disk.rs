@@ -216,9 +216,7 @@ mod tests {
 
     #[test]
     fn those_are_left_out_that_are_close_for_their_radius() {
-        let point = |x: f32, z: f32, radius| {
-            (Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: Default::default() }, radius)
-        };
+        let point = |x: f32, z: f32, radius| (Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() }, radius);
         let grid = |first: f32, cell: f32, radius: f32| {
             (0..100).map(move |i| point(first + cell * (i % 10) as f32, cell * (i / 10) as f32, radius))
         };

@@ -104,7 +104,7 @@ mod tests {
     /// Segments of a quarter of a metre to the places of negative x, and of a metre to the others.
     #[test]
     fn spacing_goes_with_the_length_of_segments_to_the_power_of_two_thirds() {
-        let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, place: Default::default() };
+        let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() };
         let mut rng = fastrand::Rng::with_seed(11);
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
         let places: Vec<Surfel> = (0..60_000).map(|_| surfel(coordinate(), coordinate())).collect();

@@ -66,7 +66,7 @@ mod tests {
     use super::*;
     use crate::cut::{
         packed::cut_len,
-        solid_angles::tests::{HEIGHT, expand, leaves, select},
+        solid_angles::test_cuts::{HEIGHT, expand, leaves, select},
     };
 
     const FINE: SourceCriterion = SourceCriterion { sigma: 0.5, max_solid_angle: 0.2, contrast: 0.1 };

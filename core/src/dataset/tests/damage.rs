@@ -36,8 +36,7 @@ fn lights_and_cameras_that_are_none_are_named() {
     let read = |change: &dyn Fn(&mut Scene)| {
         let mut dataset = dataset();
         let emission = Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 };
-        let (position, intensity) = (Vec3::Y, Vec3::ONE);
-        let light = Light { name: "Desk".into(), enabled: true, emission, position, target: Vec3::ZERO, intensity };
+        let light = Light { name: "Desk".into(), emission, position: Vec3::Y, ..Default::default() };
         dataset.scene.lights = vec![light.clone(), light];
         dataset.scene.cameras = vec![Camera { name: "Door".into(), ..Camera::look_at(Vec3::Z, Vec3::ZERO, 40.0) }];
         change(&mut dataset.scene);

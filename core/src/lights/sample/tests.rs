@@ -3,7 +3,7 @@
 use super::*;
 
 fn light(emission: Emission, position: Vec3, target: Vec3) -> Light {
-    Light { name: String::new(), enabled: true, emission, position, target, intensity: Vec3::new(3.0, 2.0, 1.0) }
+    Light { emission, position, target, intensity: Vec3::new(3.0, 2.0, 1.0), ..Default::default() }
 }
 
 fn irradiance(light: &Light, point: Vec3) -> f32 {

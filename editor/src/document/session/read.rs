@@ -190,11 +190,8 @@ fn light_template(given: &Value) -> Light {
     let kind = given.get("kind").and_then(Value::as_str);
     let kind = LightKind::ALL.into_iter().find(|k| kind == Some(&k.label().to_lowercase()));
     Light {
-        name: String::new(),
-        enabled: true,
         emission: kind.map_or(Emission::Point, |kind| kind.emission(1.0)),
-        position: Vec3::ZERO,
         target: Vec3::NEG_Y,
-        intensity: Vec3::ONE,
+        ..Default::default()
     }
 }

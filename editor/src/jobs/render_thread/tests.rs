@@ -18,7 +18,7 @@ fn dataset() -> Arc<Dataset> {
     test_scenes::dataset(&["a"], &[]).into()
 }
 
-pub fn request(aa: u32) -> RenderRequest {
+fn request(aa: u32) -> RenderRequest {
     RenderRequest { baked: Some(dataset().into()), look: plain_look(aa), moving: false, frame_budget_ms: 10.0 }
 }
 

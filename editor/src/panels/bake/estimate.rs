@@ -236,7 +236,7 @@ mod tests {
             assert!((found / measured).ln().abs() < 0.2, "{found} of {measured}");
         }
         assert!(nodes(&any, 64, 0.01) <= 64.5, "no more than there are");
-        let mut dataset = crate::panels::bake::test_dataset();
+        let mut dataset = crate::test_support::baked_triangle();
         assert_eq!(mean_source_cut(&dataset), None);
         dataset.report.indirect = Some(IndirectReport { mean_cut: 70.0, sources: 1024, ..Default::default() });
         dataset.settings.indirect.criterion.sigma = 3.0;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     document::Edit,
-    panels::tests::{WIDTH, assert_fits},
+    test_support::{WIDTH, assert_fits, baked_triangle},
 };
 use egui::{Key, vec2};
 use egui_kittest::{
@@ -11,30 +11,11 @@ use egui_kittest::{
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeParts, BakeReport, BakeSettings},
+    dataset::{BakeParts, BakeSettings},
     light_tree::TreeKind,
     shot::Shot,
-    test_scenes,
 };
 use lapidary_precompute::Preset;
-
-/// A dataset of one triangle, baked with the normal preset.
-pub fn test_dataset() -> Dataset {
-    Dataset {
-        indirect: None,
-        meshless: None,
-        settings: Preset::Normal.settings(),
-        scene_hash: "abc".into(),
-        report: BakeReport {
-            vertices: 3,
-            source_vertices: 3,
-            cut_size_histogram: vec![3, 0, 1],
-            warnings: vec!["a corner is thin".into()],
-            ..Default::default()
-        },
-        ..test_scenes::dataset(&[""], &[])
-    }
-}
 
 struct Probe {
     document: Document,
@@ -161,17 +142,17 @@ fn a_bake_of_bounces_shows_its_own_phases() {
 #[test]
 fn a_stale_bake_is_named_with_its_reasons() {
     let stale = BakeStatus::Stale { reasons: vec!["The scene file changed since the bake".into()] };
-    let mut outdated = panel(stale, document(), Some(test_dataset()));
+    let mut outdated = panel(stale, document(), Some(baked_triangle()));
     assert!(outdated.query_by_label("The bake is out of date").is_some());
     assert!(outdated.query_by_label_contains("scene file changed").is_some());
     assert!(matches!(clicked(&mut outdated, "Bake")[..], [Action::Bake { resume: false }]));
-    let current = panel(BakeStatus::UpToDate, document(), Some(test_dataset()));
+    let current = panel(BakeStatus::UpToDate, document(), Some(baked_triangle()));
     assert!(current.query_by_label("The bake is out of date").is_none(), "negative control");
 }
 
 #[test]
 fn reasons_name_both_values_and_only_what_differs() {
-    let (mut document, mut dataset) = (document(), test_dataset());
+    let (mut document, mut dataset) = (document(), baked_triangle());
     assert_eq!(stale_reasons(&document, &dataset, Some("abc")), [""; 0]);
     assert_eq!(stale_reasons(&document, &dataset, None), [""; 0], "an unknown scene is no reason");
     assert_eq!(stale_reasons(&document, &dataset, Some("other")), ["The scene file changed since the bake"]);
@@ -306,7 +287,7 @@ fn presets_leave_room_for_vertices_and_keep_the_views() {
 
 #[test]
 fn the_report_shows_its_table_and_warnings() {
-    let with = panel(BakeStatus::UpToDate, document(), Some(test_dataset()));
+    let with = panel(BakeStatus::UpToDate, document(), Some(baked_triangle()));
     for label in ["Mean cut", "Visibility error", "a corner is thin", "Nodes of the visibility cuts"] {
         assert!(with.query_by_label(label).is_some(), "{label}");
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::panels::tests::{WIDTH, assert_fits};
+use crate::test_support::{WIDTH, assert_fits};
 use egui::{Key, vec2};
 use egui_kittest::{
     Harness,

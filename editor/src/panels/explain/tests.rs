@@ -1,5 +1,5 @@
 use super::*;
-use crate::panels::tests::{WIDTH, assert_fits};
+use crate::test_support::{WIDTH, assert_fits};
 use egui::vec2;
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;

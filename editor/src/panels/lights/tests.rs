@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     document::{Component, ComponentSettings, Edit, lights::LightKind},
-    panels::tests::{WIDTH, assert_fits},
+    test_support::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
 use egui_kittest::{

@@ -1,10 +1,7 @@
 use super::*;
 use crate::{
     document::Edit,
-    panels::{
-        bake::test_dataset,
-        tests::{WIDTH, assert_fits},
-    },
+    test_support::{WIDTH, assert_fits, baked_triangle},
 };
 use egui::Key;
 use egui_kittest::{Harness, kittest::Queryable};
@@ -19,7 +16,7 @@ struct Probe {
 }
 
 fn named(names: &[&str]) -> Dataset {
-    let mut dataset = test_dataset();
+    let mut dataset = baked_triangle();
     dataset.scene.objects = names.iter().map(|n| Object { name: (*n).into() }).collect();
     dataset
 }

@@ -4,7 +4,7 @@ use super::projection::Projection;
 use crate::{
     actions::Action,
     document::Edit,
-    viewport::tests::{App, button, click, harness, seen_at},
+    viewport::test_window::{App, button, click, harness, seen_at},
 };
 use egui::{Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};

@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use crate::bake::checkpoint::{Chunk, Series};
     use glam::Vec3;
-    use lapidary_core::{dataset::BakeSettings, surfel::MeshPlace};
+    use lapidary_core::dataset::BakeSettings;
 
     #[test]
     fn chunks_about_other_places_are_removed_and_the_rest_is_kept() {
@@ -92,7 +92,7 @@ mod tests {
         let all = [Series::Environment, Series::Sources, Series::SourceEnvironment];
         let chunk = Chunk { nodes: vec![7], lengths: vec![1], squared_error: 0.0, rays: 1 };
         let kept = || all.map(|series| checkpoint.load(series, 0, 1).is_some());
-        let at = |x| Surfel { position: Vec3::X * x, normal: Vec3::Y, place: MeshPlace::default() };
+        let at = |x| Surfel { position: Vec3::X * x, ..Default::default() };
         assert!(!checkpoint.bind(Part::Sources, &[at(1.0), at(2.0)], &[0.5]).unwrap(), "nothing to remove yet");
         all.iter().for_each(|&series| checkpoint.store(series, 0, &chunk).unwrap());
         assert!(!checkpoint.bind(Part::Sources, &[at(1.0), at(2.0)], &[0.5]).unwrap());

@@ -7,7 +7,7 @@ use lapidary_core::{
     bounds::Bounds,
     meshless::{MeshlessBake, SolveSettings, Solver, irradiance},
     sphere::{fibonacci_directions, uniform_direction},
-    surfel::{MeshPlace, Surfel},
+    surfel::Surfel,
 };
 use std::f32::consts::PI;
 
@@ -19,7 +19,7 @@ impl Surface for Hollow {
         let b = origin.dot(direction);
         let root = (b * b - origin.length_squared() + 1.0).sqrt();
         let position = (origin + (root - b) * direction).normalize();
-        Some(Surfel { position, normal: -position, place: MeshPlace::default() })
+        Some(Surfel { position, normal: -position, ..Default::default() })
     }
 
     fn sees(&self, _: Vec3, _: Vec3) -> bool {
@@ -36,7 +36,7 @@ impl Surface for Hollow {
 }
 
 fn basis() -> Basis {
-    let point = |d: Vec3| Surfel { position: d, normal: -d, place: MeshPlace::default() };
+    let point = |d: Vec3| Surfel { position: d, normal: -d, ..Default::default() };
     let level = |l: usize| fibonacci_directions(100 << (2 * l)).into_iter().map(point).collect();
     let levels: Vec<Vec<Surfel>> = (0..3).map(level).collect();
     Basis::new(&levels, (0.7 * 4.0 * PI / 100.0_f32).sqrt(), 2).unwrap()

@@ -56,7 +56,7 @@ fn fine_samples_have_their_area_as_well() {
     let grid = |first: Vec3, count: i32, cell: f32| {
         let at = move |i: i32| (i as f32 + 0.5) * cell;
         let place = move |(x, z)| first + Vec3::new(at(x), 0.0, at(z));
-        let surfel = |position| Surfel { position, normal: Vec3::Y, place: Default::default() };
+        let surfel = |position| Surfel { position, ..Default::default() };
         (0..count).flat_map(move |x| (0..count).map(move |z| (x, z))).map(move |i| (surfel(place(i)), cell))
     };
     let is_coarse = |(s, _): &(Surfel, f32)| !(0.0..0.2).contains(&s.position.x) || !(0.0..0.2).contains(&s.position.z);

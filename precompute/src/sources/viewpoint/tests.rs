@@ -30,8 +30,7 @@ fn camera(eye: Vec3) -> Camera {
 }
 
 fn light(emission: Emission, position: Vec3) -> Light {
-    let target = position + Vec3::NEG_Y;
-    Light { name: String::new(), enabled: true, emission, position, target, intensity: Vec3::ONE }
+    Light { emission, position, target: position + Vec3::NEG_Y, ..Default::default() }
 }
 
 #[test]

@@ -114,14 +114,7 @@ mod tests {
     const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
 
     fn light(emission: Emission) -> Light {
-        Light {
-            name: String::new(),
-            enabled: true,
-            emission,
-            position: Vec3::Y,
-            target: Vec3::ZERO,
-            intensity: Vec3::ONE,
-        }
+        Light { emission, position: Vec3::Y, ..Default::default() }
     }
 
     #[test]

@@ -33,14 +33,8 @@ fn local(lights: &[Light]) -> LocalLighting {
 }
 
 fn light(emission: Emission, position: [f32; 3], target: [f32; 3]) -> Light {
-    Light {
-        name: String::new(),
-        enabled: true,
-        emission,
-        position: position.into(),
-        target: target.into(),
-        intensity: Vec3::new(4.0, 3.0, 2.5),
-    }
+    let (position, target) = (position.into(), target.into());
+    Light { emission, position, target, intensity: Vec3::new(4.0, 3.0, 2.5), ..Default::default() }
 }
 
 fn spot(cone_degrees: f32, penumbra_degrees: f32) -> Emission {

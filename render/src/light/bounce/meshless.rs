@@ -128,7 +128,6 @@ mod tests {
     };
     use lapidary_core::{
         camera::Camera,
-        lights::Emission,
         meshless::{Basis, Transport},
         sphere::{cosine_direction, frame_around},
         surfel::MeshPlace,
@@ -136,9 +135,8 @@ mod tests {
     use std::f32::consts::FRAC_1_PI;
 
     fn lamp(intensity: f32) -> Arc<[Light]> {
-        let (position, target) = (Vec3::new(-1.0, 1.2, 0.1), Vec3::ZERO);
-        let intensity = Vec3::splat(intensity);
-        [Light { name: String::new(), enabled: true, emission: Emission::Point, position, target, intensity }].into()
+        let position = Vec3::new(-1.0, 1.2, 0.1);
+        [Light { position, intensity: Vec3::splat(intensity), ..Default::default() }].into()
     }
 
     #[test]

@@ -94,7 +94,7 @@ mod tests {
     fn what_lies_behind_a_wall_or_beyond_a_rim_is_no_part() {
         let scene = parted_floor();
         let source = |x: f32, area: f32| Source {
-            surfel: Surfel { position: Vec3::new(x, 0.0, 0.1), normal: Vec3::Y, place: Default::default() },
+            surfel: Surfel { position: Vec3::new(x, 0.0, 0.1), ..Default::default() },
             area,
             spacing: area.sqrt(),
         };

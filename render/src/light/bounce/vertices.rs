@@ -93,17 +93,13 @@ fn back_of(mesh: &Mesh, vertex: usize) -> (Vec3, Vec3) {
 mod tests {
     use super::*;
     use crate::test_scenes;
-    use lapidary_core::{
-        material::BrdfParameters,
-        meshless::Transport,
-        surfel::{MeshPlace, Surfel},
-    };
+    use lapidary_core::{material::BrdfParameters, meshless::Transport, surfel::Surfel};
 
     /// A floor of 4 x 4 m whose back alone is lit near one corner, from a sender far away; all triangles are two-sided.
     fn dataset() -> Dataset {
         let mut dataset = test_scenes::dataset(test_scenes::mesh(8, false), BrdfParameters::default());
         dataset.two_sided.fill(true);
-        let at = |position: Vec3, normal: Vec3| Surfel { position, normal, place: MeshPlace::default() };
+        let at = |position: Vec3, normal: Vec3| Surfel { position, normal, ..Default::default() };
         let corner = Vec3::new(2.0, 0.0, 2.0);
         let coarse = vec![at(Vec3::Y * 50.0, Vec3::NEG_Y), at(Vec3::ZERO, Vec3::NEG_Y)];
         let fine = vec![at(corner, Vec3::NEG_Y), at(corner - Vec3::X, Vec3::NEG_Y)];

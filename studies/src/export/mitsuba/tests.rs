@@ -44,12 +44,11 @@ fn the_map_is_the_same_function_on_both_grids() {
 #[test]
 fn a_rectangle_lies_where_it_is_and_faces_its_target() {
     let light = Light {
-        name: String::new(),
-        enabled: true,
         emission: Emission::Rectangle { width: 2.0, height: 1.0 },
         position: Vec3::new(0.0, 3.0, 1.0),
         target: Vec3::new(0.0, 0.0, 1.0),
         intensity: Vec3::new(1.0, 2.0, 3.0),
+        ..Default::default()
     };
     let text = emitters::local(&light).unwrap();
     let rows = text.split("matrix value=\"").nth(1).unwrap().split('"').next().unwrap();

@@ -11,14 +11,8 @@ const SETTINGS: ShadowViewSettings = ShadowViewSettings {
 };
 
 fn light(emission: Emission) -> Light {
-    Light {
-        name: String::new(),
-        enabled: true,
-        emission,
-        position: Vec3::new(0.3, 2.0, -0.4),
-        target: Vec3::new(1.0, 0.5, 0.2),
-        intensity: Vec3::ONE,
-    }
+    let (position, target) = (Vec3::new(0.3, 2.0, -0.4), Vec3::new(1.0, 0.5, 0.2));
+    Light { emission, position, target, ..Default::default() }
 }
 
 /// Position on the map in texels, and depth; as `shadow_clip` has it.
