@@ -24,7 +24,7 @@ use cases::{Case, Plan};
 use clap::Args;
 use lapidary_core::environment::Environment;
 use notebook::{Head, Notebook};
-use scale::Scale;
+use scale::MeasurementScale;
 use std::path::PathBuf;
 
 /// Options of `evidence`.
@@ -56,7 +56,7 @@ pub struct EvidenceArgs {
 /// A folder that cannot be written, scenes or data that cannot be read, or Ctrl-C; figures that were done are kept.
 pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     create_folder(&args.out)?;
-    let scale = if args.quick { Scale::QUICK } else { Scale::FULL };
+    let scale = if args.quick { MeasurementScale::QUICK } else { MeasurementScale::FULL };
     let (environment, warnings) = Environment::from_spec(&args.env)?;
     warnings.iter().for_each(|w| console.warning(w));
     let plans = scenes(args)?.iter().map(|path| Plan::read(path)).collect::<Result<Vec<_>>>()?;
@@ -84,7 +84,7 @@ fn scenes(args: &EvidenceArgs) -> Result<Vec<PathBuf>> {
 
 /// What all figures share.
 struct Measurement<'a> {
-    scale: &'static Scale,
+    scale: &'static MeasurementScale,
     environment: std::sync::Arc<Environment>,
     steps: &'a Steps,
     out: &'a std::path::Path,

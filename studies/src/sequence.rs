@@ -12,7 +12,7 @@ mod turn;
 
 pub use names::FrameNames;
 pub use parameter::{Domain, Parameter, Target};
-pub use plan::{Frame, SequenceSettings, plan};
+pub use plan::{SequenceFrame, SequenceSettings, plan};
 pub use record::Record;
 pub use run::{Existing, SequenceEnd, SequenceTask, SheetTask};
 pub use sweep::{Sweep, Value};

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::report::{
     self,
-    chart::{Chart, Line, Scale, histogram},
+    chart::{AxisScale, Chart, Line, histogram},
     section,
     text::{grouped, megabytes, seconds},
 };
@@ -90,7 +90,14 @@ fn ladder(report: &Report) -> Markup {
             points: rungs.iter().map(|r| (r.picture.look.illum_cut.into(), metric(&r.metrics))).collect(),
         };
         let lines = [line("refined", &ladder.refined), line("once", &ladder.once)];
-        Chart { title, x_label: "nodes of the illumination cut", x: Scale::Log, y: Scale::Linear, lines: &lines }.svg()
+        Chart {
+            title,
+            x_label: "nodes of the illumination cut",
+            x: AxisScale::Log,
+            y: AxisScale::Linear,
+            lines: &lines,
+        }
+        .svg()
     };
     let body = html! {
         p {

@@ -140,7 +140,7 @@ impl Measurement<'_> {
 
     /// The paper's sigma, whatever the number of lights.
     pub fn criterion(&self, lights: usize) -> CutCriterion {
-        CutCriterion { sigma: super::Scale::sigma_for(lights), ..Default::default() }
+        CutCriterion { sigma: super::MeasurementScale::sigma_for(lights), ..Default::default() }
     }
 
     fn bounce_bake(&self, plan: &Plan) -> Result<Arc<Dataset>> {

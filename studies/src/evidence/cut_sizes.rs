@@ -5,7 +5,7 @@ use super::{
     notebook::Notebook,
 };
 use crate::report::{
-    chart::{Chart, Line, Scale},
+    chart::{AxisScale, Chart, Line},
     table,
 };
 use anyhow::Result;
@@ -63,7 +63,7 @@ pub fn record(cases: &[(&Case, &Bakes)], notebook: &mut Notebook) -> Result<()> 
     };
     let lines: Vec<Line> = rows.iter().map(line).collect();
     let title = "Mean visibility cut";
-    let chart = Chart { title, x_label: "beta", x: Scale::Linear, y: Scale::Linear, lines: &lines };
+    let chart = Chart { title, x_label: "beta", x: AxisScale::Linear, y: AxisScale::Linear, lines: &lines };
     let cells = |row: &Row| {
         let sizes = row.steps.iter().map(|step| format!("{:.1}", step.mean_cut));
         let gains = [row.gain_data_driven, row.gain_mixed].map(|gain| format!("{:.0} %", 100.0 * gain));

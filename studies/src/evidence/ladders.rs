@@ -15,7 +15,7 @@ use serde::Serialize;
 /// Where the light of a picture comes from; as in the paper's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Light {
+pub enum LightKind {
     /// The environment, without bounces.
     Environment,
     /// Local lights and one bounce.
@@ -26,7 +26,7 @@ pub enum Light {
 pub struct SceneLadder {
     scene: String,
     /// Kind of light.
-    pub light: Light,
+    pub light: LightKind,
     /// Its figures.
     pub summary: Summary,
     /// What the pictures were held against.
@@ -36,7 +36,7 @@ pub struct SceneLadder {
 #[derive(Serialize)]
 struct Entry<'a> {
     scene: &'a str,
-    light: Light,
+    light: LightKind,
     sheet: String,
     #[serde(flatten)]
     summary: &'a Summary,
@@ -45,11 +45,11 @@ struct Entry<'a> {
 impl SceneLadder {
     /// Whether it is of a case under the environment.
     pub fn of_environment_of(&self, case: &Case) -> bool {
-        self.is_of(case, Light::Environment)
+        self.is_of(case, LightKind::Environment)
     }
 
     /// Whether it is of a case under a kind of light.
-    pub fn is_of(&self, case: &Case, light: Light) -> bool {
+    pub fn is_of(&self, case: &Case, light: LightKind) -> bool {
         self.scene == case.name && self.light == light
     }
 }
@@ -57,7 +57,7 @@ impl SceneLadder {
 /// A baked case under one kind of light.
 pub struct LitCase {
     /// Which light.
-    pub light: Light,
+    pub light: LightKind,
     /// What was baked for it.
     pub baked: Baked,
     /// How it is shown.
@@ -68,11 +68,11 @@ pub struct LitCase {
 pub fn lit_cases(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<LitCase> {
     let environment = case.environment.as_ref().map(|bakes| {
         let (baked, look) = (bakes.mixed().clone().into(), measurement.lit_from_afar(bakes.mixed(), size));
-        LitCase { light: Light::Environment, baked, look }
+        LitCase { light: LightKind::Environment, baked, look }
     });
     let bounce = case.bounces.as_ref().map(|dataset| {
         let (baked, look) = (dataset.clone().into(), measurement.lit_by_lamps(dataset, size));
-        LitCase { light: Light::Bounce, baked, look }
+        LitCase { light: LightKind::Bounce, baked, look }
     });
     environment.into_iter().chain(bounce).collect()
 }
@@ -97,10 +97,10 @@ pub fn record(measurement: &Measurement, cases: &[Case], notebook: &mut Notebook
     Ok(ladders)
 }
 
-fn stem(scene: &str, light: Light) -> String {
+fn stem(scene: &str, light: LightKind) -> String {
     let light = match light {
-        Light::Environment => "environment",
-        Light::Bounce => "bounce",
+        LightKind::Environment => "environment",
+        LightKind::Bounce => "bounce",
     };
     format!("{scene}-{light}")
 }

@@ -1,6 +1,6 @@
 //! What has been measured so far, as a page and as a file of figures: both are whole after each figure.
 
-use super::scale::Scale;
+use super::scale::MeasurementScale;
 use crate::{
     report::{self, section},
     terminal::write_json,
@@ -24,12 +24,12 @@ pub struct Head {
     threads: usize,
     environment: String,
     scenes: Vec<String>,
-    scale: Scale,
+    scale: MeasurementScale,
 }
 
 impl Head {
     /// For this program on this machine.
-    pub fn new(scale: &Scale, environment: &str, scenes: Vec<String>) -> Self {
+    pub fn new(scale: &MeasurementScale, environment: &str, scenes: Vec<String>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
@@ -133,7 +133,8 @@ mod tests {
     #[test]
     fn figures_are_on_disk_before_the_next_begins() {
         let folder = tempfile::tempdir().unwrap();
-        let mut notebook = Notebook::new(folder.path(), Head::new(Scale::QUICK, "studio", vec!["a".into()])).unwrap();
+        let mut notebook =
+            Notebook::new(folder.path(), Head::new(MeasurementScale::QUICK, "studio", vec!["a".into()])).unwrap();
         let read =
             || -> Value { serde_json::from_slice(&std::fs::read(folder.path().join(FIGURES)).unwrap()).unwrap() };
         assert_eq!(read()["figures"], serde_json::json!({}));
@@ -145,6 +146,9 @@ mod tests {
         assert_eq!(read()["complete"], true);
         assert!(!page().contains("not complete"));
         let file = folder.path().join(FIGURES);
-        assert!(Notebook::new(&file, Head::new(Scale::QUICK, "studio", Vec::new())).is_err(), "a file is no folder");
+        assert!(
+            Notebook::new(&file, Head::new(MeasurementScale::QUICK, "studio", Vec::new())).is_err(),
+            "a file is no folder"
+        );
     }
 }

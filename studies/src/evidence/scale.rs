@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Sizes of everything that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Scale {
+pub struct MeasurementScale {
     /// Samples of the environment, but where their number is swept.
     pub lights: usize,
     /// Vertex clusters of pilot visibility.
@@ -41,7 +41,7 @@ pub struct Scale {
     pub vertex_budgets: &'static [f64],
 }
 
-impl Scale {
+impl MeasurementScale {
     /// What the documented figures are made with: some tens of minutes on two cores.
     pub const FULL: &'static Self = &Self {
         lights: 32_768,
@@ -98,12 +98,12 @@ mod tests {
 
     #[test]
     fn sizes_are_ones_that_can_be_baked() {
-        for scale in [Scale::FULL, Scale::QUICK] {
+        for scale in [MeasurementScale::FULL, MeasurementScale::QUICK] {
             let counts = scale.light_counts.iter().chain([&scale.lights, &scale.sources]);
             assert!(counts.clone().all(|&n| height_of(n).is_ok()));
             assert!(scale.cube_side.is_power_of_two() && scale.spp.is_multiple_of(2) && scale.frames > 0);
             assert!(scale.betas.iter().all(|b| (0.0..=1.0).contains(b)));
         }
-        assert_eq!((Scale::sigma_for(32_768), Scale::sigma_for(8192)), (2.0, 1.0));
+        assert_eq!((MeasurementScale::sigma_for(32_768), MeasurementScale::sigma_for(8192)), (2.0, 1.0));
     }
 }

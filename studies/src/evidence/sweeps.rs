@@ -238,10 +238,11 @@ impl Sweep {
             name: name.into(),
             points: self.points.iter().map(|p| (p.value, y(p))).collect(),
         };
-        let scale = if matches!(self.swept, "lights" | "vertices") { chart::Scale::Log } else { chart::Scale::Linear };
+        let scale =
+            if matches!(self.swept, "lights" | "vertices") { chart::AxisScale::Log } else { chart::AxisScale::Linear };
         let lines = [line("rel. RMSE", |p| p.rel_rmse), line("visibility", |p| p.rms_visibility)];
         let title = "Error of picture and of visibility";
-        let chart = Chart { title, x_label: self.swept, x: scale, y: chart::Scale::Linear, lines: &lines };
+        let chart = Chart { title, x_label: self.swept, x: scale, y: chart::AxisScale::Linear, lines: &lines };
         let row = |p: &Point| {
             let sizes = [format!("{:.1}", p.mean_cut), p.vertices.to_string()];
             [short(p.value), short(p.rel_rmse), short(p.rms_visibility)].into_iter().chain(sizes).collect()

@@ -3,7 +3,7 @@
 use super::{
     Measurement,
     cases::{Bakes, Case},
-    ladders::{Light, LitCase, SceneLadder, lit_cases},
+    ladders::{LightKind, LitCase, SceneLadder, lit_cases},
     notebook::Notebook,
 };
 use crate::{
@@ -29,7 +29,7 @@ const TYPICAL: u32 = 256;
 #[derive(Serialize)]
 struct Row {
     scene: String,
-    light: Light,
+    light: LightKind,
     vertices: usize,
     triangles: usize,
     /// Directions of the environment, or surface sources.
@@ -129,17 +129,17 @@ impl FrameTimes {
 impl Row {
     fn new(
         case: &Case,
-        light: Light,
+        light: LightKind,
         dataset: &Dataset,
         frames: Vec<FrameTimes>,
         ladder: Option<&SceneLadder>,
     ) -> Self {
         let geometric = |bakes: &Bakes| Bake::of_environment(bakes.geometric());
         let (geometric, data_driven, lights) = match light {
-            Light::Environment => {
+            LightKind::Environment => {
                 (case.environment.as_ref().map(geometric), Bake::of_environment(dataset), dataset.tree.len())
             }
-            Light::Bounce => {
+            LightKind::Bounce => {
                 let sources = dataset.indirect.as_ref().map_or(0, |indirect| indirect.sources.len());
                 (None, Bake::of_sources(dataset), sources)
             }
@@ -174,8 +174,8 @@ impl Row {
         let frames: Vec<String> = self.frames.iter().map(|frame| short(frame.median_seconds)).collect();
         let none = || ["–"; 4].map(String::from);
         let light = match self.light {
-            Light::Environment => "Env.",
-            Light::Bounce => "Ind.",
+            LightKind::Environment => "Env.",
+            LightKind::Bounce => "Ind.",
         };
         [self.scene.clone(), grouped(self.vertices as u64), light.into()]
             .into_iter()

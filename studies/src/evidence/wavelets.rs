@@ -14,7 +14,7 @@ use super::{
     notebook::Notebook,
 };
 use crate::report::{
-    chart::{Chart, Line, Scale},
+    chart::{AxisScale, Chart, Line},
     table,
     text::short,
 };
@@ -161,8 +161,8 @@ fn markup(comparison: &Comparison) -> Markup {
     let chart = Chart {
         title: "Terms at the same total error",
         x_label: "RMS error over texels and points",
-        x: Scale::Log,
-        y: Scale::Log,
+        x: AxisScale::Log,
+        y: AxisScale::Log,
         lines: &lines,
     };
     let row = |m: &Matched| {

@@ -3,7 +3,7 @@
 use super::files::{StepFigures, Summary};
 use crate::report::{
     self,
-    chart::{Chart, Line, Scale},
+    chart::{AxisScale, Chart, Line},
     figure, section,
     text::{grouped, seconds, short},
 };
@@ -68,7 +68,8 @@ pub fn charts(summary: &Summary) -> Markup {
         };
         [line("rel. RMSE", |s| s.rel_rmse), line("FLIP", |s| s.flip)]
     };
-    let chart = |title, x_label, lines: &[Line]| Chart { title, x_label, x: Scale::Log, y: Scale::Log, lines }.svg();
+    let chart =
+        |title, x_label, lines: &[Line]| Chart { title, x_label, x: AxisScale::Log, y: AxisScale::Log, lines }.svg();
     let by_size = chart("Error by size", "nodes of the illumination cut", &lines(|s| s.illum_cut.into()));
     let by_time = chart("Error by time", "seconds a picture", &lines(|s| s.seconds));
     html! { div.grid.two { (by_size) (by_time) } }

@@ -14,7 +14,7 @@ pub struct Line {
 
 /// How numbers are spread over an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum AxisScale {
     /// Evenly, from zero.
     Linear,
     /// By their ratios; values of zero and below stand at the low end.
@@ -29,9 +29,9 @@ pub struct Chart<'a> {
     /// What the horizontal axis counts.
     pub x_label: &'a str,
     /// How the horizontal axis is spread. It has ticks at the points of the first line if they are few and round.
-    pub x: Scale,
+    pub x: AxisScale,
     /// How the vertical axis is spread.
-    pub y: Scale,
+    pub y: AxisScale,
     /// In the order of their colours.
     pub lines: &'a [Line],
 }
@@ -103,7 +103,7 @@ fn tenths(coordinate: f64) -> String {
 
 /// Numbers to places.
 struct Axis {
-    scale: Scale,
+    scale: AxisScale,
     /// Least and greatest number.
     range: [f64; 2],
     /// Where they stand.
@@ -111,12 +111,12 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(scale: Scale, values: impl Iterator<Item = f64>, place: [f64; 2]) -> Self {
+    fn new(scale: AxisScale, values: impl Iterator<Item = f64>, place: [f64; 2]) -> Self {
         let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         let top = finite.iter().copied().fold(0.0, f64::max);
         let range = match scale {
-            Scale::Linear => [0.0, (top * 1.08).max(1e-6)],
-            Scale::Log => {
+            AxisScale::Linear => [0.0, (top * 1.08).max(1e-6)],
+            AxisScale::Log => {
                 let low = finite.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
                 let low = if low.is_finite() { low } else { 0.1 };
                 [low / 1.08, (top * 1.08).max(low * 1.2)]
@@ -128,8 +128,8 @@ impl Axis {
     fn place(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         let part = match self.scale {
-            Scale::Linear => (value - low) / (high - low),
-            Scale::Log => (value.max(low) / low).ln() / (high / low).ln(),
+            AxisScale::Linear => (value - low) / (high - low),
+            AxisScale::Log => (value.max(low) / low).ln() / (high / low).ln(),
         };
         self.place[0] + (self.place[1] - self.place[0]) * part.clamp(0.0, 1.0)
     }
@@ -137,7 +137,7 @@ impl Axis {
     /// Round numbers: three to six of them, or the 1, 2 and 5 of each decade, or decades where there are many.
     fn ticks(&self) -> Vec<f64> {
         let [low, high] = self.range;
-        if self.scale == Scale::Linear {
+        if self.scale == AxisScale::Linear {
             let step = tick_step(high / 1.08);
             return (0..).map(|i| f64::from(i) * step).take_while(|v| *v <= high).collect();
         }
@@ -227,9 +227,9 @@ fn size_range(exponent: usize) -> String {
 mod tests {
     use super::*;
 
-    fn chart(points: &[(f64, f64)], scale: Scale) -> String {
+    fn chart(points: &[(f64, f64)], scale: AxisScale) -> String {
         let lines = [Line { name: "a & b".into(), points: points.to_vec() }];
-        Chart { title: "t", x_label: "nodes", x: Scale::Log, y: scale, lines: &lines }.svg().into_string()
+        Chart { title: "t", x_label: "nodes", x: AxisScale::Log, y: scale, lines: &lines }.svg().into_string()
     }
 
     #[test]
@@ -238,17 +238,17 @@ mod tests {
             let count = largest / tick_step(largest);
             assert!((2.0..=6.0).contains(&count), "{largest}: {count}");
         }
-        let log = Axis::new(Scale::Log, [0.03, 0.4].into_iter(), [0.0, 100.0]);
+        let log = Axis::new(AxisScale::Log, [0.03, 0.4].into_iter(), [0.0, 100.0]);
         assert_eq!(log.ticks().iter().map(|&v| short(v)).collect::<Vec<_>>(), ["0.05", "0.1", "0.2"]);
     }
 
     #[test]
     fn better_points_are_drawn_lower_and_equal_ratios_are_equally_long() {
-        for scale in [Scale::Linear, Scale::Log] {
+        for scale in [AxisScale::Linear, AxisScale::Log] {
             let axis = Axis::new(scale, [0.1, 1.0].into_iter(), [200.0, 0.0]);
             assert!(axis.place(0.1) > axis.place(0.9));
         }
-        let log = Axis::new(Scale::Log, [1.0, 64.0].into_iter(), [0.0, 100.0]);
+        let log = Axis::new(AxisScale::Log, [1.0, 64.0].into_iter(), [0.0, 100.0]);
         assert!((log.place(8.0) - log.place(2.0) - (log.place(32.0) - log.place(8.0))).abs() < 1e-9);
         assert_eq!([0, 1, 5].map(size_range), ["1", "2–3", "32–63"]);
     }
@@ -256,20 +256,20 @@ mod tests {
     #[test]
     fn charts_survive_nothing_to_show() {
         assert!(histogram(&[0, 0]).into_string().ends_with("</svg>"));
-        for scale in [Scale::Linear, Scale::Log] {
+        for scale in [AxisScale::Linear, AxisScale::Log] {
             for points in [&[][..], &[(32.0, 0.0), (64.0, 0.0)], &[(1.0, f64::INFINITY)], &[(1.0, 0.5)]] {
                 let svg = chart(points, scale);
                 assert!(svg.ends_with("</svg>") && !svg.contains("NaN"), "{points:?}: {svg}");
             }
         }
-        assert!(chart(&[(1.0, 1.0)], Scale::Log).contains("a &amp; b"));
+        assert!(chart(&[(1.0, 1.0)], AxisScale::Log).contains("a &amp; b"));
     }
 
     #[test]
     fn ticks_are_at_points_if_those_are_round() {
-        let sizes = chart(&[(1.0, 0.5), (32.0, 0.4), (512.0, 0.3)], Scale::Linear);
+        let sizes = chart(&[(1.0, 0.5), (32.0, 0.4), (512.0, 0.3)], AxisScale::Linear);
         assert!(sizes.contains(">32</text>") && sizes.contains(">512</text>"), "{sizes}");
-        let times = chart(&[(0.1234567, 0.5), (1.2345678, 0.4)], Scale::Linear);
+        let times = chart(&[(0.1234567, 0.5), (1.2345678, 0.4)], AxisScale::Linear);
         assert!(times.contains(">0.2</text>") && !times.contains(">0.123</text>"), "{times}");
     }
 }

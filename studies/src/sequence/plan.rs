@@ -70,7 +70,7 @@ impl Default for SequenceSettings {
 
 /// A frame.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct SequenceFrame {
     /// Its number, which its files are called by.
     pub number: u32,
     /// What differs from frame to frame, by name.
@@ -83,7 +83,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// Settings that make no sequence, or do not fit the scene in some frame.
-pub fn plan(base: &Look, settings: &SequenceSettings) -> Result<Vec<Frame>, PlanError> {
+pub fn plan(base: &Look, settings: &SequenceSettings) -> Result<Vec<SequenceFrame>, PlanError> {
     check(base, settings)?;
     (0..settings.frames).map(|index| frame(base, settings, index)).collect()
 }
@@ -111,7 +111,7 @@ fn check(base: &Look, settings: &SequenceSettings) -> Result<(), PlanError> {
     Ok(())
 }
 
-fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Frame, PlanError> {
+fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<SequenceFrame, PlanError> {
     let (mut look, mut values) = (base.clone(), Vec::new());
     let number = settings.first.saturating_add(index);
     let share = if settings.frames > 1 { index as f32 / (settings.frames - 1) as f32 } else { 0.0 };
@@ -126,7 +126,7 @@ fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Frame, 
         values.insert(0, (format!("{TURN}-{}", turn.name()), Value::Number(degrees)));
     }
     validate(number, &look)?;
-    Ok(Frame { number, values, look })
+    Ok(SequenceFrame { number, values, look })
 }
 
 impl SequenceSettings {
@@ -150,7 +150,7 @@ fn validate(number: u32, look: &Look) -> Result<(), PlanError> {
     Ok(())
 }
 
-impl Frame {
+impl SequenceFrame {
     /// What a contact sheet says of it.
     pub fn caption(&self) -> Vec<String> {
         let value = |(name, value): &(String, Value)| match name.strip_prefix(TURN).and_then(|t| t.strip_prefix('-')) {
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn sweeps_run_together_from_the_first_frame_to_the_last() {
         let frames = plan(&look(), &sweeps(&["roughness=0..1", "exposure=2..-2"])).unwrap();
-        let values = |frame: &Frame| {
+        let values = |frame: &SequenceFrame| {
             (frame.number, frame.look.appearance.materials[1].parameters.roughness, frame.look.post.exposure)
         };
         let all: Vec<_> = frames.iter().map(values).collect();

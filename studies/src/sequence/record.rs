@@ -1,7 +1,7 @@
 //! The JSON file beside the frames that says what each of them shows, and by which going on finds out whether the frames that
 //! are there belong to the same sequence.
 
-use super::{Frame, FrameNames, Value};
+use super::{FrameNames, SequenceFrame, Value};
 use crate::{export::settings, terminal::write_json};
 use anyhow::{Context, Result};
 use lapidary_core::dataset::Dataset;
@@ -36,11 +36,11 @@ struct FrameRecord {
 
 impl Record {
     /// Of frames that are planned, none of them rendered.
-    pub fn new(frames: &[Frame], outputs: &[FrameNames], dataset: &Dataset) -> Self {
+    pub fn new(frames: &[SequenceFrame], outputs: &[FrameNames], dataset: &Dataset) -> Self {
         let file = |names: &FrameNames, number| {
             names.path(number).file_name().unwrap_or_default().to_string_lossy().into_owned()
         };
-        let record = |frame: &Frame| FrameRecord {
+        let record = |frame: &SequenceFrame| FrameRecord {
             frame: frame.number,
             files: outputs.iter().map(|names| file(names, frame.number)).collect(),
             values: frame.values.iter().cloned().collect(),

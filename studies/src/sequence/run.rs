@@ -1,7 +1,7 @@
 //! Renders the frames of a plan one by one to files, each under a temporary name that is renamed when it is complete: whatever
 //! stops it, finished frames stay, and it can go on from them.
 
-use super::{Frame, FrameNames, record::Record};
+use super::{FrameNames, SequenceFrame, record::Record};
 use crate::{
     export::Finished,
     export::{LayerKind, Studio},
@@ -46,7 +46,7 @@ pub struct SheetTask {
 #[derive(Clone, Debug)]
 pub struct SequenceTask {
     /// What it shows.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<SequenceFrame>,
     /// Where it goes, in each format.
     pub outputs: Vec<FrameNames>,
     /// Layers of exr files.
@@ -160,17 +160,17 @@ impl SequenceTask {
         self.outputs.iter().map(FrameNames::folder).chain(sheet.filter(|folder| !folder.as_os_str().is_empty()))
     }
 
-    fn files(&self, frame: &Frame) -> Vec<PathBuf> {
+    fn files(&self, frame: &SequenceFrame) -> Vec<PathBuf> {
         self.outputs.iter().map(|names| names.path(frame.number)).collect()
     }
 
     /// Whether a frame is there in all formats and stays.
-    fn is_there(&self, frame: &Frame) -> bool {
+    fn is_there(&self, frame: &SequenceFrame) -> bool {
         self.existing == Existing::Resume && self.files(frame).iter().all(|file| file.exists())
     }
 
     /// A frame that was rendered before.
-    fn read_tile(&self, frame: &Frame) -> Result<Tile> {
+    fn read_tile(&self, frame: &SequenceFrame) -> Result<Tile> {
         let files = self.files(frame);
         let is_png = |file: &&PathBuf| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         let shown = match files.iter().find(is_png) {
@@ -187,7 +187,7 @@ impl SequenceTask {
     }
 }
 
-fn tile(frame: &Frame, shown: &DisplayPicture) -> Tile {
+fn tile(frame: &SequenceFrame, shown: &DisplayPicture) -> Tile {
     Tile { image: shown.shrunk(TILE), caption: frame.caption() }
 }
 
