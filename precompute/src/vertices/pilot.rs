@@ -22,10 +22,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Weight of position against normal in the metric of the clusters (Eq. 10; Hašan et al. 2006).
 const K: f32 = 30.0;
-/// Points per cluster whose visibility is averaged.
+/// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
-/// Clusters the points by position and normal, and samples each cluster's visibility of the Fibonacci samples.
+/// Clusters the points by position and normal and samples each cluster's visibility of the Fibonacci samples.
 pub fn sample_pilot(
     points: &BakePoints,
     scene: &Intersector,
@@ -34,7 +34,7 @@ pub fn sample_pilot(
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    // In sample order, because the tree that will arrange the samples does not exist yet.
+    // In sample order: the tree that the samples will be arranged by does not exist yet.
     let samples = LightTree::from_order((0..lights as u32).collect()).map_err(SettingsError::from)?;
     let sampler = VisibilitySampler::new(scene, &samples);
     let sample = |point: &BakePoint, visible: &mut [u8]| {
@@ -43,8 +43,7 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, lights, clusters, observer, sample)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` with `sample`, which sets 0 or 1 for each
-/// light.
+/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
 pub fn pilot_of(
     points: &BakePoints,
     diagonal: f32,
