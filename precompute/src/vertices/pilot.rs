@@ -22,7 +22,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Weight of position against normal in the metric of the clusters (Eq. 10; Hašan et al. 2006).
 const K: f32 = 30.0;
-/// Points per cluster whose visibility is averaged.
+/// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
 /// Clusters the points by position and normal and samples each cluster's visibility of `directions`.
@@ -41,8 +41,7 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, directions.len(), clusters, observer, sample)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` with `sample`, which sets 0 or 1 for each
-/// light.
+/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
 pub fn pilot_of(
     points: &BakePoints,
     diagonal: f32,
