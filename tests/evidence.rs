@@ -24,10 +24,12 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
         assert!(steps.iter().all(|step| step[key].is_number()), "{key}");
     }
     let error = |i: usize| steps[i]["rel_rmse"].as_f64().expect("a number");
-    assert!(error(0) > 2.0 * error(2), "one node is far from the truth: {} and {}", error(0), error(2));
+    let errors = [0, 1, 2].map(error);
+    assert!(errors[0] > 0.85 && errors[1] > 0.75 && errors[2] < 0.31, "one node is far from the truth: {errors:?}");
     for name in ["cut-1", "cut-32", "cut-256", "reference"] {
         for extension in ["png", "exr"] {
-            assert!(Image::read(&stage.path(&format!("ladder/{name}.{extension}"))).is_ok(), "{name}");
+            let picture = Image::read(&stage.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
+            assert_eq!(picture.size, [32, 24], "{name}");
         }
     }
     assert!(Image::read(&stage.path("ladder/sheet.png")).is_ok());
@@ -40,7 +42,6 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
     assert_eq!(read("r.exr"), read("ladder/cut-32.exr"));
     assert_eq!(read("t.exr"), read("ladder/reference.exr"));
-    assert_ne!(read("r.exr"), read("ladder/cut-256.exr"), "negative control");
 }
 
 #[test]
@@ -51,7 +52,7 @@ fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
     let json = stage.json("ladder/ladder.json");
     assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("256 surface sources")), "{json}");
     let error = |i: usize| json["steps"][i]["rel_rmse"].as_f64().expect("a number");
-    assert!(error(0) > error(1), "{} and {}", error(0), error(1));
+    assert!(error(0) > 0.2 && error(1) < 0.05, "{} and {}", error(0), error(1));
     assert!(keys(&json).contains(&"reference"));
 }
 

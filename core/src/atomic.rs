@@ -46,9 +46,10 @@ mod tests {
     #[test]
     fn a_folder_is_writable_if_files_can_be_made_in_it_and_none_stays() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(check_writable(folder.path()).is_ok());
+        check_writable(folder.path()).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-        assert!(check_writable(&folder.path().join("missing")).is_err());
+        let missing = check_writable(&folder.path().join("missing")).unwrap_err();
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
         #[cfg(target_os = "linux")]
         assert!(check_writable(Path::new("/proc")).is_err(), "it is there and takes no files, whoever asks");
     }
@@ -58,10 +59,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("old");
         write_atomically(&target, b"old").unwrap();
-        assert!(write_atomically(&target.join("below-a-file"), b"new").is_err());
+        let below = write_atomically(&target.join("below-a-file"), b"new").unwrap_err();
+        assert_eq!(below.kind(), io::ErrorKind::NotADirectory);
         // A folder cannot be replaced by a file: the rename, the last step, is what fails here.
         std::fs::create_dir(folder.path().join("folder")).unwrap();
-        assert!(write_atomically(&folder.path().join("folder"), b"new").is_err());
+        let replaced = write_atomically(&folder.path().join("folder"), b"new").unwrap_err();
+        assert_eq!(replaced.kind(), io::ErrorKind::IsADirectory);
         assert_eq!(std::fs::read(&target).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
         write_atomically(&target, b"new").unwrap();

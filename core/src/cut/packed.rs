@@ -192,10 +192,11 @@ mod tests {
         assert_eq!(cuts.nodes().len(), 24);
         assert_eq!(cuts.cut(4, 2), &two);
         let parts = |nodes: Vec<u16>, offsets| PackedCuts::from_parts(4, nodes, offsets);
-        assert!(parts(cuts.nodes().to_vec(), vec![0, 2]).is_ok());
+        assert_eq!(parts(cuts.nodes().to_vec(), vec![0, 2]).unwrap().cut(4, 1), &two);
         assert_eq!(parts(cuts.nodes().to_vec(), vec![0, 3]).unwrap_err().0, 1);
-        assert!(parts(vec![pack_node(1, 0.0); 1], vec![0]).is_err());
-        assert!(parts(vec![pack_node(9, 0.0); 8], vec![0]).is_err());
-        assert!(parts(vec![pack_node(2, 0.0), pack_node(1, 0.0), pack_node(2, 0.0)], vec![0]).is_err());
+        let fault = |depths: &[u32]| parts(depths.iter().map(|&d| pack_node(d, 0.0)).collect(), vec![0]).unwrap_err();
+        assert_eq!(fault(&[1]), (0, CutError::Incomplete(8)));
+        assert_eq!(fault(&[9; 8]), (0, CutError::Depth { node: 0, depth: 9, height: 4 }));
+        assert_eq!(fault(&[2, 1, 2]), (0, CutError::Misplaced { node: 1, depth: 1, first: 4 }));
     }
 }

@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(" meshless, environment".parse(), Ok(BakeParts::ENVIRONMENT_MESHLESS));
         assert_eq!(BakeParts::ENVIRONMENT_MESHLESS.to_string(), "environment,meshless");
         for bad in ["", "sun", "all,", "environment meshless"] {
-            assert!(bad.parse::<BakeParts>().is_err(), "{bad}");
+            assert_eq!(bad.parse::<BakeParts>(), Err(PartsError(bad.into())));
         }
     }
 }

@@ -116,12 +116,16 @@ mod tests {
     fn regions_without_pixels_or_outside_are_refused() {
         let region = |x, y, width, height| Region { x, y, width, height };
         let size = [40, 30];
-        assert!(region(0, 0, 40, 30).check(size).is_ok() && region(39, 29, 1, 1).check(size).is_ok());
+        for good in [region(0, 0, 40, 30), region(39, 29, 1, 1)] {
+            assert_eq!(good.check(size), Ok(good));
+        }
         assert_eq!(region(3, 3, 0, 4).check(size), Err(RegionError::Empty));
         assert_eq!(region(3, 3, 4, 0).check(size), Err(RegionError::Empty));
         let message = region(30, 0, 11, 1).check(size).unwrap_err().to_string();
         assert!(message.contains("column 40") && message.contains("40 x 30"), "{message}");
-        assert!(region(u32::MAX, 0, u32::MAX, 1).check(size).is_err(), "no overflow");
+        let corner = [2 * u64::from(u32::MAX) - 1, 0];
+        let far = region(u32::MAX, 0, u32::MAX, 1).check(size);
+        assert_eq!(far, Err(RegionError::Outside { corner, size }), "no overflow");
     }
 
     #[test]

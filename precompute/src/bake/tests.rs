@@ -24,7 +24,7 @@ use std::{
     f32::consts::PI,
     path::Path,
     sync::{
-        Mutex,
+        Mutex, OnceLock,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -185,11 +185,28 @@ fn interior() -> Scene {
     scene_of(&triangles)
 }
 
+/// A small bake, from a viewpoint in the interior: to search for one takes longer than all the rest.
 fn indirect_job(folder: &Path, name: &str, mode: BakeParts) -> BakeJob {
-    let indirect = IndirectSettings { sources: 512, ..Default::default() };
-    let meshless = MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, ..Default::default() };
+    let viewpoint = Some(Vec3::new(0.1, -0.1, -0.2));
+    let indirect = IndirectSettings { sources: 512, viewpoint, ..Default::default() };
+    let meshless =
+        MeshlessSettings { levels: 3, sender_levels: 2, rays: 64, coarse_radius: Some(0.6), ..Default::default() };
     let settings = BakeSettings { mode, indirect, meshless, lights: 256, ..settings() };
     BakeJob { settings: resolve(settings).unwrap(), chunks: Some(3), ..job(folder, name) }
+}
+
+/// The same job without a viewpoint.
+fn searching(job: BakeJob) -> BakeJob {
+    with(job, |settings| settings.indirect.viewpoint = None)
+}
+
+/// The interior with all parts, baked once for all tests that compare with it.
+fn whole_interior() -> &'static Dataset {
+    static WHOLE: OnceLock<Dataset> = OnceLock::new();
+    WHOLE.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        bake(interior(), &indirect_job(folder.path(), "a.cuts", BakeParts::ALL), &Silent).unwrap()
+    })
 }
 
 fn indirect_contents(dataset: &Dataset) -> (Vec<Source>, Vec<u16>, Vec<u32>, Vec<u16>) {
@@ -222,7 +239,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
 #[test]
 fn a_closed_room_is_a_white_furnace_and_a_full_hemisphere_in_every_cut() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
+    let job = searching(indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT));
     let scene = scene_of(&room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8)));
     let dataset = bake(scene, &job, &Silent).unwrap();
     let indirect = dataset.indirect.as_ref().unwrap();
@@ -258,20 +275,21 @@ fn a_closed_room_is_a_white_furnace_and_a_full_hemisphere_in_every_cut() {
 #[test]
 fn sources_depend_on_neither_threads_nor_chunks_nor_interruptions() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |name: &str, mode, chunks, threads| {
+    let (one, of_cuts) =
+        (indirect_contents(whole_interior()), |name| indirect_job(folder.path(), name, BakeParts::CUTS));
+    let on_threads = |threads, job: &BakeJob, observer: &dyn Observer| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let job = BakeJob { chunks, ..indirect_job(folder.path(), name, mode) };
-        let dataset = pool.install(|| bake(interior(), &job, &Silent)).unwrap();
-        (indirect_contents(&dataset), dataset.meshless.is_some())
+        pool.install(|| bake(interior(), job, observer))
     };
-    let (one, has_meshless) = run("a.cuts", BakeParts::ALL, Some(1), 1);
-    assert!(has_meshless);
-    assert_eq!((one.clone(), false), run("b.cuts", BakeParts::CUTS, Some(4), 3), "all but the meshless basis");
-    let job = indirect_job(folder.path(), "c.cuts", BakeParts::ALL);
+    let job = BakeJob { chunks: Some(1), ..of_cuts("a.cuts") };
+    let alone = on_threads(1, &job, &Silent).unwrap();
+    assert!(alone.meshless.is_none() && whole_interior().meshless.is_some());
+    assert_eq!(indirect_contents(&alone), one, "all but the meshless basis");
+    let job = BakeJob { chunks: Some(4), ..of_cuts("b.cuts") };
     let stop = CancelIn::phase(Phase::SourceVisibility);
-    assert!(matches!(bake(interior(), &job, &stop), Err(BakeError::Cancelled)));
+    assert!(matches!(on_threads(3, &job, &stop), Err(BakeError::Cancelled)));
     assert!(Checkpoint::folder_of(&job.output).join("source-chunk-00000.bin").exists());
-    let resumed = bake(interior(), &BakeJob { resume: true, ..job }, &Silent).unwrap();
+    let resumed = on_threads(3, &BakeJob { resume: true, ..job }, &Silent).unwrap();
     assert_eq!(indirect_contents(&resumed), one);
 }
 
@@ -287,20 +305,17 @@ fn the_meshless_basis_is_baked_and_read_back() {
         assert!(dataset.report.seconds.contains_key(phase), "{phase}");
     }
     let read = Dataset::read(&job.output).unwrap().meshless.unwrap();
-    assert_eq!((read.basis.points(), read.transport), (bake_of.basis.points(), bake_of.transport.clone()));
+    assert_eq!((read.basis.points(), &read.transport), (bake_of.basis.points(), &bake_of.transport));
 }
 
 #[test]
 fn environment_and_meshless_basis_are_baked_without_sources_as_they_are_with_them() {
     let folder = tempfile::tempdir().unwrap();
-    let baked = |parts: BakeParts| {
-        let job = indirect_job(folder.path(), &format!("{parts}.cuts"), parts);
-        bake(interior(), &job, &Silent).unwrap();
-        Dataset::read(&job.output).unwrap()
-    };
-    let both = baked(BakeParts::ENVIRONMENT_MESHLESS);
+    let job = indirect_job(folder.path(), "a.cuts", BakeParts::ENVIRONMENT_MESHLESS);
+    bake(interior(), &job, &Silent).unwrap();
+    let both = Dataset::read(&job.output).unwrap();
     assert_eq!(both.settings.mode, BakeParts::ENVIRONMENT_MESHLESS);
     assert!(both.indirect.is_none() && both.report.samples_resolved > 0);
     let parts = |dataset: &Dataset| (contents(dataset), dataset.meshless.as_ref().unwrap().transport.clone());
-    assert_eq!(parts(&both), parts(&baked(BakeParts::ALL)), "all but the sources");
+    assert_eq!(parts(&both), parts(whole_interior()), "all but the sources");
 }

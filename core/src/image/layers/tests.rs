@@ -46,7 +46,6 @@ fn layers_are_prefixes_of_channels_in_one_part_and_are_read_back_exactly() {
     assert_eq!(layer("environment"), ramp(2.0));
     assert_eq!(layer("Normal"), ramp(3.0));
     assert_eq!(layer("merged-nodes").pixels[9], Vec3::splat(9.0));
-    assert_ne!(layer("environment"), layer("beauty"), "negative control");
 }
 
 #[test]

@@ -29,10 +29,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
         let bake = dataset.meshless.clone().unwrap();
         (bake.basis.points().to_vec(), bake.transport)
     };
-    let job = |name| {
-        let job = indirect_job(folder.path(), name, BakeParts::MESHLESS);
-        with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
-    };
+    let job = |name| indirect_job(folder.path(), name, BakeParts::MESHLESS);
     let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
     let job = job("b.cuts");
     let interrupted = || {
@@ -67,10 +64,7 @@ fn chunks_about_another_room_are_not_used_when_the_camera_has_moved() {
         scene
     };
     let (first, second) = (Vec3::new(-0.3, 0.1, 0.0), Vec3::new(4.1, 0.1, 0.0));
-    let job = |name| {
-        let job = indirect_job(folder.path(), name, BakeParts::ALL);
-        with(job, |settings| settings.meshless.coarse_radius = Some(0.6))
-    };
+    let job = |name| searching(indirect_job(folder.path(), name, BakeParts::ALL));
     let parts = |dataset: &Dataset| {
         let meshless = dataset.meshless.clone().unwrap();
         (indirect_contents(dataset), meshless.basis.points().to_vec(), meshless.transport)

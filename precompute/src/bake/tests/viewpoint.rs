@@ -7,7 +7,7 @@ use lapidary_core::{camera::Camera, shot::Shot};
 #[test]
 fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
     let folder = tempfile::tempdir().unwrap();
-    let job = indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT);
+    let job = searching(indirect_job(folder.path(), "a.cuts", BakeParts::INDIRECT));
     let eye = Vec3::new(-0.3, 0.1, -0.2);
     let camera = Camera::look_at(eye, Vec3::ZERO, 40.0);
     let reached_from = |job: &BakeJob| {
@@ -37,7 +37,8 @@ fn a_scene_without_a_closed_space_is_remarked_upon() {
     let folder = tempfile::tempdir().unwrap();
     let remarks = |scene, name| {
         let told = Told::default();
-        let dataset = bake(scene, &indirect_job(folder.path(), name, BakeParts::MESHLESS), &told).unwrap();
+        let job = searching(indirect_job(folder.path(), name, BakeParts::MESHLESS));
+        let dataset = bake(scene, &job, &told).unwrap();
         assert_eq!(dataset.report.warnings, told.all(), "the report has them as well");
         told.all().join("\n")
     };
