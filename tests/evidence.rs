@@ -11,7 +11,7 @@ const EYE: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --si
 fn the_ladder_shows_errors_and_times_of_every_size() {
     let stage = Folder::new();
     stage.bake("a.cuts", "");
-    // Metal, and the BRDF once a node: where visibility is coarse only the illumination cut tells where the sun is.
+    // Metal, and the BRDF once per node: where visibility is coarse only the illumination cut tells where the sun is.
     let view = format!("{EYE} --roughness 0.3 --metalness 1 --background black");
     let ladder = format!("ladder a.cuts {view} --brdf once --backend cpu --illum-cuts 1,32,256 --out ladder");
     let printed = stage.succeed(&ladder);

@@ -48,7 +48,7 @@ impl BouncedLight {
         Some(self.renderer.sources_reference(&self.look.view, sources, progress))
     }
 
-    /// `spp` light paths a pixel that are followed for a number of bounces.
+    /// `spp` light paths per pixel that are followed for a number of bounces.
     pub fn light_paths(&self, spp: u32, bounces: u32, progress: &dyn Progress) -> LightPaths {
         let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(spp) };
         let Look { view, light, lights, .. } = &self.look;

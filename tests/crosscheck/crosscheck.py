@@ -32,7 +32,7 @@ def options():
     parser.add_argument("--small", action="store_true", help="few cases and small pictures: a minute")
     parser.add_argument("--only", metavar="TEXT", default="", help="cases whose name holds TEXT")
     parser.add_argument("--size", metavar="WxH", help="pixels of a picture")
-    parser.add_argument("--spp", type=int, help="samples a pixel of each of two pictures by Mitsuba")
+    parser.add_argument("--spp", type=int, help="samples per pixel of each of two pictures by Mitsuba")
     parser.add_argument("--out", type=Path, help="folder that keeps pictures and crosscheck.json")
     return parser.parse_args()
 

@@ -48,7 +48,7 @@ struct Bench {
     vertices: usize,
     triangles: usize,
     mean_cut: f64,
-    /// Of the cuts over surface sources; nil without.
+    /// Of the cuts over surface sources; 0 without.
     mean_source_cut: f64,
     lights: usize,
     sources: usize,
@@ -236,7 +236,7 @@ fn table(bench: &Bench) -> String {
     for run in &bench.runs {
         let passes: Vec<String> = run.milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2} ms")).collect();
         text += &format!(
-            "cut {:>4}: {}; {:.0} merged nodes and {:.0} BRDF evaluations a pixel\n",
+            "cut {:>4}: {}; {:.0} merged nodes and {:.0} BRDF evaluations per pixel\n",
             run.illum_cut,
             passes.join(", "),
             run.mean_merged_nodes,

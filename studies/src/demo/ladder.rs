@@ -39,7 +39,7 @@ pub struct Rung {
 /// Pictures of the knot and the vase, close.
 #[derive(Clone, Debug, Serialize)]
 pub struct Detail {
-    /// BRDF once a node.
+    /// BRDF once per node.
     pub once: Picture,
     /// BRDF refined.
     pub refined: Picture,
@@ -58,7 +58,7 @@ pub struct Ladder {
     pub samples_reference: Picture,
     /// BRDF refined, by growing cut.
     pub refined: Vec<Rung>,
-    /// BRDF once a node, by growing cut.
+    /// BRDF once per node, by growing cut.
     pub once: Vec<Rung>,
     /// Close-up at a small cut.
     pub detail: Detail,
@@ -119,7 +119,7 @@ fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth
 fn close_up(still_life: &mut StillLife, steps: &Steps) -> Result<Detail> {
     let look = Look { illum_cut: 64, ..still_life.look("detail", "studio", [360, 270]) };
     let once = Look { sampling: BrdfSampling::Once, ..look.clone() };
-    let (once, once_image) = still_life.render("detail-once", "sampled once a node", &once)?;
+    let (once, once_image) = still_life.render("detail-once", "sampled once per node", &once)?;
     let (refined, refined_image) = still_life.render("detail-refine", "refined in the merge", &look)?;
     let progress = steps.progress("reference", "passes");
     let start = Instant::now();

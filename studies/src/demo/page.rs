@@ -38,7 +38,7 @@ fn hero(report: &Report) -> Markup {
     let caption = html! {
         "Lit by the whole environment “" (picture.look.light.environment.name) "” through an illumination cut of "
         (picture.look.illum_cut) " nodes, in " (seconds(picture.seconds)) " on the CPU with " (picture.look.view.aa)
-        " samples a pixel. No pixel is noisy: which lights each vertex sees was found once, in the bake."
+        " samples per pixel. No pixel is noisy: which lights each vertex sees was found once, in the bake."
     };
     html! {
         (figure("hero", picture, caption))
@@ -133,12 +133,12 @@ fn refinement(report: &Report) -> Markup {
     let caption = |name: &str, picture: &Picture, metrics: &Metrics| {
         let evaluations = picture.stats.as_ref().map_or(0.0, |s| s.mean_brdf_evaluations);
         html! {
-            b { (name) } (format!("{evaluations:.0}")) " BRDF evaluations a pixel, " (seconds(picture.seconds)) br;
+            b { (name) } (format!("{evaluations:.0}")) " BRDF evaluations per pixel, " (seconds(picture.seconds)) br;
             "relative RMSE " (thousandths(metrics.rel_rmse)) ", FLIP " (thousandths(metrics.flip))
         }
     };
     let truth = html! {
-        b { "Path-traced reference" } (seconds(detail.path_reference.seconds)) " at " (PATH_SAMPLES) " samples a pixel; no cuts;"
+        b { "Path-traced reference" } (seconds(detail.path_reference.seconds)) " at " (PATH_SAMPLES) " samples per pixel; no cuts;"
         br; "its noise is part of the errors here"
     };
     let body = html! {
@@ -148,7 +148,7 @@ fn refinement(report: &Report) -> Markup {
              pictures have an illumination cut of " (detail.once.look.illum_cut) " nodes."
         }
         div.grid.three {
-            (figure("", &detail.once, caption("Once a node", &detail.once, &detail.metrics_once)))
+            (figure("", &detail.once, caption("Once per node", &detail.once, &detail.metrics_once)))
             (figure("", &detail.refined, caption("Refined", &detail.refined, &detail.metrics_refined)))
             (figure("truth", &detail.path_reference, truth))
         }
@@ -165,7 +165,7 @@ fn error_maps(report: &Report) -> Markup {
         div.legend { "0" i {} (MAP_TOP) " and above" }
         h3 { "Refined" }
         (error_row(&report.ladder.refined))
-        h3 { "Once a node" }
+        h3 { "Once per node" }
         (error_row(&report.ladder.once))
     };
     section("Where the error is", body)

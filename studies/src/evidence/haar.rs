@@ -57,7 +57,7 @@ fn step(
 /// What is lost by keeping only the largest coefficients.
 #[derive(Clone, Debug)]
 pub struct Nonlinear {
-    /// Squared error with the `k` largest coefficients, for each `k`; falls to nil.
+    /// Squared error with the `k` largest coefficients, for each `k`; falls to 0.
     squared_errors: Vec<f64>,
 }
 

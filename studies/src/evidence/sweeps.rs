@@ -154,7 +154,7 @@ impl Sweeper<'_> {
         Ok(Sweep {
             scene: self.case.name.clone(),
             swept: "lights",
-            reference: format!("{} light paths a pixel", scale.spp),
+            reference: format!("{} light paths per pixel", scale.spp),
             reference_noise: paths.noise,
             points,
         })

@@ -44,7 +44,7 @@ pub fn of_pixel(explanation: &PixelExplanation) -> String {
 pub fn of_split(split: &ErrorSplit) -> String {
     let region = split.region;
     let mut text = format!(
-        "error of {} x {} pixels from {},{} against {} light paths a pixel\n\
+        "error of {} x {} pixels from {},{} against {} light paths per pixel\n\
          factor                 rel. RMSE     FLIP   from -> to\n",
         region.width, region.height, region.x, region.y, split.spp
     );
