@@ -68,7 +68,7 @@ fn viewpoints_that_are_not_valid_are_refused() {
         ("0.4,-0.6,0.3", "inside something solid"),
         ("0,9,0", "--viewpoint"),
         ("1e30,0,0", "no surface is seen"),
-        ("nan,0,0", "three numbers"),
+        ("nan,0,0", "is not a number"),
     ] {
         let (baked, said) = bake(folder.path(), "room.obj", &format!("--viewpoint {viewpoint}"));
         assert!(!baked && said.contains(words) && said.contains("viewpoint"), "{viewpoint}: {said}");

@@ -107,7 +107,7 @@ fn sampling_follows_its_density() {
                 let wi = b.sample(wo, Vec3::new(rng.f32(), rng.f32(), rng.f32()));
                 drawn[cells(wi)] += 1.0 / samples as f32;
             }
-            let n = 900;
+            let n = 450;
             for (u, v) in grid(n) {
                 let wi = uniform_direction(u, v);
                 expected[cells(wi)] += b.pdf(wi, wo) * 4.0 * std::f32::consts::PI / (n * n) as f32;

@@ -62,8 +62,8 @@ mod tests {
     fn a_constant_stays_and_a_lamp_spreads_without_gaining() {
         let constant = Environment { name: String::new(), map: Image::filled([37, 20], Vec3::splat(2.0)) };
         assert!(constant.blurred(0.3).map.pixels.iter().all(|p| (*p - 2.0).length() < 1e-4));
-        let mut lamp = Environment { name: String::new(), map: Image::filled([256, 128], Vec3::ZERO) };
-        lamp.map.pixels[64 * 256 + 128] = Vec3::splat(100.0);
+        let mut lamp = Environment { name: String::new(), map: Image::filled([128, 64], Vec3::ZERO) };
+        lamp.map.pixels[32 * 128 + 64] = Vec3::splat(100.0);
         let energy = |e: &Environment| -> f32 {
             let [w, _] = e.map.size;
             let area = |i: usize| texel_solid_angle(i as u32 / w, e.map.size);

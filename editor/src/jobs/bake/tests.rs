@@ -182,7 +182,7 @@ fn what_cannot_be_baked_or_written_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut odd = task(folder.path(), false);
     assert!(with_lights(&odd, 1000).is_err_and(|error| error.to_string().contains("1000")));
-    let meshless = MeshlessSettings { coarse_radius: Some(1e-6), ..Default::default() };
+    let meshless = MeshlessSettings { coarse_radius: Some(1e-5), ..Default::default() };
     let tiny = BakeSettings { mode: BakeParts::MESHLESS, meshless, ..odd.job.settings.into_settings() };
     odd.job.settings = resolve(tiny).unwrap();
     let messages = all(&mut BakeRun::start(odd, silent()));

@@ -115,6 +115,6 @@ mod tests {
         let (fitted, factor) = fit_sources(cuts, 6, criterion, whole / 2, &remarks);
         assert!((1..=whole / 2).contains(&bytes(&fitted)) && factor.is_some_and(|f| f > 1.0));
         let said = remarks.warnings().concat();
-        assert!(said.contains("a source sigma of ") && said.contains(" where 2 was asked for"), "{said}");
+        assert!(said.contains("to a source sigma of ") && said.contains(" instead of 2;"), "{said}");
     }
 }
