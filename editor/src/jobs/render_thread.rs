@@ -52,7 +52,7 @@ impl RenderRequest {
 pub struct RenderedFrame {
     /// The scene that it shows.
     pub dataset: Arc<Dataset>,
-    /// As [`Backend::display`] gives them.
+    /// As [`lapidary_render::Backend::display`] gives them.
     pub pixels: Vec<[u8; 4]>,
     /// Width and height of the picture.
     pub size: [u32; 2],

@@ -9,7 +9,7 @@
 //! | `textures/*.exr` | maps of the materials, multiplied by their parameters, linear |
 //! | `environment.exr` | the map on the grid on which Mitsuba interpolates as this program does |
 //!
-//! What differs by definition stands where it is written: see [`bsdf`], [`emitters`] and [`sensor`].
+//! Each file tells what differs by definition: `bsdf`, `emitters` and `sensor`.
 
 mod bsdf;
 mod emitters;
