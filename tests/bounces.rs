@@ -14,15 +14,15 @@ const SQUARE: usize = 8;
 
 /// The colour box, baked.
 fn colour_box() -> Folder {
-    let stage = Folder::new();
+    let folder = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
-    stage.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {BAKE}"));
-    stage
+    folder.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {BAKE}"));
+    folder
 }
 
 /// Means over squares of a picture, row by row.
-fn squares(stage: &Folder, name: &str) -> Vec<DVec3> {
-    let picture = Image::read(&stage.path(name)).expect("a picture");
+fn squares(folder: &Folder, name: &str) -> Vec<DVec3> {
+    let picture = Image::read(&folder.path(name)).expect("a picture");
     let [width, height] = picture.size.map(|n| n as usize / SQUARE);
     let pixel = |x: usize, y: usize| picture.pixels[y * width * SQUARE + x].as_dvec3();
     let mean = |i: usize| {
@@ -43,12 +43,12 @@ fn difference(test: &[DVec3], reference: &[DVec3]) -> (f64, DVec3) {
 
 #[test]
 fn the_bounce_of_the_colour_box_is_that_of_traced_paths() {
-    let stage = colour_box();
-    stage.succeed(&format!("reference box.cuts {VIEW} --kind path --bounces 1 --spp 256 --out path.exr"));
-    let reference = squares(&stage, "path.exr");
+    let folder = colour_box();
+    folder.succeed(&format!("reference box.cuts {VIEW} --kind path --bounces 1 --spp 256 --out path.exr"));
+    let reference = squares(&folder, "path.exr");
     let against_paths = |dataset: &str, options: &str| {
-        stage.succeed(&format!("render {dataset} {VIEW} {options} --backend cpu --out a.exr"));
-        difference(&squares(&stage, "a.exr"), &reference)
+        folder.succeed(&format!("render {dataset} {VIEW} {options} --backend cpu --out a.exr"));
+        difference(&squares(&folder, "a.exr"), &reference)
     };
     // Measured: 0.042, some of it the noise of the paths.
     let (error, means) = against_paths("box.cuts", "");
@@ -56,13 +56,13 @@ fn the_bounce_of_the_colour_box_is_that_of_traced_paths() {
     assert!((means - 1.0).abs().max_element() < 0.03, "{means}");
 
     // Negative controls: a green wall in place of the red one, without another bake, and a lamp that points elsewhere.
-    let mut other = stage.dataset("box.cuts");
+    let mut other = folder.dataset("box.cuts");
     let red = other.scene.materials.iter_mut().find(|m| m.name == "Red paint").expect("a red wall");
     red.parameters.base_color = Vec3::new(0.1, 0.6, 0.05);
-    other.write(&stage.path("green.cuts")).expect("a writable folder");
+    other.write(&folder.path("green.cuts")).expect("a writable folder");
     let (error, means) = against_paths("green.cuts", "");
     assert!(error > 0.18 && means.x < 0.9 && means.y > 1.1, "{error} {means}");
-    stage.write("lamp.json", LAMP.into());
+    folder.write("lamp.json", LAMP.into());
     let (error, means) = against_paths("box.cuts", "--lights lamp.json");
     assert!(error > 0.3 && means.x < 0.8, "{error} {means}");
 }
@@ -72,25 +72,25 @@ const BASIS: &str = "--levels 5 --sender-levels 4 --gather-rays 128 --epsilon 0.
 
 #[test]
 fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
-    let stage = Folder::new();
+    let folder = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
     let all = BAKE.replace("indirect", "all");
-    stage.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {all} {BASIS}"));
+    folder.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {all} {BASIS}"));
     let measured = |dataset: &str, solution: &str| {
         let options = "--env none --size 48x36 --spp 512 --aa 16 --no-samples --out truth --quiet";
-        stage.succeed(&format!("bounces {dataset} --solution {solution} {options}"));
-        let row = stage.json("truth/bounces.json")["solutions"][0].clone();
+        folder.succeed(&format!("bounces {dataset} --solution {solution} {options}"));
+        let row = folder.json("truth/bounces.json")["solutions"][0].clone();
         let figure = |name: &str| row[name].as_f64().expect("a number");
         (row["bounces"].as_u64(), figure("error"), figure("energy"))
     };
-    let mut turned = stage.dataset("box.cuts");
+    let mut turned = folder.dataset("box.cuts");
     let bake = turned.meshless.as_mut().expect("a basis");
     let (transport, size) = (&bake.transport, [bake.transport.receivers(), bake.transport.senders()]);
     let mut links = transport.packed().to_vec();
     links.iter_mut().for_each(|link| link.vector.rotate_left(1));
     bake.transport =
         Transport::from_parts(size, transport.scale(), transport.offsets().to_vec(), links).expect("whole links");
-    turned.write(&stage.path("turned.cuts")).expect("a writable folder");
+    turned.write(&folder.path("turned.cuts")).expect("a writable folder");
     for (solution, bounces, bound) in [("meshless", 4, 0.08), ("cuts+meshless", 5, 0.06)] {
         let (of_paths, error, energy) = measured("box.cuts", solution);
         assert_eq!(of_paths, Some(bounces), "{solution}");
@@ -102,7 +102,7 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
     // White walls send on for ever: the picture says so, and that of grey ones does not.
     let errors = |color: &str| {
         let options = format!("--solution meshless --base-color {color} --backend cpu --out a.exr");
-        let output = stage.run(&format!("render box.cuts {VIEW} {options}"));
+        let output = folder.run(&format!("render box.cuts {VIEW} {options}"));
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     assert!(errors("1,1,1").contains("bounce on"), "{}", errors("1,1,1"));
@@ -111,9 +111,9 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
 
 #[test]
 fn an_environment_that_was_not_baked_is_left_out_or_told() {
-    let stage = colour_box();
+    let folder = colour_box();
     let errors = |options: &str| {
-        let output = stage.run(&format!("render box.cuts --size 8x8 --backend cpu --out a.exr {options}"));
+        let output = folder.run(&format!("render box.cuts --size 8x8 --backend cpu --out a.exr {options}"));
         assert_eq!(output.status.code(), Some(0));
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
@@ -123,40 +123,41 @@ fn an_environment_that_was_not_baked_is_left_out_or_told() {
 
 #[test]
 fn solutions_are_measured_and_timed_by_command() {
-    let stage = colour_box();
+    let folder = colour_box();
     let options = "--env none --size 48x36 --spp 128 --no-samples --out truth --quiet";
-    stage.succeed(&format!("bounces box.cuts {options}"));
-    let report = stage.json("truth/bounces.json");
+    folder.succeed(&format!("bounces box.cuts {options}"));
+    let report = folder.json("truth/bounces.json");
     let solutions = report["solutions"].as_array().expect("a list");
     let [row] = &solutions[..] else { panic!("{report}") };
     let figure = |row: &Value, name: &str| row[name].as_f64().expect("a number");
     assert_eq!((row["solution"].as_str(), row["bounces"].as_u64()), (Some("cuts"), Some(1)));
     assert!(figure(row, "noise") > 0.05 && figure(row, "rel_rmse") > figure(row, "error"), "{row}");
     assert!(figure(row, "error") < 0.2 && (figure(row, "energy") - 1.0).abs() < 0.05, "{row}");
-    assert!(stage.path("truth/cuts.png").exists() && stage.path("truth/cuts-paths.exr").exists());
+    assert!(folder.path("truth/cuts.png").exists() && folder.path("truth/cuts-paths.exr").exists());
     // Negative control: every vertex sees what a distant one does.
-    let mut swapped = stage.dataset("box.cuts");
+    let mut swapped = folder.dataset("box.cuts");
     let bake = swapped.indirect.as_mut().expect("sources");
     let mut offsets = bake.cuts.offsets().to_vec();
     offsets.rotate_left(1000);
     let height = bake.sources.len().ilog2();
     bake.cuts = PackedCuts::from_parts(height, bake.cuts.nodes().to_vec(), offsets).expect("whole cuts");
-    swapped.write(&stage.path("swapped.cuts")).expect("a writable folder");
-    stage.succeed(&format!("bounces swapped.cuts {options}"));
-    let wrong = &stage.json("truth/bounces.json")["solutions"][0];
+    swapped.write(&folder.path("swapped.cuts")).expect("a writable folder");
+    folder.succeed(&format!("bounces swapped.cuts {options}"));
+    let wrong = &folder.json("truth/bounces.json")["solutions"][0];
     assert!(figure(wrong, "error") > figure(row, "error") + 0.1, "{wrong}");
 
-    let bench = stage.succeed("bench box.cuts --env none --backend cpu --size 48x36 --frames 2 --illum-cuts 64 --json");
+    let bench =
+        folder.succeed("bench box.cuts --env none --backend cpu --size 48x36 --frames 2 --illum-cuts 64 --json");
     let bench: Value = serde_json::from_str(&bench).expect("JSON");
     assert!(figure(&bench, "light_moved_milliseconds") > 0.0 && figure(&bench, "mean_source_cut") > 10.0, "{bench}");
     assert!(figure(&bench["runs"][0], "mean_merged_nodes") > 64.0, "the merge over the sources counts: {bench}");
     for (options, message) in
         [("--components direct", "--components"), ("--spp 7", "multiple of 2"), ("--aa 8 --spp 8", "16")]
     {
-        let found = stage.fail(&format!("bounces box.cuts {options} --out bad"));
+        let found = folder.fail(&format!("bounces box.cuts {options} --out bad"));
         assert!(found.contains(message), "{found}");
     }
-    assert!(!stage.path("bad").exists());
+    assert!(!folder.path("bad").exists());
 }
 
 /// The spot of the box, aimed at the green wall.
@@ -165,25 +166,25 @@ const LAMP: &str = r#"{"lights": [{"kind": "spot", "position": [0.1, 1.9, 0.1], 
 
 #[test]
 fn a_solution_that_was_not_baked_is_refused_with_the_bake_that_has_it() {
-    let stage = colour_box();
+    let folder = colour_box();
     for (solution, mode) in [("meshless", "--mode meshless"), ("cuts+meshless", "--mode all")] {
-        let message = stage.fail(&format!("render box.cuts {VIEW} --solution {solution} --out a.exr"));
+        let message = folder.fail(&format!("render box.cuts {VIEW} --solution {solution} --out a.exr"));
         assert!(message.contains("meshless basis") && message.contains(mode), "{message}");
     }
-    assert!(!stage.path("a.exr").exists());
-    stage.succeed(&format!("render box.cuts {VIEW} --solution cuts --out a.exr"));
+    assert!(!folder.path("a.exr").exists());
+    folder.succeed(&format!("render box.cuts {VIEW} --solution cuts --out a.exr"));
 }
 
 #[test]
 fn environment_and_meshless_basis_without_sources_light_a_picture_together() {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "--mode environment,meshless --levels 3 --sender-levels 2 --gather-rays 64");
-    let dataset = stage.dataset("a.cuts");
+    let folder = Folder::new();
+    folder.bake("a.cuts", "--mode environment,meshless --levels 3 --sender-levels 2 --gather-rays 64");
+    let dataset = folder.dataset("a.cuts");
     assert!(dataset.settings.mode.to_string() == "environment,meshless" && dataset.indirect.is_none());
     let [environment, bounces, both] = ["environment", "indirect", "environment,indirect"].map(|components| {
         let options = format!("--env studio --solution meshless --components {components} --size 24x24");
-        stage.succeed(&format!("render a.cuts {options} --out a.exr"));
-        squares(&stage, "a.exr").iter().sum::<DVec3>()
+        folder.succeed(&format!("render a.cuts {options} --out a.exr"));
+        squares(&folder, "a.exr").iter().sum::<DVec3>()
     });
     assert!(environment.min_element() > 0.0 && bounces.min_element() > 0.0, "{environment} {bounces}");
     assert!((both / (environment + bounces) - 1.0).abs().max_element() < 1e-3, "{both} of {environment} and {bounces}");

@@ -15,10 +15,10 @@ pub struct Folder(tempfile::TempDir);
 
 impl Folder {
     pub fn new() -> Self {
-        let stage = Self(tempfile::tempdir().expect("a temporary folder"));
-        stage.write("scene.obj", box_over_floor());
-        stage.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\n".into());
-        stage
+        let folder = Self(tempfile::tempdir().expect("a temporary folder"));
+        folder.write("scene.obj", box_over_floor());
+        folder.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\n".into());
+        folder
     }
 
     pub fn path(&self, name: &str) -> PathBuf {

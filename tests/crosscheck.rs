@@ -59,10 +59,10 @@ fn a_missing_package_is_told_with_its_remedy() {
     if !has("sys") {
         return;
     }
-    let stage = Folder::new();
-    stage.write("mitsuba.py", "raise ImportError('no such package')\n".into());
+    let folder = Folder::new();
+    folder.write("mitsuba.py", "raise ImportError('no such package')\n".into());
     let output = python()
-        .env("PYTHONPATH", stage.path(""))
+        .env("PYTHONPATH", folder.path(""))
         .args(["crosscheck.py", "--small", "--lapidary", LAPIDARY])
         .output()
         .expect("Python starts");

@@ -9,14 +9,14 @@ const EYE: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --si
 
 #[test]
 fn the_ladder_shows_errors_and_times_of_every_size() {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
     // Metal, and the BRDF once per node: where visibility is coarse only the illumination cut tells where the sun is.
     let view = format!("{EYE} --roughness 0.3 --metalness 1 --background black");
     let ladder = format!("ladder a.cuts {view} --brdf once --backend cpu --illum-cuts 1,32,256 --out ladder");
-    let printed = stage.succeed(&ladder);
+    let printed = folder.succeed(&ladder);
     assert!(printed.contains("ladder.html") && printed.contains("relative RMSE"), "{printed}");
-    let json = stage.json("ladder/ladder.json");
+    let json = folder.json("ladder/ladder.json");
     let steps = json["steps"].as_array().expect("a list").clone();
     let sizes: Vec<_> = steps.iter().filter_map(|step| step["illum_cut"].as_u64()).collect();
     assert_eq!(sizes, [1, 32, 256]);
@@ -28,28 +28,28 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     assert!(errors[0] > 0.85 && errors[1] > 0.75 && errors[2] < 0.31, "one node is far from the truth: {errors:?}");
     for name in ["cut-1", "cut-32", "cut-256", "reference"] {
         for extension in ["png", "exr"] {
-            let picture = Image::read(&stage.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
+            let picture = Image::read(&folder.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
             assert_eq!(picture.size, [32, 24], "{name}");
         }
     }
-    assert!(Image::read(&stage.path("ladder/sheet.png")).is_ok());
+    assert!(Image::read(&folder.path("ladder/sheet.png")).is_ok());
     assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("samples of the environment")));
-    let page = fs::read_to_string(stage.path("ladder/ladder.html")).expect("a page");
+    let page = fs::read_to_string(folder.path("ladder/ladder.html")).expect("a page");
     assert!(page.contains("cut-256.png") && page.contains("<svg"));
     // The same pictures as `render` and `reference` make.
-    stage.succeed(&format!("render a.cuts {view} --brdf once --backend cpu --illum-cut 32 --out r.exr"));
-    stage.succeed(&format!("reference a.cuts {view} --out t.exr"));
-    let read = |name: &str| Image::read(&stage.path(name)).expect("a picture");
+    folder.succeed(&format!("render a.cuts {view} --brdf once --backend cpu --illum-cut 32 --out r.exr"));
+    folder.succeed(&format!("reference a.cuts {view} --out t.exr"));
+    let read = |name: &str| Image::read(&folder.path(name)).expect("a picture");
     assert_eq!(read("r.exr"), read("ladder/cut-32.exr"));
     assert_eq!(read("t.exr"), read("ladder/reference.exr"));
 }
 
 #[test]
 fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
-    let stage = Folder::new();
-    stage.succeed("bake scene.obj -o a.cuts --mode cuts --lights 256 --sources 256 --pilot-clusters 16 --max-vertices 200 --progress none");
-    stage.succeed(&format!("ladder a.cuts {EYE} --components indirect --backend cpu --illum-cuts 1,256 --out ladder"));
-    let json = stage.json("ladder/ladder.json");
+    let folder = Folder::new();
+    folder.succeed("bake scene.obj -o a.cuts --mode cuts --lights 256 --sources 256 --pilot-clusters 16 --max-vertices 200 --progress none");
+    folder.succeed(&format!("ladder a.cuts {EYE} --components indirect --backend cpu --illum-cuts 1,256 --out ladder"));
+    let json = folder.json("ladder/ladder.json");
     assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("256 surface sources")), "{json}");
     let error = |i: usize| json["steps"][i]["rel_rmse"].as_f64().expect("a number");
     assert!(error(0) > 0.2 && error(1) < 0.05, "{} and {}", error(0), error(1));
@@ -58,21 +58,21 @@ fn bounced_light_has_a_ladder_too_and_says_what_it_is_held_against() {
 
 #[test]
 fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
-    let stage = Folder::new();
-    stage.write("file", "not a folder".into());
+    let folder = Folder::new();
+    folder.write("file", "not a folder".into());
     for command in ["ladder missing.cuts --out file/ladder", "ladder missing.cuts --out file"] {
-        let message = stage.fail(command);
+        let message = folder.fail(command);
         assert!(message.contains("folder") && !message.contains("missing.cuts"), "{command}: {message}");
     }
-    let message = stage.fail("ladder missing.cuts --out ladder");
+    let message = folder.fail("ladder missing.cuts --out ladder");
     assert!(message.contains("missing.cuts"), "negative control: {message}");
 }
 
 #[test]
 fn the_evidence_of_a_small_scene_has_all_figures() {
-    let stage = Folder::new();
-    stage.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");
-    let json = stage.json("proof/evidence.json");
+    let folder = Folder::new();
+    folder.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");
+    let json = folder.json("proof/evidence.json");
     assert_eq!((&json["complete"], &json["scenes"][0]), (&true.into(), &"scene".into()));
     let figures = &json["figures"];
     let expected = [
@@ -104,25 +104,25 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
     let bytes = |tree: &str| number(&row[tree]["bytes_cuts"]);
     assert!((number(&row["gain_over_geometric"]) - (1.0 - bytes("data_driven") / bytes("geometric"))).abs() < 1e-9);
     assert_eq!(row["frames"].as_array().map(Vec::len), Some(3));
-    let page = fs::read_to_string(stage.path("proof/evidence.html")).expect("a page");
+    let page = fs::read_to_string(folder.path("proof/evidence.html")).expect("a page");
     for (i, part) in page.split("src=\"").enumerate().skip(1) {
         let file = part.split('"').next().expect("a name");
-        assert!(Image::read(&stage.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
+        assert!(Image::read(&folder.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
     }
     assert!(page.contains("Motobike") && page.contains("Wavelets") && !page.contains("NaN"));
 }
 
 #[test]
 fn evidence_refuses_what_it_cannot_measure_before_it_begins() {
-    let stage = Folder::new();
-    stage.write("file", "not a folder".into());
-    assert!(stage.fail("evidence --quick --out file/proof").contains("folder"));
-    stage.write("broken.obj", "v 0 0 0\n".into());
-    let message = stage.fail("evidence --quick --no-bundled --scenes scene.obj broken.obj --out proof");
+    let folder = Folder::new();
+    folder.write("file", "not a folder".into());
+    assert!(folder.fail("evidence --quick --out file/proof").contains("folder"));
+    folder.write("broken.obj", "v 0 0 0\n".into());
+    let message = folder.fail("evidence --quick --no-bundled --scenes scene.obj broken.obj --out proof");
     assert!(message.contains("broken.obj"), "{message}");
-    assert!(!stage.path("proof/evidence.json").exists(), "nothing was begun");
+    assert!(!folder.path("proof/evidence.json").exists(), "nothing was begun");
     assert!(
-        stage.fail("evidence --quick --no-bundled --scenes scene.obj --env nowhere --out proof").contains("nowhere")
+        folder.fail("evidence --quick --no-bundled --scenes scene.obj --env nowhere --out proof").contains("nowhere")
     );
-    assert_eq!(stage.run("evidence --no-bundled --out proof").status.code(), Some(2));
+    assert_eq!(folder.run("evidence --no-bundled --out proof").status.code(), Some(2));
 }

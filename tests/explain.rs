@@ -8,10 +8,10 @@ use serde_json::Value;
 const VIEW: &str = "--env sun-sky:40 --size 48x36 --eye 0.3,2.5,3.5 --target 0,0.2,0 --illum-cut 64";
 
 /// The box over the floor, baked.
-fn stage() -> Folder {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    stage
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    folder
 }
 
 fn vector(value: &Value) -> Vec3 {
@@ -20,14 +20,14 @@ fn vector(value: &Value) -> Vec3 {
 
 #[test]
 fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
-    let stage = stage();
-    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr"));
-    let said = stage.succeed(&format!("explain a.cuts {VIEW} --pixel 20,22 --spp 8 --out why"));
+    let folder = folder();
+    folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr"));
+    let said = folder.succeed(&format!("explain a.cuts {VIEW} --pixel 20,22 --spp 8 --out why"));
     assert!(said.contains("pixel 20,22") && said.contains("light samples"), "{said}");
-    let json = stage.json("why/explain.json");
+    let json = folder.json("why/explain.json");
     let nodes = json["pixel"]["nodes"].as_array().expect("nodes");
     let sum: Vec3 = nodes.iter().map(|node| vector(&node["contribution"])).sum();
-    let rendered = Image::read(&stage.path("a.exr")).expect("a picture").at(20, 22);
+    let rendered = Image::read(&folder.path("a.exr")).expect("a picture").at(20, 22);
     assert!((sum - rendered).length() < 1e-4 * rendered.length(), "{sum} for {rendered}");
     let greatest = json["by_contribution"][0].as_u64().expect("a position") as usize;
     let without = sum - vector(&nodes[greatest]["contribution"]);
@@ -37,17 +37,17 @@ fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     assert!(factors.eq(expected.map(Some)));
     assert_eq!(json["split"]["region"]["width"], 48, "64 pixels around it are all there is");
     // explain.json, three maps, six pictures and the strip of them.
-    assert_eq!(files_in(&stage.path("why")), 11);
-    let map = Image::read(&stage.path("why/cut.png")).expect("a map");
+    assert_eq!(files_in(&folder.path("why")), 11);
+    let map = Image::read(&folder.path("why/cut.png")).expect("a map");
     assert!(map.size == [1024, 512] && map.pixels.iter().any(|p| p.x > 0.3));
 }
 
 #[test]
 fn pictures_of_a_region_are_its_part_of_the_whole() {
-    let stage = stage();
-    stage.succeed(&format!("render a.cuts {VIEW} --background black --backend cpu --out a.exr"));
-    stage.succeed(&format!("explain a.cuts {VIEW} --region 10,12,8,6 --spp 2 --out why"));
-    let (whole, part) = (Image::read(&stage.path("a.exr")), Image::read(&stage.path("why/split-1-rendered.exr")));
+    let folder = folder();
+    folder.succeed(&format!("render a.cuts {VIEW} --background black --backend cpu --out a.exr"));
+    folder.succeed(&format!("explain a.cuts {VIEW} --region 10,12,8,6 --spp 2 --out why"));
+    let (whole, part) = (Image::read(&folder.path("a.exr")), Image::read(&folder.path("why/split-1-rendered.exr")));
     let (whole, part) = (whole.expect("a picture"), part.expect("a picture"));
     assert_eq!(part.size, [8, 6]);
     let same = |dx: usize| {
@@ -55,13 +55,13 @@ fn pictures_of_a_region_are_its_part_of_the_whole() {
     };
     assert_eq!(same(0), 48);
     assert!(same(1) < 48, "negative control");
-    assert_eq!(stage.json("why/explain.json")["pixel"], Value::Null);
+    assert_eq!(folder.json("why/explain.json")["pixel"], Value::Null);
 }
 
 #[test]
 fn pixels_and_regions_without_a_surface_are_refused_before_the_work() {
-    let stage = stage();
-    stage.write("file", String::new());
+    let folder = folder();
+    folder.write("file", String::new());
     let up = "--env studio --size 48x36 --eye 0,1,3 --target 0,9,0";
     for (options, expected) in [
         (format!("{VIEW} --pixel 48,3 --out why"), "48 x 36"),
@@ -73,31 +73,31 @@ fn pixels_and_regions_without_a_surface_are_refused_before_the_work() {
         (format!("{VIEW} --pixel 20,22 --tree sources --out why"), "--mode indirect"),
         (format!("{VIEW} --pixel 20,22 --out file"), "folder"),
     ] {
-        let message = stage.fail(&format!("explain a.cuts {options}"));
+        let message = folder.fail(&format!("explain a.cuts {options}"));
         assert!(message.contains(expected), "{options}: {message}");
     }
-    assert!(!stage.path("why/explain.json").exists());
+    assert!(!folder.path("why/explain.json").exists());
     for wrong in ["--pixel 1", "--pixel -1,2", "--region 1,2,3", "--no-split"] {
-        let output = stage.run(&format!("explain a.cuts {VIEW} {wrong} --out why"));
+        let output = folder.run(&format!("explain a.cuts {VIEW} {wrong} --out why"));
         assert_eq!(output.status.code(), Some(2), "{wrong}");
     }
 }
 
 #[test]
 fn a_predicted_error_is_written_and_calibrated() {
-    let stage = stage();
+    let folder = folder();
     let options = format!("{VIEW} --calibrate --json a.json --out a.png --out a.exr");
-    let said = stage.succeed(&format!("predict a.cuts {options}"));
+    let said = folder.succeed(&format!("predict a.cuts {options}"));
     assert!(said.contains("rank correlation"), "{said}");
-    let predicted = Image::read(&stage.path("a.exr")).expect("a map");
+    let predicted = Image::read(&folder.path("a.exr")).expect("a map");
     assert!(predicted.size == [48, 36] && predicted.pixels.iter().any(|p| p.x > 0.0));
-    assert!(Image::read(&stage.path("a.png")).expect("a map").height() > 36, "with a legend");
-    let json = stage.json("a.json");
+    assert!(Image::read(&folder.path("a.png")).expect("a map").height() > 36, "with a legend");
+    let json = folder.json("a.json");
     let of = |kind: &str, what: &str| json[kind][what].as_f64().expect("a number");
     assert_eq!(json["bound"]["bins"].as_array().map(Vec::len), Some(10));
     assert!(of("bound", "ratio") >= of("printed", "ratio") && of("bound", "ratio") > of("expected", "ratio"));
     assert!(of("bound", "within") > of("expected", "within"), "{json}");
-    stage.succeed(&format!("bake scene.obj -o b.cuts --mode indirect --sources 256 {SMALL}"));
-    let message = stage.fail(&format!("predict b.cuts {VIEW} --out b.exr"));
-    assert!(message.contains("--mode environment") && !stage.path("b.exr").exists(), "{message}");
+    folder.succeed(&format!("bake scene.obj -o b.cuts --mode indirect --sources 256 {SMALL}"));
+    let message = folder.fail(&format!("predict b.cuts {VIEW} --out b.exr"));
+    assert!(message.contains("--mode environment") && !folder.path("b.exr").exists(), "{message}");
 }

@@ -7,11 +7,11 @@ const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --s
 
 /// A baked scene, or `None`, said aloud, where there is no adapter and none is required.
 fn baked() -> Option<Folder> {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    let output = stage.run(&format!("render a.cuts {VIEW} --backend gpu --out gpu.exr"));
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    let output = folder.run(&format!("render a.cuts {VIEW} --backend gpu --out gpu.exr"));
     if output.status.success() {
-        return Some(stage);
+        return Some(folder);
     }
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(errors.contains("no graphics adapter"), "{errors}");
@@ -20,21 +20,21 @@ fn baked() -> Option<Folder> {
     None
 }
 
-fn error(stage: &Folder, test: &str, reference: &str) -> f64 {
-    stage.succeed(&format!("compare {test} {reference} --json m.json"));
-    stage.json("m.json")["rel_rmse"].as_f64().expect("a number")
+fn error(folder: &Folder, test: &str, reference: &str) -> f64 {
+    folder.succeed(&format!("compare {test} {reference} --json m.json"));
+    folder.json("m.json")["rel_rmse"].as_f64().expect("a number")
 }
 
 #[test]
 fn both_backends_make_the_same_picture_but_for_silhouettes() {
-    let Some(stage) = baked() else { return };
-    stage.succeed(&format!("render a.cuts {VIEW} --backend gpu --aa 4 --out gpu.exr --stats gpu.json"));
-    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --out cpu.exr --stats cpu.json"));
-    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --roughness 0.3 --metalness 1 --out other.exr"));
-    let (same, other) = (error(&stage, "gpu.exr", "cpu.exr"), error(&stage, "other.exr", "cpu.exr"));
+    let Some(folder) = baked() else { return };
+    folder.succeed(&format!("render a.cuts {VIEW} --backend gpu --aa 4 --out gpu.exr --stats gpu.json"));
+    folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --out cpu.exr --stats cpu.json"));
+    folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --aa 4 --roughness 0.3 --metalness 1 --out other.exr"));
+    let (same, other) = (error(&folder, "gpu.exr", "cpu.exr"), error(&folder, "other.exr", "cpu.exr"));
     assert!(same < 2e-3, "{same}");
     assert!(other > 0.01, "negative control: {other}");
-    let (gpu, cpu) = (stage.json("gpu.json"), stage.json("cpu.json"));
+    let (gpu, cpu) = (folder.json("gpu.json"), folder.json("cpu.json"));
     assert_eq!((gpu["backend"].as_str(), cpu["backend"].as_str()), (Some("gpu"), Some("cpu")));
     assert!(gpu["adapter"].is_string() && cpu["adapter"].is_null());
     let nodes = |stats: &serde_json::Value| stats["mean_merged_nodes"].as_f64().expect("a number");
@@ -43,13 +43,13 @@ fn both_backends_make_the_same_picture_but_for_silhouettes() {
 
 #[test]
 fn a_sequence_with_layers_is_the_same_on_both_backends() {
-    let Some(stage) = baked() else { return };
+    let Some(folder) = baked() else { return };
     for backend in ["gpu", "cpu"] {
         let out = format!("--layers environment,normal,depth --backend {backend} --out {backend}.#.exr");
-        stage.succeed(&format!("sequence a.cuts {VIEW} --aa 4 --turn environment --frames 2 {out}"));
+        folder.succeed(&format!("sequence a.cuts {VIEW} --aa 4 --turn environment --frames 2 {out}"));
     }
     let of_layer = |layer: &str, test: &str, reference: &str| {
-        error(&stage, &format!("{test} --layer {layer}"), &format!("{reference} --reference-layer {layer}"))
+        error(&folder, &format!("{test} --layer {layer}"), &format!("{reference} --reference-layer {layer}"))
     };
     for layer in ["environment", "normal", "depth"] {
         for frame in 1..=2 {
@@ -63,26 +63,30 @@ fn a_sequence_with_layers_is_the_same_on_both_backends() {
 
 #[test]
 fn a_transparent_background_leaves_alpha_and_no_light() {
-    let Some(stage) = baked() else { return };
+    let Some(folder) = baked() else { return };
     let sky = "--env sun-sky:50 --eye 0.5,0.6,3 --target 0,0.9,0 --fov 60 --size 64x48 --background transparent";
     for backend in ["gpu", "cpu"] {
-        stage.succeed(&format!("render a.cuts {sky} --backend {backend} --out {backend}.png --out {backend}.exr"));
-        let texture = lapidary_core::texture::Texture::read(&stage.path(&format!("{backend}.png"))).expect("a picture");
+        folder.succeed(&format!("render a.cuts {sky} --backend {backend} --out {backend}.png --out {backend}.exr"));
+        let texture =
+            lapidary_core::texture::Texture::read(&folder.path(&format!("{backend}.png"))).expect("a picture");
         let lapidary_core::texture::Texels::U8(texels) = &texture.texels else { panic!("8 bits a channel") };
         assert_eq!(texels[0], [0; 4]);
         assert!(texels.iter().any(|t| t[3] == 255));
-        assert_eq!(Image::read(&stage.path(&format!("{backend}.exr"))).expect("a picture").pixels[0], glam::Vec3::ZERO);
+        assert_eq!(
+            Image::read(&folder.path(&format!("{backend}.exr"))).expect("a picture").pixels[0],
+            glam::Vec3::ZERO
+        );
     }
 }
 
 #[test]
 fn bench_reports_medians_by_pass_size_and_cut() {
-    let Some(stage) = baked() else { return };
+    let Some(folder) = baked() else { return };
     let options = "--size 64x48 --illum-cuts 16,64 --frames 2 --json";
     for (backend, passes) in
         [("gpu", &["deferred", "display", "merge", "total", "visibility"][..]), ("cpu", &["total"][..])]
     {
-        let text = stage.succeed(&format!("bench a.cuts --backend {backend} {options}"));
+        let text = folder.succeed(&format!("bench a.cuts --backend {backend} {options}"));
         let bench: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(bench["size"], serde_json::json!([64, 48]));
         assert!(bench["adapter"].is_string() && bench["rotation_milliseconds"].as_f64().is_some_and(|ms| ms > 0.0));

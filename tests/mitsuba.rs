@@ -4,8 +4,8 @@ use crate::common::Folder;
 use lapidary_core::{image::Image, import::import};
 use std::{fs, path::Path};
 
-fn scene_xml(stage: &Folder) -> String {
-    fs::read_to_string(stage.path("m/scene.xml")).expect("a scene")
+fn scene_xml(folder: &Folder) -> String {
+    fs::read_to_string(folder.path("m/scene.xml")).expect("a scene")
 }
 
 /// Every element that is opened is closed, in order.
@@ -28,15 +28,15 @@ fn triangles(path: &Path) -> usize {
 
 #[test]
 fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    let said = stage.succeed("export a.cuts --env studio --rotate 30 --intensity 2 --size 40x30 --mitsuba m");
-    let mesh = stage.dataset("a.cuts").scene.mesh;
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    let said = folder.succeed("export a.cuts --env studio --rotate 30 --intensity 2 --size 40x30 --mitsuba m");
+    let mesh = folder.dataset("a.cuts").scene.mesh;
     assert!(said.contains(&format!("{} triangles", mesh.triangles.len())), "{said}");
     for name in ["scene.xml", "materials.xml", "materials-exact.xml"] {
-        assert_well_formed(&fs::read_to_string(stage.path(&format!("m/{name}"))).expect("a file"));
+        assert_well_formed(&fs::read_to_string(folder.path(&format!("m/{name}"))).expect("a file"));
     }
-    let scene = scene_xml(&stage);
+    let scene = scene_xml(&folder);
     for part in [
         "envmap",
         "\"scale\" value=\"2\"",
@@ -47,16 +47,16 @@ fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
         assert!(scene.contains(part), "{part}: {scene}");
     }
     let meshes: Vec<_> =
-        fs::read_dir(stage.path("m/meshes")).expect("meshes").map(|e| e.expect("one").path()).collect();
+        fs::read_dir(folder.path("m/meshes")).expect("meshes").map(|e| e.expect("one").path()).collect();
     assert_eq!(meshes.iter().map(|path| triangles(path)).sum::<usize>(), mesh.triangles.len());
-    assert!(Image::read(&stage.path("m/environment.exr")).is_ok());
+    assert!(Image::read(&folder.path("m/environment.exr")).is_ok());
 }
 
 #[test]
 fn lights_bounces_and_background_follow_the_options() {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    stage.write(
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    folder.write(
         "lamps.json",
         r#"{"lights": [
             {"kind": "point", "position": [0, 3, 0], "intensity": [1, 2, 3]},
@@ -67,10 +67,10 @@ fn lights_bounces_and_background_follow_the_options() {
         ]}"#
             .into(),
     );
-    let output = stage.run("export a.cuts --lights lamps.json --bounces 3 --background black --mitsuba m");
+    let output = folder.run("export a.cuts --lights lamps.json --bounces 3 --background black --mitsuba m");
     let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && warnings.contains("penumbra") && warnings.contains("rectangular"), "{warnings}");
-    let scene = scene_xml(&stage);
+    let scene = scene_xml(&folder);
     assert_well_formed(&scene);
     for (part, count) in
         [("type=\"point\"", 1), ("type=\"spot\"", 1), ("type=\"directional\"", 1), ("type=\"area\"", 1), ("envmap", 0)]
@@ -82,19 +82,19 @@ fn lights_bounces_and_background_follow_the_options() {
 
 #[test]
 fn what_cannot_be_exported_is_told_before_anything_is_written() {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    stage.write("file", String::new());
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    folder.write("file", String::new());
     for (options, words) in [
         ("--env studio --mitsuba file/below", "cannot create the folder"),
         ("--env none --lights none --mitsuba m", "no light"),
         ("--env studio --components indirect --mitsuba m", "environment and direct"),
         ("--env studio --camera nobody --mitsuba m", "nobody"),
     ] {
-        let message = stage.fail(&format!("export a.cuts {options}"));
+        let message = folder.fail(&format!("export a.cuts {options}"));
         assert!(message.contains(words), "{options}: {message}");
     }
-    assert!(!stage.path("m/scene.xml").exists());
-    assert!(stage.fail("reference a.cuts --seed 1 --out a.exr").contains("--kind path"));
-    assert!(stage.fail("reference a.cuts --places shifted --out a.exr").contains("--kind path"));
+    assert!(!folder.path("m/scene.xml").exists());
+    assert!(folder.fail("reference a.cuts --seed 1 --out a.exr").contains("--kind path"));
+    assert!(folder.fail("reference a.cuts --places shifted --out a.exr").contains("--kind path"));
 }

@@ -7,34 +7,34 @@ use lapidary_core::image::Image;
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36";
 
 fn baked() -> Folder {
-    let stage = Folder::new();
-    stage.bake("a.cuts", "");
-    stage
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    folder
 }
 
 /// Relative RMSE of a picture against another.
-fn rel_rmse(stage: &Folder, test: &str, reference: &str) -> f64 {
-    stage.succeed(&format!("compare {test} {reference} --json m.json"));
-    stage.json("m.json")["rel_rmse"].as_f64().expect("a number")
+fn rel_rmse(folder: &Folder, test: &str, reference: &str) -> f64 {
+    folder.succeed(&format!("compare {test} {reference} --json m.json"));
+    folder.json("m.json")["rel_rmse"].as_f64().expect("a number")
 }
 
 #[test]
 fn a_picture_is_close_to_both_references_and_a_turned_one_is_not() {
-    let stage = baked();
-    stage.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr --out a.png --stats stats.json"));
-    let stats = stage.json("stats.json");
+    let folder = baked();
+    folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr --out a.png --stats stats.json"));
+    let stats = folder.json("stats.json");
     assert_eq!(
         keys(&stats),
         ["adapter", "backend", "mean_brdf_evaluations", "mean_merged_nodes", "pixels_shaded", "seconds"]
     );
     assert_eq!(stats["backend"].as_str(), Some("cpu"));
-    stage.succeed(&format!("reference a.cuts {VIEW} --kind samples --out samples.exr"));
-    stage.succeed(&format!("reference a.cuts {VIEW} --kind path --spp 64 --out path.exr"));
-    stage.succeed(&format!("render a.cuts {VIEW} --rotate 120 --out turned.exr"));
-    let error = |test, reference| rel_rmse(&stage, test, reference);
+    folder.succeed(&format!("reference a.cuts {VIEW} --kind samples --out samples.exr"));
+    folder.succeed(&format!("reference a.cuts {VIEW} --kind path --spp 64 --out path.exr"));
+    folder.succeed(&format!("render a.cuts {VIEW} --rotate 120 --out turned.exr"));
+    let error = |test, reference| rel_rmse(&folder, test, reference);
     let (near, whole, turned) =
         (error("a.exr", "samples.exr"), error("a.exr", "path.exr"), error("turned.exr", "samples.exr"));
-    let metrics = stage.json("m.json");
+    let metrics = folder.json("m.json");
     for key in ["rmse", "rel_rmse", "rel_mse", "psnr", "ssim", "flip"] {
         assert!(metrics[key].is_number(), "{key}");
     }
@@ -44,25 +44,25 @@ fn a_picture_is_close_to_both_references_and_a_turned_one_is_not() {
 
 #[test]
 fn bounds_decide_the_exit_code_and_maps_are_written() {
-    let stage = baked();
+    let folder = baked();
     for (name, roughness) in [("a", 0.3), ("b", 0.6)] {
-        stage.succeed(&format!("render a.cuts {VIEW} --roughness {roughness} --metalness 1 --out {name}.exr"));
+        folder.succeed(&format!("render a.cuts {VIEW} --roughness {roughness} --metalness 1 --out {name}.exr"));
     }
-    let code = |bound: &str| stage.run(&format!("compare a.exr b.exr --fail-above {bound}")).status.code();
+    let code = |bound: &str| folder.run(&format!("compare a.exr b.exr --fail-above {bound}")).status.code();
     assert_eq!((code("rel_rmse=0.0001"), code("rel_rmse=100"), code("nonsense=1")), (Some(3), Some(0), Some(2)));
     for kind in ["rel", "abs", "flip"] {
-        stage.succeed(&format!("compare a.exr b.exr --map {kind} --out {kind}.png"));
-        let map = Image::read(&stage.path(&format!("{kind}.png"))).expect("a map");
+        folder.succeed(&format!("compare a.exr b.exr --map {kind} --out {kind}.png"));
+        let map = Image::read(&folder.path(&format!("{kind}.png"))).expect("a map");
         assert!(map.size[0] >= 48 && map.size[1] > 36, "the {kind} map and its legend: {:?}", map.size);
     }
 }
 
 #[test]
 fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() {
-    let stage = baked();
+    let folder = baked();
     let parameters = r#""parameters": {"base_color": [1, 0.7, 0.3], "metalness": 1, "roughness": 0.4}"#;
     for model in ["ggx", "ward"] {
-        stage.write(&format!("{model}.json"), format!(r#"{{"model": "{model}", {parameters}}}"#));
+        folder.write(&format!("{model}.json"), format!(r#"{{"model": "{model}", {parameters}}}"#));
     }
     for (name, options) in [
         ("own", ""),
@@ -72,11 +72,11 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
         ("once", "--brdf once --illum-cut 8"),
         ("bright", "--intensity 2"),
     ] {
-        stage.succeed(&format!("render a.cuts {VIEW} {options} --out {name}.exr"));
+        folder.succeed(&format!("render a.cuts {VIEW} {options} --out {name}.exr"));
     }
-    let read = |name: &str| Image::read(&stage.path(&format!("{name}.exr"))).expect("a picture");
+    let read = |name: &str| Image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
     assert_eq!(read("option"), read("ggx"));
-    let error = |test: &str, reference: &str| rel_rmse(&stage, &format!("{test}.exr"), &format!("{reference}.exr"));
+    let error = |test: &str, reference: &str| rel_rmse(&folder, &format!("{test}.exr"), &format!("{reference}.exr"));
     let (ward, once, gold) = (error("ward", "ggx"), error("once", "own"), error("option", "own"));
     assert!((ward - 0.244).abs() < 0.01, "another model: {ward}");
     assert!((once - 0.042).abs() < 0.01, "few nodes: {once}");
@@ -88,24 +88,24 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
 
 #[test]
 fn more_samples_a_pixel_smooth_edges_in_all_renderers_alike() {
-    let stage = baked();
-    stage.succeed(&format!("render a.cuts {VIEW} --aa 4 --out a.exr"));
-    stage.succeed(&format!("reference a.cuts {VIEW} --aa 4 --out r.exr"));
-    stage.succeed(&format!("render a.cuts {VIEW} --out one.exr"));
-    let (same, other) = (rel_rmse(&stage, "a.exr", "r.exr"), rel_rmse(&stage, "one.exr", "r.exr"));
+    let folder = baked();
+    folder.succeed(&format!("render a.cuts {VIEW} --aa 4 --out a.exr"));
+    folder.succeed(&format!("reference a.cuts {VIEW} --aa 4 --out r.exr"));
+    folder.succeed(&format!("render a.cuts {VIEW} --out one.exr"));
+    let (same, other) = (rel_rmse(&folder, "a.exr", "r.exr"), rel_rmse(&folder, "one.exr", "r.exr"));
     assert!(same < 0.064 && other > 0.07, "{same}, and with one sample {other}");
 }
 
 #[test]
 fn the_bundled_still_life_bakes_and_is_rendered_close_to_its_reference() {
-    let stage = Folder::new();
+    let folder = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
-    stage.succeed(&format!("bake {data}/still-life/still-life.gltf -o s.cuts --lights 512 --pilot-clusters 32 --no-tessellate --progress none"));
+    folder.succeed(&format!("bake {data}/still-life/still-life.gltf -o s.cuts --lights 512 --pilot-clusters 32 --no-tessellate --progress none"));
     let view = format!("s.cuts --env {data}/environments/studio.hdr --size 64x48");
-    stage.succeed(&format!("render {view} --out s.exr"));
-    stage.succeed(&format!("reference {view} --out r.exr"));
-    stage.succeed(&format!("render {view} --rotate 120 --out turned.exr"));
-    let (near, turned) = (rel_rmse(&stage, "s.exr", "r.exr"), rel_rmse(&stage, "turned.exr", "r.exr"));
+    folder.succeed(&format!("render {view} --out s.exr"));
+    folder.succeed(&format!("reference {view} --out r.exr"));
+    folder.succeed(&format!("render {view} --rotate 120 --out turned.exr"));
+    let (near, turned) = (rel_rmse(&folder, "s.exr", "r.exr"), rel_rmse(&folder, "turned.exr", "r.exr"));
     assert!(near < 0.13 && turned > 0.8, "{near}, and turned {turned}");
 }
 
@@ -118,15 +118,15 @@ const LAMPS: &str = r#"{"lights": [
 
 #[test]
 fn lamps_of_a_file_give_the_light_of_the_reference_and_its_components_sum() {
-    let stage = baked();
-    stage.write("lamps.json", LAMPS.into());
+    let folder = baked();
+    folder.write("lamps.json", LAMPS.into());
     let view = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36 --lights lamps.json";
-    let read = |name: &str| Image::read(&stage.path(&format!("{name}.exr"))).expect("a picture");
+    let read = |name: &str| Image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
     let mean = |name: &str| read(name).pixels.iter().map(|p| p.y).sum::<f32>() / (48.0 * 36.0);
-    stage.succeed(&format!("render a.cuts {view} --backend cpu --out a.exr"));
-    stage.succeed(&format!("reference a.cuts {view} --out samples.exr"));
-    stage.succeed(&format!("reference a.cuts {view} --kind path --spp 16 --out path.exr"));
-    stage.succeed(&format!("render a.cuts {view} --components environment --env none --out none.exr"));
+    folder.succeed(&format!("render a.cuts {view} --backend cpu --out a.exr"));
+    folder.succeed(&format!("reference a.cuts {view} --out samples.exr"));
+    folder.succeed(&format!("reference a.cuts {view} --kind path --spp 16 --out path.exr"));
+    folder.succeed(&format!("render a.cuts {view} --components environment --env none --out none.exr"));
     assert_eq!(read("a"), read("samples"), "both trace the same rays");
     assert!(mean("a") > 0.1 && (mean("path") / mean("a") - 1.0).abs() < 0.02, "{} {}", mean("path"), mean("a"));
     assert_eq!(mean("none"), 0.0, "negative control: no light without the lamps");
@@ -136,7 +136,7 @@ fn lamps_of_a_file_give_the_light_of_the_reference_and_its_components_sum() {
         ("sky", "--components environment"),
         ("bounced", "--components indirect --bounces 2"),
     ] {
-        stage.succeed(&format!(
+        folder.succeed(&format!(
             "reference a.cuts {view} --env constant:0.3,0.3,0.3 --kind path --spp 64 {options} --out {name}.exr"
         ));
     }
@@ -147,12 +147,12 @@ fn lamps_of_a_file_give_the_light_of_the_reference_and_its_components_sum() {
 
 #[test]
 fn a_bound_below_is_for_metrics_where_larger_is_better() {
-    let stage = baked();
+    let folder = baked();
     for (name, angle) in [("a", 0), ("b", 90)] {
-        stage.succeed(&format!("render a.cuts {VIEW} --rotate {angle} --out {name}.exr"));
+        folder.succeed(&format!("render a.cuts {VIEW} --rotate {angle} --out {name}.exr"));
     }
     let run = |options: &str| {
-        let output = stage.run(&format!("compare a.exr b.exr {options}"));
+        let output = folder.run(&format!("compare a.exr b.exr {options}"));
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
     assert_eq!(run("--fail-below ssim=0.9999").0, Some(3));
@@ -164,38 +164,38 @@ fn a_bound_below_is_for_metrics_where_larger_is_better() {
 
 #[test]
 fn equal_pictures_have_no_error_and_infinity_becomes_null() {
-    let stage = baked();
-    stage.succeed(&format!("render a.cuts {VIEW} --out a.exr"));
-    stage.succeed("compare a.exr a.exr --json m.json --fail-above rmse=0 --fail-above flip=0 --fail-below ssim=1");
-    assert!(stage.json("m.json")["psnr"].is_null());
+    let folder = baked();
+    folder.succeed(&format!("render a.cuts {VIEW} --out a.exr"));
+    folder.succeed("compare a.exr a.exr --json m.json --fail-above rmse=0 --fail-above flip=0 --fail-below ssim=1");
+    assert!(folder.json("m.json")["psnr"].is_null());
 }
 
 #[test]
 fn pixels_that_are_not_finite_are_told_and_left_out() {
     use glam::Vec3;
-    let stage = Folder::new();
+    let folder = Folder::new();
     let good = Image::filled([16, 16], Vec3::splat(0.5));
     let mut bad = good.clone();
     bad.pixels[7] = Vec3::splat(f32::NAN);
-    good.write(&stage.path("good.exr")).expect("a writable folder");
-    bad.write(&stage.path("bad.exr")).expect("a writable folder");
-    let output = stage.run("compare bad.exr good.exr --json m.json");
+    good.write(&folder.path("good.exr")).expect("a writable folder");
+    bad.write(&folder.path("bad.exr")).expect("a writable folder");
+    let output = folder.run("compare bad.exr good.exr --json m.json");
     assert!(String::from_utf8_lossy(&output.stderr).contains("1 pixels are not finite"));
-    assert_eq!(stage.json("m.json")["rmse"].as_f64(), Some(0.0));
-    assert_eq!(stage.run("compare bad.exr good.exr --fail-above non_finite_pixels=0").status.code(), Some(3));
+    assert_eq!(folder.json("m.json")["rmse"].as_f64(), Some(0.0));
+    assert_eq!(folder.run("compare bad.exr good.exr --fail-above non_finite_pixels=0").status.code(), Some(3));
 }
 
 #[test]
 fn quiet_commands_print_nothing_and_loud_ones_do() {
-    let stage = baked();
+    let folder = baked();
     for command in [
         format!("render a.cuts {VIEW} --out a.exr"),
         format!("reference a.cuts {VIEW} --out r.exr"),
         "compare a.exr a.exr".into(),
     ] {
-        let quiet = stage.run(&format!("--quiet {command}"));
+        let quiet = folder.run(&format!("--quiet {command}"));
         assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty(), "{command}");
-        assert!(!stage.succeed(&command).is_empty(), "negative control: {command}");
+        assert!(!folder.succeed(&command).is_empty(), "negative control: {command}");
     }
 }
 
@@ -203,9 +203,9 @@ fn quiet_commands_print_nothing_and_loud_ones_do() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_reference_writes_its_picture_and_says_so() {
-    let stage = baked();
+    let folder = baked();
     let options = format!("reference a.cuts {VIEW} --kind path --spp 1000000 --out r.exr --out r.png");
-    let mut command = stage.command(&options);
+    let mut command = folder.command(&options);
     let child = command.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
     std::thread::sleep(std::time::Duration::from_millis(1500));
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
@@ -214,6 +214,6 @@ fn an_interrupted_reference_writes_its_picture_and_says_so() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{errors}");
     assert!(errors.contains("unfinished") && errors.contains("r.exr") && !errors.contains("panicked"), "{errors}");
-    let picture = Image::read(&stage.path("r.exr")).expect("a picture");
-    assert!(picture.pixels.iter().any(|p| p.y > 0.0) && stage.path("r.png").exists());
+    let picture = Image::read(&folder.path("r.exr")).expect("a picture");
+    assert!(picture.pixels.iter().any(|p| p.y > 0.0) && folder.path("r.png").exists());
 }

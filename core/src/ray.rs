@@ -137,7 +137,8 @@ impl Intersector {
     }
 
     /// [`Self::occluded`] by testing every triangle: the oracle of the tests.
-    pub fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
+    #[cfg(test)]
+    pub(crate) fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
         self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))
     }
 }

@@ -22,6 +22,8 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     light_revision: u64,
     /// Whether all samples of the look's picture are rendered.
     finished: bool,
+    /// Whether the next look is lit again, even by the same light.
+    relight: bool,
     remarks: Remarks,
     backend: Box<B>,
 }
@@ -74,6 +76,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             lit: None,
             light_revision: 0,
             finished: false,
+            relight: false,
             remarks: Remarks::default(),
             backend,
         })
@@ -140,8 +143,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
-        let known = self.lit.take();
-        let redo = known.as_ref().map_or(Redo::ALL, |lit| Redo::between(&lit.look, look));
+        let (known, relight) = (self.lit.take(), std::mem::take(&mut self.relight));
+        let redo = match &known {
+            Some(lit) if relight => Redo { appearance: Redo::between(&lit.look, look).appearance, ..Redo::ALL },
+            Some(lit) => Redo::between(&lit.look, look),
+            None => Redo::ALL,
+        };
         self.finished &= !redo.pixels;
         if redo.appearance {
             let remarks = self.backend.set_appearance(&look.appearance)?;
@@ -151,7 +158,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         // Equal lights keep their address, for code that compares addresses.
         let lights = known.as_ref().map(|lit| &lit.look.lights).filter(|lights| **lights == look.lights);
         let look = Look { lights: lights.unwrap_or(&look.lights).clone(), ..look.clone() };
-        let (environment, local) = known.map(|lit| (lit.environment, lit.local)).unzip();
+        let (environment, local) = known.filter(|_| !relight).map(|lit| (lit.environment, lit.local)).unzip();
         let environment = match environment {
             Some(environment) if !redo.environment => environment,
             _ => self.light_environment(&look)?,
@@ -190,9 +197,16 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(local)
     }
 
-    /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes.
+    /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials
+    /// stay.
     pub fn forget_light(&mut self) {
-        (self.lit, self.finished) = (None, false);
+        (self.relight, self.finished) = (true, false);
+    }
+
+    /// Makes the next look be rendered again, even if it is the same, to measure how long that takes. Materials and light
+    /// stay.
+    pub fn forget_picture(&mut self) {
+        self.finished = false;
     }
 
     /// Begins a picture of the scene under its current light, which [`Self::render_rows`] renders step by step.
@@ -291,7 +305,7 @@ fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Appearance, CpuBackend, test_looks::look};
+    use crate::{Appearance, Components, CpuBackend, Illumination, PictureStats, test_looks::look};
     use lapidary_core::test_scenes::dataset;
 
     fn scene() -> LitScene {
@@ -354,6 +368,79 @@ mod tests {
         assert_eq!(revision(&mut scene, &turned), 2);
         scene.forget_light();
         assert_eq!(revision(&mut scene, &turned), 3);
+        assert_eq!(revision(&mut scene, &turned), 3, "once");
+    }
+
+    /// Counts what a renderer is given, and renders nothing.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    struct Counting {
+        appearances: u32,
+        lights: u32,
+        locals: u32,
+        bands: u32,
+    }
+
+    impl Backend for Counting {
+        fn name(&self) -> String {
+            "counting".into()
+        }
+
+        fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
+            self.appearances += 1;
+            Ok(Vec::new())
+        }
+
+        fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+            self.lights += 1;
+            Ok(Vec::new())
+        }
+
+        fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
+            self.locals += 1;
+            Ok(Vec::new())
+        }
+
+        fn begin(&mut self, _: &View, _: BrdfSampling) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn render_rows(&mut self, _: u32, _: Range<u32>) -> Result<(), BackendError> {
+            self.bands += 1;
+            Ok(())
+        }
+
+        fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+            Ok(Vec::new())
+        }
+
+        fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
+            Ok((Image { size: [0, 0], pixels: Vec::new() }, Vec::new()))
+        }
+
+        fn stats(&mut self) -> Result<PictureStats, BackendError> {
+            Ok(PictureStats::default())
+        }
+    }
+
+    #[test]
+    fn what_is_measured_is_done_again_and_nothing_else() {
+        let mut scene = LitScene::new(Box::new(Counting::default()), dataset(&["a"], &[]).into()).unwrap();
+        let look = Look { components: Components { direct: true, ..Components::NONE }, ..base() };
+        let shown = |scene: &mut LitScene<Counting>| {
+            scene.show_whole(&look).unwrap();
+            *scene.backend()
+        };
+        let once = Counting { appearances: 1, lights: 1, locals: 1, bands: 1 };
+        assert_eq!(shown(&mut scene), once);
+        assert_eq!(shown(&mut scene), once, "an unchanged look renders nothing");
+        scene.forget_picture();
+        assert_eq!(shown(&mut scene), Counting { bands: 2, ..once });
+        scene.forget_light();
+        assert_eq!(shown(&mut scene), Counting { appearances: 1, lights: 2, locals: 2, bands: 3 }, "materials stay");
     }
 
     #[test]
@@ -366,7 +453,7 @@ mod tests {
             scene.remarks().len()
         };
         assert_eq!(remarks(&bare), 1);
-        let dimmed = Look { components: crate::Components::NONE, ..bare.clone() };
+        let dimmed = Look { components: Components::NONE, ..bare.clone() };
         assert_eq!(remarks(&dimmed), 0);
         assert_eq!(remarks(&base()), 0);
         assert_eq!(remarks(&bare), 1, "again after it did not hold");

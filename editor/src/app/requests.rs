@@ -90,7 +90,6 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
-
     use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, sources::IndirectBake, test_scenes};
 
     #[test]

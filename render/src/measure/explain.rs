@@ -141,7 +141,8 @@ impl PixelExplanation {
     }
 
     /// For each of `leaves` leaves the position of its node in [`Self::nodes`]; `None` for nodes without visible light.
-    pub fn node_of_leaf(&self, leaves: usize) -> Vec<Option<u32>> {
+    #[cfg(test)]
+    pub(crate) fn node_of_leaf(&self, leaves: usize) -> Vec<Option<u32>> {
         let mut nodes = vec![None; leaves];
         for (i, node) in self.nodes.iter().enumerate() {
             nodes[leaves_below(node.heap_index, leaves)].fill(Some(i as u32));

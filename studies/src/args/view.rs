@@ -17,7 +17,6 @@ use lapidary_core::{
 };
 use lapidary_precompute::available_memory;
 use lapidary_render::{Background, Baked, Illumination, Look, View};
-
 use std::path::PathBuf;
 
 /// Dataset, light, material and view.

@@ -74,6 +74,8 @@ impl<'a> StillLife<'a> {
     /// # Errors
     /// A folder that cannot be written.
     pub fn render(&mut self, name: &str, title: &str, look: &Look) -> Result<(Picture, Image)> {
+        // Times of pictures under the same light are compared.
+        self.scene.forget_light();
         let FinishedPicture { image, stats, .. } = self.scene.show_whole(look)?;
         let picture = self.keep(name, title, look, &image, stats.seconds)?;
         Ok((Picture { stats: Some(stats), ..picture }, image))

@@ -204,7 +204,7 @@ const HEAD: [&str; 15] = [
     "Mean cut",
     "RMS",
     "Gain",
-    "FrameTimes at 128 / 256 / 512",
+    "Frame at 128 / 256 / 512",
     "Rel. RMSE at 256",
     "Over brute force",
 ];

@@ -17,7 +17,7 @@ use std::sync::Arc;
 const SIZE: u32 = 24;
 
 /// A glossy floor under a blocker and a sky with a bright patch.
-fn stage() -> (Renderer, View, SceneLighting, Illumination) {
+fn prepared() -> (Renderer, View, SceneLighting, Illumination) {
     let mut dataset = dataset(mesh(16, true), glossy(0.4));
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     let renderer = Renderer::new(dataset);
@@ -56,7 +56,7 @@ fn product(node: &ExplainedNode) -> Vec3 {
 
 #[test]
 fn contributions_sum_to_the_rendered_pixel() {
-    let (renderer, view, lighting, light) = stage();
+    let (renderer, view, lighting, light) = prepared();
     for sampling in [BrdfSampling::Once, BrdfSampling::Refine] {
         let picture = renderer.render_lit(&view, &light, &lighting, sampling).0;
         let (worst, count) = difference(&renderer, &view, CutLight::Environment(&lighting), sampling, &picture);
@@ -69,7 +69,7 @@ fn contributions_sum_to_the_rendered_pixel() {
 
 #[test]
 fn a_dropped_node_is_missed() {
-    let (renderer, view, lighting, _) = stage();
+    let (renderer, view, lighting, _) = prepared();
     let explanation =
         renderer.explain(&view, [12, 16], CutLight::Environment(&lighting), BrdfSampling::Refine).unwrap();
     let order = explanation.by_contribution();
@@ -81,7 +81,7 @@ fn a_dropped_node_is_missed() {
 
 #[test]
 fn nodes_and_dark_nodes_are_a_cut() {
-    let (renderer, view, lighting, _) = stage();
+    let (renderer, view, lighting, _) = prepared();
     let explanation =
         renderer.explain(&view, [12, 16], CutLight::Environment(&lighting), BrdfSampling::Refine).unwrap();
     let heap = explanation.nodes.iter().map(|node| node.heap_index);
@@ -132,7 +132,7 @@ fn rendered(renderer: &Renderer, view: &View, lighting: &Arc<SourceLighting>) ->
 
 #[test]
 fn pixels_that_have_no_cut_are_refused_with_a_reason() {
-    let (renderer, mut view, lighting, _) = stage();
+    let (renderer, mut view, lighting, _) = prepared();
     let explain =
         |view: &View, pixel| renderer.explain(view, pixel, CutLight::Environment(&lighting), BrdfSampling::Once);
     let outside = explain(&view, [SIZE, 3]).unwrap_err();

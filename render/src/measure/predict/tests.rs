@@ -9,7 +9,7 @@ use lapidary_core::material::BrdfModel;
 
 const SIZE: u32 = 24;
 
-fn stage(sigma: f32) -> Renderer {
+fn prepared(sigma: f32) -> Renderer {
     let mut dataset = dataset_of_sigma(mesh(24, true), glossy(0.5), sigma);
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     Renderer::new(dataset)
@@ -52,7 +52,7 @@ fn where_visibility_is_exact_the_bound_holds_and_a_hundredth_of_it_does_not() {
 
 #[test]
 fn constant_light_leaves_only_the_covariance_of_visibility_and_brdf() {
-    let (renderer, view) = (stage(2.0), from_the_side(SIZE));
+    let (renderer, view) = (prepared(2.0), from_the_side(SIZE));
     let constant = illumination([8, 4], |_, _| Vec3::ONE);
     // The leaves of a constant map differ by 0.2 %: a light without any variance is made by hand.
     let tree = &renderer.dataset.tree;
@@ -81,7 +81,7 @@ fn constant_light_leaves_only_the_covariance_of_visibility_and_brdf() {
 fn finer_light_and_finer_cuts_are_predicted_to_err_less() {
     let view = from_the_side(SIZE);
     let bound = |sigma: f32, nodes: u32| {
-        let renderer = stage(sigma);
+        let renderer = prepared(sigma);
         let lighting = renderer.lighting(&uneven_sky(), nodes);
         mean(&predicted_error(&renderer, &view, &lighting, BrdfSampling::Refine, &Quiet).unwrap().unwrap().bound)
     };
@@ -99,7 +99,7 @@ fn a_cancelled_prediction_is_none_and_a_dataset_without_cuts_is_refused() {
             true
         }
     }
-    let renderer = stage(2.0);
+    let renderer = prepared(2.0);
     let (view, lighting) = (from_the_side(SIZE), renderer.lighting(&uneven_sky(), 16));
     assert!(predicted_error(&renderer, &view, &lighting, BrdfSampling::Once, &Stop).unwrap().is_none());
     let mut dark = dataset(mesh(2, false), white());

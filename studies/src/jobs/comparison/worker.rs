@@ -118,8 +118,9 @@ impl Worker {
         let look = Look { view: view.clone(), ..request.look.clone() };
         let control = self.control.clone();
         let scene = self.scene_of(baked)?;
-        // Light that is there already takes no part of the picture's time.
+        // The light takes no part of the picture's time, which is told anew for a picture that was rendered before.
         scene.light(&look)?;
+        scene.forget_picture();
         let remarks = scene.remarks();
         let mut waited = Duration::ZERO;
         let picture = scene.show(&look, &mut || {
