@@ -355,9 +355,10 @@ fn thousands_of_lights_have_as_many_rows_as_can_be_seen() {
         panel.step();
         start.elapsed()
     };
-    // The quickest frame: other tests hold up any of them.
-    let quickest = (0..20).map(|_| frame(&mut panel)).min().unwrap();
+    // The median: other tests hold up some of them.
+    let mut times: Vec<_> = (0..20).map(|_| frame(&mut panel)).collect();
+    times.sort_unstable();
     let rows = panel.query_all_by_label_contains("Switch off Lamp").count();
     assert_eq!(rows, 9, "eight and a part");
-    assert!(quickest.as_secs_f32() < 0.1, "a frame took {quickest:?}");
+    assert!(times[10].as_secs_f32() < 0.1, "a frame took {:?}", times[10]);
 }
