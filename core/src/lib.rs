@@ -35,7 +35,7 @@
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
 //! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
-//! replaced whole).
+//! replaced whole), [`lock`] (one writer at a time).
 
 pub mod atomic;
 pub mod bounds;
@@ -49,6 +49,7 @@ pub mod image;
 pub mod import;
 pub mod light_tree;
 pub mod lights;
+pub mod lock;
 pub mod material;
 pub mod meshless;
 pub mod ray;
