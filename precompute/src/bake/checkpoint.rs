@@ -19,7 +19,7 @@ use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
 use folder::{contents, is_there, remove_contents};
 use identity::{Identity, Seal};
-use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
+use lapidary_core::{atomic::write_atomically, dataset::BakeSettings, input};
 use manifest::Manifest;
 use std::{
     cell::Cell,
@@ -138,7 +138,7 @@ impl Checkpoint {
     pub fn open(output: &Path, scene_hash: &str, settings: &BakeSettings) -> Result<Option<Self>, CheckpointError> {
         let folder = Self::folder_of(output);
         let file = folder.join(manifest::FILE);
-        let bytes = match fs::read(&file) {
+        let bytes = match input::read(&file) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(io_error("read", &file, e)),
@@ -221,7 +221,7 @@ impl Kept<'_> {
         if !self.checkpoint.resumes {
             return None;
         }
-        let bytes = fs::read(self.checkpoint.folder.join(self.series.file_name(index))).ok()?;
+        let bytes = input::read(&self.checkpoint.folder.join(self.series.file_name(index))).ok()?;
         match self.identity.unsealed(&bytes, self.places, index) {
             Seal::Fits(body) => Some(body.to_vec()),
             Seal::OtherPlaces => {

@@ -3,7 +3,7 @@
 use super::{Variant, VariantBaker};
 use lapidary_core::{
     cut::CutSelector,
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeRun, BakeSettings, Dataset},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     sphere::fibonacci_directions,
 };
