@@ -9,5 +9,7 @@ mod evidence;
 mod explain;
 mod export;
 mod gpu;
+mod kills;
 mod mitsuba;
 mod pictures;
+mod reproducers;

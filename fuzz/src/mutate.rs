@@ -77,7 +77,7 @@ mod tests {
         for i in 0..4000 {
             let choices: Vec<u8> = (0..random.usize(0..60)).map(|_| random.u8(..)).collect();
             let mut file = if i % 10 == 0 { Vec::new() } else { sound.clone() };
-            mutations[i % 4](&mut file, &[sound.clone()], &mut Choices::new(&choices));
+            mutations[i % 4](&mut file, std::slice::from_ref(&sound), &mut Choices::new(&choices));
             changed += usize::from(file != sound);
         }
         assert!(changed > 3000, "{changed}");

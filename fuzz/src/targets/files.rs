@@ -72,7 +72,9 @@ impl Target for FileTarget {
 
     fn write(&self, choices: &mut Choices, folder: &Path) -> io::Result<()> {
         let mut bytes = choices.of(self.sound()).clone();
-        (self.kind.mutation)(&mut bytes, self.sound(), choices);
+        if !choices.are_over() {
+            (self.kind.mutation)(&mut bytes, self.sound(), choices);
+        }
         fs::write(folder.join(self.kind.file), bytes)
     }
 
