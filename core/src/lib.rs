@@ -34,10 +34,9 @@
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
-//! replaced whole).
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`output`] (what may be
+//! written, and files that are replaced whole).
 
-pub mod atomic;
 pub mod bounds;
 pub mod brdf;
 pub mod camera;
@@ -51,6 +50,7 @@ pub mod light_tree;
 pub mod lights;
 pub mod material;
 pub mod meshless;
+pub mod output;
 pub mod ray;
 pub mod scene;
 pub mod shot;

@@ -33,6 +33,7 @@ use crate::{
 };
 use lapidary_core::{
     dataset::{BakeReport, Dataset, scene_hash},
+    output::check_output,
     scene::Scene,
 };
 use std::time::Instant;
@@ -40,8 +41,9 @@ use std::time::Instant;
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
-/// See [`BakeError`]. An existing output is kept unless the bake succeeds.
+/// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    check_output(&job.output, &[])?;
     let settings = &job.settings;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;

@@ -64,6 +64,9 @@ impl EditorState {
                 .messages
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
+        if !self.may_write(&output, Some(&output)) {
+            return;
+        }
         let Imported { scene, import_secs, report, .. } = source;
         let mode = settings.mode;
         let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };

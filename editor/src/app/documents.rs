@@ -64,6 +64,11 @@ impl EditorState {
     }
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
+        let own = self.scene.session.clone();
+        if !self.may_write(path, own.as_deref()) {
+            self.after_save = None;
+            return;
+        }
         if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
             self.after_save = None;
             return self.messages.error(error.to_string());

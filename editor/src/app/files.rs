@@ -9,9 +9,9 @@ use crate::{
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
-    atomic::write_atomically,
     import::{MaterialFile, SlotFile},
     material::{MapKind, Material},
+    output::{OutputError, check_output, write_atomically},
     texture::{Texture, TextureSlot},
 };
 use lapidary_studies::args::shader_source;
@@ -92,6 +92,9 @@ impl EditorState {
     }
 
     pub(super) fn save_material(&mut self, index: usize, path: &Path) {
+        if !self.may_write(path, None) {
+            return;
+        }
         let Some(material) = self.document.materials.get(index) else { return };
         let (file, left_out) = material_file(material, &self.document, path);
         match write_material(&file, path) {
@@ -103,6 +106,28 @@ impl EditorState {
             )),
             Err(error) => self.messages.error(format!("{error:#}")),
         }
+    }
+
+    /// Whether a file can be written without a loss; says why not. `own` is the file whose successor it may be: the session when a
+    /// session is saved.
+    pub(super) fn may_write(&mut self, path: &Path, own: Option<&Path>) -> bool {
+        let checked = self.check_output(path, own);
+        if let Err(error) = &checked {
+            self.messages.error(error.to_string());
+        }
+        checked.is_ok()
+    }
+
+    fn check_output(&self, path: &Path, own: Option<&Path>) -> Result<(), OutputError> {
+        let inputs = self.inputs();
+        let others: Vec<&Path> = inputs.iter().map(PathBuf::as_path).filter(|input| Some(*input) != own).collect();
+        check_output(path, &others)
+    }
+
+    /// Files that are lost if something else is written over them.
+    pub(super) fn inputs(&self) -> Vec<PathBuf> {
+        let others = [&self.document.dataset, &self.scene.bake_output, &self.scene.session];
+        files_in_use(&self.document).into_iter().chain(others.into_iter().flatten().cloned()).collect()
     }
 
     /// Watches the files in use, and reads those again that have changed.

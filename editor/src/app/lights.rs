@@ -92,6 +92,9 @@ impl EditorState {
     }
 
     pub(super) fn save_lights(&mut self, path: &Path) {
+        if !self.may_write(path, None) {
+            return;
+        }
         let lights = LightsFile { lights: self.document.lights.clone() };
         match lights.write(path) {
             Ok(()) => self.messages.note(format!("Lights written: {} ({})", lights.lights.len(), path.display())),

@@ -48,6 +48,9 @@ impl EditorState {
             self.messages.error("There is no picture to export; open and bake a scene first");
             return;
         }
+        if !self.may_write(&path, None) {
+            return;
+        }
         let transparent = self.document.view.background == BackgroundKind::Transparent;
         self.pictures.exports_asked += 1;
         let id = self.pictures.exports_asked;

@@ -12,7 +12,7 @@ pub use places::Part;
 
 use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
-use lapidary_core::{atomic::write_atomically, dataset::BakeSettings};
+use lapidary_core::{dataset::BakeSettings, output::write_atomically};
 use serde::{Deserialize, Serialize};
 use std::{
     fs, io,

@@ -8,6 +8,7 @@ use crate::{
 use lapidary_core::{
     dataset::{BakeParts, DatasetError},
     meshless::BasisError,
+    output::OutputError,
 };
 use std::fmt;
 use thiserror::Error;
@@ -25,6 +26,8 @@ pub enum BakeError {
     Settings(#[from] SettingsError),
     /// The checkpoint cannot be used or written.
     Checkpoint(#[from] CheckpointError),
+    /// Nothing can be written where the dataset is to go.
+    Output(#[from] OutputError),
     /// The dataset cannot be written.
     Dataset(#[from] DatasetError),
     /// More memory than there is.
@@ -70,6 +73,7 @@ impl BakeError {
             Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
             Self::Settings(error) => error.text(name),
             Self::Checkpoint(error) => error.text(name),
+            Self::Output(error) => error.to_string(),
             Self::Dataset(error) => error.to_string(),
             Self::Memory { mode, needed, available } => format!(
                 "the bake needs about {needed} MB of memory, {available} MB are free; {}, or close other programs",
