@@ -34,8 +34,13 @@
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
+<<<<<<< HEAD
 //! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`output`] (what may be
 //! written, and files that are replaced whole).
+=======
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
+//! replaced whole), [`input`] (reading of files that a user gave), [`memory`] (what is free).
+>>>>>>> main
 
 pub mod bounds;
 pub mod brdf;
@@ -46,9 +51,11 @@ pub mod dataset;
 pub mod environment;
 pub mod image;
 pub mod import;
+pub mod input;
 pub mod light_tree;
 pub mod lights;
 pub mod material;
+pub mod memory;
 pub mod meshless;
 pub mod output;
 pub mod ray;

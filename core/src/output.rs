@@ -1,6 +1,7 @@
 //! Writing files: what may be written over is checked before the work, and a file is replaced only when its successor is complete
 //! and on disk. Nothing is written in any other way.
 
+use crate::input::what_it_is;
 use same_file::is_same_file;
 use std::{
     fs::{self, Metadata, OpenOptions},
@@ -123,28 +124,12 @@ fn file_to_replace(path: &Path) -> io::Result<Option<Metadata>> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
         there => there?,
     };
-    let (what, kind) = match there.file_type() {
-        t if t.is_file() => return Ok(Some(there)),
-        t if t.is_dir() => ("a folder", io::ErrorKind::IsADirectory),
-        t if t.is_symlink() => ("a symbolic link", io::ErrorKind::InvalidInput),
-        t => (special(t), io::ErrorKind::InvalidInput),
-    };
-    Err(io::Error::new(kind, format!("the output is {what}, and only files are written over; choose another name")))
-}
-
-#[cfg(unix)]
-fn special(file_type: fs::FileType) -> &'static str {
-    use std::os::unix::fs::FileTypeExt;
-    match file_type {
-        t if t.is_fifo() => "a pipe",
-        t if t.is_socket() => "a socket",
-        _ => "a device",
+    if there.is_file() {
+        return Ok(Some(there));
     }
-}
-
-#[cfg(not(unix))]
-fn special(_: fs::FileType) -> &'static str {
-    "a device"
+    let kind = if there.is_dir() { io::ErrorKind::IsADirectory } else { io::ErrorKind::InvalidInput };
+    let what = if there.is_symlink() { "a symbolic link" } else { what_it_is(there.file_type()) };
+    Err(io::Error::new(kind, format!("the output is {what}, and only files are written over; choose another name")))
 }
 
 /// Whether an existing file lets itself be written to; nothing is.

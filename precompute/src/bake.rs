@@ -94,7 +94,7 @@ fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<(), BakeError>
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
     let needed = memory::estimate(vertices, triangles, settings, threads);
-    match memory::available() {
+    match lapidary_core::memory::available() {
         Some(available) if needed > available => {
             Err(BakeError::Memory { mode: settings.mode, needed: needed >> 20, available: available >> 20 })
         }

@@ -2,12 +2,14 @@
 
 use super::{
     clock::Clock,
-    memory,
     phases::{geometry::Geometry, pack::Packed},
     settings::ResolvedBake,
 };
 use crate::observer::Phase;
-use lapidary_core::dataset::{BakeReport, Dataset};
+use lapidary_core::{
+    dataset::{BakeReport, Dataset},
+    memory,
+};
 
 /// The report of a bake, without what only its phases know. `import_warnings` are the warnings of the import.
 pub fn report(
