@@ -34,13 +34,8 @@
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
-<<<<<<< HEAD
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`output`] (what may be
-//! written, and files that are replaced whole).
-=======
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
-//! replaced whole), [`input`] (reading of files that a user gave), [`memory`] (what is free).
->>>>>>> main
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`input`] (reading of files that a
+//! user gave), [`output`] (what may be written, and files that are replaced whole), [`memory`] (what is free).
 
 pub mod bounds;
 pub mod brdf;

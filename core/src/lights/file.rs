@@ -1,11 +1,7 @@
 //! Reading and writing lights files.
 
 use super::{Light, LightProblem, LightsFile, MAX_LIGHTS};
-<<<<<<< HEAD
-use crate::output::write_atomically;
-=======
-use crate::{atomic::write_atomically, input};
->>>>>>> main
+use crate::{input, output::write_atomically};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -2,11 +2,7 @@
 
 use super::relative::absolute;
 use anyhow::{Context, Result};
-<<<<<<< HEAD
-use lapidary_core::output::write_atomically;
-=======
-use lapidary_core::{atomic::write_atomically, input};
->>>>>>> main
+use lapidary_core::{input, output::write_atomically};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
