@@ -13,6 +13,8 @@ enum Kind {
     Folder,
     /// Files numbered from 1.
     Frames,
+    /// A file whose folder is made.
+    Sheet,
 }
 
 /// Every option that names an output, with a command line; `{}` stands for the output.
@@ -22,7 +24,7 @@ const OUTPUTS: [(&str, &str, Kind, &str); 17] = [
     ("render", "out", Kind::File, "render a.cuts --out {}"),
     ("render", "stats", Kind::File, "render a.cuts --stats {}"),
     ("sequence", "out", Kind::Frames, "sequence a.cuts --turn object --frames 2 --out {}"),
-    ("sequence", "contact_sheet", Kind::File, "sequence a.cuts --turn object --out f.##.png --contact-sheet {}"),
+    ("sequence", "contact_sheet", Kind::Sheet, "sequence a.cuts --turn object --out f.##.png --contact-sheet {}"),
     ("reference", "out", Kind::File, "reference a.cuts --out {}"),
     ("bounces", "out", Kind::Folder, "bounces a.cuts --out {}"),
     ("ladder", "out", Kind::Folder, "ladder a.cuts --out {}"),
@@ -83,22 +85,20 @@ fn folder() -> Folder {
 /// What the kinds of outputs cannot be, each with a word of the message.
 fn refused(kind: &Kind) -> Vec<(&'static str, &'static str)> {
     let everywhere: &[_] = match kind {
-        Kind::File => &[
-            ("input.png", "over an input"),
-            ("folder.png", "is a folder"),
-            ("missing/a.png", "no folder"),
-            ("kept.png", "read-only"),
-        ],
+        Kind::File | Kind::Sheet => {
+            &[("input.png", "over an input"), ("folder.png", "is a folder"), ("kept.png", "read-only")]
+        }
         Kind::Folder => &[("file", "no folder"), ("file/inner", "no folder")],
         Kind::Frames => &[("frames/#.png", "is a folder"), ("file/#.png", "no folder")],
     };
     let unix: &[_] = match kind {
         _ if !cfg!(target_os = "linux") => &[],
-        Kind::File => &[("link.png", "symbolic link"), ("pipe.png", "a pipe"), ("/proc/a.png", "/proc")],
+        Kind::File | Kind::Sheet => &[("link.png", "symbolic link"), ("pipe.png", "a pipe"), ("/proc/a.png", "/proc")],
         Kind::Folder => &[("dangling", "no folder"), ("pipe.png", "no folder"), ("/proc/new", "/proc")],
         Kind::Frames => &[("/proc/#.png", "/proc")],
     };
-    [everywhere, unix].concat()
+    let folder: &[_] = if matches!(kind, Kind::File) { &[("missing/a.png", "no folder")] } else { &[] };
+    [everywhere, unix, folder].concat()
 }
 
 #[test]
@@ -112,7 +112,8 @@ fn no_command_writes_where_it_must_not() {
         }
         let good = if matches!(kind, Kind::Frames) { "good/#.png" } else { "good.png" };
         let message = folder.fail(&line.replace("{}", good));
-        assert!(!message.contains("output"), "negative control, the input is what is wrong: {message}");
+        let input = if line.starts_with("demo") { "--data" } else { "a.cuts" };
+        assert!(message.contains(input), "negative control, the input is what is wrong: {line}: {message}");
         let _ = fs::remove_dir_all(folder.path("good.png"));
     }
     for name in ["a.cuts", "b.png", "file", "kept.png"] {

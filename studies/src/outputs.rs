@@ -76,7 +76,7 @@ impl CommandFiles {
 /// What the file system says.
 pub fn create_folder(path: &Path) -> Result<()> {
     std::fs::create_dir_all(path).with_context(|| {
-        format!("cannot create the folder; check the path and the permissions ({})", path.display())
+        format!("cannot write to the folder; check the path, its permissions and the space ({})", path.display())
     })?;
     Ok(check_writable(path)?)
 }

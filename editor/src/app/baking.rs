@@ -1,6 +1,7 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
 use super::{
+    files::Written,
     opening::draft_of,
     state::{
         EditorState,
@@ -64,7 +65,7 @@ impl EditorState {
                 .messages
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
         }
-        if !self.may_write(&output, Some(&output)) {
+        if !self.may_write(&output, Written::Dataset) {
             return;
         }
         let Imported { scene, import_secs, report, .. } = source;

@@ -1,6 +1,7 @@
 //! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
 use super::{
+    files::Written,
     first_view::FirstView,
     opening::{Opened, Ready, Target},
     state::{
@@ -64,8 +65,7 @@ impl EditorState {
     }
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
-        let own = self.scene.session.clone();
-        if !self.may_write(path, own.as_deref()) {
+        if !self.may_write(path, Written::Session) {
             self.after_save = None;
             return;
         }

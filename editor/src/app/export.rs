@@ -1,6 +1,7 @@
 //! Export of sequences and layered pictures: the dialog, the job, and its messages.
 
 use super::{
+    files::Written,
     sequence_dialog::{SequenceAnswer, SequenceDialog},
     state::{EditorState, exporting::Run},
 };
@@ -73,7 +74,7 @@ impl EditorState {
             anyhow::bail!(UNDER_WAY);
         }
         let task = dialog.task(look)?;
-        task.files(CommandFiles::default().reads(self.inputs())).check()?;
+        task.files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
         let record = task.prepare(&baked.dataset)?;
         self.start_export(ExportTask::Sequence { task, record }, baked);
         Ok(())
@@ -85,7 +86,7 @@ impl EditorState {
             return self.messages.note(UNDER_WAY);
         }
         let Some((look, baked)) = self.exported() else { return self.messages.error(NOTHING) };
-        if !self.may_write(&path, None) {
+        if !self.may_write(&path, Written::Other) {
             return;
         }
         match LayerList::All.of(&look) {

@@ -1,6 +1,9 @@
 //! Local lights: what is done with them, as steps of undo.
 
-use super::state::{EditorState, interface::Inspector};
+use super::{
+    files::Written,
+    state::{EditorState, interface::Inspector},
+};
 use crate::document::{
     Edit,
     lights::{LightKind, copied_name, new_light},
@@ -92,7 +95,7 @@ impl EditorState {
     }
 
     pub(super) fn save_lights(&mut self, path: &Path) {
-        if !self.may_write(path, None) {
+        if !self.may_write(path, Written::Other) {
             return;
         }
         let lights = LightsFile { lights: self.document.lights.clone() };

@@ -51,7 +51,7 @@ impl FilledFolder {
         check_writable(there.unwrap_or(Path::new("."))).map_err(|error| match error {
             OutputError::NoFolder { folder } => {
                 anyhow::anyhow!(
-                    "cannot create a folder in what is no folder; choose another name ({})",
+                    "cannot create the folder in what is no folder; choose another name ({})",
                     folder.display()
                 )
             }
