@@ -74,7 +74,7 @@ impl EditorState {
             anyhow::bail!(UNDER_WAY);
         }
         let task = dialog.task(look)?;
-        task.files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
+        task.command_files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
         let record = task.prepare(&baked.dataset)?;
         self.start_export(ExportTask::Sequence { task, record }, baked);
         Ok(())

@@ -87,7 +87,7 @@ pub fn sequence_files(
 
 impl SequenceTask {
     /// `files` with those that it writes.
-    pub fn files(&self, files: CommandFiles) -> CommandFiles {
+    pub fn command_files(&self, files: CommandFiles) -> CommandFiles {
         let numbers = self.frames.iter().map(|frame| frame.number);
         sequence_files(files, &self.outputs, numbers, self.sheet.as_ref().map(|sheet| sheet.path.as_path()))
     }
