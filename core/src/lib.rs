@@ -35,7 +35,8 @@
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
 //! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`input`] (reading of files that a
-//! user gave), [`output`] (what may be written, and files that are replaced whole), [`memory`] (what is free).
+//! user gave), [`output`] (what may be written, and files that are replaced whole), [`lock`] (one writer at a time), [`memory`]
+//! (what is free).
 
 pub mod bounds;
 pub mod brdf;
@@ -49,6 +50,7 @@ pub mod import;
 pub mod input;
 pub mod light_tree;
 pub mod lights;
+pub mod lock;
 pub mod material;
 pub mod memory;
 pub mod meshless;
