@@ -11,5 +11,6 @@ mod export;
 mod gpu;
 mod kills;
 mod mitsuba;
+mod outputs;
 mod pictures;
 mod reproducers;
