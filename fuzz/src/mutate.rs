@@ -14,6 +14,14 @@ use crate::choices::Choices;
 /// Makes another file of `bytes`. `others` are sound files of the same kind, to take pieces from.
 pub type Mutation = fn(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices);
 
+/// Bytes, or nodes of a tree, that a mutation makes at most: it should break readers by what it says, not by its length.
+const MOST: usize = 1 << 18;
+
+/// How often a piece of this size is repeated in a file of this size, if `times` is wanted.
+fn repetitions(times: usize, piece: usize, file: usize) -> usize {
+    times.min(MOST.saturating_sub(file) / piece.max(1))
+}
+
 /// Applies `one` as often as is chosen: once, a few times, or while there are choices.
 pub fn repeatedly(choices: &mut Choices, mut one: impl FnMut(&mut Choices)) {
     let most = *choices.of(&[1, 1, 1, 2, 2, 4, 8, 32]);
@@ -41,7 +49,7 @@ fn one(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
         5 => drop(bytes.drain(range)),
         6 => {
             let piece = bytes[range.clone()].to_vec();
-            let times = *choices.of(&[1, 2, 16, 256]);
+            let times = repetitions(*choices.of(&[1, 2, 16, 256]), piece.len(), bytes.len());
             bytes.splice(range.end..range.end, piece.repeat(times));
         }
         7 => bytes.truncate(range.start),

@@ -1,6 +1,6 @@
 //! Mutations of JSON that leave it JSON: numbers, kinds, keys and entries.
 
-use super::{numbers, repeatedly, text};
+use super::{numbers, repeatedly, repetitions, text};
 use crate::choices::Choices;
 use serde_json::{Value, json};
 
@@ -18,11 +18,13 @@ pub fn json(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
 /// Mutates nodes of a tree.
 pub fn value(root: &mut Value, choices: &mut Choices) {
     repeatedly(choices, |choices| {
-        let donor = node(root, choices.below(usize::MAX)).cloned().unwrap_or_default();
+        let donor = node(root, choices.below(1 << 20)).cloned().unwrap_or_default();
         let count = count(root);
         let at = choices.below(count);
+        // A donor may hold the whole tree, and is put in twice at most.
+        let donor = if repetitions(2, self::count(&donor), count) == 2 { donor } else { Value::Null };
         if let Some(node) = node(root, at) {
-            mutate(node, donor, choices);
+            mutate(node, donor, count, choices);
         }
     });
 }
@@ -57,7 +59,8 @@ fn node(root: &mut Value, index: usize) -> Option<&mut Value> {
     Some(here)
 }
 
-fn mutate(node: &mut Value, donor: Value, choices: &mut Choices) {
+/// Mutates a node of a tree with `size` nodes.
+fn mutate(node: &mut Value, donor: Value, size: usize, choices: &mut Choices) {
     let kind = choices.below(4);
     match node {
         Value::Object(entries) if kind > 0 && !entries.is_empty() => {
@@ -80,7 +83,8 @@ fn mutate(node: &mut Value, donor: Value, choices: &mut Choices) {
                 2 => entries.insert(at, donor),
                 3 => entries.truncate(at),
                 _ => {
-                    let many = vec![entries[from].clone(); *choices.of(&[1, 64, 2048])];
+                    let times = repetitions(*choices.of(&[1, 64, 2048]), count(&entries[from]), size);
+                    let many = vec![entries[from].clone(); times];
                     entries.splice(at..at, many);
                 }
             }

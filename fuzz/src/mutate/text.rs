@@ -1,6 +1,6 @@
 //! Mutations of text files, of words and lines.
 
-use super::{numbers, repeatedly};
+use super::{numbers, repeatedly, repetitions};
 use crate::choices::Choices;
 use std::ops::Range;
 
@@ -85,7 +85,8 @@ fn mutate_lines(text: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
         1 => lines.insert(at, lines[from].clone()),
         2 => lines.swap(at, from),
         3 => {
-            let many = vec![lines[from].clone(); *choices.of(&[2, 64, 4096])];
+            let times = repetitions(*choices.of(&[2, 64, 4096]), lines[from].len(), text.len());
+            let many = vec![lines[from].clone(); times];
             lines.splice(at..at, many);
         }
         _ if others.is_empty() => {}
