@@ -1,7 +1,7 @@
 //! No command writes over an input, or over anything but a file. An output that cannot be written is told before the work begins:
 //! all inputs here are damaged, so that a command that reads one first complains of that.
 
-use crate::common::{Folder, LAPIDARY};
+use crate::common::{Folder, LAPIDARY, SMALL};
 use clap::Subcommand;
 use lapidary_studies::commands::Command;
 use std::{any::TypeId, fs, path::PathBuf};
@@ -177,4 +177,21 @@ fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
     assert!(message.contains("a.cuts"), "the folder was taken, the dataset is what is wrong: {message}");
     assert_eq!(fs::read_to_string(folder.path("file")).expect("a file"), CONTENTS);
     assert_eq!(fs::read_dir(folder.path("out")).expect("a folder").count(), 1, "the link");
+}
+
+#[test]
+fn a_bake_over_a_picture_of_its_scene_is_refused() {
+    let folder = Folder::new();
+    folder.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\nmap_Kd wood.tga\n".into());
+    let mut tga = vec![0_u8; 18];
+    (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24);
+    tga.extend([10, 20, 30]);
+    fs::write(folder.path("wood.tga"), &tga).expect("a writable folder");
+    for output in ["wood.tga", "scene.mtl"] {
+        let before = fs::read(folder.path(output)).expect("an input");
+        let message = folder.fail(&format!("bake scene.obj -o {output} {SMALL}"));
+        assert!(message.contains("over an input") && message.contains(output), "{message}");
+        assert!(fs::read(folder.path(output)).expect("an input") == before);
+    }
+    folder.bake("a.cuts", "");
 }

@@ -148,6 +148,8 @@ pub struct ImportReport {
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
+    /// Files that were read beside that of the scene: buffers, materials and pictures.
+    pub files: Vec<PathBuf>,
     /// Files outside the folder of the scene, as it names them. They were read only if that was allowed.
     pub outside: Vec<String>,
     /// Other problems, with their repair and the remedy.
