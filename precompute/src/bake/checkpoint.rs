@@ -13,7 +13,6 @@ mod rows;
 
 pub use chunk::Chunk;
 pub use identity::Places;
-pub use manifest::ManifestError;
 
 use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
