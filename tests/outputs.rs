@@ -220,7 +220,9 @@ fn two_sequences_of_one_name_do_not_mix() {
     };
     let frames =
         |out: &str| (1..=6).map(|n| fs::read(folder.path(&format!("{out}/f.{n}.png"))).ok()).collect::<Vec<_>>();
-    [0, 1].map(|exposure| folder.succeed(&line(exposure, &exposure.to_string())));
+    for exposure in [0, 1] {
+        folder.succeed(&line(exposure, &exposure.to_string()));
+    }
     let runs = [0, 1].map(|exposure| {
         let mut command = folder.command(&line(exposure, "both"));
         command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts")
