@@ -236,6 +236,7 @@ fn two_sequences_of_one_name_do_not_mix() {
     assert!(refused && message.contains("both"), "{message}");
     assert!(frames("both") == frames(&winner.to_string()), "the frames are those of one run");
     assert!(frames("0") != frames("1"), "negative control");
+}
 
 #[test]
 fn a_bake_over_a_picture_of_its_scene_is_refused() {
