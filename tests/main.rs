@@ -13,5 +13,6 @@ mod gpu;
 mod kills;
 mod mitsuba;
 mod outputs;
+mod outside;
 mod pictures;
 mod reproducers;

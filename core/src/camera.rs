@@ -1,5 +1,6 @@
 //! A pinhole camera and its rays.
 
+use crate::scene::is_within_reach;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,13 @@ impl Camera {
         let fov_y: f32 = 40.0;
         let distance = 1.1 * radius.max(1e-6) / (0.5 * fov_y.to_radians()).sin();
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
+    }
+
+    /// Whether its places are within reach, its upward direction is finite, and its field of view is between 0 and 180
+    /// degrees.
+    pub fn is_valid(&self) -> bool {
+        let lens = self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI;
+        is_within_reach(self.eye) && is_within_reach(self.target) && self.up.is_finite() && lens
     }
 
     /// Columns are the right, up and backward axes of the camera in world space.

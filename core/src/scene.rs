@@ -12,6 +12,18 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
 
+/// The farthest from the origin, in metres along an axis, that anything of a scene may be. The fourth power of a distance
+/// has to stay far below the largest `f32`.
+pub const MOST_COORDINATE: f32 = 1e9;
+
+/// The least diagonal of a scene in metres. The fourth power of a distance has to stay above the smallest `f32`.
+pub const LEAST_DIAGONAL: f32 = 1e-6;
+
+/// Whether a place is finite and no farther than [`MOST_COORDINATE`] along any axis.
+pub fn is_within_reach(place: Vec3) -> bool {
+    place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
+}
+
 /// An indexed triangle mesh in world space. All vertex arrays have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -21,7 +33,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Unit tangents along +u (xyz) and the handedness of the frame (w = ±1): `bitangent = w · n × t`.
     pub tangents: Vec<Vec4>,
-    /// Texture coordinates; (0, 0) is the *top left* corner of an image, as in glTF.
+    /// Texture coordinates, at most [`MOST_COORDINATE`]; (0, 0) is the *top left* corner of an image, as in glTF.
     pub uvs: Vec<Vec2>,
     /// Vertex indices, counter-clockwise seen from the outside.
     pub triangles: Vec<[u32; 3]>,
@@ -134,6 +146,47 @@ pub enum MeshError {
         /// Which element.
         index: usize,
     },
+    /// A coordinate is beyond [`MOST_COORDINATE`].
+    #[error("{array} {index} is {value:e}, beyond the limit of {MOST_COORDINATE:e}; scale the scene down")]
+    TooFar {
+        /// Name of the array.
+        array: &'static str,
+        /// Which element.
+        index: usize,
+        /// The largest of its numbers.
+        value: f32,
+    },
+    /// Everything is in one place, or nearly.
+    #[error("the scene is {diagonal:e} m across, below the limit of {LEAST_DIAGONAL:e} m; scale the scene up")]
+    TooSmall {
+        /// Diagonal of its bounds in metres.
+        diagonal: f32,
+    },
+}
+
+/// Checks that places are finite and within reach, and that they are not all in one.
+///
+/// # Errors
+/// [`MeshError::NotFinite`], [`MeshError::TooFar`] or [`MeshError::TooSmall`].
+pub fn check_extent(positions: impl Iterator<Item = Vec3> + Clone) -> Result<(), MeshError> {
+    check_numbers("position", positions.clone().map(|p| size(p.as_ref())))?;
+    let diagonal = Bounds::around(positions).diagonal();
+    if diagonal >= LEAST_DIAGONAL { Ok(()) } else { Err(MeshError::TooSmall { diagonal }) }
+}
+
+/// The largest of some numbers without their signs; NaN if one of them is.
+fn size(numbers: &[f32]) -> f32 {
+    numbers.iter().map(|x| x.abs()).fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
+}
+
+/// Checks that numbers are finite and within reach.
+fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Result<(), MeshError> {
+    let wrong = |(_, value): &(usize, f32)| !(*value <= MOST_COORDINATE);
+    match sizes.enumerate().find(wrong) {
+        None => Ok(()),
+        Some((index, value)) if value.is_finite() => Err(MeshError::TooFar { array, index, value }),
+        Some((index, _)) => Err(MeshError::NotFinite { array, index }),
+    }
 }
 
 impl Mesh {
@@ -164,7 +217,7 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices and finiteness, against `materials` and `objects` entries to refer to.
+    /// Checks lengths, indices, finiteness and extent, against `materials` and `objects` entries to refer to.
     ///
     /// # Errors
     /// The first [`MeshError`] found.
@@ -174,7 +227,7 @@ impl Mesh {
         }
         self.validate_lengths()?;
         self.validate_indices(materials, objects)?;
-        self.validate_finite()
+        self.validate_numbers()
     }
 
     fn validate_lengths(&self) -> Result<(), MeshError> {
@@ -207,13 +260,13 @@ impl Mesh {
         Ok(())
     }
 
-    fn validate_finite(&self) -> Result<(), MeshError> {
+    fn validate_numbers(&self) -> Result<(), MeshError> {
         fn check(array: &'static str, mut finite: impl Iterator<Item = bool>) -> Result<(), MeshError> {
             finite.position(|f| !f).map_or(Ok(()), |index| Err(MeshError::NotFinite { array, index }))
         }
-        check("position", self.positions.iter().map(|p| p.is_finite()))?;
+        check_extent(self.positions.iter().copied())?;
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
-        check("texture coordinate", self.uvs.iter().map(|t| t.is_finite()))
+        check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))
     }
 }

@@ -1,26 +1,31 @@
 //! The `bake` command.
 
 use crate::{
-    args::{ShotOption, choices, values::vector},
+    args::{OutsideArgs, ShotOption, choices, values::vector},
     outputs::CommandFiles,
-    terminal::{ProgressReporter, ProgressStyle, write_json},
+    terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
 };
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use clap::Args;
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
-    import::import,
+    import::import_with,
     light_tree::TreeKind,
 };
-use lapidary_precompute::{BakeJob, Preset, bake, resolve};
-use std::{path::PathBuf, time::Instant};
+use lapidary_precompute::{BakeError, BakeJob, Preset, bake, resolve};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// Options of `bake`.
 #[derive(Args, Clone, Debug)]
 pub struct BakeArgs {
     /// Scene to bake: .obj, .gltf, .glb or .ply
     pub scene: PathBuf,
+    #[command(flatten)]
+    outside: OutsideArgs,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
@@ -164,8 +169,10 @@ impl BakeArgs {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
         let start = Instant::now();
-        let imported = import(&self.scene)?;
+        let imported = import_with(&self.scene, &self.outside.into())?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
+        // The scene's own buffers and pictures are known only now.
+        self.files().reads(&imported.report.files).check()?;
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
             settings = settings.with_room_for(vertices);
@@ -175,16 +182,28 @@ impl BakeArgs {
         let job = BakeJob {
             settings,
             output: self.output.clone(),
+            inputs: imported.report.files,
             chunks: self.chunks,
             resume: self.resume,
             import_secs: start.elapsed().as_secs_f64(),
             warnings: imported.report.warnings,
         };
-        let report = bake(imported.scene, &job, &progress)?.report;
+        let baked = bake(imported.scene, &job, &progress).map_err(|error| of_scene(error, &self.scene))?;
+        let report = baked.report;
         progress.finish();
         if let Some(path) = &self.report {
             write_json(path, &report)?;
         }
         Ok(report)
+    }
+}
+
+/// An error that lies in a scene is told with its file. Others tell theirs, or are of no file.
+fn of_scene(error: BakeError, scene: &Path) -> Error {
+    match error {
+        BakeError::Points(_) | BakeError::Basis(_) | BakeError::Memory { .. } | BakeError::TooManyTexels { .. } => {
+            Error::msg(format!("{} ({})", error.text(option_name), scene.display()))
+        }
+        other => other.into(),
     }
 }
