@@ -4,7 +4,7 @@ use super::{files::corpus, named};
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     environment::Environment,
-    import::{import, load_material},
+    import::{ImportError, ImportOptions, Imported, import_with, load_material},
     lights::LightsFile,
     scene::Scene,
 };
@@ -15,6 +15,13 @@ use std::{
     path::Path,
     sync::{Arc, OnceLock},
 };
+
+/// Half of the memory that an input may take is for what is imported.
+const OPTIONS: ImportOptions = ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false };
+
+fn import(path: &Path) -> Result<Imported, ImportError> {
+    import_with(path, &OPTIONS)
+}
 
 /// Imports a scene.
 pub fn import_file(path: &Path) -> Result<(), String> {
@@ -72,8 +79,8 @@ pub fn read_lights(path: &Path) -> Result<(), String> {
 pub fn read_material(path: &Path) -> Result<(), String> {
     let baked = sound_scene();
     let mut scene = baked.dataset.scene.clone();
-    match load_material(path, &mut scene) {
-        Ok(material) => {
+    match load_material(path, &mut scene, &OPTIONS) {
+        Ok((material, _)) => {
             scene.materials.fill(material);
             let appearance = lapidary_render::Appearance::of(&scene);
             picture(&baked, |look| look.appearance = appearance.clone())
