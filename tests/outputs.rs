@@ -253,4 +253,11 @@ fn a_bake_over_a_picture_of_its_scene_is_refused() {
         assert!(fs::read(folder.path(output)).expect("an input") == before);
     }
     folder.bake("a.cuts", "");
+    // Nor is a picture written over one of its material.
+    fs::rename(folder.path("wood.tga"), folder.path("wood.png")).expect("a picture");
+    folder.write("m.json", r#"{"maps": {"base_color": {"file": "wood.png"}}}"#.into());
+    let line = |out: &str| format!("render a.cuts --material m.json --env studio --size 8x6 --out {out}");
+    let message = folder.fail(&line("wood.png"));
+    assert!(message.contains("over an input") && message.contains("wood.png"), "{message}");
+    assert!(fs::read(folder.path("wood.png")).expect("a picture") == tga);
 }

@@ -33,7 +33,7 @@ mod repair;
 mod tangents;
 mod textures;
 
-pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material};
+pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material, pictures_of_material};
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
 const MAX_ELEMENTS: u64 = 100_000_000;
