@@ -1,7 +1,7 @@
 //! No command writes over an input, or over anything but a file. An output that cannot be written is told before the work begins:
 //! all inputs here are damaged, so that a command that reads one first complains of that.
 
-use crate::common::{Folder, LAPIDARY, files_in};
+use crate::common::{Folder, LAPIDARY, SMALL, files_in};
 use clap::Subcommand;
 use lapidary_core::lock::OutputLock;
 use lapidary_studies::commands::Command;
@@ -236,4 +236,28 @@ fn two_sequences_of_one_name_do_not_mix() {
     assert!(refused && message.contains("both"), "{message}");
     assert!(frames("both") == frames(&winner.to_string()), "the frames are those of one run");
     assert!(frames("0") != frames("1"), "negative control");
+}
+
+#[test]
+fn a_bake_over_a_picture_of_its_scene_is_refused() {
+    let folder = Folder::new();
+    folder.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\nmap_Kd wood.tga\n".into());
+    let mut tga = vec![0_u8; 18];
+    (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24);
+    tga.extend([10, 20, 30]);
+    fs::write(folder.path("wood.tga"), &tga).expect("a writable folder");
+    for output in ["wood.tga", "scene.mtl"] {
+        let before = fs::read(folder.path(output)).expect("an input");
+        let message = folder.fail(&format!("bake scene.obj -o {output} {SMALL}"));
+        assert!(message.contains("over an input") && message.contains(output), "{message}");
+        assert!(fs::read(folder.path(output)).expect("an input") == before);
+    }
+    folder.bake("a.cuts", "");
+    // Nor is a picture written over one of its material.
+    fs::rename(folder.path("wood.tga"), folder.path("wood.png")).expect("a picture");
+    folder.write("m.json", r#"{"maps": {"base_color": {"file": "wood.png"}}}"#.into());
+    let line = |out: &str| format!("render a.cuts --material m.json --env studio --size 8x6 --out {out}");
+    let message = folder.fail(&line("wood.png"));
+    assert!(message.contains("over an input") && message.contains("wood.png"), "{message}");
+    assert!(fs::read(folder.path("wood.png")).expect("a picture") == tga);
 }
