@@ -4,7 +4,7 @@ use super::{Target, named, scenes::datasets};
 use crate::{choices::Choices, mutate::Mutation};
 use lapidary_core::{
     environment::Environment,
-    image::{Image, decode, dimensions},
+    image::{Image, decode, dimensions, footprint},
 };
 use std::{
     fs, io,
@@ -99,6 +99,12 @@ pub fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
 /// Reads a picture in every way: as a texture, as an environment, its size alone, and its layers.
 pub fn read_picture(path: &Path) -> Result<(), String> {
     let bytes = fs::read(path).map_err(|e| e.to_string())?;
+    match footprint(&bytes, path) {
+        // It is read where there is room for it. Texels, as a picture and as an environment, and the decoder's own.
+        Ok(needed) if needed.held.saturating_add(needed.decoding) > crate::MOST_BYTES as u64 / 4 => return Ok(()),
+        Ok(_) => {}
+        Err(error) => named(&error, path)?,
+    }
     match decode(&bytes, path) {
         Ok(texture) => {
             let size = dimensions(path).unwrap_or(texture.size);
