@@ -1,7 +1,11 @@
 //! A pinhole camera and its rays.
 
+use crate::scene::is_place;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
+
+/// Smallest and largest vertical field of view in radians.
+const FIELD_OF_VIEW: [f32; 2] = [1e-4, 3.1];
 
 /// A pinhole camera that looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +34,13 @@ impl Camera {
         let fov_y: f32 = 40.0;
         let distance = 1.1 * radius.max(1e-6) / (0.5 * fov_y.to_radians()).sin();
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
+    }
+
+    /// Whether it can take a picture: finite places within [`crate::scene::MOST_COORDINATE`], a finite direction upward, and
+    /// a field of view between 0 and 180 degrees.
+    pub fn is_valid(&self) -> bool {
+        let [narrowest, widest] = FIELD_OF_VIEW;
+        is_place(self.eye) && is_place(self.target) && is_place(self.up) && (narrowest..=widest).contains(&self.fov_y)
     }
 
     /// Columns are the right, up and backward axes of the camera in world space.

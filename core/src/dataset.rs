@@ -39,9 +39,12 @@ mod modes;
 mod parts;
 mod read;
 mod tensors;
+mod validate;
 mod write;
 
-pub use error::DatasetError;
+pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
+#[cfg(any(test, feature = "test-scenes"))]
+pub(crate) use header::METADATA_KEY;
 pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};

@@ -12,6 +12,24 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
 
+/// Farthest that anything may be from the origin along an axis, in metres: with coordinates up to this, squares of squared
+/// distances are numbers that 32 bits hold.
+pub const MOST_COORDINATE: f32 = 1e9;
+/// Smallest diagonal of a scene in metres: in a smaller one, areas of areas would be lost.
+pub const LEAST_DIAGONAL: f32 = 1e-6;
+/// How much the length of a stored unit vector may differ from 1.
+const UNIT_TOLERANCE: f32 = 0.1;
+
+/// Whether a position is finite and at most [`MOST_COORDINATE`] from the origin along each axis.
+pub fn is_place(position: Vec3) -> bool {
+    position.to_array().iter().all(|x| x.abs() <= MOST_COORDINATE)
+}
+
+/// Whether a direction is about of length 1.
+pub fn is_unit(direction: Vec3) -> bool {
+    (direction.length() - 1.0).abs() <= UNIT_TOLERANCE
+}
+
 /// An indexed triangle mesh in world space. All vertex arrays have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -134,6 +152,37 @@ pub enum MeshError {
         /// Which element.
         index: usize,
     },
+    /// A vertex too far from the origin.
+    #[error(
+        "vertex {index} has the coordinate {coordinate} m, farther from the origin than the limit of {MOST_COORDINATE} m; \
+         scale the scene down or move it to the origin"
+    )]
+    TooFar {
+        /// Which vertex.
+        index: usize,
+        /// Its largest coordinate in metres.
+        coordinate: f32,
+    },
+    /// Too small to compute with.
+    #[error("the mesh is {diagonal} m large, less than the limit of {LEAST_DIAGONAL} m; scale the scene up")]
+    TooSmall {
+        /// Diagonal of its bounds in metres.
+        diagonal: f32,
+    },
+    /// A normal or tangent that is no direction.
+    #[error("{array} {index} is not of length 1; recalculate it in the program that wrote the mesh")]
+    NotUnit {
+        /// Name of the array.
+        array: &'static str,
+        /// Which element.
+        index: usize,
+    },
+    /// Texture coordinates that are too large.
+    #[error("texture coordinate {index} is larger than the limit of {MOST_COORDINATE}; unwrap the mesh again")]
+    TextureCoordinate {
+        /// Which vertex.
+        index: usize,
+    },
 }
 
 impl Mesh {
@@ -164,7 +213,8 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices and finiteness, against `materials` and `objects` entries to refer to.
+    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1. There are `materials` and
+    /// `objects` entries to refer to.
     ///
     /// # Errors
     /// The first [`MeshError`] found.
@@ -174,7 +224,9 @@ impl Mesh {
         }
         self.validate_lengths()?;
         self.validate_indices(materials, objects)?;
-        self.validate_finite()
+        self.validate_finite()?;
+        self.validate_extent()?;
+        self.validate_attributes()
     }
 
     fn validate_lengths(&self) -> Result<(), MeshError> {
@@ -215,5 +267,30 @@ impl Mesh {
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
         check("texture coordinate", self.uvs.iter().map(|t| t.is_finite()))
+    }
+
+    fn validate_extent(&self) -> Result<(), MeshError> {
+        if let Some(index) = self.positions.iter().position(|&p| !is_place(p)) {
+            let largest = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
+            let coordinate = self.positions[index].to_array().into_iter().fold(0.0, largest);
+            return Err(MeshError::TooFar { index, coordinate });
+        }
+        let diagonal = self.bounds().diagonal();
+        if diagonal >= LEAST_DIAGONAL { Ok(()) } else { Err(MeshError::TooSmall { diagonal }) }
+    }
+
+    /// Tangents may be zero where there is no direction of u.
+    fn validate_attributes(&self) -> Result<(), MeshError> {
+        if let Some(index) = self.normals.iter().position(|&n| !is_unit(n)) {
+            return Err(MeshError::NotUnit { array: "normal", index });
+        }
+        let is_tangent = |t: &Vec4| t.w.abs() <= 1.0 + UNIT_TOLERANCE && t.truncate().length() <= 1.0 + UNIT_TOLERANCE;
+        if let Some(index) = self.tangents.iter().position(|t| !is_tangent(t)) {
+            return Err(MeshError::NotUnit { array: "tangent", index });
+        }
+        match self.uvs.iter().position(|uv| uv.abs().max_element() > MOST_COORDINATE) {
+            Some(index) => Err(MeshError::TextureCoordinate { index }),
+            None => Ok(()),
+        }
     }
 }
