@@ -196,10 +196,6 @@ pub struct BakeReport {
     pub samples_resolved: u64,
     /// Rays traced for them; directions below the horizon of a closed surface need none.
     pub rays_traced: u64,
-    /// Pairs a second of the visibility phase.
-    pub samples_per_second: f64,
-    /// Greatest resident memory of the process.
-    pub peak_memory_bytes: u64,
     /// Which parts were baked.
     pub mode: BakeParts,
     /// The part of the surface sources.
@@ -207,8 +203,9 @@ pub struct BakeReport {
     pub indirect: Option<IndirectReport>,
     /// How the meshless basis went, if it was baked.
     pub meshless: Option<MeshlessReport>,
-    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
-    pub seconds: BTreeMap<String, f64>,
+    /// How long it took. A dataset does not hold it, so that equal bakes are equal files; those of earlier versions do.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub run: Option<BakeRun>,
     /// Distinct bake points; vertices that agree in position and normal share one.
     pub bake_points: usize,
     /// Bake points inside other geometry.
@@ -219,6 +216,24 @@ pub struct BakeReport {
     pub cut_size_histogram: Vec<u64>,
     /// Warnings of the import and the bake.
     pub warnings: Vec<String>,
+}
+
+/// What a bake took on the machine that it ran on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BakeRun {
+    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
+    pub seconds: BTreeMap<String, f64>,
+    /// Pairs a second of the visibility phase.
+    pub samples_per_second: f64,
+    /// Greatest resident memory of the process.
+    pub peak_memory_bytes: u64,
+}
+
+impl BakeReport {
+    /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.
+    pub fn seconds(&self, phase: &str) -> Option<f64> {
+        self.run.as_ref()?.seconds.get(phase).copied()
+    }
 }
 
 /// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on.

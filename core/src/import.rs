@@ -7,6 +7,7 @@
 use crate::{
     camera::Camera,
     image::ImageError,
+    input,
     lights::Light,
     material::{Material, MaterialProblem},
     scene::{MeshError, Object, Scene, is_place},
@@ -162,7 +163,7 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
-    std::fs::read(path).map_err(|source| ImportError::Io { path: path.into(), source })
+    input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })
 }
 
 /// Repairs the mesh, and checks that it is valid.

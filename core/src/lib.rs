@@ -35,7 +35,7 @@
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
 //! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
-//! replaced whole).
+//! replaced whole), [`lock`] (one writer at a time), [`input`] (reading of files that a user gave), [`memory`] (what is free).
 
 pub mod atomic;
 pub mod bounds;
@@ -47,9 +47,12 @@ pub mod dataset;
 pub mod environment;
 pub mod image;
 pub mod import;
+pub mod input;
 pub mod light_tree;
 pub mod lights;
+pub mod lock;
 pub mod material;
+pub mod memory;
 pub mod meshless;
 pub mod ray;
 pub mod scene;

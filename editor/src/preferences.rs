@@ -2,6 +2,7 @@
 
 use crate::document::{session::read_leniently, write_setting};
 use anyhow::Result;
+use lapidary_core::input;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::{
@@ -125,7 +126,7 @@ impl Preferences {
     /// yet is not worth one.
     pub fn load(config: &Path) -> (Self, Option<String>) {
         let file = config.join(FILE);
-        let parsed = match std::fs::read(&file) {
+        let parsed = match input::read(&file) {
             Ok(text) => serde_json::from_slice(&text).map_err(|e| e.to_string()),
             Err(error) if error.kind() == ErrorKind::NotFound => return Default::default(),
             Err(error) => Err(error.to_string()),

@@ -14,6 +14,7 @@ pub use job::BakeJob;
 pub use phases::geometry::Geometry;
 
 use self::{
+    checkpoint::Checkpoint,
     clock::Clock,
     phases::{
         bounces::bake_bounces,
@@ -30,9 +31,11 @@ use crate::{
     errors::{BakeError, CutsOf, cancelled},
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
+    warning::Warning,
 };
 use lapidary_core::{
     dataset::{BakeReport, Dataset, scene_hash},
+    lock::OutputLock,
     scene::Scene,
 };
 use std::time::Instant;
@@ -40,23 +43,29 @@ use std::time::Instant;
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
-/// See [`BakeError`]. An existing output is kept unless the bake succeeds.
+/// See [`BakeError`]. An existing output is kept unless the bake succeeds. One bake at a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     let settings = &job.settings;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;
+    let _lock = OutputLock::acquire(&job.output)?;
+    let is_left = Checkpoint::is_left(&job.output)?;
     check_memory(&scene, settings)?;
     if settings.mode.meshless() {
         check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
     }
     let hash = scene_hash(&scene);
+    let resumed = if job.resume { Checkpoint::open(&job.output, &hash, settings)? } else { None };
+    if is_left && !job.resume {
+        observer.event(Event::Warning { message: Warning::Discarded });
+    }
     let mut clock = Clock::new(observer, job.import_secs);
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
     let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
         Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
     })?;
     cancelled(observer)?;
-    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &hash, &mut clock)?;
+    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &hash, resumed, &mut clock)?;
     let chunks = bake_environment(&geometry, &tree, settings, &checkpoint, &mut clock)?;
     let bounces = bake_bounces(&geometry, &tree, settings, &checkpoint, &mut clock)?;
     observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
@@ -92,7 +101,7 @@ fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<(), BakeError>
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
     let needed = memory::estimate(vertices, triangles, settings, threads);
-    match memory::available() {
+    match lapidary_core::memory::available() {
         Some(available) if needed > available => {
             Err(BakeError::Memory { mode: settings.mode, needed: needed >> 20, available: available >> 20 })
         }

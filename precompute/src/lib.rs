@@ -30,7 +30,6 @@ mod warning;
 pub use bake::{
     BakeJob, Geometry, bake,
     checkpoint::{Chunk, Leftover, leftover},
-    memory::available as available_memory,
     settings::{Preset, ResolvedBake, resolve, with_room},
 };
 pub use errors::{BakeError, CheckpointError, CutsOf, PointsError, SettingsError};

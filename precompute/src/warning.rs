@@ -71,6 +71,11 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// Whether it tells what became of an interrupted bake. The result is the same as without one.
+    pub(crate) fn is_about_resuming(&self) -> bool {
+        matches!(self, Self::OtherCheckpoint | Self::Discarded | Self::OtherSources | Self::OtherBasis)
+    }
+
     /// In words, with settings called by `name`.
     pub fn text(&self, name: Naming) -> String {
         match self {

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::{
     image::decode,
+    input,
     light_tree::{LightTree, is_permutation},
     scene::{Mesh, Object, Scene},
     texture::Texture,
@@ -23,7 +24,7 @@ impl Dataset {
     /// A file that cannot be read, is no dataset, is of a newer format, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
         let bytes =
-            std::fs::read(path).map_err(|source| DatasetError::Io { action: "read", path: path.into(), source })?;
+            input::read(path).map_err(|source| DatasetError::Io { action: "read", path: path.into(), source })?;
         let foreign = |reason: String| DatasetError::Foreign { path: path.into(), reason };
         let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| foreign(e.to_string()))?;
         let json = metadata.metadata().as_ref().and_then(|m| m.get(METADATA_KEY));

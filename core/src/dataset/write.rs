@@ -1,7 +1,7 @@
 //! Writing a dataset, atomically.
 
 use super::{
-    Dataset, DatasetError, FORMAT_VERSION,
+    BakeReport, Dataset, DatasetError, FORMAT_VERSION,
     header::{Header, METADATA_KEY},
     indirect, meshless,
     tensors::{Tensor, cut_tensors, tensor},
@@ -57,7 +57,7 @@ impl Dataset {
             format_version: FORMAT_VERSION,
             settings: self.settings.clone(),
             scene_hash: self.scene_hash.clone(),
-            report: self.report.clone(),
+            report: BakeReport { run: None, ..self.report.clone() },
             materials: self.scene.materials.clone(),
             objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
             cameras: self.scene.cameras.clone(),

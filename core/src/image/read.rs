@@ -5,12 +5,17 @@
 use super::{Image, ImageError};
 use crate::{
     color::linear_from_srgb,
+    input,
     texture::{Texels, Texture},
 };
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
-use std::{io::Cursor, path::Path, sync::Arc};
+use std::{
+    io::{BufReader, Cursor},
+    path::Path,
+    sync::Arc,
+};
 
 /// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
@@ -21,8 +26,7 @@ impl Texture {
     /// # Errors
     /// A file that cannot be read, is no picture, or is too large.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+        let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
         decode(&bytes, path)
     }
 }
@@ -57,7 +61,12 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
 /// A file that cannot be read, or is no such picture.
 pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
     let io_error = |source| ImageError::Io { action: "read", path: path.into(), source };
-    let reader = ImageReader::open(path).and_then(|reader| reader.with_guessed_format()).map_err(io_error)?;
+    let file = BufReader::new(input::open(path).map_err(io_error)?);
+    let mut reader = ImageReader::new(file);
+    if let Ok(format) = ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    let reader = reader.with_guessed_format().map_err(io_error)?;
     let (width, height) = reader.into_dimensions().map_err(|e| damaged(path, e))?;
     Ok([width, height])
 }

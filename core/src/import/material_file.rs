@@ -3,6 +3,7 @@
 use super::{ImportError, check_material, read_file, textures::find_file};
 use crate::{
     image::{ImageError, decode},
+    input,
     material::{BrdfModel, BrdfParameters, MapKind, Maps, Material},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
@@ -98,7 +99,7 @@ fn load_slot(
 ) -> Result<TextureSlot, ImportError> {
     let folder = material.parent().unwrap_or(Path::new(""));
     let path = find_file(folder, &slot.file).unwrap_or_else(|| folder.join(&slot.file));
-    let bytes = std::fs::read(&path).map_err(|source| ImageError::Io { action: "read", path: path.clone(), source })?;
+    let bytes = input::read(&path).map_err(|source| ImageError::Io { action: "read", path: path.clone(), source })?;
     let known = scene.textures.iter().position(|t| *t.encoded == *bytes);
     let texture = match known {
         Some(index) => index,

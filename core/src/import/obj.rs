@@ -5,7 +5,7 @@ use super::{
     repair::RawMesh,
     textures::{TextureLibrary, find_file},
 };
-use crate::{material::Material, scene::Object};
+use crate::{input, material::Material, scene::Object};
 use glam::{Vec2, Vec3, Vec4};
 use std::{
     cell::Cell,
@@ -206,7 +206,7 @@ fn add_materials(source: &mut Source, outline: &Outline, path: &Path) {
         let files =
             whole.unwrap_or_else(|| library.split_whitespace().map(|n| find_file(folder, n).ok_or(n)).collect());
         for file in files {
-            let text = file.map_err(str::to_owned).and_then(|f| std::fs::read(&f).map_err(|_| library.clone()));
+            let text = file.map_err(str::to_owned).and_then(|f| input::read(&f).map_err(|_| library.clone()));
             match text {
                 Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
                 Err(name) => source.warnings.push(format!(

@@ -1,6 +1,6 @@
 //! Textures of an import: found as artists' files name them, loaded once each, replaced visibly where missing.
 
-use crate::{image::decode, texture::Texture};
+use crate::{image::decode, input, texture::Texture};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -27,7 +27,7 @@ impl TextureLibrary {
         let source = found.as_ref().map_or(name.to_owned(), |path| path.to_string_lossy().into_owned());
         self.load_with(&source, name, || {
             let path = found.ok_or("there is no such file beside the scene")?;
-            let bytes = std::fs::read(&path).map_err(|e| e.to_string())?;
+            let bytes = input::read(&path).map_err(|e| e.to_string())?;
             decode(&bytes, &path).map_err(|e| e.to_string())
         })
     }

@@ -1,7 +1,7 @@
 //! Reading and writing lights files.
 
 use super::{Light, LightProblem, LightsFile, MAX_LIGHTS};
-use crate::atomic::write_atomically;
+use crate::{atomic::write_atomically, input};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -69,11 +69,8 @@ impl LightsFile {
     /// # Errors
     /// A file that cannot be read, is no lights file, or holds lights that cannot shine or too many.
     pub fn read(path: &Path) -> Result<Self, LightsError> {
-        let text = std::fs::read_to_string(path).map_err(|source| LightsError::Io {
-            action: "read",
-            path: path.into(),
-            source,
-        })?;
+        let text =
+            input::read_text(path).map_err(|source| LightsError::Io { action: "read", path: path.into(), source })?;
         Self::parse(&text, path)
     }
 

@@ -2,7 +2,7 @@
 
 use super::relative::absolute;
 use anyhow::{Context, Result};
-use lapidary_core::atomic::write_atomically;
+use lapidary_core::{atomic::write_atomically, input};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -56,7 +56,7 @@ fn entries(paths: Vec<PathBuf>) -> Vec<ListedFile> {
 }
 
 fn read(file: &Path) -> Vec<PathBuf> {
-    let parsed = std::fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    let parsed = input::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
     let Some(Value::Array(list)) = parsed else { return Vec::new() };
     list.iter().filter_map(Value::as_str).filter(|path| !path.is_empty()).map(PathBuf::from).collect()
 }

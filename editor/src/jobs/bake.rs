@@ -244,7 +244,9 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
 
 fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {
     match bake((*task.scene).clone(), &task.job, teller) {
-        Err(BakeError::Checkpoint(CheckpointError::Mismatch { .. })) if task.or_afresh => {
+        Err(BakeError::Checkpoint(CheckpointError::Mismatch { .. } | CheckpointError::Damaged { .. }))
+            if task.or_afresh =>
+        {
             bake(Arc::unwrap_or_clone(task.scene), &BakeJob { resume: false, ..task.job }, teller)
         }
         result => result,

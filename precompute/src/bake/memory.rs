@@ -1,4 +1,4 @@
-//! Memory: an estimate before the bake, and the peak after it.
+//! An estimate of the memory that a bake takes.
 
 use lapidary_core::dataset::{BakeSettings, MeshlessSettings};
 
@@ -53,22 +53,6 @@ fn basis_and_links(settings: &MeshlessSettings) -> u64 {
     functions * (BYTES_PER_FUNCTION + LINKS_PER_FUNCTION * BYTES_PER_LINK)
 }
 
-/// Bytes that could be allocated now, where the system tells.
-pub fn available() -> Option<u64> {
-    kilobytes("/proc/meminfo", "MemAvailable:")
-}
-
-/// Greatest resident memory of this process so far, 0 where the system does not tell.
-pub fn peak() -> u64 {
-    kilobytes("/proc/self/status", "VmHWM:").unwrap_or(0)
-}
-
-fn kilobytes(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix(key))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| k * 1024)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,12 +82,5 @@ mod tests {
     fn levels(levels: usize) -> BakeSettings {
         let normal = BakeSettings::default();
         BakeSettings { meshless: MeshlessSettings { levels, ..normal.meshless }, ..normal }
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn the_system_tells_both() {
-        assert!(available().is_some_and(|b| b > 1 << 20));
-        assert!(peak() > 1 << 20);
     }
 }

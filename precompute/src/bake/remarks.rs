@@ -1,9 +1,9 @@
-//! Passes the messages of a bake on to the observer, and keeps its warnings for the report.
+//! Passes the messages of a bake on to the observer, and keeps the warnings about its result for the report.
 
 use crate::observer::{Event, Observer};
 use std::sync::{Mutex, PoisonError};
 
-/// Passes all messages on, and keeps warnings.
+/// Passes all messages on, and keeps warnings about the result.
 pub(super) struct Remarks<'a> {
     observer: &'a dyn Observer,
     warnings: Mutex<Vec<String>>,
@@ -22,7 +22,9 @@ impl<'a> Remarks<'a> {
 
 impl Observer for Remarks<'_> {
     fn event(&self, event: Event) {
-        if let Event::Warning { message } = &event {
+        if let Event::Warning { message } = &event
+            && !message.is_about_resuming()
+        {
             self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_string());
         }
         self.observer.event(event);

@@ -2,12 +2,14 @@
 
 use super::{
     clock::Clock,
-    memory,
     phases::{geometry::Geometry, pack::Packed},
     settings::ResolvedBake,
 };
 use crate::observer::Phase;
-use lapidary_core::dataset::{BakeReport, Dataset};
+use lapidary_core::{
+    dataset::{BakeReport, BakeRun, Dataset},
+    memory,
+};
 
 /// The report of a bake, without what only its phases know. `import_warnings` are the warnings of the import.
 pub fn report(
@@ -44,8 +46,8 @@ pub fn report(
 /// Adds what is known at the end: bytes, times, memory.
 pub fn finish_report(dataset: &mut Dataset, clock: Clock) {
     dataset.report.bytes_total = dataset.tensor_bytes();
-    dataset.report.seconds = clock.finish();
-    let secs = dataset.report.seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
-    dataset.report.samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
-    dataset.report.peak_memory_bytes = memory::peak();
+    let seconds = clock.finish();
+    let secs = seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
+    let samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
+    dataset.report.run = Some(BakeRun { seconds, samples_per_second, peak_memory_bytes: memory::peak() });
 }

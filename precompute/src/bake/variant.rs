@@ -42,7 +42,7 @@ impl Geometry {
         let report = BakeReport {
             mean_cut: cuts.nodes.len() as f64 / points.len().max(1) as f64,
             sigma: settings.criterion.sigma,
-            rms_visibility: (cuts.squared_error / pairs.max(1) as f64).sqrt(),
+            rms_visibility: (cuts.squared_errors.iter().sum::<f64>() / pairs.max(1) as f64).sqrt(),
             samples_resolved: pairs,
             bake_points: points.len(),
             ..report(self, &settings, &packed, Vec::new())

@@ -7,6 +7,7 @@ use crate::{
 };
 use lapidary_core::{
     dataset::{BakeParts, DatasetError},
+    lock::LockError,
     meshless::BasisError,
 };
 use std::fmt;
@@ -23,6 +24,8 @@ pub enum BakeError {
     Basis(#[from] BasisError),
     /// Settings out of range.
     Settings(#[from] SettingsError),
+    /// Another bake writes the same output, or it cannot be written.
+    Lock(#[from] LockError),
     /// The checkpoint cannot be used or written.
     Checkpoint(#[from] CheckpointError),
     /// The dataset cannot be written.
@@ -69,6 +72,7 @@ impl BakeError {
             Self::Points(error) => error.text(name),
             Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
             Self::Settings(error) => error.text(name),
+            Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),
             Self::Dataset(error) => error.to_string(),
             Self::Memory { mode, needed, available } => format!(

@@ -1,5 +1,6 @@
 //! Why a checkpoint is of no use.
 
+use crate::bake::checkpoint::ManifestError;
 use crate::setting::{Naming, Setting};
 use std::{fmt, io, path::PathBuf};
 use thiserror::Error;
@@ -21,6 +22,18 @@ pub enum CheckpointError {
         /// Which folder.
         path: PathBuf,
     },
+    /// The checkpoint is not what was written.
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: ManifestError,
+    },
+    /// Something lies where the checkpoint would be that no bake has put there.
+    Foreign {
+        /// Which file or folder.
+        path: PathBuf,
+    },
 }
 
 impl CheckpointError {
@@ -35,6 +48,16 @@ impl CheckpointError {
                 "the checkpoint was made with another scene or other settings; use the same ones, or leave out {} to start \
                  over ({})",
                 name(Setting::Resume),
+                path.display()
+            ),
+            Self::Damaged { path, reason } => format!(
+                "the checkpoint is damaged, or of another version: {reason}; leave out {} to start over ({})",
+                name(Setting::Resume),
+                path.display()
+            ),
+            Self::Foreign { path } => format!(
+                "this is no part of a checkpoint, but lies where the checkpoint of the bake would be; move it elsewhere, \
+                 or choose another output ({})",
                 path.display()
             ),
         }

@@ -76,7 +76,7 @@ pub fn resumable_operator(
                 };
                 step.par_iter().map_init(|| gatherer.scratch(), gather).collect()
             };
-            let found = steps::kept_or_made(kept, steps_done, step.len(), make)?;
+            let found = steps::kept_or_made(kept, steps_done, step.len(), basis.senders().len(), make)?;
             steps_done += 1;
             step.iter().zip(found).for_each(|(&receiver, row)| rows[receiver] = row);
             observer.event(Event::Advanced { done: step.last().map_or(0, |&r| r as u64) });

@@ -13,9 +13,9 @@ use lapidary_core::{
     dataset::Dataset,
     import::load_material,
     material::{BrdfModel, BrdfParameters, Material},
+    memory,
     scene::{Scene, camera_named},
 };
-use lapidary_precompute::available_memory;
 use lapidary_render::{Background, Baked, Illumination, Look, View};
 use std::path::PathBuf;
 
@@ -230,7 +230,7 @@ impl CameraArgs {
         const BYTES_PER_PIXEL: u64 = 48;
         let [width, height] = self.size;
         let needed = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
-        match available_memory() {
+        match memory::available() {
             Some(available) if needed > available => bail!(
                 "a picture of {width} x {height} needs about {} MB of memory, {} MB are free; lower --size",
                 needed >> 20,

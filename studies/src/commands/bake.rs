@@ -20,7 +20,7 @@ pub fn run(args: &BakeArgs, console: Console) -> Result<Outcome> {
         report.vertices,
         parts(&report).join("; "),
         report.bytes_total as f64 / 1e6,
-        report.seconds.get("total").unwrap_or(&0.0),
+        report.seconds("total").unwrap_or(0.0),
     ))?;
     Ok(Outcome::Done)
 }

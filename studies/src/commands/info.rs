@@ -73,11 +73,11 @@ fn info_text(dataset: &Dataset) -> String {
         r.bytes_cuts as f64 / 1e6,
         r.bytes_total as f64 / 1e6
     );
-    text += &format!(
-        "bake       {:.1} s, {:.1} million samples a second\n",
-        r.seconds.get("total").unwrap_or(&0.0),
-        r.samples_per_second / 1e6
-    );
+    if let Some(run) = &r.run {
+        let seconds = r.seconds("total").unwrap_or(0.0);
+        let speed = run.samples_per_second / 1e6;
+        text += &format!("bake       {seconds:.1} s, {speed:.1} million samples a second\n");
+    }
     for warning in &r.warnings {
         text += &format!("warning    {warning}\n");
     }

@@ -64,7 +64,7 @@ fn key_figures(report: &Report) -> Markup {
     let vertices = format!("of cuts for {} vertices", grouped(bake.vertices as u64));
     html! {
         div.key {
-            (key_figure(*bake.seconds.get("total").unwrap_or(&0.0), 0, "s", "to bake the scene, once"))
+            (key_figure(bake.seconds("total").unwrap_or(0.0), 0, "s", "to bake the scene, once"))
             (key_figure(bake.mean_cut, 0, "nodes", &lights))
             (key_figure(bake.bytes_cuts as f64 / 1e6, 1, "MB", &vertices))
             (key_figure(microseconds, 1, "µs", "for a pixel’s sample"))
@@ -267,9 +267,10 @@ fn bake_contents(report: &Report) -> Markup {
 
 fn bake_times(report: &Report) -> Markup {
     let b = &report.bake;
-    let phase = |name: &str| seconds(*b.seconds.get(name).unwrap_or(&0.0));
-    let speed = format!("all pairs traced, {:.1} million a second, and cuts selected", b.samples_per_second / 1e6);
-    let memory = format!("{} of memory at most", megabytes(b.peak_memory_bytes));
+    let run = b.run.clone().unwrap_or_default();
+    let phase = |name: &str| seconds(b.seconds(name).unwrap_or(0.0));
+    let speed = format!("all pairs traced, {:.1} million a second, and cuts selected", run.samples_per_second / 1e6);
+    let memory = format!("{} of memory at most", megabytes(run.peak_memory_bytes));
     html! {
         (row("Tessellation", &phase("tessellate"), "edges split where visibility bends between their ends"))
         (row("Pilot", &phase("pilot"), "visibility of a few vertices, to cluster the lights by"))

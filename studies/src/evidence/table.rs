@@ -89,7 +89,7 @@ impl Bake {
 }
 
 fn total_seconds(dataset: &Dataset) -> f64 {
-    dataset.report.seconds.get("total").copied().unwrap_or_default()
+    dataset.report.seconds("total").unwrap_or_default()
 }
 
 /// Times frames and puts the table together.

@@ -4,7 +4,7 @@
 use super::{FrameNames, SequenceFrame, Value};
 use crate::{export::settings, terminal::write_json};
 use anyhow::{Context, Result};
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, input};
 use lapidary_render::{Look, RenderStats};
 use serde::{Deserialize, Serialize};
 use serde_json::Map;
@@ -61,7 +61,7 @@ impl Record {
     /// A file that cannot be read or is no such record.
     pub fn read(path: &Path) -> Result<Self> {
         let begun = || format!("cannot tell what the frames that are there show; use --overwrite ({})", path.display());
-        let text = std::fs::read(path).with_context(begun)?;
+        let text = input::read(path).with_context(begun)?;
         serde_json::from_slice(&text).with_context(begun)
     }
 

@@ -13,6 +13,7 @@ use lapidary_core::{
     atomic::check_writable,
     dataset::Dataset,
     image::{Image, decode},
+    input,
     texture::Texels,
 };
 use lapidary_render::{Post, Progress};
@@ -193,7 +194,7 @@ fn tile(frame: &SequenceFrame, shown: &DisplayPicture) -> Tile {
 
 fn read_png(path: &Path) -> Result<DisplayPicture> {
     let unreadable = || format!("cannot read a frame that was rendered before; remove it ({})", path.display());
-    let texture = decode(&std::fs::read(path).with_context(unreadable)?, path).with_context(unreadable)?;
+    let texture = decode(&input::read(path).with_context(unreadable)?, path).with_context(unreadable)?;
     match texture.texels {
         Texels::U8(pixels) => Ok(DisplayPicture { size: texture.size, pixels }),
         Texels::F32(_) => Ok(DisplayPicture::shown(&Image::read(path)?, &Post::default())),

@@ -4,6 +4,7 @@ use super::super::{
     Image, ImageError,
     read::{EXR_MAGIC, check_size, damaged},
 };
+use crate::input;
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use std::{io::Cursor, path::Path};
@@ -25,8 +26,7 @@ impl Image {
     /// # Errors
     /// A file that cannot be read or has no such layer.
     pub fn read_layer(path: &Path, name: &str) -> Result<Self, ImageError> {
-        let bytes =
-            std::fs::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+        let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
         let none = |has: String| ImageError::NoLayer { path: path.into(), name: name.into(), has };
         if !bytes.starts_with(&EXR_MAGIC) {
             return Err(none("only exr files have layers".into()));

@@ -2,6 +2,7 @@
 //! its offsets and counts, reads it.
 
 use super::super::{repair::RawMesh, textures::find_file};
+use crate::input;
 use base64::Engine;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::{
@@ -140,7 +141,7 @@ pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, String> {
     }
     let name = percent_decoded(uri);
     let file = find_file(folder, &name).ok_or_else(|| format!("the file \"{name}\" is missing beside it"))?;
-    std::fs::read(file).map_err(|e| format!("the file \"{name}\" cannot be read: {e}"))
+    input::read(&file).map_err(|e| format!("the file \"{name}\" cannot be read: {e}"))
 }
 
 /// Replaces `%20` and the like; what is no such code stays.

@@ -10,7 +10,10 @@ use crate::document::{
     relative::{folder_of, resolve},
 };
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light};
+use lapidary_core::{
+    input,
+    lights::{Emission, Light},
+};
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
@@ -63,7 +66,7 @@ pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
     if bytes > MAX_BYTES {
         return Err(SessionError::TooLarge { path: path.into(), bytes, limit: MAX_BYTES });
     }
-    let text = std::fs::read(path).map_err(io_error)?;
+    let text = input::read(path).map_err(io_error)?;
     // Some text editors put a byte order mark first.
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
     let root = serde_json::from_slice(text).map_err(|source| SessionError::Damaged { path: path.into(), source })?;

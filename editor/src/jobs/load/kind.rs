@@ -1,6 +1,6 @@
 //! The kind of a file: by its extension, by its shape for pictures, and by its contents for JSON.
 
-use lapidary_core::{image::dimensions, import::MaterialFile};
+use lapidary_core::{image::dimensions, import::MaterialFile, input};
 use std::path::Path;
 
 /// What a file holds.
@@ -48,7 +48,7 @@ fn kind_of_picture(path: &Path) -> Kind {
 }
 
 fn kind_of_json(path: &Path) -> Kind {
-    let Ok(text) = std::fs::read_to_string(path) else { return Kind::Unknown };
+    let Ok(text) = input::read_text(path) else { return Kind::Unknown };
     if serde_json::from_str::<MaterialFile>(&text).is_ok() {
         return Kind::Material;
     }

@@ -82,7 +82,7 @@ impl Speed {
     }
 
     fn from_report(report: Option<&BakeReport>, cores: usize) -> Self {
-        let measured = report.map(|r| r.samples_per_second).filter(|s| *s > 0.0);
+        let measured = report.and_then(|r| r.run.as_ref()).map(|run| run.samples_per_second).filter(|s| *s > 0.0);
         let has_cuts = |r: &&BakeReport| r.mode.environment() && r.mean_cut > 0.0 && r.sigma > 0.0;
         let cut = report.filter(has_cuts).map(|r| (r.mean_cut, r.lights, r.sigma));
         Self {
@@ -159,9 +159,9 @@ impl Speed {
 
 /// What the last bake has measured, if it had surface samples.
 fn segments_per_second(report: &BakeReport) -> Option<f64> {
-    let secs = report.seconds.get(Phase::SourceVisibility.name())?;
+    let secs = report.seconds(Phase::SourceVisibility.name())?;
     let rays = report.indirect.as_ref()?.rays_traced as f64;
-    (rays > 0.0 && *secs > 0.0).then(|| rays / secs)
+    (rays > 0.0 && secs > 0.0).then(|| rays / secs)
 }
 
 fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
@@ -172,7 +172,7 @@ fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeParts, IndirectReport, MeshlessSettings};
+    use lapidary_core::dataset::{BakeParts, BakeRun, IndirectReport, MeshlessSettings};
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -191,8 +191,8 @@ mod tests {
 
     #[test]
     fn a_report_overrides_the_averages() {
-        let report =
-            BakeReport { samples_per_second: 1e6, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
+        let run = Some(BakeRun { samples_per_second: 1e6, ..Default::default() });
+        let report = BakeReport { run, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
         let settings = BakeSettings { max_vertices: None, ..Preset::Normal.settings() };
         let estimate = speed(Some(&report)).estimate(&settings).unwrap();
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
@@ -215,11 +215,12 @@ mod tests {
         let pairs = 0.5 * 5000.0 * 32_768.0;
         let secs = |report: Option<&BakeReport>| bounce(&speed(report), 32_768, 2.0).secs;
         assert!((secs(None) - pairs / 7.2e6).abs() < 1e-6);
-        let environment = BakeReport { samples_per_second: 90e6, ..Default::default() };
+        let run = BakeRun { samples_per_second: 90e6, ..Default::default() };
+        let environment = BakeReport { run: Some(run.clone()), ..Default::default() };
         assert_eq!(secs(Some(&environment)), secs(None), "those of an environment are other rays");
         let seconds = [(Phase::SourceVisibility.name().to_owned(), 4.0)].into();
         let indirect = Some(IndirectReport { rays_traced: 8_000_000, ..Default::default() });
-        let measured = BakeReport { seconds, indirect, ..environment };
+        let measured = BakeReport { run: Some(BakeRun { seconds, ..run }), indirect, ..environment };
         assert!((secs(Some(&measured)) - pairs / 2e6).abs() < 1e-6);
     }
 

@@ -4,7 +4,7 @@ use super::progress::described;
 use crate::panels::units::{bytes, duration, grouped};
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};
-use lapidary_core::dataset::{BakeReport, BakeSettings, sigma_text};
+use lapidary_core::dataset::{BakeReport, BakeRun, BakeSettings, sigma_text};
 use lapidary_precompute::Phase;
 
 /// Height of the histogram in points.
@@ -39,12 +39,13 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
         rows.extend(environment_rows(report, settings));
     }
     rows.extend(bounce_rows(report, settings));
-    rows.extend([("File", bytes(report.bytes_total)), ("Peak memory", bytes(report.peak_memory_bytes))]);
+    rows.push(("File", bytes(report.bytes_total)));
+    rows.extend(report.run.iter().map(|run| ("Peak memory", bytes(run.peak_memory_bytes))));
     let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let of_phase = |phase: Phase| (phase.name(), described(phase).0.to_lowercase());
     for (key, name) in Phase::ALL.map(of_phase).into_iter().chain([("total", "total".to_owned())]) {
-        if let Some(secs) = report.seconds.get(key).filter(|secs| **secs > 0.0) {
-            rows.push((format!("Time, {name}"), duration(*secs)));
+        if let Some(secs) = report.seconds(key).filter(|secs| *secs > 0.0) {
+            rows.push((format!("Time, {name}"), duration(secs)));
         }
     }
     rows
@@ -55,16 +56,18 @@ fn count(n: usize) -> String {
 }
 
 /// What was baked of distant light.
-fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> [(&'static str, String); 7] {
-    [
+fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'static str, String)> {
+    let mut rows = vec![
         ("Lights", count(report.lights)),
         ("Mean cut", format!("{:.1} nodes", report.mean_cut)),
         ("Largest cut", format!("{} nodes", count(report.max_cut))),
         ("Sigma", sigma_text(report.sigma, settings.criterion.sigma)),
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
-        ("Speed", format!("{:.1} M pairs/s", report.samples_per_second / 1e6)),
-    ]
+    ];
+    let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));
+    rows.extend(report.run.as_ref().map(speed));
+    rows
 }
 
 /// What was baked of bounced light.
@@ -140,7 +143,8 @@ mod tests {
     #[test]
     fn the_table_has_units_and_only_phases_that_ran() {
         let seconds = [("visibility".to_owned(), 12.0), ("total".to_owned(), 14.0)].into();
-        let report = BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, sigma: 3.0, seconds, ..Default::default() };
+        let run = Some(BakeRun { seconds, ..Default::default() });
+        let report = BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, sigma: 3.0, run, ..Default::default() };
         let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
@@ -148,6 +152,12 @@ mod tests {
         assert_eq!(value("Cuts"), Some("9.2 MB"));
         assert_eq!(value("Time, environment visibility"), Some("12 s"));
         assert_eq!(value("Time, building the light tree"), None);
+        let read = self::rows(&BakeReport { run: None, ..report.clone() }, &Preset::Normal.settings());
+        let names: Vec<&str> = read.iter().map(|row| row.0.as_str()).collect();
+        assert!(
+            names.contains(&"Mean cut") && !names.contains(&"Speed") && !names.contains(&"Peak memory"),
+            "{names:?}"
+        );
     }
 
     #[test]
@@ -155,7 +165,8 @@ mod tests {
         let indirect = IndirectReport { sources: 4096, mean_cut: 87.5, relative_error: 0.042, ..Default::default() };
         let seconds = [("source-visibility".to_owned(), 6.0)].into();
         let mode = BakeParts::INDIRECT;
-        let report = BakeReport { mode, indirect: Some(indirect), seconds, ..Default::default() };
+        let run = Some(BakeRun { seconds, ..Default::default() });
+        let report = BakeReport { mode, indirect: Some(indirect), run, ..Default::default() };
         let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!((value("Sources"), value("Mean source cut")), (Some("4,096"), Some("87.5 nodes")));

@@ -1,7 +1,7 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
 use crate::{
-    bake::checkpoint::{Checkpoint, Chunk, Series},
+    bake::checkpoint::{Chunk, Kept},
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     sources::sampler::{SourceSampler, SourceScratch},
@@ -20,6 +20,9 @@ pub trait CutMaker: Sync {
     type Scratch;
 
     fn points(&self) -> &[BakePoint];
+
+    /// Height of the tree that the cuts are over.
+    fn height(&self) -> u32;
 
     fn scratch(&self) -> Self::Scratch;
 
@@ -40,6 +43,10 @@ impl CutMaker for EnvironmentCuts<'_> {
 
     fn points(&self) -> &[BakePoint] {
         self.points
+    }
+
+    fn height(&self) -> u32 {
+        self.height
     }
 
     fn scratch(&self) -> Self::Scratch {
@@ -66,9 +73,13 @@ impl CutMaker for SourceCuts<'_> {
         self.points
     }
 
+    fn height(&self) -> u32 {
+        self.sampler.len().ilog2()
+    }
+
     fn scratch(&self) -> Self::Scratch {
-        let sources = self.sampler.len();
-        (SourceCutSelector::new(sources.ilog2(), self.criterion), SourceScratch::default(), vec![0.0; sources])
+        let selector = SourceCutSelector::new(self.height(), self.criterion);
+        (selector, SourceScratch::default(), vec![0.0; self.sampler.len()])
     }
 
     fn make(&self, point: &BakePoint, (selector, scratch, seen): &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64) {
@@ -79,22 +90,17 @@ impl CutMaker for SourceCuts<'_> {
     }
 }
 
-/// The cuts of all points; chunks in the checkpoint are not made again.
-pub fn bake_chunks<M: CutMaker>(
-    maker: &M,
-    series: Series,
-    checkpoint: &Checkpoint,
-    observer: &dyn Observer,
-) -> Result<Vec<Chunk>, BakeError> {
+/// The cuts of all points; chunks that a checkpoint has kept are not made again.
+pub fn bake_chunks<M: CutMaker>(maker: &M, kept: &Kept, observer: &dyn Observer) -> Result<Vec<Chunk>, BakeError> {
     let count = maker.points().len();
-    let mut chunks = Vec::with_capacity(checkpoint.chunks());
-    for index in 0..checkpoint.chunks() {
-        let range = checkpoint.range(count, index);
-        let chunk = match checkpoint.load(series, index, range.len()) {
+    let mut chunks = Vec::new();
+    for index in 0..kept.chunks() {
+        let range = kept.range(count, index);
+        let chunk = match kept.load(index, range.len(), maker.height()) {
             Some(chunk) => chunk,
             None => {
                 let chunk = bake_chunk(maker, range.clone(), observer)?;
-                checkpoint.store(series, index, &chunk)?;
+                kept.store(index, &chunk)?;
                 chunk
             }
         };

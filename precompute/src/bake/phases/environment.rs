@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     bake::{
-        checkpoint::{Checkpoint, Chunk, Series},
+        checkpoint::{Checkpoint, Chunk, Places, Series},
         clock::Clock,
         settings::ResolvedBake,
     },
@@ -35,8 +35,7 @@ pub fn bake_environment(
         height: tree.height(),
         criterion: settings.criterion,
     };
+    let kept = checkpoint.series(Series::Environment, Places::of_scene());
     let observer = clock.observer;
-    clock.time(Phase::Visibility, points.len() as u64, "points", || {
-        bake_chunks(&maker, Series::Environment, checkpoint, observer)
-    })
+    clock.time(Phase::Visibility, points.len() as u64, "points", || bake_chunks(&maker, &kept, observer))
 }

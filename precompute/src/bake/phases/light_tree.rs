@@ -17,26 +17,22 @@ use lapidary_core::{
 /// Default number of bake points per chunk: a second or two of work to lose.
 const POINTS_PER_CHUNK: usize = 4096;
 
-/// The light tree and the checkpoint: those of an interrupted bake, or new ones.
+/// The light tree and the checkpoint: those of the interrupted bake that is resumed, or new ones.
 pub fn checkpoint_and_tree(
     geometry: &Geometry,
     job: &BakeJob,
     hash: &str,
+    resumed: Option<Checkpoint>,
     clock: &mut Clock,
 ) -> Result<(Checkpoint, LightTree), BakeError> {
     let (settings, points) = (&job.settings, geometry.points.points.len());
-    if job.resume
-        && let Some(checkpoint) = Checkpoint::open(&job.output, hash, settings)?
-    {
+    if let Some(checkpoint) = resumed {
         if checkpoint.points() == points
             && let Ok(tree) = LightTree::from_order(checkpoint.tree_order().to_vec())
         {
             return Ok((checkpoint, tree));
         }
         clock.observer.event(Event::Warning { message: Warning::OtherCheckpoint });
-    }
-    if !job.resume && Checkpoint::folder_of(&job.output).exists() {
-        clock.observer.event(Event::Warning { message: Warning::Discarded });
     }
     let tree = build_tree(geometry, settings, clock)?;
     let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));

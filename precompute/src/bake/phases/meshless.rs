@@ -2,7 +2,7 @@
 
 use crate::{
     bake::{
-        checkpoint::{Checkpoint, Part},
+        checkpoint::{Checkpoint, Places, Series},
         clock::Clock,
     },
     errors::BakeError,
@@ -32,12 +32,13 @@ pub fn bake_meshless(
     if basis.level(0).len() < 2 {
         observer.event(Event::Warning { message: Warning::FewFunctions });
     }
-    if checkpoint.bind(Part::Transport, basis.points(), basis.radii())? {
+    let kept = checkpoint.series(Series::Transport, Places::of(basis.points(), basis.radii()));
+    let (transport, report) = clock.time(Phase::Transport, basis.len() as u64, "functions", || {
+        resumable_operator(surface, &basis, settings, &kept, observer)
+    })?;
+    if kept.has_met_others() {
         observer.event(Event::Warning { message: Warning::OtherBasis });
     }
-    let (transport, report) = clock.time(Phase::Transport, basis.len() as u64, "functions", || {
-        resumable_operator(surface, &basis, settings, checkpoint, observer)
-    })?;
     let report = MeshlessReport { viewpoint: viewpoint.into(), coarse_radius: radius, ..report };
     Ok((MeshlessBake { basis, transport }, report))
 }

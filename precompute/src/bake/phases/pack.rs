@@ -32,7 +32,7 @@ impl Packed {
 
 /// One-node cuts of zero, for a part that is not baked.
 pub fn unbaked(points: usize) -> Vec<Chunk> {
-    vec![Chunk { nodes: vec![0; points], lengths: vec![1; points], ..Chunk::default() }]
+    vec![Chunk { nodes: vec![0; points], lengths: vec![1; points], squared_errors: vec![0.0; points], rays: 0 }]
 }
 
 /// The cut of each point.
@@ -67,7 +67,7 @@ pub fn pack(
         points: cuts.len(),
         nodes: cuts.iter().map(|c| c.len() as u64).sum(),
         max_cut,
-        squared_error: chunks.iter().map(|c| c.squared_error).sum(),
+        squared_error: chunks.iter().flat_map(|c| &c.squared_errors).sum(),
         rays: chunks.iter().map(|c| c.rays).sum(),
         histogram: histogram(&cuts),
     })

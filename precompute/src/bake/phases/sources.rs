@@ -1,7 +1,7 @@
 //! The phases of the surface sources: points, their tree, the bake points' cuts over them, and their cuts over the
 //! environment.
 //!
-//! A resumed bake makes sources and tree again. If they differ, their chunks are discarded.
+//! A resumed bake makes sources and tree again. Chunks about other sources are not used.
 
 use super::{
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     bake::{
-        checkpoint::{Checkpoint, Part, Series},
+        checkpoint::{Checkpoint, Places, Series},
         clock::Clock,
         settings::ResolvedBake,
     },
@@ -44,9 +44,9 @@ impl SourcePhases<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
-        self.bind(&sources, clock)?;
-        let (seen, coarsened) = self.source_cuts(&sources, clock)?;
-        let environment = self.environment_cuts(&sources, clock)?;
+        let places = places_of(&sources);
+        let (seen, coarsened) = self.source_cuts(&sources, places, clock)?;
+        let environment = self.environment_cuts(&sources, places, clock)?;
         let spacings = || sources.iter().map(|source| source.spacing);
         let report = IndirectReport {
             viewpoint: self.viewpoint.into(),
@@ -86,37 +86,36 @@ impl SourcePhases<'_> {
         })
     }
 
-    /// Discards chunks of other sources.
-    fn bind(&self, sources: &[Source], clock: &Clock) -> Result<(), BakeError> {
-        let places: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
-        let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
-        if self.checkpoint.bind(Part::Sources, &places, &sizes)? {
-            clock.observer.event(Event::Warning { message: Warning::OtherSources });
-        }
-        Ok(())
-    }
-
     /// The bake points' cuts over the sources, and the factor by which they were coarsened, see
     /// [`IndirectReport::coarsened`].
-    fn source_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<(Packed, Option<f32>), BakeError> {
+    fn source_cuts(
+        &self,
+        sources: &[Source],
+        places: Places,
+        clock: &mut Clock,
+    ) -> Result<(Packed, Option<f32>), BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
-        let places = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
+        let receivers = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
         let maker = SourceCuts {
-            points: &places,
+            points: &receivers,
             sampler: SourceSampler::new(intersector, sources, self.surface.offset()),
             criterion: self.settings.indirect.criterion,
         };
+        let kept = self.checkpoint.series(Series::Sources, places);
         let observer = clock.observer;
         let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
-            bake_chunks(&maker, Series::Sources, self.checkpoint, observer)
+            bake_chunks(&maker, &kept, observer)
         })?;
+        if kept.has_met_others() {
+            observer.event(Event::Warning { message: Warning::OtherSources });
+        }
         let criterion = self.settings.indirect.criterion;
         let (cuts, coarsened) =
             fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
         Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), CutsOf::Sources)?, coarsened))
     }
 
-    fn environment_cuts(&self, sources: &[Source], clock: &mut Clock) -> Result<Packed, BakeError> {
+    fn environment_cuts(&self, sources: &[Source], places: Places, clock: &mut Clock) -> Result<Packed, BakeError> {
         let chunks = if self.settings.mode.environment() {
             let points: Vec<BakePoint> =
                 sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
@@ -126,13 +125,21 @@ impl SourcePhases<'_> {
                 height: self.tree.height(),
                 criterion: self.settings.criterion,
             };
+            let kept = self.checkpoint.series(Series::SourceEnvironment, places);
             let observer = clock.observer;
             clock.time(Phase::SourceEnvironment, sources.len() as u64, "sources", || {
-                bake_chunks(&maker, Series::SourceEnvironment, self.checkpoint, observer)
+                bake_chunks(&maker, &kept, observer)
             })?
         } else {
             unbaked(sources.len())
         };
         pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, CutsOf::SourceEnvironment)
     }
+}
+
+/// What chunks about these sources belong to.
+fn places_of(sources: &[Source]) -> Places {
+    let surfels: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
+    let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
+    Places::of(&surfels, &sizes)
 }

@@ -1,7 +1,11 @@
 //! Bakes that go on from a checkpoint.
 
 use super::*;
-use crate::meshless::transport::steps::KeepsRows;
+use crate::errors::CheckpointError;
+use crate::{
+    bake::checkpoint::{Places, Series},
+    meshless::transport::steps::KeepsRows,
+};
 use lapidary_core::camera::Camera;
 
 #[test]
@@ -45,9 +49,11 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
     interrupted();
     let checkpoint = Checkpoint::open(&job.output, &whole.scene_hash, &job.settings).unwrap().unwrap();
     let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
-    let mut rows = checkpoint.load_rows(0, coarsest).unwrap();
+    let basis = &whole.meshless.as_ref().unwrap().basis;
+    let kept = checkpoint.series(Series::Transport, Places::of(basis.points(), basis.radii()));
+    let mut rows = kept.load_rows(0, coarsest, basis.senders().len()).unwrap();
     rows[0].clear();
-    checkpoint.store_rows(0, &rows).unwrap();
+    kept.store_rows(0, &rows).unwrap();
     assert_ne!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
 }
 
@@ -82,24 +88,87 @@ fn chunks_about_another_room_are_not_used_when_the_camera_has_moved() {
     assert!(told.contains("surface sources differ") && told.contains("meshless basis differ"), "{told}");
 }
 
+/// A job whose bake was interrupted while it selected cuts.
+fn interrupted(folder: &Path) -> BakeJob {
+    let job = BakeJob { chunks: Some(5), ..job(folder, "a.cuts") };
+    assert!(bake(scene(), &job, &CancelIn::phase(Phase::Visibility)).is_err());
+    job
+}
+
 #[test]
 fn a_checkpoint_of_other_points_is_discarded_aloud() {
     let folder = tempfile::tempdir().unwrap();
-    let job = job(folder.path(), "a.cuts");
+    let job = interrupted(folder.path());
     let resume = BakeJob { resume: true, ..job.clone() };
-    let resumed_after = |change: &dyn Fn(String) -> String| {
-        assert!(bake(scene(), &job, &CancelIn::phase(Phase::Visibility)).is_err());
-        let manifest = Checkpoint::folder_of(&job.output).join("bake.json");
-        std::fs::write(&manifest, change(std::fs::read_to_string(&manifest).unwrap())).unwrap();
-        let told = Told::default();
-        (contents(&bake(scene(), &resume, &told).unwrap()), told.all().join("\n"))
-    };
-    let (whole, silent) = resumed_after(&|json| json);
-    assert_eq!(silent, "");
-    for change in [r#""points":1"#, r#""tree_order":[0,0,"#] {
-        let (name, _) = change.split_once(':').unwrap();
-        let (again, told) = resumed_after(&|json| json.replacen(&format!("{name}:"), change, 1).replacen(",[", ",", 1));
-        assert!(told.contains("is discarded"), "{told}");
-        assert_eq!(again, whole);
+    let told = Told::default();
+    let whole = bake(scene(), &resume, &told).unwrap();
+    assert!(told.all().is_empty(), "negative control: {:?}", told.all());
+    Checkpoint::create(&job.output, &whole.scene_hash, &job.settings, 1, 1, whole.tree.order()).unwrap();
+    let again = bake(scene(), &resume, &told).unwrap();
+    assert!(told.all().join("").contains("is discarded"), "{:?}", told.all());
+    assert_eq!(contents(&again), contents(&whole));
+    assert_eq!(again.report.warnings, whole.report.warnings, "what became of the checkpoint is not in the dataset");
+}
+
+#[test]
+fn a_changed_manifest_is_refused_and_nothing_is_baked_from_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = interrupted(folder.path());
+    let manifest = Checkpoint::folder_of(&job.output).join("bake.json");
+    let whole = std::fs::read_to_string(&manifest).unwrap();
+    let resume = BakeJob { resume: true, ..job };
+    for (key, changed) in [("\"points\":", "\"points\":1"), ("\"chunks\":", "\"chunks\":1"), ("[", "[0")] {
+        let text = whole.replacen(key, changed, 1);
+        assert_ne!(text, whole);
+        std::fs::write(&manifest, text).unwrap();
+        let refused = bake(scene(), &resume, &Silent).unwrap_err();
+        assert!(matches!(refused, BakeError::Checkpoint(CheckpointError::Damaged { .. })), "{refused}");
     }
+    std::fs::write(&manifest, whole).unwrap();
+    assert!(bake(scene(), &resume, &Silent).is_ok(), "negative control");
+}
+
+#[test]
+fn damaged_swapped_and_doubled_chunks_are_baked_again_to_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let bakes = |name: &str| BakeJob { chunks: Some(4), ..indirect_job(folder.path(), name, BakeParts::ALL) };
+    bake(interior(), &bakes("whole.cuts"), &Silent).unwrap();
+    let whole = std::fs::read(folder.path().join("whole.cuts")).unwrap();
+    let job = bakes("a.cuts");
+    let partial = Checkpoint::folder_of(&job.output);
+    let file = |name: &str| partial.join(name);
+    let copy = |from: &str, to: &str| assert!(std::fs::copy(file(from), file(to)).unwrap() > 0);
+    let changes: [&dyn Fn(); 4] = [
+        &|| {
+            let mut bytes = std::fs::read(file("chunk-00001.bin")).unwrap();
+            bytes[120] ^= 4;
+            std::fs::write(file("chunk-00001.bin"), bytes).unwrap();
+        },
+        &|| copy("chunk-00002.bin", "chunk-00001.bin"),
+        &|| {
+            std::fs::rename(file("chunk-00000.bin"), file("chunk-00009.bin")).unwrap();
+            std::fs::rename(file("source-chunk-00000.bin"), file("chunk-00000.bin")).unwrap();
+        },
+        &|| copy("source-chunk-00000.bin", "source-environment-chunk-00000.bin"),
+    ];
+    for (i, change) in changes.into_iter().enumerate() {
+        assert!(matches!(bake(interior(), &job, &CancelIn::phase(Phase::Transport)), Err(BakeError::Cancelled)));
+        change();
+        bake(interior(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
+        assert!(std::fs::read(&job.output).unwrap() == whole, "change {i}");
+        std::fs::remove_file(&job.output).unwrap();
+    }
+}
+
+#[test]
+fn a_second_bake_of_an_output_is_refused_while_the_first_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = job(folder.path(), "a.cuts");
+    let held = OutputLock::acquire(&job.output).unwrap();
+    assert!(matches!(bake(scene(), &job, &Silent), Err(BakeError::Lock(LockError::Held { .. }))));
+    assert!(!Checkpoint::folder_of(&job.output).exists(), "nothing is touched");
+    drop(held);
+    assert!(bake(scene(), &job, &Silent).is_ok(), "negative control");
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left, ["a.cuts"], "neither checkpoint nor lock");
 }

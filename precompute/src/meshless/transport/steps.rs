@@ -5,8 +5,8 @@ use crate::errors::CheckpointError;
 
 /// Keeps the rows of finished steps.
 pub trait KeepsRows {
-    /// The rows of a step, if it was finished with this number of rows.
-    fn load_rows(&self, step: usize, rows: usize) -> Option<Vec<Row>>;
+    /// The rows of a step, if it was finished with this number of rows. They link to `senders` functions.
+    fn load_rows(&self, step: usize, rows: usize, senders: usize) -> Option<Vec<Row>>;
 
     /// Stores them.
     fn store_rows(&self, step: usize, rows: &[Row]) -> Result<(), CheckpointError>;
@@ -16,7 +16,7 @@ pub trait KeepsRows {
 pub struct Forget;
 
 impl KeepsRows for Forget {
-    fn load_rows(&self, _: usize, _: usize) -> Option<Vec<Row>> {
+    fn load_rows(&self, _: usize, _: usize, _: usize) -> Option<Vec<Row>> {
         None
     }
 
@@ -25,14 +25,15 @@ impl KeepsRows for Forget {
     }
 }
 
-/// The rows of a step: those kept, else made and stored.
+/// The rows of a step over `senders` functions: those kept, else made and stored.
 pub fn kept_or_made(
     kept: &dyn KeepsRows,
     step: usize,
     rows: usize,
+    senders: usize,
     make: impl FnOnce() -> Vec<Row>,
 ) -> Result<Vec<Row>, CheckpointError> {
-    if let Some(rows) = kept.load_rows(step, rows) {
+    if let Some(rows) = kept.load_rows(step, rows, senders) {
         return Ok(rows);
     }
     let made = make();

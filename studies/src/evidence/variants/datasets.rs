@@ -3,12 +3,12 @@
 use super::{Variant, VariantBaker};
 use lapidary_core::{
     cut::CutSelector,
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeRun, BakeSettings, Dataset},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
     sphere::fibonacci_directions,
 };
 use lapidary_precompute::{BakeError, Chunk, Observer, Phase, Preset, ResolvedBake, SettingsError, resolve};
-use std::time::Instant;
+use std::{collections::BTreeMap, time::Instant};
 
 impl VariantBaker {
     /// A dataset for each of `variants`, with cuts for `points` and cuts that see nothing for all others. Reports are about
@@ -121,10 +121,10 @@ impl VariantBaker {
             (Phase::Tree, tree_secs),
             (Phase::Visibility, visibility_secs),
         ];
-        let report = &mut dataset.report;
-        report.seconds = phases.map(|(phase, secs)| (phase.name().into(), secs)).into();
-        report.seconds.insert("total".into(), phases.iter().map(|(_, secs)| secs).sum());
-        report.samples_per_second = report.samples_resolved as f64 / visibility_secs.max(1e-9);
+        let mut seconds: BTreeMap<String, f64> = phases.map(|(phase, secs)| (phase.name().into(), secs)).into();
+        seconds.insert("total".into(), phases.iter().map(|(_, secs)| secs).sum());
+        let samples_per_second = dataset.report.samples_resolved as f64 / visibility_secs.max(1e-9);
+        dataset.report.run = Some(BakeRun { seconds, samples_per_second, ..Default::default() });
         Ok(dataset)
     }
 }

@@ -1,0 +1,134 @@
+//! Reading files that a user gave. Only regular files are read, through links as well: a device such as `/dev/zero` has no
+//! end, and a pipe may wait forever.
+
+use crate::memory;
+use std::{
+    fs::{File, FileType, Metadata, metadata},
+    io::{self, Error, ErrorKind, Read},
+    path::Path,
+};
+
+/// The contents of a regular file.
+///
+/// # Errors
+/// What [`open`] says, a file that takes more memory than there is, and errors of the file system.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = open(path)?;
+    let length = file.metadata()?.len();
+    check_room(length, memory::available())?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX))?;
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The contents of a regular file as text.
+///
+/// # Errors
+/// Those of [`read`], and contents that are not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    String::from_utf8(read(path)?).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+}
+
+/// Opens a regular file to read. Anything else is refused before it is opened.
+///
+/// # Errors
+/// A folder, a device, a pipe or a socket, and errors of the file system.
+pub fn open(path: &Path) -> io::Result<File> {
+    check_regular(&metadata(path)?)?;
+    let file = File::open(path)?;
+    // Another program may have put something else in its place.
+    check_regular(&file.metadata()?)?;
+    Ok(file)
+}
+
+fn check_regular(metadata: &Metadata) -> io::Result<()> {
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let kind = if metadata.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::InvalidInput };
+    Err(Error::new(kind, format!("it is {}, and only regular files are read", what_it_is(metadata.file_type()))))
+}
+
+#[cfg(unix)]
+fn what_it_is(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match kind {
+        _ if kind.is_dir() => "a folder",
+        _ if kind.is_fifo() => "a pipe",
+        _ if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn what_it_is(kind: FileType) -> &'static str {
+    if kind.is_dir() { "a folder" } else { "a device" }
+}
+
+fn check_room(length: u64, available: Option<u64>) -> io::Result<()> {
+    let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
+    match available {
+        Some(available) if length > available => Err(Error::new(
+            ErrorKind::OutOfMemory,
+            format!("it has {} MB, but {} MB of memory are free", megabytes(length), megabytes(available)),
+        )),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn refusal(path: &Path) -> String {
+        read(path).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_regular_file_is_read_and_through_a_link_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::fs::write(&path, [1, 2, 255]).unwrap();
+        assert_eq!(read(&path).unwrap(), [1, 2, 255]);
+        assert_eq!(read_text(&path).unwrap_err().kind(), ErrorKind::InvalidData);
+        std::fs::write(&path, "ä").unwrap();
+        assert_eq!(read_text(&path).unwrap(), "ä");
+        assert_eq!(read(&folder.path().join("b")).unwrap_err().kind(), ErrorKind::NotFound);
+        assert!(refusal(folder.path()).contains("a folder"));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn devices_pipes_and_sockets_are_refused_at_once_and_through_links_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::os::unix::fs::symlink("/dev/zero", path("link")).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(path("pipe")).status().unwrap();
+        assert!(made.success());
+        let _socket = std::os::unix::net::UnixListener::bind(path("socket")).unwrap();
+        let cases: [(PathBuf, &str); 5] = [
+            ("/dev/zero".into(), "a device"),
+            ("/dev/null".into(), "a device"),
+            (path("link"), "a device"),
+            (path("pipe"), "a pipe"),
+            (path("socket"), "a socket"),
+        ];
+        for (path, what) in cases {
+            let message = refusal(&path);
+            assert!(message.contains(what), "{}: {message}", path.display());
+        }
+    }
+
+    #[test]
+    fn a_file_larger_than_the_memory_is_refused_with_both_numbers() {
+        let message = check_room(5_000_000, Some(3_999_999)).unwrap_err().to_string();
+        assert!(message.contains("5 MB") && message.contains("4 MB"), "{message}");
+        assert!(check_room(5_000_000, Some(5_000_000)).is_ok() && check_room(u64::MAX, None).is_ok());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sparse");
+        File::create(&path).unwrap().set_len(1 << 42).unwrap();
+        assert_eq!(read(&path).unwrap_err().kind(), ErrorKind::OutOfMemory);
+    }
+}

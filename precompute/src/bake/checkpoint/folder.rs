@@ -1,0 +1,55 @@
+//! The files of a checkpoint's folder, and what is not one of them.
+
+use super::{Series, io_error, manifest};
+use crate::errors::CheckpointError;
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// Whether the folder is there. A symbolic link is none: it may lead anywhere.
+///
+/// # Errors
+/// Something else in its place.
+pub fn is_there(folder: &Path) -> Result<bool, CheckpointError> {
+    match fs::symlink_metadata(folder) {
+        Ok(found) if found.is_dir() => Ok(true),
+        Ok(_) => Err(CheckpointError::Foreign { path: folder.into() }),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(io_error("read", folder, e)),
+    }
+}
+
+/// The files in a checkpoint's folder.
+///
+/// # Errors
+/// The first thing that no bake has put there.
+pub fn contents(folder: &Path) -> Result<Vec<PathBuf>, CheckpointError> {
+    let failed = |e| io_error("read", folder, e);
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let is_file = entry.file_type().map_err(failed)?.is_file();
+        if !(is_file && is_name_of_ours(&entry.file_name().to_string_lossy())) {
+            return Err(CheckpointError::Foreign { path: entry.path() });
+        }
+        files.push(entry.path());
+    }
+    Ok(files)
+}
+
+/// Removes the files of a checkpoint, if there is nothing else among them.
+pub fn remove_contents(folder: &Path) -> Result<(), CheckpointError> {
+    contents(folder)?.iter().try_for_each(|file| fs::remove_file(file).map_err(|e| io_error("remove", file, e)))
+}
+
+fn is_name_of_ours(name: &str) -> bool {
+    let is_chunk = |series: Series| {
+        let number = name.strip_prefix(series.prefix()).and_then(|rest| rest.strip_suffix(".bin"));
+        number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    // What a killed bake was about to write, and what earlier versions wrote.
+    let is_temporary = name.starts_with(".lapidary-") && name.ends_with(".tmp");
+    let is_earlier = ["places-sources.txt", "places-transport.txt"].contains(&name);
+    name == manifest::FILE || is_temporary || is_earlier || Series::ALL.into_iter().any(is_chunk)
+}

@@ -1,0 +1,159 @@
+//! `bake.json`: the bake that a checkpoint belongs to.
+
+use lapidary_core::dataset::BakeSettings;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Name of its file.
+pub const FILE: &str = "bake.json";
+
+/// Changes whenever the same settings would give different chunks, or chunks are stored otherwise.
+const VERSION: u32 = 13;
+
+/// The bake that a checkpoint belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    version: u32,
+    scene_hash: String,
+    settings: BakeSettings,
+    /// Number of bake points.
+    pub points: usize,
+    /// Number of chunks, at least 1 and at most one per point.
+    pub chunks: usize,
+    /// Order of the light tree.
+    pub tree_order: Vec<u32>,
+}
+
+/// The manifest as it is written.
+#[derive(Serialize, Deserialize)]
+struct Sealed {
+    /// BLAKE3 of the manifest's JSON, hexadecimal.
+    checksum: String,
+    manifest: Manifest,
+}
+
+/// Why a manifest is of no use.
+#[derive(Debug, Error)]
+pub enum ManifestError {
+    /// No JSON, or that of another version.
+    #[error("bake.json cannot be read ({0})")]
+    Json(#[from] serde_json::Error),
+    /// It is not what was written.
+    #[error("bake.json does not match its checksum")]
+    Checksum,
+    /// The number of chunks.
+    #[error("bake.json has {chunks} chunks for {points} points")]
+    Chunks {
+        /// Number of chunks.
+        chunks: usize,
+        /// Number of bake points.
+        points: usize,
+    },
+    /// The order of the light tree.
+    #[error("bake.json has an order of the light tree that is no permutation of {lights} lights")]
+    TreeOrder {
+        /// Number of lights.
+        lights: usize,
+    },
+}
+
+impl Manifest {
+    /// That of a bake. The number of chunks is brought into its range.
+    pub fn new(scene_hash: &str, settings: &BakeSettings, points: usize, chunks: usize, tree_order: &[u32]) -> Self {
+        Self {
+            version: VERSION,
+            scene_hash: scene_hash.into(),
+            settings: settings.clone(),
+            points,
+            chunks: chunks.clamp(1, points.max(1)),
+            tree_order: tree_order.to_vec(),
+        }
+    }
+
+    /// Whether it is of a bake of this scene with these settings.
+    pub fn is_of(&self, scene_hash: &str, settings: &BakeSettings) -> bool {
+        self.version == VERSION && self.scene_hash == scene_hash && self.settings == *settings
+    }
+
+    /// BLAKE3 of its JSON. Equal bakes have equal ones.
+    pub fn fingerprint(&self) -> [u8; 32] {
+        blake3::hash(&serde_json::to_vec(self).unwrap_or_default()).into()
+    }
+
+    /// Its file.
+    pub fn sealed(&self) -> Vec<u8> {
+        let sealed = Sealed { checksum: self.checksum(), manifest: self.clone() };
+        serde_json::to_vec(&sealed).unwrap_or_default()
+    }
+
+    /// The manifest of a file, checked.
+    ///
+    /// # Errors
+    /// A file that is damaged or contradicts itself.
+    pub fn unsealed(bytes: &[u8]) -> Result<Self, ManifestError> {
+        let Sealed { checksum, manifest } = serde_json::from_slice(bytes)?;
+        if manifest.checksum() != checksum {
+            return Err(ManifestError::Checksum);
+        }
+        manifest.check()?;
+        Ok(manifest)
+    }
+
+    fn checksum(&self) -> String {
+        blake3::Hash::from(self.fingerprint()).to_hex().to_string()
+    }
+
+    fn check(&self) -> Result<(), ManifestError> {
+        let Self { points, chunks, .. } = *self;
+        if !(1..=points.max(1)).contains(&chunks) {
+            return Err(ManifestError::Chunks { chunks, points });
+        }
+        let lights = self.settings.lights;
+        let mut seen = vec![false; self.tree_order.len()];
+        let mut is_new = |&light: &u32| seen.get_mut(light as usize).is_some_and(|s| !std::mem::replace(s, true));
+        if self.tree_order.len() != lights || !self.tree_order.iter().all(&mut is_new) {
+            return Err(ManifestError::TreeOrder { lights });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manifest() -> Manifest {
+        let settings = BakeSettings { lights: 4, beta: 0.1, ..Default::default() };
+        Manifest::new("hash", &settings, 10, 3, &[2, 0, 3, 1])
+    }
+
+    #[test]
+    fn it_is_read_as_it_was_written_and_no_changed_digit_is_accepted() {
+        let whole = manifest().sealed();
+        assert_eq!(Manifest::unsealed(&whole).unwrap(), manifest());
+        for at in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 1;
+            // Spaces between tokens are no contents.
+            assert!(Manifest::unsealed(&damaged).map_or(true, |read| read == manifest()), "byte {at}");
+            assert!(Manifest::unsealed(&whole[..at]).is_err(), "cut to {at}");
+        }
+    }
+
+    #[test]
+    fn contents_that_contradict_each_other_are_refused_whatever_their_checksum_says() {
+        let refused = |change: &dyn Fn(&mut Manifest)| {
+            let mut changed = manifest();
+            change(&mut changed);
+            Manifest::unsealed(&changed.sealed()).unwrap_err().to_string()
+        };
+        for chunks in [0, 11, 1 << 32, 1 << 63, usize::MAX] {
+            assert!(refused(&|m| m.chunks = chunks).contains("chunks for 10 points"));
+        }
+        for order in [vec![2, 0, 3, 3], vec![2, 0, 3, 4], vec![1, 0], vec![]] {
+            assert!(refused(&|m| m.tree_order.clone_from(&order)).contains("no permutation of 4"));
+        }
+        assert!(Manifest::unsealed(&manifest().sealed()).is_ok(), "negative control");
+    }
+}
