@@ -1,6 +1,6 @@
 //! A pinhole camera and its rays.
 
-use crate::scene::is_place;
+use crate::scene::is_within_reach;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -36,11 +36,12 @@ impl Camera {
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
     }
 
-    /// Whether it can take a picture: finite places within [`crate::scene::MOST_COORDINATE`], a finite direction upward, and
-    /// a field of view between 0 and 180 degrees.
+    /// Whether its places are within reach, its upward direction is finite, and its field of view is between 0 and 180
+    /// degrees.
     pub fn is_valid(&self) -> bool {
         let [narrowest, widest] = FIELD_OF_VIEW;
-        is_place(self.eye) && is_place(self.target) && is_place(self.up) && (narrowest..=widest).contains(&self.fov_y)
+        let lens = (narrowest..=widest).contains(&self.fov_y);
+        is_within_reach(self.eye) && is_within_reach(self.target) && is_within_reach(self.up) && lens
     }
 
     /// Columns are the right, up and backward axes of the camera in world space.

@@ -29,7 +29,8 @@
 //! `dataset/meshless.rs` with `--mode meshless` or `all`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
-//! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
+//! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
+//! before they are written and before they are used.
 
 mod error;
 mod header;

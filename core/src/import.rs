@@ -9,8 +9,8 @@ use crate::{
     image::ImageError,
     input,
     lights::Light,
-    material::{Material, MaterialProblem},
-    scene::{MeshError, Object, Scene, is_place},
+    material::Material,
+    scene::{MeshError, Object, Scene},
     texture::Texture,
 };
 use glam::Vec3;
@@ -69,16 +69,6 @@ pub enum ImportError {
         path: PathBuf,
         /// What is wrong with the mesh.
         source: MeshError,
-    },
-    /// A material with numbers that nothing can be computed with.
-    #[error("the material \"{material}\" is invalid: {source} ({})", path.display())]
-    Material {
-        /// Which file.
-        path: PathBuf,
-        /// Name of the material.
-        material: String,
-        /// What is wrong with it.
-        source: MaterialProblem,
     },
     /// The scene would not fit in memory.
     #[error("the scene has {count} {what}, more than the limit of {limit}; reduce it or split it up ({})", path.display())]
@@ -172,7 +162,6 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mut report = ImportReport { warnings: source.warnings, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
-    source.materials.iter().try_for_each(|material| check_material(material, path))?;
     let mut scene = Scene {
         mesh,
         materials: source.materials,
@@ -185,11 +174,6 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     Ok(Imported { scene, report })
 }
 
-fn check_material(material: &Material, path: &Path) -> Result<(), ImportError> {
-    let problem = |source| ImportError::Material { path: path.into(), material: material.name.clone(), source };
-    material.validate().map_err(problem)
-}
-
 /// Moves the targets of cameras and lights along their axes to the depth of the scene's centre, so that orbiting turns
 /// about it and handles lie in the scene.
 fn aim_at_the_center(scene: &mut Scene) {
@@ -197,8 +181,7 @@ fn aim_at_the_center(scene: &mut Scene) {
     let aimed = |from: Vec3, target: Vec3| {
         let forward = (target - from).normalize_or(Vec3::NEG_Z);
         let depth = (bounds.center() - from).dot(forward);
-        let aimed = from + forward * if depth > 0.0 { depth } else { bounds.diagonal() };
-        if is_place(aimed) { aimed } else { target }
+        from + forward * if depth > 0.0 { depth } else { bounds.diagonal() }
     };
     for camera in &mut scene.cameras {
         camera.target = aimed(camera.eye, camera.target);

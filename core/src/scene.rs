@@ -12,18 +12,20 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Farthest that anything may be from the origin along an axis, in metres: with coordinates up to this, squares of squared
-/// distances are numbers that 32 bits hold.
+/// The farthest from the origin, in metres along an axis, that anything of a scene may be. The fourth power of a distance
+/// has to stay far below the largest `f32`.
 pub const MOST_COORDINATE: f32 = 1e9;
-/// Smallest diagonal of a scene in metres: in a smaller one, areas of areas would be lost.
-pub const LEAST_DIAGONAL: f32 = 1e-6;
-/// How much the length of a stored unit vector may differ from 1.
-const UNIT_TOLERANCE: f32 = 0.1;
 
-/// Whether a position is finite and at most [`MOST_COORDINATE`] from the origin along each axis.
-pub fn is_place(position: Vec3) -> bool {
-    position.to_array().iter().all(|x| x.abs() <= MOST_COORDINATE)
+/// The least diagonal of a scene in metres. The fourth power of a distance has to stay above the smallest `f32`.
+pub const LEAST_DIAGONAL: f32 = 1e-6;
+
+/// Whether a place is finite and no farther than [`MOST_COORDINATE`] along any axis.
+pub fn is_within_reach(place: Vec3) -> bool {
+    place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
 }
+
+/// How much the length of a stored direction may differ from 1.
+const UNIT_TOLERANCE: f32 = 0.1;
 
 /// Whether a direction is about of length 1.
 pub fn is_unit(direction: Vec3) -> bool {
@@ -39,7 +41,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Unit tangents along +u (xyz) and the handedness of the frame (w = ±1): `bitangent = w · n × t`.
     pub tangents: Vec<Vec4>,
-    /// Texture coordinates; (0, 0) is the *top left* corner of an image, as in glTF.
+    /// Texture coordinates, at most [`MOST_COORDINATE`]; (0, 0) is the *top left* corner of an image, as in glTF.
     pub uvs: Vec<Vec2>,
     /// Vertex indices, counter-clockwise seen from the outside.
     pub triangles: Vec<[u32; 3]>,
@@ -152,22 +154,15 @@ pub enum MeshError {
         /// Which element.
         index: usize,
     },
-    /// A vertex too far from the origin.
-    #[error(
-        "vertex {index} has the coordinate {coordinate} m, farther from the origin than the limit of {MOST_COORDINATE} m; \
-         scale the scene down or move it to the origin"
-    )]
+    /// A coordinate is beyond [`MOST_COORDINATE`].
+    #[error("{array} {index} is {value:e}, beyond the limit of {MOST_COORDINATE:e}; scale the scene down")]
     TooFar {
-        /// Which vertex.
+        /// Name of the array.
+        array: &'static str,
+        /// Which element.
         index: usize,
-        /// Its largest coordinate in metres.
-        coordinate: f32,
-    },
-    /// Too small to compute with.
-    #[error("the mesh is {diagonal} m large, less than the limit of {LEAST_DIAGONAL} m; scale the scene up")]
-    TooSmall {
-        /// Diagonal of its bounds in metres.
-        diagonal: f32,
+        /// The largest of its numbers.
+        value: f32,
     },
     /// A normal or tangent that is no direction.
     #[error("{array} {index} is not of length 1; recalculate it in the program that wrote the mesh")]
@@ -177,12 +172,37 @@ pub enum MeshError {
         /// Which element.
         index: usize,
     },
-    /// Texture coordinates that are too large.
-    #[error("texture coordinate {index} is larger than the limit of {MOST_COORDINATE}; unwrap the mesh again")]
-    TextureCoordinate {
-        /// Which vertex.
-        index: usize,
+    /// Everything is in one place, or nearly.
+    #[error("the scene is {diagonal:e} m across, below the limit of {LEAST_DIAGONAL:e} m; scale the scene up")]
+    TooSmall {
+        /// Diagonal of its bounds in metres.
+        diagonal: f32,
     },
+}
+
+/// Checks that places are finite and within reach, and that they are not all in one.
+///
+/// # Errors
+/// [`MeshError::NotFinite`], [`MeshError::TooFar`] or [`MeshError::TooSmall`].
+pub fn check_extent(positions: impl Iterator<Item = Vec3> + Clone) -> Result<(), MeshError> {
+    check_numbers("position", positions.clone().map(|p| size(p.as_ref())))?;
+    let diagonal = Bounds::around(positions).diagonal();
+    if diagonal >= LEAST_DIAGONAL { Ok(()) } else { Err(MeshError::TooSmall { diagonal }) }
+}
+
+/// The largest of some numbers without their signs; NaN if one of them is.
+fn size(numbers: &[f32]) -> f32 {
+    numbers.iter().map(|x| x.abs()).fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
+}
+
+/// Checks that numbers are finite and within reach.
+fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Result<(), MeshError> {
+    let wrong = |(_, value): &(usize, f32)| !(*value <= MOST_COORDINATE);
+    match sizes.enumerate().find(wrong) {
+        None => Ok(()),
+        Some((index, value)) if value.is_finite() => Err(MeshError::TooFar { array, index, value }),
+        Some((index, _)) => Err(MeshError::NotFinite { array, index }),
+    }
 }
 
 impl Mesh {
@@ -213,8 +233,7 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1. There are `materials` and
-    /// `objects` entries to refer to.
+    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1, against `materials` and `objects` entries to refer to.
     ///
     /// # Errors
     /// The first [`MeshError`] found.
@@ -224,9 +243,8 @@ impl Mesh {
         }
         self.validate_lengths()?;
         self.validate_indices(materials, objects)?;
-        self.validate_finite()?;
-        self.validate_extent()?;
-        self.validate_attributes()
+        self.validate_numbers()?;
+        self.validate_directions()
     }
 
     fn validate_lengths(&self) -> Result<(), MeshError> {
@@ -259,38 +277,24 @@ impl Mesh {
         Ok(())
     }
 
-    fn validate_finite(&self) -> Result<(), MeshError> {
+    fn validate_numbers(&self) -> Result<(), MeshError> {
         fn check(array: &'static str, mut finite: impl Iterator<Item = bool>) -> Result<(), MeshError> {
             finite.position(|f| !f).map_or(Ok(()), |index| Err(MeshError::NotFinite { array, index }))
         }
-        check("position", self.positions.iter().map(|p| p.is_finite()))?;
+        check_extent(self.positions.iter().copied())?;
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
-        check("texture coordinate", self.uvs.iter().map(|t| t.is_finite()))
-    }
-
-    fn validate_extent(&self) -> Result<(), MeshError> {
-        if let Some(index) = self.positions.iter().position(|&p| !is_place(p)) {
-            let largest = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
-            let coordinate = self.positions[index].to_array().into_iter().fold(0.0, largest);
-            return Err(MeshError::TooFar { index, coordinate });
-        }
-        let diagonal = self.bounds().diagonal();
-        if diagonal >= LEAST_DIAGONAL { Ok(()) } else { Err(MeshError::TooSmall { diagonal }) }
+        check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))
     }
 
     /// Tangents may be zero where there is no direction of u.
-    fn validate_attributes(&self) -> Result<(), MeshError> {
-        if let Some(index) = self.normals.iter().position(|&n| !is_unit(n)) {
-            return Err(MeshError::NotUnit { array: "normal", index });
+    fn validate_directions(&self) -> Result<(), MeshError> {
+        fn check(array: &'static str, mut unit: impl Iterator<Item = bool>) -> Result<(), MeshError> {
+            unit.position(|u| !u).map_or(Ok(()), |index| Err(MeshError::NotUnit { array, index }))
         }
-        let is_tangent = |t: &Vec4| t.w.abs() <= 1.0 + UNIT_TOLERANCE && t.truncate().length() <= 1.0 + UNIT_TOLERANCE;
-        if let Some(index) = self.tangents.iter().position(|t| !is_tangent(t)) {
-            return Err(MeshError::NotUnit { array: "tangent", index });
-        }
-        match self.uvs.iter().position(|uv| uv.abs().max_element() > MOST_COORDINATE) {
-            Some(index) => Err(MeshError::TextureCoordinate { index }),
-            None => Ok(()),
-        }
+        let longest = 1.0 + UNIT_TOLERANCE;
+        let is_tangent = |t: &Vec4| t.w.abs() <= longest && t.truncate().length() <= longest;
+        check("normal", self.normals.iter().map(|&n| is_unit(n)))?;
+        check("tangent", self.tangents.iter().map(is_tangent))
     }
 }

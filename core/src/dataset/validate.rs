@@ -12,7 +12,7 @@ use crate::{
     light_tree::{height_of, is_permutation},
     lights::MAX_LIGHTS,
     meshless::{MeshlessBake, TransportError},
-    scene::{Scene, is_place, is_unit},
+    scene::{Scene, is_unit, is_within_reach},
     shot::Shot,
     sources::{IndirectBake, Source},
     surfel::Surfel,
@@ -65,7 +65,7 @@ impl Dataset {
             ("sigma of the sources", is_size(sources.sigma)),
             ("contrast of the sources", is_size(sources.contrast)),
             ("largest solid angle", is_size(sources.max_solid_angle)),
-            ("viewpoint", settings.indirect.viewpoint.is_none_or(is_place)),
+            ("viewpoint", settings.indirect.viewpoint.is_none_or(is_within_reach)),
             ("coarse radius", meshless.coarse_radius.is_none_or(is_size)),
             ("rays", (1..=MOST_RAYS).contains(&meshless.rays)),
             ("epsilon", is_size(meshless.epsilon)),
@@ -152,7 +152,7 @@ fn check_meshless(bake: &MeshlessBake, triangles: usize) -> Result<(), Damage> {
 
 fn check_surfel(surfel: &Surfel, count: usize) -> Result<(), SurfelDamage> {
     let triangle = surfel.place.triangle;
-    if !is_place(surfel.position) {
+    if !is_within_reach(surfel.position) {
         Err(SurfelDamage::Position)
     } else if !is_unit(surfel.normal) {
         Err(SurfelDamage::Normal)

@@ -1,6 +1,6 @@
 //! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it.
 
-use super::{ImportError, check_material, read_file, textures::find_file};
+use super::{ImportError, read_file, textures::find_file};
 use crate::{
     image::{ImageError, decode},
     input,
@@ -80,15 +80,13 @@ pub fn load_material(path: &Path, scene: &mut Scene) -> Result<Material, ImportE
     let load = |kind: MapKind, slot: &SlotFile| load_slot(slot, kind.color_space(), path, scene);
     let maps = file.maps.try_map(load).inspect_err(|_| scene.textures.truncate(before))?;
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let material = Material {
+    Ok(Material {
         name: if file.name.is_empty() { stem() } else { file.name },
         model: file.model,
         parameters: file.parameters.sanitized(),
         maps,
         double_sided: file.double_sided,
-    };
-    check_material(&material, path).inspect_err(|_| scene.textures.truncate(before))?;
-    Ok(material)
+    })
 }
 
 fn load_slot(

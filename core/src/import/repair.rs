@@ -7,7 +7,7 @@
 //! the fans whose mean normals are similar took that to 5.9 % only, and rounded off chamfers elsewhere.)
 
 use super::{ImportReport, tangents};
-use crate::scene::{MOST_COORDINATE, Mesh, MeshError};
+use crate::scene::{Mesh, MeshError};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
@@ -143,7 +143,7 @@ fn mark_invalid_attributes(raw: &mut RawMesh) {
             *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
         }
     }
-    for uv in raw.uvs.iter_mut().filter(|uv| !(uv.is_finite() && uv.abs().max_element() <= MOST_COORDINATE)) {
+    for uv in raw.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
         *uv = RawMesh::NO_UV;
     }
     for tangent in &mut raw.tangents {

@@ -1,7 +1,7 @@
 //! Checks of the values of lights.
 
 use super::{Emission, Light};
-use crate::scene::{MOST_COORDINATE, is_place};
+use crate::scene::{MOST_COORDINATE, is_within_reach};
 use glam::Vec3;
 use thiserror::Error;
 
@@ -88,7 +88,7 @@ impl Light {
         if let Some((what, _)) = vectors.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(LightProblem::NotFinite { what });
         }
-        match vectors[..2].iter().find(|(_, place)| !is_place(*place)) {
+        match vectors[..2].iter().find(|(_, place)| !is_within_reach(*place)) {
             Some(&(what, place)) => Err(LightProblem::TooFar { what, place }),
             None => Ok(()),
         }

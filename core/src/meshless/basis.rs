@@ -5,7 +5,7 @@ use super::{
     tree::LevelTree,
 };
 use crate::{
-    scene::{is_place, is_unit},
+    scene::{is_unit, is_within_reach},
     surfel::Surfel,
 };
 use glam::Vec3;
@@ -113,7 +113,7 @@ impl Basis {
         if !(1..=radii.len()).contains(&sender_levels) {
             return Err(BasisError::SenderLevels { sender_levels, levels: radii.len() });
         }
-        let usable = |p: &Surfel| is_place(p.position) && is_unit(p.normal);
+        let usable = |p: &Surfel| is_within_reach(p.position) && is_unit(p.normal);
         if let Some(point) = points.iter().position(|p| !usable(p)) {
             return Err(BasisError::Point { point });
         }
