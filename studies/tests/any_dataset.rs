@@ -62,9 +62,9 @@ fn flaw(dataset: &Dataset, lights: &[Light], light: Illumination, solution: Solu
         illum_cut: 16,
         ..Look::under_environment(&dataset.scene, view, light)
     };
-    let mut scene = LitScene::new(Box::new(CpuBackend::new()), dataset.clone().into()).unwrap();
-    let picture = scene.show_whole(&look).unwrap();
-    let shown = scene.display(&look.post).unwrap();
+    let mut scene = LitScene::new(Box::new(CpuBackend::new()), dataset.clone().into()).expect("a CPU");
+    let picture = scene.show_whole(&look).expect("a picture");
+    let shown = scene.display(&look.post).expect("a picture");
     assert_eq!(shown.len(), 48);
     let wrong = picture.image.pixels.iter().position(|pixel| !(pixel.is_finite() && pixel.min_element() >= 0.0))?;
     Some(format!("pixel {wrong} is {} with {solution:?}", picture.image.pixels[wrong]))
@@ -82,7 +82,7 @@ fn use_all_of(dataset: &Dataset, light: &Illumination) -> Result<(), TestCaseErr
 }
 
 fn even_light(radiance: f32, intensity: f32) -> Illumination {
-    let (environment, _) = Environment::from_spec(&format!("constant:{radiance}")).unwrap();
+    let (environment, _) = Environment::from_spec(&format!("constant:{radiance}")).expect("radiance in its range");
     Illumination { environment: environment.into(), rotation: 0.0, intensity }
 }
 
@@ -90,10 +90,10 @@ fn even_light(radiance: f32, intensity: f32) -> Illumination {
 fn good_file() -> &'static [u8] {
     static FILE: OnceLock<Vec<u8>> = OnceLock::new();
     FILE.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let job = BakeJob::new(resolve(small_settings()).unwrap(), folder.path().join("a.cuts"));
-        bake(small_scene(), &job, &Silent).unwrap();
-        fs::read(&job.output).unwrap()
+        let folder = tempfile::tempdir().expect("a folder");
+        let job = BakeJob::new(resolve(small_settings()).expect("good settings"), folder.path().join("a.cuts"));
+        bake(small_scene(), &job, &Silent).expect("a good scene");
+        fs::read(&job.output).expect("a written file")
     })
 }
 
@@ -217,12 +217,12 @@ proptest! {
 
     #[test]
     fn what_is_read_of_a_disturbed_file_can_be_used(seed: u64) {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.cuts");
         let mut parts = FileParts::of(good_file());
         parts.disturb(&mut Rng::with_seed(seed));
         parts.sum();
-        fs::write(&path, parts.to_bytes()).unwrap();
+        fs::write(&path, parts.to_bytes()).expect("a writable folder");
         read_and_use(&path)?;
     }
 }
@@ -233,7 +233,7 @@ proptest! {
     #[test]
     fn a_bake_that_ends_well_can_be_used(seed: u64) {
         let random = &mut Rng::with_seed(seed);
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a folder");
         let scene = extreme_scene(random);
         let settings = extreme_settings(&scene, random);
         let Ok(settings) = resolve(settings) else { return Ok(()) };
@@ -241,9 +241,8 @@ proptest! {
         match bake(scene, &job, &Silent) {
             Err(error) => prop_assert!(!error.to_string().contains("null"), "{error}"),
             Ok(_) => {
-                let dataset = Dataset::read(&job.output);
-                prop_assert!(dataset.is_ok(), "{}", dataset.unwrap_err());
-                use_all_of(&dataset.unwrap(), &even_light(environment::MOST_RADIANCE, up_to(1e6, random)))?;
+                let dataset = Dataset::read(&job.output).map_err(|error| TestCaseError::fail(error.to_string()))?;
+                use_all_of(&dataset, &even_light(environment::MOST_RADIANCE, up_to(1e6, random)))?;
             }
         }
     }

@@ -124,7 +124,7 @@ fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 16] {
     let (sources, meshless) = (&settings.indirect.criterion, &settings.meshless);
     let optional = |value: Option<f64>, low| value.unwrap_or(low);
     let viewpoint = settings.indirect.viewpoint.unwrap_or_default().to_array().map(f64::from);
-    let farthest = viewpoint.into_iter().fold(0.0, |a: f64, b| if b.abs() <= a.abs() { a } else { b });
+    let farthest = viewpoint.into_iter().fold(0.0, |a: f64, b| if a.is_nan() || b.abs() <= a.abs() { a } else { b });
     [
         (Setting::Viewpoint, farthest, -f64::from(MOST_COORDINATE), f64::from(MOST_COORDINATE)),
         (Setting::Beta, f64::from(settings.beta), 0.0, 1.0),
