@@ -10,4 +10,5 @@ mod explain;
 mod export;
 mod gpu;
 mod mitsuba;
+mod outputs;
 mod pictures;

@@ -210,7 +210,7 @@ pub fn texel_solid_angle(row: u32, size: [u32; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::atomic::write_atomically;
+    use crate::output::write_atomically;
 
     fn written(image: &Image, name: &str) -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
 //! A floating-point RGB picture and its files.
 
-use crate::atomic::write_atomically;
+use crate::output::write_atomically;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

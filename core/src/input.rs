@@ -51,7 +51,7 @@ fn check_regular(metadata: &Metadata) -> io::Result<()> {
 }
 
 #[cfg(unix)]
-fn what_it_is(kind: FileType) -> &'static str {
+pub(crate) fn what_it_is(kind: FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
     match kind {
         _ if kind.is_dir() => "a folder",
@@ -62,7 +62,7 @@ fn what_it_is(kind: FileType) -> &'static str {
 }
 
 #[cfg(not(unix))]
-fn what_it_is(kind: FileType) -> &'static str {
+pub(crate) fn what_it_is(kind: FileType) -> &'static str {
     if kind.is_dir() { "a folder" } else { "a device" }
 }
 

@@ -34,10 +34,10 @@
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`atomic`] (files that are
-//! replaced whole), [`lock`] (one writer at a time), [`input`] (reading of files that a user gave), [`memory`] (what is free).
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`input`] (reading of files that a
+//! user gave), [`output`] (what may be written, and files that are replaced whole), [`lock`] (one writer at a time), [`memory`]
+//! (what is free).
 
-pub mod atomic;
 pub mod bounds;
 pub mod brdf;
 pub mod camera;
@@ -54,6 +54,7 @@ pub mod lock;
 pub mod material;
 pub mod memory;
 pub mod meshless;
+pub mod output;
 pub mod ray;
 pub mod scene;
 pub mod shot;

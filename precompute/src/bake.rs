@@ -36,6 +36,7 @@ use crate::{
 use lapidary_core::{
     dataset::{BakeReport, Dataset, scene_hash},
     lock::OutputLock,
+    output::check_output,
     scene::Scene,
 };
 use std::time::Instant;
@@ -43,8 +44,10 @@ use std::time::Instant;
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
-/// See [`BakeError`]. An existing output is kept unless the bake succeeds. One bake at a time writes an output.
+/// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once. One bake at
+/// a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    check_output(&job.output, &[])?;
     let settings = &job.settings;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;

@@ -6,6 +6,6 @@ mod points;
 mod settings;
 
 pub use bake::{BakeError, CutsOf, cancelled};
-pub use checkpoint::CheckpointError;
+pub use checkpoint::{CheckpointError, ManifestError};
 pub use points::{LEAST_COARSE_RADIUS, PointsError};
 pub use settings::SettingsError;

@@ -32,7 +32,7 @@ pub use bake::{
     checkpoint::{Chunk, Leftover, leftover},
     settings::{Preset, ResolvedBake, resolve, with_room},
 };
-pub use errors::{BakeError, CheckpointError, CutsOf, PointsError, SettingsError};
+pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError};
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};

@@ -17,6 +17,7 @@ pub mod verify;
 use crate::{
     demo::{self, DemoArgs},
     evidence::{self, EvidenceArgs},
+    outputs::CommandFiles,
     terminal::{Console, Outcome},
 };
 use anyhow::Result;
@@ -179,11 +180,36 @@ Examples:
 }
 
 impl Command {
-    /// Does it.
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// Names of outputs that cannot be.
+    pub fn files(&self) -> Result<CommandFiles> {
+        Ok(match self {
+            Self::Demo(args) => args.files(),
+            Self::Bake(args) => args.files(),
+            Self::Info(args) => args.files(),
+            Self::Verify(args) => args.files(),
+            Self::Render(args) => args.files()?,
+            Self::Sequence(args) => args.files()?,
+            Self::Bench(args) => args.files(),
+            Self::Reference(args) => args.files()?,
+            Self::Bounces(args) => args.files(),
+            Self::Ladder(args) => args.files(),
+            Self::Evidence(args) => args.files(),
+            Self::Explain(args) => args.files(),
+            Self::Predict(args) => args.files()?,
+            Self::Compare(args) => args.files()?,
+            Self::Export(args) => args.files(),
+        })
+    }
+
+    /// Checks what it is to write, and does it.
     ///
     /// # Errors
     /// Whatever went wrong, in words for the user.
     pub fn run(&self, console: Console) -> Result<Outcome> {
+        self.files()?.check()?;
         match self {
             Self::Demo(args) => demo::run(args, console),
             Self::Bake(args) => bake::run(args, console),

@@ -9,12 +9,12 @@ mod report;
 
 use crate::{
     bundled::DataFolder,
-    export::create_folder,
+    outputs::{CommandFiles, create_folder},
     terminal::{Console, Outcome, Steps, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
-use lapidary_core::atomic::write_atomically;
+use lapidary_core::output::write_atomically;
 use lapidary_precompute::verify;
 use pictures::{Picture, StillLife};
 use report::Report;
@@ -33,6 +33,14 @@ pub struct DemoArgs {
     /// Folder with the bundled scenes and environments [default: that of the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
+}
+
+impl DemoArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        let names = ["report.json", "report.html", "*.png", "*.exr", "*.cuts"];
+        CommandFiles::default().reads(&self.data).fills(&self.out, names)
+    }
 }
 
 /// Vertices that are traced again after the bake.

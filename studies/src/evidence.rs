@@ -16,7 +16,7 @@ mod wavelets;
 
 use crate::{
     bundled::DataFolder,
-    export::create_folder,
+    outputs::{CommandFiles, create_folder},
     terminal::{Console, Outcome, Steps},
 };
 use anyhow::{Result, bail};
@@ -25,7 +25,7 @@ use clap::Args;
 use lapidary_core::environment::Environment;
 use notebook::{Head, Notebook};
 use scale::MeasurementScale;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `evidence`.
 #[derive(Args, Clone, Debug)]
@@ -48,6 +48,15 @@ pub struct EvidenceArgs {
     /// Folder with the bundled scenes [default: that of the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
+}
+
+impl EvidenceArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        let names = [notebook::PAGE, notebook::FIGURES, "*.png", "*.exr", "*.cuts"];
+        let environment = Some(Path::new(&self.env)).filter(|path| path.is_file());
+        CommandFiles::default().reads(environment).reads(&self.scenes).reads(&self.data).fills(&self.out, names)
+    }
 }
 
 /// Bakes, renders, traces, measures and writes.

@@ -7,9 +7,7 @@ mod metadata;
 pub mod mitsuba;
 mod studio;
 
-pub use files::{
-    Finished, check_folder, check_pictures, create_folder, has_extension, is_exr, wanted_layers, write_pictures,
-};
+pub use files::{Finished, check_pictures, has_extension, is_exr, wanted_layers, write_pictures};
 pub use layers::{LayerKind, LayerList, take_layers};
 pub use metadata::{layered, settings};
 pub use studio::{Studio, Taken};

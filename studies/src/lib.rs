@@ -1,7 +1,8 @@
 //! What is done with baked scenes beside editing them: pictures, sequences, references, comparisons and measurements, as
 //! commands and for the window alike.
 //!
-//! [`commands`] has a file for each command, [`args`] the options that several of them share, [`terminal`] what they say.
+//! [`commands`] has a file for each command, [`args`] the options that several of them share, [`terminal`] what they say,
+//! [`outputs`] what is checked before they write.
 //! Each study is a folder: [`ladder`] (which size of the illumination cut is enough), [`sequence`] (turntables and sweeps),
 //! bounces (how far solutions of bounced light are from light paths), evidence (the paper's figures measured anew), [`export`]
 //! (pictures with layers, scenes for Mitsuba), [`demo`].
@@ -16,6 +17,7 @@ pub mod export;
 pub mod jobs;
 pub mod ladder;
 pub mod missing_light;
+pub mod outputs;
 pub mod report;
 pub mod sequence;
 pub mod sheet;

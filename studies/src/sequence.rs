@@ -14,6 +14,6 @@ pub use names::FrameNames;
 pub use parameter::{Domain, Parameter, Target};
 pub use plan::{SequenceFrame, SequenceSettings, plan};
 pub use record::Record;
-pub use run::{Existing, SequenceEnd, SequenceTask, SheetTask};
+pub use run::{Existing, SequenceEnd, SequenceTask, SheetTask, sequence_files};
 pub use sweep::{Sweep, Value};
 pub use turn::Turn;

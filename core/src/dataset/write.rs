@@ -6,7 +6,7 @@ use super::{
     indirect, meshless,
     tensors::{Tensor, cut_tensors, tensor},
 };
-use crate::atomic::write_atomically;
+use crate::output::write_atomically;
 use safetensors::{Dtype, tensor::TensorView};
 use std::{
     borrow::Cow,

@@ -7,7 +7,7 @@ mod read;
 pub use metadata::{MetaValue, Metadata};
 
 use super::{Image, ImageError, primaries::REC_709};
-use crate::atomic::write_atomically;
+use crate::output::write_atomically;
 use exr::prelude::{self as openexr, WritableImage};
 use std::{
     io::{self, Cursor},

@@ -1,7 +1,7 @@
 //! Reading and writing lights files.
 
 use super::{Light, LightProblem, LightsFile, MAX_LIGHTS};
-use crate::{atomic::write_atomically, input};
+use crate::{input, output::write_atomically};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -1,6 +1,7 @@
 //! Baking from the window: starting, progress, and taking the result into the document.
 
 use super::{
+    files::Written,
     opening::draft_of,
     state::{
         EditorState,
@@ -63,6 +64,9 @@ impl EditorState {
             return self
                 .messages
                 .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
+        }
+        if !self.may_write(&output, Written::Dataset) {
+            return;
         }
         let Imported { scene, import_secs, report, .. } = source;
         let mode = settings.mode;

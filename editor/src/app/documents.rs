@@ -1,6 +1,7 @@
 //! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
 use super::{
+    files::Written,
     first_view::FirstView,
     opening::{Opened, Ready, Target},
     state::{
@@ -64,6 +65,10 @@ impl EditorState {
     }
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
+        if !self.may_write(path, Written::Session) {
+            self.after_save = None;
+            return;
+        }
         if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
             self.after_save = None;
             return self.messages.error(error.to_string());

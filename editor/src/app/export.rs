@@ -1,6 +1,7 @@
 //! Export of sequences and layered pictures: the dialog, the job, and its messages.
 
 use super::{
+    files::Written,
     sequence_dialog::{SequenceAnswer, SequenceDialog},
     state::{EditorState, exporting::Run},
 };
@@ -8,7 +9,7 @@ use crate::{actions::Action, document::folder_of};
 use egui::Context;
 use lapidary_render::{Baked, Look};
 use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
-use lapidary_studies::{export::LayerList, terminal::error_text};
+use lapidary_studies::{export::LayerList, outputs::CommandFiles, terminal::error_text};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
@@ -73,6 +74,7 @@ impl EditorState {
             anyhow::bail!(UNDER_WAY);
         }
         let task = dialog.task(look)?;
+        task.command_files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
         let record = task.prepare(&baked.dataset)?;
         self.start_export(ExportTask::Sequence { task, record }, baked);
         Ok(())
@@ -84,6 +86,9 @@ impl EditorState {
             return self.messages.note(UNDER_WAY);
         }
         let Some((look, baked)) = self.exported() else { return self.messages.error(NOTHING) };
+        if !self.may_write(&path, Written::Other) {
+            return;
+        }
         match LayerList::All.of(&look) {
             Ok(layers) => self.start_export(ExportTask::Layers { look: look.into(), layers, path }, baked),
             Err(error) => self.messages.error(error_text(&error)),

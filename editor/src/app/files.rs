@@ -9,9 +9,9 @@ use crate::{
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
-    atomic::write_atomically,
     import::{MaterialFile, SlotFile},
     material::{MapKind, Material},
+    output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
 };
 use lapidary_studies::args::shader_source;
@@ -19,6 +19,17 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// The session, whose file it may replace.
+    Session,
+    /// A bake, which may replace the one before.
+    Dataset,
+    /// Something that the document does not read.
+    Other,
+}
 
 impl EditorState {
     /// Begins to read a file.
@@ -92,6 +103,9 @@ impl EditorState {
     }
 
     pub(super) fn save_material(&mut self, index: usize, path: &Path) {
+        if !self.may_write(path, Written::Other) {
+            return;
+        }
         let Some(material) = self.document.materials.get(index) else { return };
         let (file, left_out) = material_file(material, &self.document, path);
         match write_material(&file, path) {
@@ -103,6 +117,25 @@ impl EditorState {
             )),
             Err(error) => self.messages.error(format!("{error:#}")),
         }
+    }
+
+    /// Whether a file can be written without a loss; says why not.
+    pub(super) fn may_write(&mut self, path: &Path, what: Written) -> bool {
+        let inputs = self.inputs(what);
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let checked = check_output(path, &inputs);
+        if let Err(error) = &checked {
+            self.messages.error(error.to_string());
+        }
+        checked.is_ok()
+    }
+
+    /// Files that are lost if something is written over them that is no successor of theirs.
+    pub(super) fn inputs(&self, what: Written) -> Vec<PathBuf> {
+        let dataset =
+            [&self.document.dataset, &self.scene.bake_output].into_iter().filter(|_| what != Written::Dataset);
+        let session = [&self.scene.session].into_iter().filter(|_| what != Written::Session);
+        files_in_use(&self.document).into_iter().chain(dataset.chain(session).flatten().cloned()).collect()
     }
 
     /// Watches the files in use, and reads those again that have changed.

@@ -1,6 +1,9 @@
 //! Local lights: what is done with them, as steps of undo.
 
-use super::state::{EditorState, interface::Inspector};
+use super::{
+    files::Written,
+    state::{EditorState, interface::Inspector},
+};
 use crate::document::{
     Edit,
     lights::{LightKind, copied_name, new_light},
@@ -92,6 +95,9 @@ impl EditorState {
     }
 
     pub(super) fn save_lights(&mut self, path: &Path) {
+        if !self.may_write(path, Written::Other) {
+            return;
+        }
         let lights = LightsFile { lights: self.document.lights.clone() };
         match lights.write(path) {
             Ok(()) => self.messages.note(format!("Lights written: {} ({})", lights.lights.len(), path.display())),

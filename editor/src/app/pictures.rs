@@ -1,6 +1,9 @@
 //! Takes results of the render thread: the picture for the screen, and pictures for files.
 
-use super::state::{EditorState, pictures::Export};
+use super::{
+    files::Written,
+    state::{EditorState, pictures::Export},
+};
 use crate::{
     document::BackgroundKind,
     jobs::render_thread::{LinearPicture, RenderEvent},
@@ -46,6 +49,9 @@ impl EditorState {
     pub(super) fn export_picture(&mut self, path: PathBuf) {
         if self.scene.shown().is_none() {
             self.messages.error("There is no picture to export; open and bake a scene first");
+            return;
+        }
+        if !self.may_write(&path, Written::Other) {
             return;
         }
         let transparent = self.document.view.background == BackgroundKind::Transparent;

@@ -1,6 +1,6 @@
 //! Autosave and recovery: the session of a changed document is saved separately, and found again after a crash.
 //!
-//! Each running program has one file, named after its process. It is removed when the document agrees with its file and
+//! Each running program has one file, named after its process with a random part. It is removed when the document agrees with its file and
 //! on a clean exit. So a file whose process has ended contains unsaved work.
 
 use super::{
@@ -10,6 +10,7 @@ use super::{
 };
 use serde::{Deserialize, Serialize};
 use std::{
+    hash::{BuildHasher, Hasher, RandomState},
     io,
     path::{Path, PathBuf},
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
@@ -69,7 +70,9 @@ impl Autosave {
     /// Writes below the state folder `folder`, at most `interval` after a change and not more often.
     pub fn new(folder: &Path, interval: Duration) -> Self {
         let Process { id, start } = Process::this();
-        let file = folder.join(format!("{PREFIX}{id}-{start}.{EXTENSION}"));
+        // Nobody can know the name before: what lies there is ours.
+        let random = RandomState::new().build_hasher().finish();
+        let file = folder.join(format!("{PREFIX}{id}-{start}-{random:016x}.{EXTENSION}"));
         Self { file, interval, due: None, written: None }
     }
 
@@ -183,6 +186,7 @@ impl Process {
     fn of_file(file: &Path) -> Option<Self> {
         let is_session = file.extension().is_some_and(|e| e == EXTENSION);
         let (id, start) = file.file_stem()?.to_str()?.strip_prefix(PREFIX)?.split_once('-')?;
+        let start = start.split_once('-').map_or(start, |(start, _)| start);
         is_session.then_some(Self { id: id.parse().ok()?, start: start.parse().ok()? })
     }
 

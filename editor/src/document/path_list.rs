@@ -2,7 +2,7 @@
 
 use super::relative::absolute;
 use anyhow::{Context, Result};
-use lapidary_core::{atomic::write_atomically, input};
+use lapidary_core::{input, output::write_atomically};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -4,6 +4,7 @@ use crate::panels::bake::control_name;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    output::OutputError,
     scene::Scene,
 };
 use lapidary_precompute::{
@@ -15,10 +16,11 @@ use std::{
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU32, Ordering},
+        atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, Sender, channel},
     },
 };
+use tempfile::TempDir;
 
 /// A bake of the window.
 #[derive(Clone, Debug)]
@@ -221,11 +223,11 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
     if task.progressive && !task.job.resume && *task.job.settings != draft_settings {
-        let scratch = Scratch::new(&task.cache);
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
         // There is nothing to render yet: it may have all cores.
         let draft = || {
-            let (settings, output) = (resolve(draft_settings)?, scratch.0.join("draft.cuts"));
+            let folder = scratch(&task.cache)?;
+            let (settings, output) = (resolve(draft_settings)?, folder.path().join("draft.cuts"));
             bake((*task.scene).clone(), &BakeJob { settings, output, ..task.job.clone() }, &teller_of_draft)
         };
         match on_threads(cores, draft) {
@@ -253,25 +255,11 @@ fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {
     }
 }
 
-/// A folder that is removed with all it holds.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    /// A folder of a new name. If it cannot be made, writing to it says so.
-    fn new(cache: &Path) -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let folder = cache.join(format!("draft-{}-{count}", std::process::id()));
-        let _ = std::fs::create_dir_all(&folder);
-        Self(folder)
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // What stays is a few megabytes in a cache folder.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+/// A folder in the cache for the draft, which is removed with all it holds. Its name is random, and nothing was there.
+fn scratch(cache: &Path) -> Result<TempDir, OutputError> {
+    let made =
+        std::fs::create_dir_all(cache).and_then(|()| tempfile::Builder::new().prefix("draft-").tempdir_in(cache));
+    made.map_err(|source| OutputError::Folder { folder: cache.into(), source })
 }
 
 #[cfg(test)]

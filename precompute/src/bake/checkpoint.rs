@@ -13,13 +13,12 @@ mod rows;
 
 pub use chunk::Chunk;
 pub use identity::Places;
-pub use manifest::ManifestError;
 
 use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
 use folder::{contents, is_there, remove_contents};
 use identity::{Identity, Seal};
-use lapidary_core::{atomic::write_atomically, dataset::BakeSettings, input};
+use lapidary_core::{dataset::BakeSettings, input, output::write_atomically};
 use manifest::Manifest;
 use std::{
     cell::Cell,

@@ -9,6 +9,7 @@ use lapidary_core::{
     dataset::{BakeParts, DatasetError},
     lock::LockError,
     meshless::BasisError,
+    output::OutputError,
 };
 use std::fmt;
 use thiserror::Error;
@@ -28,6 +29,8 @@ pub enum BakeError {
     Lock(#[from] LockError),
     /// The checkpoint cannot be used or written.
     Checkpoint(#[from] CheckpointError),
+    /// Nothing can be written where the dataset is to go.
+    Output(#[from] OutputError),
     /// The dataset cannot be written.
     Dataset(#[from] DatasetError),
     /// More memory than there is.
@@ -74,6 +77,7 @@ impl BakeError {
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),
+            Self::Output(error) => error.to_string(),
             Self::Dataset(error) => error.to_string(),
             Self::Memory { mode, needed, available } => format!(
                 "the bake needs about {needed} MB of memory, {available} MB are free; {}, or close other programs",

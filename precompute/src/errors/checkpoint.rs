@@ -1,6 +1,5 @@
 //! Why a checkpoint is of no use.
 
-use crate::bake::checkpoint::ManifestError;
 use crate::setting::{Naming, Setting};
 use std::{fmt, io, path::PathBuf};
 use thiserror::Error;
@@ -33,6 +32,31 @@ pub enum CheckpointError {
     Foreign {
         /// Which file or folder.
         path: PathBuf,
+    },
+}
+
+/// Why a manifest is of no use.
+#[derive(Debug, Error)]
+pub enum ManifestError {
+    /// No JSON, or that of another version.
+    #[error("bake.json cannot be read ({0})")]
+    Json(#[from] serde_json::Error),
+    /// It is not what was written.
+    #[error("bake.json does not match its checksum")]
+    Checksum,
+    /// The number of chunks.
+    #[error("bake.json has {chunks} chunks for {points} points")]
+    Chunks {
+        /// Number of chunks.
+        chunks: usize,
+        /// Number of bake points.
+        points: usize,
+    },
+    /// The order of the light tree.
+    #[error("bake.json has an order of the light tree that is no permutation of {lights} lights")]
+    TreeOrder {
+        /// Number of lights.
+        lights: usize,
     },
 }
 

@@ -67,6 +67,11 @@ pub struct LocalLights {
 }
 
 impl EnvironmentArgs {
+    /// The file, where it is one and no name of a built-in map.
+    pub fn input(&self) -> Option<&Path> {
+        self.env.as_deref().map(Path::new).filter(|path| path.is_file())
+    }
+
     /// `studio` where no environment is named, unless that is for `local` lights to do.
     pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Illumination> {
         let default = if local.has_file() { NONE } else { "studio" };
@@ -102,6 +107,11 @@ impl EnvironmentArgs {
 }
 
 impl LocalLightArgs {
+    /// The file, if one is named.
+    pub fn input(&self) -> Option<&Path> {
+        self.lights.as_deref().filter(|path| *path != Path::new(NONE))
+    }
+
     /// Reads the lights file, so that a bad one is told before the dataset is read.
     pub(super) fn read(&self) -> Result<Option<Vec<Light>>> {
         match &self.lights {

@@ -4,7 +4,7 @@ use super::{
     light::{EnvironmentArgs, LocalLightArgs, LocalLights},
     values,
 };
-use crate::terminal::Console;
+use crate::{outputs::CommandFiles, terminal::Console};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -132,6 +132,12 @@ impl ViewedScene {
 }
 
 impl ViewArgs {
+    /// The files that are read, together with those of `local`.
+    pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
+        let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
+        files.reads(&self.material.material)
+    }
+
     /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
     ///
     /// # Errors

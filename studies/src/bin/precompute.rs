@@ -31,7 +31,7 @@ enum Command {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
-        Command::Bake(args) => args.run(cli.quiet).map(|_| ()),
+        Command::Bake(args) => args.files().check().and_then(|()| args.run(cli.quiet)).map(|_| ()),
         Command::Info(args) => args.run(),
         Command::Verify(args) => args.run(),
     };

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene},
+    outputs::CommandFiles,
     terminal::{Console, Outcome, print_out},
 };
 use anyhow::Result;
@@ -37,6 +38,13 @@ pub struct BenchArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+impl BenchArgs {
+    /// What it reads.
+    pub fn files(&self) -> CommandFiles {
+        self.view.files(&self.local)
+    }
 }
 
 /// All figures.

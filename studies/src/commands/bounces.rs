@@ -6,7 +6,7 @@ use crate::{
         BouncedLight,
         light_paths::{Figures, LightPaths},
     },
-    export::create_folder,
+    outputs::{CommandFiles, create_folder},
     sheet::strip,
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
@@ -38,6 +38,21 @@ pub struct BouncesArgs {
     #[command(flatten)]
     view: ViewArgs,
 }
+
+impl BouncesArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        let solutions = [Solution::Cuts, Solution::Meshless, Solution::CutsMeshless];
+        let of = |solution: Solution| PICTURES.map(|picture| format!("{solution}{picture}"));
+        let names = solutions.into_iter().flat_map(of).chain([REPORT.into()]);
+        self.view.files(&self.local).fills(&self.out, names)
+    }
+}
+
+/// The file of all figures.
+const REPORT: &str = "bounces.json";
+/// Ends of the names of a solution's pictures: light paths, the solution, rays to every source, and all side by side.
+const PICTURES: [&str; 4] = ["-paths.exr", ".exr", "-every-source.exr", ".png"];
 
 /// What `bounces.json` says.
 #[derive(Serialize)]
@@ -89,7 +104,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
         console.summary(line(&row))?;
         report.solutions.push(row);
     }
-    write_json(&args.out.join("bounces.json"), &report)?;
+    write_json(&args.out.join(REPORT), &report)?;
     Ok(Outcome::Done)
 }
 
@@ -167,10 +182,11 @@ impl<'a> Comparison<'a> {
 
     fn write(&self, solution: Solution, truth: &Image, image: &Image, samples: Option<&Image>) -> Result<()> {
         let file = |what: &str| self.args.out.join(format!("{solution}{what}"));
-        truth.write(&file("-paths.exr"))?;
-        image.write(&file(".exr"))?;
-        samples.map_or(Ok(()), |samples| samples.write(&file("-every-source.exr")))?;
-        strip(truth, &[Some(image), samples])?.write(&file(".png"))?;
+        let [paths, solved, every_source, strip_of_all] = PICTURES.map(file);
+        truth.write(&paths)?;
+        image.write(&solved)?;
+        samples.map_or(Ok(()), |samples| samples.write(&every_source))?;
+        strip(truth, &[Some(image), samples])?.write(&strip_of_all)?;
         Ok(())
     }
 }

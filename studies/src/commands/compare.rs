@@ -2,7 +2,8 @@
 
 use crate::{
     args::{choices, values},
-    export::{check_folder, check_pictures, write_pictures},
+    export::{check_pictures, write_pictures},
+    outputs::CommandFiles,
     terminal::{Console, Outcome, write_json},
 };
 use anyhow::Result;
@@ -51,6 +52,17 @@ pub struct CompareArgs {
     fail_below: Vec<Bound>,
 }
 
+impl CompareArgs {
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// A picture of no known format.
+    pub fn files(&self) -> Result<CommandFiles> {
+        check_pictures(self.out.as_slice())?;
+        Ok(CommandFiles::default().reads([&self.test, &self.reference]).writes(&self.out).writes(&self.json))
+    }
+}
+
 /// A metric and the value that it is held against.
 #[derive(Clone, Debug, PartialEq)]
 struct Bound {
@@ -72,8 +84,6 @@ fn bound(text: &str) -> Result<Bound, String> {
 /// # Errors
 /// Files that cannot be read or written, pictures of different sizes.
 pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
-    args.json.iter().try_for_each(|path| check_folder(path))?;
-    check_pictures(args.out.as_slice())?;
     warn_of_literal_bounds(args, console);
     let test = read(&args.test, args.layer.as_deref())?;
     let reference = read(&args.reference, args.reference_layer.as_deref())?;

@@ -5,7 +5,7 @@ mod sheet;
 
 use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene, choices, values},
-    export::create_folder,
+    outputs::{CommandFiles, create_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Result, bail};
@@ -51,6 +51,14 @@ pub struct ExplainArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+impl ExplainArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        let names = ["explain.json", "cut.png", "traced.png", "visibility.png", "split.png", "split-*.exr"];
+        self.view.files(&self.local).fills(&self.out, names)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

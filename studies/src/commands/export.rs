@@ -2,8 +2,8 @@
 
 use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene},
-    export::create_folder,
-    export::mitsuba::{Exported, MitsubaScene},
+    export::mitsuba::{self, Exported, MitsubaScene},
+    outputs::{CommandFiles, create_folder},
     terminal::Console,
     terminal::Outcome,
 };
@@ -29,6 +29,13 @@ pub struct ExportArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+impl ExportArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        self.view.files(&self.local).fills(&self.mitsuba, mitsuba::FILES)
+    }
 }
 
 /// Writes the scene.

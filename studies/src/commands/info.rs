@@ -1,6 +1,9 @@
 //! The `info` command.
 
-use crate::terminal::{json_text, print_out};
+use crate::{
+    outputs::CommandFiles,
+    terminal::{json_text, print_out},
+};
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::dataset::{BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
@@ -17,6 +20,11 @@ pub struct InfoArgs {
 }
 
 impl InfoArgs {
+    /// What it reads.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().reads([&self.file])
+    }
+
     /// Prints what a dataset holds.
     ///
     /// # Errors

@@ -2,13 +2,13 @@
 
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
-    export::create_folder,
     ladder::{self, Ladder, Settings, Summary, climb},
+    outputs::{CommandFiles, create_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
-use lapidary_core::atomic::write_atomically;
+use lapidary_core::output::write_atomically;
 use lapidary_render::{BrdfSampling, LitScene, Look, Post, Renderer};
 use std::path::PathBuf;
 
@@ -32,6 +32,15 @@ pub struct LadderArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+}
+
+impl LadderArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        let names =
+            ["ladder.json", "ladder.html", "sheet.png", "reference.png", "reference.exr", "cut-*.png", "cut-*.exr"];
+        self.view.files(&self.local).fills(&self.out, names)
+    }
 }
 
 /// Renders, traces, compares and writes.

@@ -2,7 +2,8 @@
 
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene, choices},
-    export::{check_folder, check_pictures},
+    export::check_pictures,
+    outputs::CommandFiles,
     terminal::{Console, Interrupted, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Result, bail};
@@ -46,6 +47,17 @@ pub struct PredictArgs {
     view: ViewArgs,
 }
 
+impl PredictArgs {
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// Pictures of no known format.
+    pub fn files(&self) -> Result<CommandFiles> {
+        check_pictures(&self.out)?;
+        Ok(self.view.files(&LocalLightArgs::default()).writes(&self.out).writes(&self.json))
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// Sum of the nodes' covariance bounds, with the terms that the renderer adds
@@ -75,8 +87,6 @@ const BINS: usize = 10;
 /// # Errors
 /// Files that cannot be read or written, and a dataset without visibility of the environment.
 pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
-    check_pictures(&args.out)?;
-    args.json.iter().try_for_each(|path| check_folder(path))?;
     let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&LocalLightArgs::default(), console)?;
     let renderer = Renderer::new(viewed.baked.clone());

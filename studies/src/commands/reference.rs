@@ -4,6 +4,7 @@ use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
     export::{check_pictures, write_pictures},
     ladder::every_sample,
+    outputs::CommandFiles,
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
 use anyhow::{Result, bail};
@@ -41,6 +42,17 @@ pub struct ReferenceArgs {
     view: ViewArgs,
 }
 
+impl ReferenceArgs {
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// Pictures of no known format.
+    pub fn files(&self) -> Result<CommandFiles> {
+        check_pictures(&self.out)?;
+        Ok(self.view.files(&self.local).writes(&self.out))
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// A ray to every light sample of the dataset at every pixel: shows the error of the cuts
@@ -59,7 +71,6 @@ const DEFAULT_SPP: u32 = 64;
 /// # Errors
 /// Files that cannot be read or written, options that contradict each other.
 pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
-    check_pictures(&args.out)?;
     if args.kind == Kind::Samples && args.spp.is_some() {
         bail!("--spp goes with --kind path; --kind samples traces every light sample once");
     }

@@ -2,7 +2,8 @@
 
 use crate::{
     args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
-    export::{Finished, LayerList, Studio, check_folder, check_pictures, is_exr, wanted_layers},
+    export::{Finished, LayerList, Studio, check_pictures, is_exr, wanted_layers},
+    outputs::CommandFiles,
     terminal::{Console, Outcome, write_json},
 };
 use anyhow::{Result, bail};
@@ -32,13 +33,22 @@ pub struct RenderArgs {
     view: ViewArgs,
 }
 
+impl RenderArgs {
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// Pictures of no known format.
+    pub fn files(&self) -> Result<CommandFiles> {
+        check_pictures(&self.out)?;
+        Ok(self.view.files(&self.local).writes(&self.out).writes(&self.stats))
+    }
+}
+
 /// Renders and writes the picture.
 ///
 /// # Errors
 /// Files that cannot be read or written, options that contradict each other.
 pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
-    check_pictures(&args.out)?;
-    args.stats.iter().try_for_each(|path| check_folder(path))?;
     if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
         bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
     }

@@ -3,7 +3,10 @@
 use crate::{
     args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
     export::{LayerList, Studio, has_extension, is_exr, wanted_layers},
-    sequence::{Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan},
+    outputs::CommandFiles,
+    sequence::{
+        Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan, sequence_files,
+    },
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
 use anyhow::{Result, bail};
@@ -106,6 +109,16 @@ fn tell(task: &SequenceTask, end: SequenceEnd, start: Instant, console: Console)
 }
 
 impl SequenceArgs {
+    /// What it reads and writes.
+    ///
+    /// # Errors
+    /// Names that are none of a sequence.
+    pub fn files(&self) -> Result<CommandFiles> {
+        let outputs = self.outputs()?;
+        let files = self.view.files(&self.local);
+        Ok(sequence_files(files, &outputs, self.first..self.first + self.frames, self.contact_sheet.as_deref()))
+    }
+
     fn outputs(&self) -> Result<Vec<FrameNames>> {
         if self.layers.is_some() && !self.out.iter().any(|path| is_exr(path)) {
             bail!("only exr files hold layers; add --out DIR/frame.####.exr, or leave --layers out");

@@ -1,6 +1,9 @@
 //! The `verify` command.
 
-use crate::terminal::{json_text, print_out};
+use crate::{
+    outputs::CommandFiles,
+    terminal::{json_text, print_out},
+};
 use anyhow::{Result, bail};
 use clap::{Args, builder::RangedU64ValueParser};
 use lapidary_core::dataset::Dataset;
@@ -22,6 +25,11 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
+    /// What it reads.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().reads([&self.file])
+    }
+
     /// Traces random vertices and functions again and prints the difference.
     ///
     /// # Errors

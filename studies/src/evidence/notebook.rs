@@ -6,7 +6,7 @@ use crate::{
     terminal::write_json,
 };
 use anyhow::{Context, Result};
-use lapidary_core::atomic::write_atomically;
+use lapidary_core::output::write_atomically;
 use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -15,7 +15,7 @@ use std::{path::Path, time::Instant};
 /// Name of the page.
 pub const PAGE: &str = "evidence.html";
 /// Name of the file of figures.
-const FIGURES: &str = "evidence.json";
+pub const FIGURES: &str = "evidence.json";
 
 /// What the figures were made with.
 #[derive(Clone, Debug, Serialize)]

@@ -1,42 +1,26 @@
 //! Pictures to write: checked before the work, written after it.
 
 use crate::export::{LayerKind, LayerList, Studio, Taken, layered, take_layers};
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use lapidary_core::{
-    atomic::check_writable,
     dataset::Dataset,
     image::{Image, ImageError, Layer},
 };
 use lapidary_render::{Background, Look};
 use std::path::{Path, PathBuf};
 
-/// Checks that each path names a picture format and lies in a folder that is there.
+/// Checks that each path names a picture format.
 ///
 /// # Errors
-/// The first path that cannot be written to.
+/// The first path that does not.
 pub fn check_pictures(paths: &[PathBuf]) -> Result<()> {
     for path in paths {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         if !["exr", "hdr", "png"].contains(&extension.as_str()) {
             return Err(ImageError::UnknownExtension { path: path.clone() }.into());
         }
-        check_folder(path)?;
     }
     Ok(())
-}
-
-/// Checks that the folder of `path` is there and takes files.
-///
-/// # Errors
-/// A folder that is not, or does not.
-pub fn check_folder(path: &Path) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        bail!("there is no folder to write to; create it first ({})", folder.display());
-    }
-    check_writable(folder).with_context(|| {
-        format!("cannot write to the folder; check its permissions and the free space ({})", folder.display())
-    })
 }
 
 /// Whether a file holds layers.
@@ -58,20 +42,6 @@ pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]
         image.write_with(coverage, path)?;
     }
     Ok(())
-}
-
-/// Creates a folder and those above it, and makes sure that files can be written to it: long work follows.
-///
-/// # Errors
-/// What the file system says.
-pub fn create_folder(path: &Path) -> Result<()> {
-    std::fs::create_dir_all(path).with_context(|| {
-        format!("cannot create the folder; check the path and the permissions ({})", path.display())
-    })?;
-    let probe = path.join(format!(".lapidary-{}", std::process::id()));
-    std::fs::write(&probe, [])
-        .and_then(|()| std::fs::remove_file(&probe))
-        .with_context(|| format!("cannot write to the folder; check its permissions ({})", path.display()))
 }
 
 /// The layers of a look that are asked for; the picture alone if none are.

@@ -18,13 +18,17 @@ mod sensor;
 mod textures;
 mod xml;
 
-use crate::export::create_folder;
+use crate::outputs::create_folder;
 use anyhow::{Context, Result};
-use lapidary_core::{atomic::write_atomically, dataset::Dataset, lights::Light, scene::Scene};
+use lapidary_core::{dataset::Dataset, lights::Light, output::write_atomically, scene::Scene};
 use lapidary_render::{Illumination, View};
 use meshes::Part;
 use std::{collections::BTreeSet, path::Path};
 use textures::TextureFolder;
+
+/// What is written into the folder; `*` stands for any text.
+pub const FILES: [&str; 6] =
+    ["scene.xml", "materials.xml", "materials-exact.xml", "environment.exr", "meshes/*.ply", "textures/*.exr"];
 
 /// What is exported.
 pub struct MitsubaScene<'a> {

@@ -3,17 +3,17 @@
 
 use super::{FrameNames, SequenceFrame, record::Record};
 use crate::{
-    export::Finished,
-    export::{LayerKind, Studio},
+    export::{Finished, LayerKind, Studio},
+    outputs::{CommandFiles, create_folder},
     sheet::{DisplayPicture, SheetStyle, Tile, contact_sheet},
     terminal::Interrupted,
 };
 use anyhow::{Context, Result, bail};
 use lapidary_core::{
-    atomic::check_writable,
     dataset::Dataset,
     image::{Image, decode},
     input,
+    output::folder_of,
     texture::Texels,
 };
 use lapidary_render::{Post, Progress};
@@ -69,19 +69,36 @@ pub struct SequenceEnd {
     pub cancelled: bool,
 }
 
+/// `files` with those of a sequence.
+pub fn sequence_files(
+    files: CommandFiles,
+    outputs: &[FrameNames],
+    numbers: impl Iterator<Item = u32> + Clone,
+    sheet: Option<&Path>,
+) -> CommandFiles {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let frames = |files: CommandFiles, names: &FrameNames| {
+        files.fills(names.folder(), numbers.clone().map(|number| name(&names.path(number))))
+    };
+    let files = outputs.iter().fold(files, frames);
+    let others = outputs.first().map(FrameNames::record_path).into_iter().chain(sheet.map(Path::to_path_buf));
+    others.fold(files, |files, path| files.fills(folder_of(&path), [name(&path)]))
+}
+
 impl SequenceTask {
+    /// `files` with those that it writes.
+    pub fn command_files(&self, files: CommandFiles) -> CommandFiles {
+        let numbers = self.frames.iter().map(|frame| frame.number);
+        sequence_files(files, &self.outputs, numbers, self.sheet.as_ref().map(|sheet| sheet.path.as_path()))
+    }
+
     /// Checks folders and what is there, before anything slow. Returns the record to begin with.
     ///
     /// # Errors
     /// Folders that cannot be made or written to; frames that are there and may not be replaced, or are of another sequence.
     pub fn prepare(&self, dataset: &Dataset) -> Result<Record> {
         for folder in self.folders() {
-            std::fs::create_dir_all(folder).and_then(|()| check_writable(folder)).with_context(|| {
-                format!(
-                    "cannot write to the folder; check the path, its permissions and the space ({})",
-                    folder.display()
-                )
-            })?;
+            create_folder(folder)?;
         }
         let mut record = Record::new(&self.frames, &self.outputs, dataset);
         let there = self.frames.iter().filter(|frame| self.files(frame).iter().any(|file| file.exists())).count();

@@ -3,9 +3,9 @@
 use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
-    atomic::write_atomically,
     color::{linear_from_srgb, srgb_from_linear},
     image::{Image, encode_png_pixels},
+    output::write_atomically,
 };
 use lapidary_render::Post;
 use std::{ops::Range, path::Path};

@@ -42,7 +42,7 @@ pub fn json_text(value: &impl serde::Serialize) -> Result<String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Result<()> {
-    lapidary_core::atomic::write_atomically(path, json_text(value)?.as_bytes())
+    lapidary_core::output::write_atomically(path, json_text(value)?.as_bytes())
         .with_context(|| format!("cannot write {}; check the folder and the free space", path.display()))
 }
 

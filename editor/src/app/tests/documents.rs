@@ -27,6 +27,53 @@ fn what_was_edited_is_undone_saved_and_found_again() {
 }
 
 #[test]
+fn nothing_is_written_over_what_the_document_is_made_of() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    let session = place.path("look.lapidary");
+    window.perform(Action::SaveAs(Some(session.clone())));
+    let used = ["scene.obj", "scene.cuts", "look.lapidary"].map(|name| place.path(name));
+    let contents = || used.clone().map(|file| std::fs::read(file).unwrap());
+    let before = contents();
+    window.type_roughness("0.25");
+    for file in &used {
+        let path = || Some(file.clone());
+        for action in [
+            Action::SaveMaterial { material: 0, path: path() },
+            Action::SaveLights(path()),
+            Action::ExportPicture(path()),
+            Action::ExportLayers(path()),
+        ] {
+            window.perform(action);
+            let text = format!("written over an input; choose another name ({})", file.display());
+            assert!(window.has_said(&text), "{}", file.display());
+            assert!(!window.0.state().exporting.is_running() && window.0.state().pictures.exports.is_empty());
+        }
+    }
+    for file in &used[..2] {
+        window.perform(Action::SaveAs(Some(file.clone())));
+        assert!(window.0.state().is_modified() && window.0.state().title() == "look.lapidary");
+    }
+    assert_eq!(contents(), before);
+    window.perform(Action::Save);
+    assert!(!window.0.state().is_modified(), "its own session is written again");
+    assert!(std::fs::read_to_string(session).unwrap().contains("0.25"));
+}
+
+#[test]
+fn a_bake_over_something_else_than_a_file_does_not_start() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("scene.cuts")).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.perform(Action::Bake { resume: false });
+    assert!(window.has_said("is a folder") && window.0.state().baking.run.is_none());
+}
+
+#[test]
 fn changes_are_asked_about_before_they_are_lost() {
     let place = Place::new();
     place.bake();

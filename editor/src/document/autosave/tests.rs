@@ -144,3 +144,20 @@ fn a_process_on_its_way_out_has_ended() {
     assert_eq!(start_in(&status("R", 0x40_0104)), None);
     assert_eq!(start_in("7 (a) R 1"), None);
 }
+
+#[test]
+#[cfg(unix)]
+fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
+    let mut s = setup();
+    let victim = s.folder.path().join("victim");
+    std::fs::write(&victim, "not ours").unwrap();
+    std::fs::create_dir(s.state()).unwrap();
+    let Process { id, start } = Process::this();
+    let link = s.state().join(format!("{PREFIX}{id}-{start}.{EXTENSION}"));
+    std::os::unix::fs::symlink(&victim, &link).unwrap();
+    s.turn(1.0);
+    assert!(!s.tick(0) && s.tick(30) && s.autosave.file.is_file());
+    s.autosave.finish().unwrap();
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "not ours");
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+}

@@ -5,7 +5,7 @@ use crate::document::{
     Document, autosave,
     relative::{absolute, folder_of, relative_to},
 };
-use lapidary_core::atomic::write_atomically;
+use lapidary_core::output::write_atomically;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -65,6 +65,23 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
     assert_eq!((progress.draft, progress.phase), (false, Some(Phase::Pack)));
 }
 
+#[test]
+#[cfg(unix)]
+fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut task = task(folder.path(), true);
+    task.job.settings = with_lights(&task, MANY_LIGHTS).unwrap();
+    let victim = folder.path().join("victim");
+    [&victim, &task.cache].into_iter().for_each(|folder| std::fs::create_dir_all(folder).unwrap());
+    let links: Vec<_> = (0..9).map(|n| task.cache.join(format!("draft-{}-{n}", std::process::id()))).collect();
+    links.iter().for_each(|link| std::os::unix::fs::symlink(&victim, link).unwrap());
+    let before = std::fs::metadata(&victim).unwrap().modified().unwrap();
+    let messages = all(&mut BakeRun::start(task, silent()));
+    assert!(matches!(&messages[..], [BakeMessage::Draft(_), BakeMessage::Done(_)]), "{messages:?}");
+    assert_eq!(std::fs::metadata(&victim).unwrap().modified().unwrap(), before, "nothing was made in it");
+    assert!(links.iter().all(|link| link.is_symlink()));
+}
+
 /// A floor and a wall, which lies open to it.
 const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 0 1 1\nf 1 4 3 2\nf 1 5 6 4\n";
 

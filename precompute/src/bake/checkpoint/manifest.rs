@@ -1,8 +1,8 @@
 //! `bake.json`: the bake that a checkpoint belongs to.
 
+use crate::errors::ManifestError;
 use lapidary_core::dataset::BakeSettings;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// Name of its file.
 pub const FILE: &str = "bake.json";
@@ -31,31 +31,6 @@ struct Sealed {
     /// BLAKE3 of the manifest's JSON, hexadecimal.
     checksum: String,
     manifest: Manifest,
-}
-
-/// Why a manifest is of no use.
-#[derive(Debug, Error)]
-pub enum ManifestError {
-    /// No JSON, or that of another version.
-    #[error("bake.json cannot be read ({0})")]
-    Json(#[from] serde_json::Error),
-    /// It is not what was written.
-    #[error("bake.json does not match its checksum")]
-    Checksum,
-    /// The number of chunks.
-    #[error("bake.json has {chunks} chunks for {points} points")]
-    Chunks {
-        /// Number of chunks.
-        chunks: usize,
-        /// Number of bake points.
-        points: usize,
-    },
-    /// The order of the light tree.
-    #[error("bake.json has an order of the light tree that is no permutation of {lights} lights")]
-    TreeOrder {
-        /// Number of lights.
-        lights: usize,
-    },
 }
 
 impl Manifest {

@@ -2,6 +2,7 @@
 
 use crate::{
     args::{ShotOption, choices, values::place},
+    outputs::CommandFiles,
     terminal::{ProgressReporter, ProgressStyle, write_json},
 };
 use anyhow::{Context, Result};
@@ -146,6 +147,11 @@ impl BakeArgs {
         s.meshless.epsilon = self.epsilon.unwrap_or(s.meshless.epsilon);
         s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
         s
+    }
+
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().reads([&self.scene]).writes([&self.output]).writes(&self.report)
     }
 
     /// Imports and bakes, with progress on standard error; Ctrl-C leaves a checkpoint.

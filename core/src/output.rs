@@ -1,0 +1,154 @@
+//! Writing files: what may be written over is checked before the work, and a file is replaced only when its successor is complete
+//! and on disk. Nothing is written in any other way.
+
+use crate::input::what_it_is;
+use same_file::is_same_file;
+use std::{
+    fs::{self, Metadata, OpenOptions},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+use thiserror::Error;
+
+/// Why nothing is written to a path.
+#[derive(Debug, Error)]
+pub enum OutputError {
+    /// It would destroy an input.
+    #[error("the output would be written over an input; choose another name ({})", path.display())]
+    Input {
+        /// The output.
+        path: PathBuf,
+    },
+    /// It is the name of a folder.
+    #[error("the output's name is that of a folder; add the name of a file ({})", path.display())]
+    NoName {
+        /// The output.
+        path: PathBuf,
+    },
+    /// There is something that is not replaced.
+    #[error("{source} ({})", path.display())]
+    NotAFile {
+        /// The output.
+        path: PathBuf,
+        /// What is there.
+        source: io::Error,
+    },
+    /// The file there is protected.
+    #[error("the output is there and read-only; make it writable, or choose another name ({})", path.display())]
+    ReadOnly {
+        /// The output.
+        path: PathBuf,
+    },
+    /// Its folder is not there.
+    #[error("there is no folder to write to; create it first ({})", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Its folder takes no files.
+    #[error("cannot write to the folder; check its permissions and the free space ({})", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the file system says.
+        source: io::Error,
+    },
+}
+
+/// Writes `bytes` under a temporary name in the folder of `path` and renames it once it is on disk.
+///
+/// # Errors
+/// Errors of the file system, and anything but a file at `path`; what was there is kept then.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    file_to_replace(path)?;
+    let mut file = temporary_in(folder_of(path))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Checks that `path` can be written and that nothing is lost by it, before work whose result is to be written there.
+///
+/// # Errors
+/// An output that is one of the `inputs`, by whatever name; a folder, a link, a device; a file that is read-only; a folder that is
+/// missing or takes no files.
+pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
+    let path = || path.to_path_buf();
+    let ends_as_folder = |bytes: &[u8]| bytes.last().is_some_and(|&b| std::path::is_separator(b.into()));
+    if path().file_name().is_none() || ends_as_folder(path().as_os_str().as_encoded_bytes()) {
+        return Err(OutputError::NoName { path: path() });
+    }
+    let there = file_to_replace(&path()).map_err(|source| OutputError::NotAFile { path: path(), source })?;
+    if inputs.iter().any(|input| is_same_output(&path(), input)) {
+        return Err(OutputError::Input { path: path() });
+    }
+    if there.is_some_and(|there| there.permissions().readonly() || !takes_bytes(&path())) {
+        return Err(OutputError::ReadOnly { path: path() });
+    }
+    check_writable(folder_of(&path()))
+}
+
+/// Checks that a folder is there and takes files, before work whose result is to be written there.
+///
+/// # Errors
+/// A folder that is not, or does not.
+pub fn check_writable(folder: &Path) -> Result<(), OutputError> {
+    if !folder.is_dir() {
+        return Err(OutputError::NoFolder { folder: folder.into() });
+    }
+    temporary_in(folder).map(drop).map_err(|source| OutputError::Folder { folder: folder.into(), source })
+}
+
+/// Whether writing to `path` is writing to `other`: the same file by whatever name, or the same place where none is yet.
+pub fn is_same_output(path: &Path, other: &Path) -> bool {
+    // Other things than files are not opened: a pipe would wait for its other end.
+    if path.is_file() && other.is_file() {
+        return is_same_file(path, other).unwrap_or(false);
+    }
+    let place = |path: &Path| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
+    place(path).is_some_and(|place_of_path| place(other) == Some(place_of_path))
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The file at `path`, if anything is there.
+///
+/// # Errors
+/// Something else: it would be lost, and a file in its place would not be what others expect there.
+fn file_to_replace(path: &Path) -> io::Result<Option<Metadata>> {
+    let there = match fs::symlink_metadata(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+        there => there?,
+    };
+    if there.is_file() {
+        return Ok(Some(there));
+    }
+    let kind = if there.is_dir() { io::ErrorKind::IsADirectory } else { io::ErrorKind::InvalidInput };
+    let what = if there.is_symlink() { "a symbolic link" } else { what_it_is(there.file_type()) };
+    Err(io::Error::new(kind, format!("the output is {what}, and only files are written over; choose another name")))
+}
+
+/// Whether an existing file lets itself be written to; nothing is.
+fn takes_bytes(path: &Path) -> bool {
+    OpenOptions::new().write(true).open(path).is_ok()
+}
+
+/// A file that is removed unless it is renamed; its name is random and nothing was there.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".lapidary-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        // Temporary files are private by default; the finished one is as readable as any other output.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests;
