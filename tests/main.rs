@@ -11,4 +11,5 @@ mod export;
 mod gpu;
 mod mitsuba;
 mod outputs;
+mod outside;
 mod pictures;

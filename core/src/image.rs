@@ -12,7 +12,7 @@ mod region;
 mod write;
 
 pub use layers::{Layer, LayeredImage, MetaValue, Metadata};
-pub use read::{decode, dimensions};
+pub use read::{Footprint, decode, dimensions, footprint};
 pub use region::{Region, RegionError};
 pub use write::{encode_png, encode_png_pixels};
 
@@ -61,7 +61,17 @@ pub enum ImageError {
         /// What there is, in words.
         has: String,
     },
-    /// The picture would not fit in memory.
+    /// There is not enough memory for the picture.
+    #[error("the picture takes {needed} MB of memory, but {available} MB are free; reduce its size or close other programs ({})", path.display())]
+    Memory {
+        /// Which file.
+        path: PathBuf,
+        /// What decoding takes, in megabytes.
+        needed: u64,
+        /// What is free, in megabytes.
+        available: u64,
+    },
+    /// The picture has more pixels than any that is read.
     #[error("a picture of {width} x {height} is larger than the limit of {limit} pixels; reduce its size ({})", path.display())]
     TooLarge {
         /// Which file.

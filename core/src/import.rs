@@ -1,8 +1,9 @@
 //! Import of OBJ, glTF, GLB and PLY files into a [`Scene`], with a report of what was repaired.
 //!
 //! Each format has one reader that returns a `RawMesh` with the contents of the file. `repair` then makes one clean
-//! mesh of it, the same way for all formats. Contents of a file never cause a panic: they are repaired with a warning,
-//! or refused with an error.
+//! mesh of it, the same way for all formats. `ranges` keeps all else in range. Contents of a file never cause a panic:
+//! they are repaired with a warning, or refused with an error. `budget` bounds the memory that they take, and `files` what
+//! they may read.
 
 use crate::{
     camera::Camera,
@@ -13,17 +14,21 @@ use crate::{
     scene::{MeshError, Object, Scene},
     texture::Texture,
 };
+use files::Files;
 use glam::Vec3;
 use repair::RawMesh;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+mod budget;
+mod files;
 mod gltf;
 mod material_file;
 mod mtl;
 mod obj;
 mod ply;
+mod ranges;
 mod repair;
 mod tangents;
 mod textures;
@@ -82,9 +87,41 @@ pub enum ImportError {
         /// How many are allowed.
         limit: u64,
     },
+    /// The scene would not fit in the memory that is free.
+    #[error("the scene takes at least {needed} MB of memory, but {available} MB are free; reduce its textures or its meshes, or close other programs ({})", path.display())]
+    Memory {
+        /// Which file.
+        path: PathBuf,
+        /// What it takes as far as it was estimated, in megabytes.
+        needed: u64,
+        /// What it may take, in megabytes.
+        available: u64,
+    },
+    /// The file needs others that it may not read.
+    #[error("the files {} are outside the folder of the file that needs them, and were not read; put them beside it, or allow it with --allow-outside ({})", listed(names), path.display())]
+    Outside {
+        /// Which file.
+        path: PathBuf,
+        /// The files, as it names them.
+        names: Vec<String>,
+    },
     /// A picture that a material names cannot be read.
-    #[error(transparent)]
-    Image(#[from] ImageError),
+    #[error("a map of the material cannot be read: {source} ({})", path.display())]
+    Map {
+        /// The material file.
+        path: PathBuf,
+        /// What is wrong with the picture.
+        source: ImageError,
+    },
+}
+
+/// What an import may take and read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ImportOptions {
+    /// Most memory in bytes; without it, what is free.
+    pub budget: Option<u64>,
+    /// Whether files outside the folder of the scene or the material are read.
+    pub allow_outside: bool,
 }
 
 /// Report of an import and its repairs.
@@ -111,6 +148,8 @@ pub struct ImportReport {
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
+    /// Files outside the folder of the scene, as it names them. They were read only if that was allowed.
+    pub outside: Vec<String>,
     /// Other problems, with their repair and the remedy.
     pub warnings: Vec<String>,
 }
@@ -134,13 +173,22 @@ struct Source {
     cameras: Vec<Camera>,
     lights: Vec<Light>,
     warnings: Vec<String>,
+    outside: Vec<String>,
+}
+
+/// Imports the scene in an obj, gltf, glb or ply file. It may take all free memory, and read files of its folder.
+///
+/// # Errors
+/// Those of [`import_with`].
+pub fn import(path: &Path) -> Result<Imported, ImportError> {
+    import_with(path, &ImportOptions::default())
 }
 
 /// Imports the scene in an obj, gltf, glb or ply file.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, is too large, or holds no triangles.
-pub fn import(path: &Path) -> Result<Imported, ImportError> {
+/// A file that cannot be read, is damaged, is too large, holds no triangles, or needs files that it may not read.
+pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let read_format = match extension.as_str() {
         "obj" => obj::read,
@@ -148,18 +196,21 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
         "ply" => ply::read,
         _ => return Err(ImportError::Unsupported { path: path.into(), extension }),
     };
-    let bytes = read_file(path)?;
-    finish(read_format(&bytes, path)?, path)
+    let mut files = Files::beside(path, options);
+    let bytes = read_file(path, &mut files)?;
+    finish(read_format(&bytes, path, files)?, path)
 }
 
-fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
-    input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })
+fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
+    let bytes = input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })?;
+    files.budget.take(bytes.len() as u64).map_err(|over| over.at(path))?;
+    Ok(bytes)
 }
 
 /// Repairs the mesh, and checks that it is valid.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let mut report = ImportReport { warnings: source.warnings, ..Default::default() };
+    let mut report = ImportReport { warnings: source.warnings, outside: source.outside, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {
@@ -171,6 +222,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         lights: source.lights,
     };
     aim_at_the_center(&mut scene);
+    ranges::keep_in_range(&mut scene, &mut report.warnings);
     Ok(Imported { scene, report })
 }
 

@@ -89,6 +89,16 @@ pub struct Material {
 }
 
 impl Material {
+    /// With parameters and placements of maps in their ranges; see [`BrdfParameters::sanitized`] and
+    /// [`TextureSlot::sanitized`].
+    pub fn sanitized(mut self) -> Self {
+        self.parameters = self.parameters.sanitized();
+        for slot in self.maps.slots_mut() {
+            *slot = std::mem::take(slot).sanitized();
+        }
+        self
+    }
+
     /// The parameters after their maps, whose texels `sample` looks up; not yet clamped. Twin of
     /// `shaders/parameters_pass.wgsl`.
     pub fn modulated(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> BrdfParameters {

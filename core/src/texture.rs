@@ -41,13 +41,14 @@ pub struct TextureSlot {
     pub color_space: ColorSpace,
     /// Component for scalar parameters; colours and normals read RGB.
     pub channel: Channel,
-    /// Repetitions across the unit square of texture coordinates.
+    /// Repetitions across the unit square of texture coordinates; at most [`TextureSlot::MOST`].
     pub scale: Vec2,
-    /// Added after scaling and rotating.
+    /// Added after scaling and rotating; at most [`TextureSlot::MOST`].
     pub offset: Vec2,
-    /// Counter-clockwise rotation of the coordinates in radians, before the offset (KHR_texture_transform).
+    /// Counter-clockwise rotation of the coordinates in radians, before the offset (KHR_texture_transform); at most
+    /// [`TextureSlot::MOST`].
     pub rotation: f32,
-    /// Scales normals and heights; 1 leaves other maps alone.
+    /// Scales normals and heights; at most [`TextureSlot::MOST`]. 1 leaves other maps alone.
     pub strength: f32,
     /// Normals have their green channel down (DirectX) instead of up (OpenGL).
     pub flip_y: bool,
@@ -69,6 +70,23 @@ impl Default for TextureSlot {
 }
 
 impl TextureSlot {
+    /// Bound of the size of its numbers: larger ones place no texel where it was meant, and overflow in time.
+    pub const MOST: f32 = 1e6;
+
+    /// With the default in place of each number that is out of range.
+    pub fn sanitized(self) -> Self {
+        let default = Self::default();
+        let number = |x: f32, default: f32| if x.abs() <= Self::MOST { x } else { default };
+        let pair = |p: Vec2, default: Vec2| Vec2::new(number(p.x, default.x), number(p.y, default.y));
+        Self {
+            scale: pair(self.scale, default.scale),
+            offset: pair(self.offset, default.offset),
+            rotation: number(self.rotation, default.rotation),
+            strength: number(self.strength, default.strength),
+            ..self
+        }
+    }
+
     /// Texture coordinates after this slot's transform.
     pub fn transform(&self, uv: Vec2) -> Vec2 {
         let (sin, cos) = self.rotation.sin_cos();
@@ -88,8 +106,21 @@ impl TextureSlot {
 pub enum Texels {
     /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
-    /// Floating point, as in hdr, exr and 16-bit grey png.
+    /// Floating point, as in hdr, exr and 16-bit grey png. Those of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    /// The largest number of a 16-bit float.
+    pub const MOST: f32 = 65_504.0;
+
+    /// Replaces what is not a number by 0 and limits the others to [`Self::MOST`]. Returns how many texels changed.
+    pub fn sanitize(&mut self) -> usize {
+        let Self::F32(texels) = self else { return 0 };
+        let is_wrong = |texel: &&mut [f32; 4]| !texel.iter().all(|x| x.abs() <= Self::MOST);
+        let repair = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-Self::MOST, Self::MOST) };
+        texels.iter_mut().filter(is_wrong).map(|texel| *texel = texel.map(repair)).count()
+    }
 }
 
 /// An image that materials use.
@@ -161,6 +192,25 @@ mod tests {
     fn two_by_one() -> Texture {
         let texels = Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]);
         Texture { name: "t".into(), size: [2, 1], texels, encoded: Arc::from([]) }
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_replaced_and_others_stay() {
+        let good = TextureSlot { scale: Vec2::new(-TextureSlot::MOST, 0.5), rotation: 3.0, ..Default::default() };
+        assert_eq!(good.clone().sanitized(), good);
+        let bad = TextureSlot {
+            scale: Vec2::new(f32::INFINITY, 0.5),
+            offset: Vec2::new(f32::NAN, 2.0),
+            rotation: -1e7,
+            strength: f32::NEG_INFINITY,
+            ..good
+        };
+        let expected = TextureSlot { scale: Vec2::new(1.0, 0.5), offset: Vec2::new(0.0, 2.0), ..Default::default() };
+        assert_eq!(bad.sanitized(), expected);
+        let mut texels = Texels::F32(vec![[0.5, -7.0, 65_504.0, 1.0], [f32::NAN, f32::INFINITY, -1e9, 0.25]]);
+        assert_eq!(texels.sanitize(), 1);
+        let expected = vec![[0.5, -7.0, 65_504.0, 1.0], [0.0, Texels::MOST, -Texels::MOST, 0.25]];
+        assert_eq!(texels, Texels::F32(expected));
     }
 
     #[test]

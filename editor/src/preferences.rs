@@ -1,6 +1,6 @@
 //! How the window looks and where file dialogs begin, kept between runs and apart from sessions.
 
-use crate::document::{session::read_leniently, write_setting};
+use crate::document::{folder_of, session::read_leniently, write_setting};
 use anyhow::Result;
 use lapidary_core::input;
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,8 @@ pub struct Preferences {
     pub inspector_width: f32,
     /// Where file dialogs begin.
     pub folders: LastFolders,
+    /// Folders whose scenes and materials may name files elsewhere.
+    pub outside: AllowedFolders,
 }
 
 /// What files are chosen for.
@@ -94,6 +96,28 @@ impl LastFolders {
     }
 }
 
+/// Folders of scenes and materials that may name files outside them; the user was asked for each.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct AllowedFolders(Vec<PathBuf>);
+
+impl AllowedFolders {
+    /// Whether what a file names outside its folder is read.
+    pub fn allow(&self, file: &Path) -> bool {
+        folder_after_links(file).is_some_and(|folder| self.0.contains(&folder))
+    }
+
+    /// Remembers the folder of a file. One whose name is no Unicode cannot be written to the preferences, and is not.
+    pub fn remember(&mut self, file: &Path) {
+        let folder = folder_after_links(file).filter(|folder| folder.to_str().is_some());
+        self.0.extend(folder.filter(|folder| !self.0.contains(folder)));
+    }
+}
+
+fn folder_after_links(file: &Path) -> Option<PathBuf> {
+    folder_of(file).canonicalize().ok()
+}
+
 /// Dark or light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -114,6 +138,7 @@ impl Default for Preferences {
             side_width: 230.0,
             inspector_width: 340.0,
             folders: LastFolders::default(),
+            outside: AllowedFolders::default(),
         }
     }
 }
@@ -171,6 +196,7 @@ impl Preferences {
             side_width: clamp(self.side_width, 160.0, 480.0, usual.side_width),
             inspector_width: clamp(self.inspector_width, 280.0, 640.0, usual.inspector_width),
             folders: self.folders,
+            outside: self.outside,
         }
     }
 }
@@ -186,8 +212,17 @@ mod tests {
         assert_eq!(Preferences::load(&config), (Preferences::default(), None));
         let mut folders = LastFolders::default();
         folders.remember(FileUse::Texture, folder.path());
-        let preferences =
-            Preferences { theme: Theme::Light, ui_scale: 1.25, side_width: 300.0, folders, ..Default::default() };
+        let mut outside = AllowedFolders::default();
+        outside.remember(&folder.path().join("scene.gltf"));
+        assert!(outside.allow(&folder.path().join("other.json")) && !outside.allow(&folder.path().join("not/a.gltf")));
+        let preferences = Preferences {
+            theme: Theme::Light,
+            ui_scale: 1.25,
+            side_width: 300.0,
+            folders,
+            outside,
+            ..Default::default()
+        };
         preferences.save(&config).unwrap();
         assert_eq!(Preferences::load(&config), (preferences, None));
     }

@@ -3,6 +3,7 @@
 mod backend;
 pub mod choices;
 mod light;
+mod outside;
 mod picture;
 mod shot;
 pub mod values;
@@ -10,6 +11,7 @@ mod view;
 
 pub use backend::{BackendOption, shader_source};
 pub use light::{LocalLightArgs, warn_of_buried};
+pub use outside::OutsideArgs;
 pub use picture::PictureArgs;
 pub use shot::ShotOption;
 pub use view::{ViewArgs, ViewedScene, replace_materials};

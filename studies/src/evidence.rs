@@ -15,6 +15,7 @@ mod variants;
 mod wavelets;
 
 use crate::{
+    args::OutsideArgs,
     bundled::DataFolder,
     outputs::{CommandFiles, create_folder},
     terminal::{Console, Outcome, Steps},
@@ -36,6 +37,8 @@ pub struct EvidenceArgs {
     /// Further scenes: .obj, .gltf, .glb or .ply
     #[arg(long, value_name = "FILE", num_args = 1..)]
     scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    outside: OutsideArgs,
     /// Leave out the bundled scenes
     #[arg(long, requires = "scenes")]
     no_bundled: bool,
@@ -68,7 +71,7 @@ pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     let scale = if args.quick { MeasurementScale::QUICK } else { MeasurementScale::FULL };
     let (environment, warnings) = Environment::from_spec(&args.env)?;
     warnings.iter().for_each(|w| console.warning(w));
-    let plans = scenes(args)?.iter().map(|path| Plan::read(path)).collect::<Result<Vec<_>>>()?;
+    let plans = scenes(args)?.iter().map(|path| Plan::read(path, &args.outside.into())).collect::<Result<Vec<_>>>()?;
     let plans = cases::named_apart(plans);
     let steps = Steps::new(console);
     let head = Head::new(scale, &args.env, plans.iter().map(|plan| plan.name.clone()).collect());

@@ -119,7 +119,8 @@ impl Reader<'_> {
             return Ok(Texture::missing(name));
         }
         // The name tells the decoder the format, where the contents alone do not.
-        let decoded = decode(&bytes, Path::new(name)).map_err(|e| Damage::Metadata(e.to_string()))?;
+        let mut decoded = decode(&bytes, Path::new(name)).map_err(|e| Damage::Metadata(e.to_string()))?;
+        decoded.texels.sanitize();
         Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })
     }
 

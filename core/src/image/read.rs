@@ -1,16 +1,17 @@
 //! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
 //!
-//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`], channels by name.
+//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the memory that is free, channels by
+//! name.
 
 use super::{Image, ImageError};
 use crate::{
     color::linear_from_srgb,
-    input,
+    input, memory,
     texture::{Texels, Texture},
 };
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
-use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::{
     io::{BufReader, Cursor},
     path::Path,
@@ -21,14 +22,21 @@ use std::{
 const MAX_PIXELS: u64 = 1 << 28;
 
 impl Texture {
-    /// Reads a png, jpg, tga, hdr or exr file.
+    /// Reads a png, jpg, tga, hdr or exr file. Texels out of range are replaced, see [`Texels::sanitize`].
     ///
     /// # Errors
     /// A file that cannot be read, is no picture, or is too large.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
-        decode(&bytes, path)
+        let mut texture = read_texture(path)?;
+        texture.texels.sanitize();
+        Ok(texture)
     }
+}
+
+/// The texture in a file, with all its texels as they are.
+fn read_texture(path: &Path) -> Result<Texture, ImageError> {
+    let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+    decode(&bytes, path)
 }
 
 impl Image {
@@ -37,7 +45,7 @@ impl Image {
     /// # Errors
     /// A file that cannot be read, is no picture, or is too large.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        Ok(linear_image(&Texture::read(path)?))
+        Ok(linear_image(&read_texture(path)?))
     }
 }
 
@@ -49,10 +57,54 @@ impl Image {
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
+    footprint(bytes, path)?.check(memory::available(), path)?;
     let (size, texels) =
         if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes, path)? } else { decode_common(bytes, path)? };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     Ok(Texture { name, size, texels, encoded: Arc::from(bytes) })
+}
+
+/// Bytes that a picture takes, estimated from its header alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Footprint {
+    /// Its texels as a texture holds them.
+    pub held: u64,
+    /// What the decoder needs beside them.
+    pub decoding: u64,
+}
+
+impl Footprint {
+    pub(super) fn check(self, available: Option<u64>, path: &Path) -> Result<(), ImageError> {
+        let needed = self.held.saturating_add(self.decoding);
+        match available {
+            Some(available) if needed > available => Err(ImageError::Memory {
+                path: path.into(),
+                needed: needed.div_ceil(1_000_000),
+                available: available / 1_000_000,
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The memory that [`decode`] takes for the bytes of a file that was read from `path`.
+///
+/// # Errors
+/// Damaged, foreign or oversized contents.
+pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
+    if bytes.starts_with(&EXR_MAGIC) {
+        // One of its parts is decoded.
+        let parts = exr_parts(bytes, path)?;
+        let largest = parts.into_iter().max_by_key(|part| part.samples).unwrap_or_default();
+        return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
+    }
+    let format = format_of(bytes, path)?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(|e| damaged(path, e))?;
+    let (width, height) = decoder.dimensions();
+    check_size(width.into(), height.into(), path)?;
+    let bytes_per_texel = if is_float(decoder.color_type()) { 16 } else { 4 };
+    let held = u64::from(width) * u64::from(height) * bytes_per_texel;
+    Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
 }
 
 /// Width and height of a png, jpg, tga or hdr file, from its header alone.
@@ -112,32 +164,47 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<ImageFormat, ImageError> {
 }
 
 fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
-    let format = format_of(bytes, path)?;
-    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
-    let (width, height) = reader().into_dimensions().map_err(|e| damaged(path, e))?;
-    check_size(width.into(), height.into(), path)?;
-    let mut reader = reader();
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format_of(bytes, path)?);
     let mut limits = Limits::default();
     limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
     reader.limits(limits);
     let decoded = reader.decode().map_err(|e| damaged(path, e))?;
-    Ok(([width, height], texels_of(decoded)))
+    Ok(([decoded.width(), decoded.height()], texels_of(decoded)))
 }
 
 fn texels_of(decoded: DynamicImage) -> Texels {
-    match decoded.color() {
-        ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16 => {
-            Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect())
-        }
-        _ => Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect()),
+    if is_float(decoded.color()) {
+        Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect())
+    } else {
+        Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect())
     }
 }
 
-fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+/// Whether a picture of these components is held as floats.
+fn is_float(color: ColorType) -> bool {
+    matches!(color, ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16)
+}
+
+/// A part of an OpenEXR file, from its header.
+#[derive(Clone, Copy, Default)]
+pub(super) struct ExrPart {
+    pub pixels: u64,
+    /// Bytes of the samples of all channels.
+    pub samples: u64,
+}
+
+pub(super) fn exr_parts(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>, ImageError> {
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, e))?;
-    for header in &meta.headers {
-        check_size(header.layer_size.x() as u64, header.layer_size.y() as u64, path)?;
-    }
+    let part = |header: &exr::meta::header::Header| {
+        let [width, height] = [header.layer_size.x() as u64, header.layer_size.y() as u64];
+        check_size(width, height, path)?;
+        let pixels = width * height;
+        Ok(ExrPart { pixels, samples: pixels.saturating_mul(header.channels.bytes_per_pixel as u64) })
+    };
+    meta.headers.iter().map(part).collect()
+}
+
+fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
     let file = openexr::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -228,6 +295,21 @@ mod tests {
         let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n";
         let error = decode(header, Path::new("huge.hdr")).unwrap_err();
         assert!(matches!(error, ImageError::TooLarge { width: 60000, limit: MAX_PIXELS, .. }), "{error}");
+    }
+
+    #[test]
+    fn the_memory_of_a_picture_is_known_from_its_header() {
+        let of = |name: &str| {
+            let path = Path::new(name);
+            footprint(&encode(&ramp(), None, path).unwrap(), path).unwrap()
+        };
+        let pixels = 13 * 7;
+        assert_eq!(of("a.png"), Footprint { held: 4 * pixels, decoding: 4 * pixels });
+        assert_eq!(of("a.hdr"), Footprint { held: 16 * pixels, decoding: 16 * pixels });
+        assert_eq!(of("a.exr"), Footprint { held: 16 * pixels, decoding: 12 * pixels });
+        let message = of("a.png").check(Some(8 * pixels - 1), Path::new("a.png")).unwrap_err().to_string();
+        assert!(message.contains("1 MB") && message.contains("0 MB") && message.ends_with("(a.png)"), "{message}");
+        assert!(of("a.png").check(Some(8 * pixels), Path::new("a.png")).is_ok());
     }
 
     #[test]

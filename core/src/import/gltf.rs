@@ -1,15 +1,23 @@
 //! glTF 2.0 and GLB, parsed by the `gltf` crate; buffers and pictures are loaded here.
 
-use super::{ImportError, Source, check_count, listed, textures::TextureLibrary};
+use super::{
+    ImportError, Source, check_count,
+    files::{Files, Trouble},
+    listed,
+    textures::TextureLibrary,
+};
 use crate::{
     camera::Camera,
     scene::{MeshError, Object},
 };
 use buffers::Buffers;
-use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
-use gltf::mesh::{Mode, Semantic};
+use glam::{DVec4, Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
+use gltf::{
+    mesh::{Mode, Semantic},
+    scene::Transform,
+};
 use serde_json::Value;
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 mod buffers;
 mod lights;
@@ -19,21 +27,23 @@ mod materials;
 const EXTENSIONS: [&str; 4] =
     [lights::EXTENSION, "KHR_materials_ior", "KHR_materials_specular", "KHR_texture_transform"];
 
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
-    let parse_error = |reason: String| ImportError::Parse { path: path.into(), format: "glTF", reason };
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+    let failed = |trouble: Trouble| trouble.at(path, "glTF");
+    let parse_error = |reason: String| failed(reason.into());
     check_glb_header(bytes).map_err(parse_error)?;
+    files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
     let gltf = parse(bytes).map_err(parse_error)?;
-    let buffers = Buffers::load(&gltf, path).map_err(parse_error)?;
-    let nodes = all_nodes(&gltf);
-    check_size(&nodes, path)?;
+    let buffers = Buffers::load(&gltf, &mut files).map_err(failed)?;
+    let mut notes = Notes::default();
+    let nodes = all_nodes(&gltf, &mut notes);
+    check_size(&nodes, &mut files, path)?;
 
-    let mut library = TextureLibrary::beside(path);
+    let mut library = TextureLibrary::new(files);
     let mut source = Source::default();
-    materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library);
+    materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library).map_err(failed)?;
     if let Some(document) = document_with(bytes, lights::EXTENSION) {
         lights::add_lights(&mut source, &document, &nodes);
     }
-    let mut notes = Notes::default();
     for (node, world_from_node) in &nodes {
         if let Some(camera) = node.camera() {
             add_camera(&mut source, node, &camera, *world_from_node);
@@ -53,8 +63,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
     }
     notes.warn(&mut source.warnings);
     warn_of_extensions(&gltf, &mut source.warnings);
-    source.textures = library.textures;
-    source.warnings.append(&mut library.warnings);
+    library.finish(&mut source);
     Ok(source)
 }
 
@@ -73,10 +82,14 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
     Ok(gltf::Gltf { document, blob })
 }
 
+/// The JSON text of a file.
+fn json_of(bytes: &[u8]) -> Cow<'_, [u8]> {
+    gltf::Glb::from_slice(bytes).map_or(Cow::Borrowed(bytes), |glb| glb.json)
+}
+
 /// The JSON of a file that mentions an extension; for what the `gltf` crate does not offer.
 fn document_with(bytes: &[u8], extension: &str) -> Option<Value> {
-    let chunk = gltf::Glb::from_slice(bytes);
-    let json = chunk.as_ref().map_or(bytes, |glb| &glb.json);
+    let json = &*json_of(bytes);
     let mentioned = json.windows(extension.len()).any(|w| w == extension.as_bytes());
     mentioned.then(|| serde_json::from_slice(json).ok()).flatten()
 }
@@ -93,20 +106,21 @@ fn check_glb_header(bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Every node of every scene once with its transform, parents first; a file's cycles end at the second visit.
-fn all_nodes(gltf: &gltf::Document) -> Vec<(gltf::Node<'_>, Mat4)> {
+fn all_nodes<'a>(gltf: &'a gltf::Document, notes: &mut Notes) -> Vec<(gltf::Node<'a>, Mat4)> {
     let mut visited = vec![false; gltf.nodes().count()];
     let mut found = Vec::new();
     let mut pending: Vec<_> = gltf.scenes().flat_map(|s| s.nodes()).map(|n| (n, Mat4::IDENTITY)).collect();
     if pending.is_empty() {
-        let children: Vec<usize> = gltf.nodes().flat_map(|n| n.children()).map(|n| n.index()).collect();
-        pending = gltf.nodes().filter(|n| !children.contains(&n.index())).map(|n| (n, Mat4::IDENTITY)).collect();
+        let mut is_child = vec![false; gltf.nodes().count()];
+        gltf.nodes().flat_map(|n| n.children()).for_each(|n| is_child[n.index()] = true);
+        pending = gltf.nodes().filter(|n| !is_child[n.index()]).map(|n| (n, Mat4::IDENTITY)).collect();
     }
     pending.reverse();
     while let Some((node, world_from_parent)) = pending.pop() {
         if std::mem::replace(&mut visited[node.index()], true) {
             continue;
         }
-        let world_from_node = world_from_parent * Mat4::from_cols_array_2d(&node.transform().matrix());
+        let world_from_node = world_from_parent * parent_from_node(&node, notes);
         let children: Vec<_> = node.children().map(|child| (child, world_from_node)).collect();
         pending.extend(children.into_iter().rev());
         found.push((node, world_from_node));
@@ -114,20 +128,38 @@ fn all_nodes(gltf: &gltf::Document) -> Vec<(gltf::Node<'_>, Mat4)> {
     found
 }
 
+/// The transform of a node. The format wants unit quaternions; others are normalised, and those without a direction turn
+/// nothing.
+fn parent_from_node(node: &gltf::Node, notes: &mut Notes) -> Mat4 {
+    if let Transform::Decomposed { translation, rotation, scale } = node.transform() {
+        let quaternion = DVec4::from_array(rotation.map(f64::from));
+        if !((quaternion.length_squared() - 1.0).abs() < 1e-2) {
+            notes.turned.push(node_name(node));
+            let unit = Quat::from_vec4(quaternion.try_normalize().unwrap_or(DVec4::W).as_vec4());
+            return Mat4::from_scale_rotation_translation(scale.into(), unit, translation.into());
+        }
+    }
+    Mat4::from_cols_array_2d(&node.transform().matrix())
+}
+
 fn is_surface(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
 /// Counts what all instances will take before anything is read.
-fn check_size(nodes: &[(gltf::Node, Mat4)], path: &Path) -> Result<(), ImportError> {
-    let (mut vertices, mut corners) = (0u64, 0u64);
+fn check_size(nodes: &[(gltf::Node, Mat4)], files: &mut Files, path: &Path) -> Result<(), ImportError> {
+    let (mut vertices, mut triangles) = (0u64, 0u64);
     for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|mesh| mesh.primitives()) {
         let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
-        vertices = vertices.saturating_add(positions);
-        corners = corners.saturating_add(primitive.indices().map_or(positions, |a| a.count() as u64));
+        let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
+        let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
+        // One without anything takes time, too.
+        vertices = vertices.saturating_add(positions.max(1));
+        triangles = triangles.saturating_add((corners / per_triangle).max(1));
     }
     check_count("vertices", vertices, path)?;
-    check_count("triangles", corners / 3, path)
+    check_count("triangles", triangles, path)?;
+    files.budget.take_mesh(vertices, triangles).map_err(|over| over.at(path))
 }
 
 fn node_name(node: &gltf::Node) -> String {
@@ -231,6 +263,7 @@ struct Notes {
     skinned: Vec<String>,
     morphed: Vec<String>,
     colored: Vec<String>,
+    turned: Vec<String>,
 }
 
 impl Notes {
@@ -251,6 +284,7 @@ impl Notes {
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
             (&self.skinned, "are skinned and show in their rest pose; apply the pose before exporting"),
             (&self.morphed, "have morph targets, which were left out; apply the shape before exporting"),
+            (&self.turned, "have a rotation that is no unit quaternion, which was normalised; export them again"),
             (&self.colored, "have vertex colours, which were left out; bake them to a texture"),
         ] {
             if !names.is_empty() {

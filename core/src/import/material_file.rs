@@ -1,10 +1,15 @@
 //! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it.
 
-use super::{ImportError, read_file, textures::find_file};
+use super::{
+    ImportError, ImportOptions, ImportReport,
+    files::{Files, Trouble},
+    ranges::{material_warning, repair_material},
+    read_file,
+    textures::sanitized,
+};
 use crate::{
-    image::{ImageError, decode},
-    input,
-    material::{BrdfModel, BrdfParameters, MapKind, Maps, Material},
+    image::{ImageError, decode, footprint},
+    material::{BrdfModel, BrdfParameters, Maps, Material},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
 };
@@ -68,54 +73,111 @@ fn full_strength() -> f32 {
     1.0
 }
 
-/// Reads a material file, and adds its pictures to the textures of `scene` unless they are there already.
+/// Reads a material file, and adds its pictures to the textures of `scene` unless they are there already. Also returns what
+/// is to be told, in sentences.
 ///
 /// # Errors
-/// A file or picture that cannot be read, or contents that are no material. The scene is unchanged then.
-pub fn load_material(path: &Path, scene: &mut Scene) -> Result<Material, ImportError> {
-    let parse_error =
-        |e: serde_json::Error| ImportError::Parse { path: path.into(), format: "a material", reason: e.to_string() };
-    let file: MaterialFile = serde_json::from_slice(&read_file(path)?).map_err(parse_error)?;
+/// A file or picture that cannot be read or may not, or contents that are no material. The scene is unchanged then.
+pub fn load_material(
+    path: &Path,
+    scene: &mut Scene,
+    options: &ImportOptions,
+) -> Result<(Material, Vec<String>), ImportError> {
     let before = scene.textures.len();
-    let load = |kind: MapKind, slot: &SlotFile| load_slot(slot, kind.color_space(), path, scene);
-    let maps = file.maps.try_map(load).inspect_err(|_| scene.textures.truncate(before))?;
-    let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Material {
-        name: if file.name.is_empty() { stem() } else { file.name },
-        model: file.model,
-        parameters: file.parameters.sanitized(),
-        maps,
-        double_sided: file.double_sided,
-    })
+    let mut loader =
+        MaterialLoader { path, scene, files: Files::beside(path, options), report: ImportReport::default() };
+    let loaded = loader.load();
+    let MaterialLoader { files, mut report, .. } = loader;
+    files.tell(&mut report);
+    match loaded {
+        Ok(material) => Ok((material, report.warnings)),
+        Err(error) => {
+            scene.textures.truncate(before);
+            Err(error)
+        }
+    }
 }
 
-fn load_slot(
-    slot: &SlotFile,
-    default_space: ColorSpace,
-    material: &Path,
-    scene: &mut Scene,
-) -> Result<TextureSlot, ImportError> {
-    let folder = material.parent().unwrap_or(Path::new(""));
-    let path = find_file(folder, &slot.file).unwrap_or_else(|| folder.join(&slot.file));
-    let bytes = input::read(&path).map_err(|source| ImageError::Io { action: "read", path: path.clone(), source })?;
-    let known = scene.textures.iter().position(|t| *t.encoded == *bytes);
-    let texture = match known {
-        Some(index) => index,
-        None => {
-            let mut texture = decode(&bytes, &path)?;
-            texture.name.clone_from(&slot.file);
-            scene.textures.push(texture.into());
-            scene.textures.len() - 1
+struct MaterialLoader<'a> {
+    path: &'a Path,
+    scene: &'a mut Scene,
+    files: Files,
+    report: ImportReport,
+}
+
+impl MaterialLoader<'_> {
+    fn load(&mut self) -> Result<Material, ImportError> {
+        let path = self.path;
+        let parse_error = |e: serde_json::Error| ImportError::Parse {
+            path: path.into(),
+            format: "a material",
+            reason: e.to_string(),
+        };
+        let file: MaterialFile = serde_json::from_slice(&read_file(path, &mut self.files)?).map_err(parse_error)?;
+        self.check_outside(&file.maps)?;
+        let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, kind.color_space()))?;
+        let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut material = Material {
+            name: if file.name.is_empty() { stem() } else { file.name },
+            model: file.model,
+            parameters: file.parameters,
+            maps,
+            double_sided: file.double_sided,
+        };
+        if repair_material(&mut material) {
+            self.report.warnings.push(material_warning(std::slice::from_ref(&material.name)));
         }
-    };
-    Ok(TextureSlot {
-        texture: texture as u32,
-        color_space: slot.color_space.unwrap_or(default_space),
-        channel: slot.channel,
-        scale: slot.scale,
-        offset: slot.offset,
-        rotation: slot.rotation_degrees.to_radians(),
-        strength: slot.strength,
-        flip_y: slot.flip_y,
-    })
+        Ok(material)
+    }
+
+    /// Names all pictures that may not be read at once.
+    fn check_outside(&mut self, maps: &MapFiles) -> Result<(), ImportError> {
+        let mut names: Vec<String> = maps.slots().map(|slot| slot.file.clone()).collect();
+        names.sort();
+        names.dedup();
+        names.retain(|name| matches!(self.files.find(name), Err(Trouble::Outside(_))));
+        if names.is_empty() { Ok(()) } else { Err(ImportError::Outside { path: self.path.into(), names }) }
+    }
+
+    fn slot(&mut self, slot: &SlotFile, default_space: ColorSpace) -> Result<TextureSlot, ImportError> {
+        Ok(TextureSlot {
+            texture: self.texture(&slot.file)?,
+            color_space: slot.color_space.unwrap_or(default_space),
+            channel: slot.channel,
+            scale: slot.scale,
+            offset: slot.offset,
+            rotation: slot.rotation_degrees.to_radians(),
+            strength: slot.strength,
+            flip_y: slot.flip_y,
+        })
+    }
+
+    fn texture(&mut self, name: &str) -> Result<u32, ImportError> {
+        let bytes = self.files.find(name).and_then(|file| self.files.read(&file)).map_err(|t| self.unread(t, name))?;
+        if let Some(known) =
+            self.scene.textures.iter().position(|texture| !bytes.is_empty() && *texture.encoded == *bytes)
+        {
+            return Ok(known as u32);
+        }
+        let failed = |source| ImportError::Map { path: self.path.into(), source };
+        let footprint = footprint(&bytes, Path::new(name)).map_err(failed)?;
+        self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
+        let mut texture = decode(&bytes, Path::new(name)).map_err(failed)?;
+        texture.name = name.to_owned();
+        self.report.warnings.extend(sanitized(&mut texture));
+        self.scene.textures.push(texture.into());
+        Ok(self.scene.textures.len() as u32 - 1)
+    }
+
+    /// The error of a picture that is not read.
+    fn unread(&self, trouble: Trouble, name: &str) -> ImportError {
+        match trouble {
+            Trouble::Reason(reason) => {
+                let source =
+                    ImageError::Io { action: "read", path: name.into(), source: std::io::Error::other(reason) };
+                ImportError::Map { path: self.path.into(), source }
+            }
+            other => other.at(self.path, "a material"),
+        }
+    }
 }

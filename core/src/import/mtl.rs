@@ -3,7 +3,7 @@
 //! Read here and not by `tobj`, which panics at a colour of fewer than three numbers and drops the whole library at
 //! one bad line.
 
-use super::{Source, listed, textures::TextureLibrary};
+use super::{Source, files::Trouble, listed, textures::TextureLibrary};
 use crate::{
     color::luminance,
     material::{BrdfParameters, MapKind, Material},
@@ -136,16 +136,19 @@ struct Ignored {
 }
 
 /// Adds the materials called `names` to `source`, from the library `entries`, and reports what is missing or ignored.
+///
+/// # Errors
+/// [`Trouble::Memory`].
 pub(super) fn add_materials(
     source: &mut Source,
     names: &[String],
     entries: &HashMap<String, MtlEntry>,
     library: &mut TextureLibrary,
-) {
+) -> Result<(), Trouble> {
     let mut ignored = Ignored::default();
     for name in names {
         let material = match entries.get(name) {
-            Some(entry) => material(name, entry, library, &mut ignored),
+            Some(entry) => material(name, entry, library, &mut ignored)?,
             None => Material { name: name.clone(), ..Default::default() },
         };
         source.materials.push(material);
@@ -171,6 +174,7 @@ pub(super) fn add_materials(
         &ignored.shininess_maps,
         "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
     );
+    Ok(())
 }
 
 fn warn(source: &mut Source, names: &[String], text: &str) {
@@ -179,7 +183,12 @@ fn warn(source: &mut Source, names: &[String], text: &str) {
     }
 }
 
-fn material(name: &str, entry: &MtlEntry, library: &mut TextureLibrary, ignored: &mut Ignored) -> Material {
+fn material(
+    name: &str,
+    entry: &MtlEntry,
+    library: &mut TextureLibrary,
+    ignored: &mut Ignored,
+) -> Result<Material, Trouble> {
     let opaque = entry.number("d").unwrap_or(1.0) >= 1.0 && entry.number("tr").unwrap_or(0.0) <= 0.0;
     if !opaque || entry.map("map_d").is_some() {
         ignored.transparent.push(name.to_owned());
@@ -191,8 +200,8 @@ fn material(name: &str, entry: &MtlEntry, library: &mut TextureLibrary, ignored:
         ignored.shininess_maps.push(name.to_owned());
     }
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry), ..Default::default() };
-    add_maps(&mut material, entry, library);
-    material
+    add_maps(&mut material, entry, library)?;
+    Ok(material)
 }
 
 fn parameters(entry: &MtlEntry) -> BrdfParameters {
@@ -217,7 +226,7 @@ fn parameters(entry: &MtlEntry) -> BrdfParameters {
         None => BrdfParameters::default().roughness,
     });
     let anisotropy = entry.number("aniso").unwrap_or(0.0);
-    BrdfParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight }.sanitized()
+    BrdfParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight }
 }
 
 /// Index of refraction and specular weight from `Ni` and `Ks`.
@@ -235,18 +244,20 @@ fn dielectric(ni: Option<f32>, ks: Option<Vec3>, has_map: bool) -> (f32, f32) {
     }
 }
 
-fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) {
-    let mut slot =
-        |key: &str, color_space| entry.map(key).map(|m| (m.multiplier, texture_slot(&m, color_space, library)));
-    let mut value = |key: &str, color_space| slot(key, color_space).map(|(_, slot)| slot);
+fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
+    // The first of the keys that the entry has.
+    let mut slot = |keys: &[&str], color_space| {
+        let map = keys.iter().find_map(|key| entry.map(key));
+        map.map(|m| texture_slot(&m, color_space, library).map(|slot| (m.multiplier, slot))).transpose()
+    };
+    let mut value = |key: &str, color_space| slot(&[key], color_space).map(|found| found.map(|(_, slot)| slot));
     let maps = &mut material.maps;
-    maps[MapKind::BaseColor] = value("map_kd", ColorSpace::Srgb);
-    maps[MapKind::Roughness] = value("map_pr", ColorSpace::Linear);
-    maps[MapKind::Metalness] = value("map_pm", ColorSpace::Linear);
-    maps[MapKind::Specular] = value("map_ks", ColorSpace::Linear);
-    maps[MapKind::Normal] =
-        slot("norm", ColorSpace::Linear).or_else(|| slot("map_kn", ColorSpace::Linear)).map(with_strength);
-    let bump = slot("bump", ColorSpace::Linear).or_else(|| slot("map_bump", ColorSpace::Linear));
+    maps[MapKind::BaseColor] = value("map_kd", ColorSpace::Srgb)?;
+    maps[MapKind::Roughness] = value("map_pr", ColorSpace::Linear)?;
+    maps[MapKind::Metalness] = value("map_pm", ColorSpace::Linear)?;
+    maps[MapKind::Specular] = value("map_ks", ColorSpace::Linear)?;
+    maps[MapKind::Normal] = slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength);
+    let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;
     match bump {
         // Many exporters name normal maps so.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
@@ -255,6 +266,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
         Some((multiplier, slot)) => maps[MapKind::Bump] = Some(with_strength((BUMP_METRES * multiplier, slot))),
         None => {}
     }
+    Ok(())
 }
 
 fn with_strength((strength, slot): (f32, TextureSlot)) -> TextureSlot {
@@ -262,15 +274,19 @@ fn with_strength((strength, slot): (f32, TextureSlot)) -> TextureSlot {
 }
 
 /// MTL counts v from the bottom of the picture: `1 - (s (1 - v) + o) = s v + (1 - s - o)`.
-fn texture_slot(map: &MapStatement, color_space: ColorSpace, library: &mut TextureLibrary) -> TextureSlot {
-    TextureSlot {
-        texture: library.load(&map.file),
+fn texture_slot(
+    map: &MapStatement,
+    color_space: ColorSpace,
+    library: &mut TextureLibrary,
+) -> Result<TextureSlot, Trouble> {
+    Ok(TextureSlot {
+        texture: library.load(&map.file)?,
         color_space,
         channel: map.channel.unwrap_or_default(),
         scale: map.scale,
         offset: Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y),
         ..Default::default()
-    }
+    })
 }
 
 /// Whether the mean texel is the light blue of tangent-space normals.

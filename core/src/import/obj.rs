@@ -1,28 +1,34 @@
 //! Wavefront OBJ, parsed by `tobj`.
 
 use super::{
-    ImportError, Source, check_count, listed, mtl,
+    ImportError, Source, check_count,
+    files::{Files, Trouble},
+    listed, mtl,
     repair::RawMesh,
-    textures::{TextureLibrary, find_file},
+    textures::TextureLibrary,
 };
-use crate::{input, material::Material, scene::Object};
+use crate::{material::Material, scene::Object};
 use glam::{Vec2, Vec3, Vec4};
 use std::{
     cell::Cell,
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     io::{BufRead, Read},
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
 };
 
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
-    let parse_error = |reason: String| ImportError::Parse { path: path.into(), format: "OBJ", reason };
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+    let failed = |trouble: Trouble| trouble.at(path, "OBJ");
+    let parse_error = |reason: String| failed(reason.into());
     if bytes.contains(&0) {
         return Err(parse_error("it holds binary data".into()));
     }
+    // The text is copied for `tobj`, and may be once more where it is not UTF-8.
+    files.budget.take(2 * bytes.len() as u64).map_err(|over| over.at(path))?;
     let outline = outline(&String::from_utf8_lossy(bytes));
     check_count("vertices", outline.vertices, path)?;
-    check_count("faces", outline.faces, path)?;
+    check_count("triangles", outline.corners, path)?;
+    files.budget.take_mesh(outline.vertices.max(outline.corners), outline.corners).map_err(|over| over.at(path))?;
     let models = parse(&outline).map_err(parse_error)?;
     let mut source = Source::default();
     let mut damaged = Damaged::default();
@@ -38,9 +44,8 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
         add_model(&mut source.mesh, &model.mesh, object, material as u32);
         damaged.note(&name, &model.mesh);
     }
-    check_count("triangles", source.mesh.triangles.len() as u64, path)?;
     damaged.warn(&mut source.warnings);
-    add_materials(&mut source, &outline, path);
+    add_materials(&mut source, &outline, TextureLibrary::new(files)).map_err(failed)?;
     Ok(source)
 }
 
@@ -52,7 +57,8 @@ struct Outline {
     material_names: Vec<String>,
     libraries: Vec<String>,
     vertices: u64,
-    faces: u64,
+    /// Of all faces; a face has two triangles fewer.
+    corners: u64,
 }
 
 /// Joins continued lines, drops comments behind numbers, and collects the names of materials and libraries.
@@ -90,7 +96,7 @@ impl Outline {
                 return self.text.push_str(value);
             }
             "v" => self.vertices += 1,
-            "f" => self.faces += 1,
+            "f" => self.corners += value.split_whitespace().count() as u64,
             _ => {}
         }
         let numeric = matches!(key, "v" | "vt" | "vn" | "f" | "l");
@@ -197,30 +203,35 @@ impl Damaged {
     }
 }
 
-fn add_materials(source: &mut Source, outline: &Outline, path: &Path) {
-    let folder = path.parent().unwrap_or(Path::new(""));
+fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLibrary) -> Result<(), Trouble> {
     let mut entries = HashMap::new();
-    for library in &outline.libraries {
-        // A name may hold spaces, and a statement may hold several names.
-        let whole = find_file(folder, library).map(|file| vec![Ok(file)]);
-        let files =
-            whole.unwrap_or_else(|| library.split_whitespace().map(|n| find_file(folder, n).ok_or(n)).collect());
-        for file in files {
-            let text = file.map_err(str::to_owned).and_then(|f| input::read(&f).map_err(|_| library.clone()));
-            match text {
-                Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
-                Err(name) => source.warnings.push(format!(
-                    "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
-                )),
-            }
+    for name in library_names(&outline.libraries, &mut library.files) {
+        match library.files.find(name).and_then(|file| library.files.read(&file)) {
+            Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
+            Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
+            Err(_) => source.warnings.push(format!(
+                "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
+            )),
         }
     }
-    let mut library = TextureLibrary::beside(path);
-    mtl::add_materials(source, &outline.material_names, &entries, &mut library);
+    mtl::add_materials(source, &outline.material_names, &entries, &mut library)?;
     let count = source.materials.len() as u32;
     if source.mesh.triangle_material.contains(&count) {
         source.materials.push(Material { name: "default".into(), ..Default::default() });
     }
-    source.textures = library.textures;
-    source.warnings.append(&mut library.warnings);
+    library.finish(source);
+    Ok(())
+}
+
+/// The names of material libraries, each once. A name may hold spaces, and a statement may hold several names.
+fn library_names<'a>(statements: &'a [String], files: &mut Files) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for statement in statements {
+        let is_one = !matches!(files.find(statement), Err(Trouble::Reason(_)));
+        let found: Vec<&str> = if is_one { vec![statement] } else { statement.split_whitespace().collect() };
+        names.extend(found);
+    }
+    let mut known = HashSet::new();
+    names.retain(|name| known.insert(*name));
+    names
 }

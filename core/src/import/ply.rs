@@ -1,16 +1,20 @@
 //! Stanford PLY, ascii and binary, parsed by `ply-rs-bw`.
 
-use super::{ImportError, Source, check_count, repair::RawMesh};
+use super::{
+    ImportError, Source, check_count,
+    files::{Files, Trouble},
+    repair::RawMesh,
+};
 use crate::{material::Material, scene::Object};
 use glam::{Vec2, Vec3, Vec4};
 use ply_rs_bw::{
     parser::{Parser, Reader},
-    ply::{DefaultElement, Property, PropertyAccess, PropertyAccessResult},
+    ply::{Property, PropertyAccess, PropertyAccessResult},
 };
 use std::path::Path;
 
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
-    let parse_error = |reason: String| ImportError::Parse { path: path.into(), format: "PLY", reason };
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+    let parse_error = |reason: String| Trouble::from(reason).at(path, "PLY");
     let mut reader = Reader::new(bytes);
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
     for element in header.elements.values() {
@@ -21,15 +25,22 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Source, ImportError> {
             return Err(parse_error(format!("it ends before its {} elements \"{}\"", element.count, element.name)));
         }
     }
+    // The corners of faces, at four bytes for one of the file.
+    files.budget.take(4 * bytes.len() as u64).map_err(|over| over.at(path))?;
+    let count = |name: &str| header.elements.get(name).map_or(0, |element| element.count as u64);
+    files.budget.take_mesh(count("vertex"), count("face")).map_err(|over| over.at(path))?;
     let (mut vertices, mut faces): (Vec<Vertex>, Vec<Face>) = Default::default();
     for element in header.elements.values() {
         let result = match element.name.as_str() {
             "vertex" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|v| vertices = v),
             "face" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|f| faces = f),
-            _ => Parser::<DefaultElement>::new().read_payload_for_element(&mut reader, element, &header).map(drop),
+            _ => Parser::<Ignored>::new().read_payload_for_element(&mut reader, element, &header).map(drop),
         };
         result.map_err(|e| parse_error(e.to_string()))?;
     }
+    let corners: u64 = faces.iter().map(|face| face.corners.len() as u64).sum();
+    check_count("triangles", corners, path)?;
+    files.budget.take_mesh(0, corners.saturating_sub(3 * faces.len() as u64)).map_err(|over| over.at(path))?;
     Ok(source(&vertices, &faces, path))
 }
 
@@ -53,6 +64,20 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
         materials: vec![Material { name: "default".into(), ..Default::default() }],
         objects: vec![Object { name }],
         ..Default::default()
+    }
+}
+
+/// An element that a mesh has no use for.
+#[derive(Clone, Debug)]
+struct Ignored;
+
+impl PropertyAccess for Ignored {
+    fn new() -> Self {
+        Self
+    }
+
+    fn set_property(&mut self, _name: &str, _value: Property) -> PropertyAccessResult {
+        PropertyAccessResult::Ignored
     }
 }
 

@@ -7,7 +7,7 @@
 //! the fans whose mean normals are similar took that to 5.9 % only, and rounded off chamfers elsewhere.)
 
 use super::{ImportReport, tangents};
-use crate::scene::{Mesh, MeshError};
+use crate::scene::{MOST_COORDINATE, Mesh, MeshError, check_extent};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
@@ -78,7 +78,7 @@ fn area_vector([a, b, c]: [Vec3; 3]) -> DVec3 {
 /// Makes a clean mesh and counts in `report` what that took.
 ///
 /// # Errors
-/// No triangles with an area, positions that are not finite, indices out of range.
+/// No triangles with an area, positions that are not finite or too far or in one place, indices out of range.
 pub(super) fn repair(mut raw: RawMesh, report: &mut ImportReport) -> Result<Mesh, MeshError> {
     check(&raw)?;
     let referenced = count_referenced(&raw);
@@ -111,13 +111,20 @@ fn check(raw: &RawMesh) -> Result<(), MeshError> {
             return Err(MeshError::Index { triangle, array: "vertex", index, count });
         }
     }
-    Ok(())
+    // A vertex that no triangle uses is dropped, and may be anywhere.
+    let (referenced, anywhere) = (referenced(raw), raw.triangles[0][0] as usize);
+    check_extent((0..count).map(|v| raw.positions[if referenced[v] { v } else { anywhere }]))
+}
+
+/// Which vertices some triangle uses.
+fn referenced(raw: &RawMesh) -> Vec<bool> {
+    let mut referenced = vec![false; raw.positions.len()];
+    raw.triangles.iter().flatten().for_each(|&v| referenced[v as usize] = true);
+    referenced
 }
 
 fn count_referenced(raw: &RawMesh) -> usize {
-    let mut referenced = vec![false; raw.positions.len()];
-    raw.triangles.iter().flatten().for_each(|&v| referenced[v as usize] = true);
-    referenced.iter().filter(|r| **r).count()
+    referenced(raw).iter().filter(|r| **r).count()
 }
 
 fn drop_degenerate(raw: &mut RawMesh, report: &mut ImportReport) {
@@ -143,7 +150,7 @@ fn mark_invalid_attributes(raw: &mut RawMesh) {
             *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
         }
     }
-    for uv in raw.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+    for uv in raw.uvs.iter_mut().filter(|uv| !uv.abs().cmple(Vec2::splat(MOST_COORDINATE)).all()) {
         *uv = RawMesh::NO_UV;
     }
     for tangent in &mut raw.tangents {

@@ -1,81 +1,101 @@
-//! Textures of an import: found as artists' files name them, loaded once each, replaced visibly where missing.
+//! Textures of an import: loaded once each, replaced visibly where missing.
 
-use crate::{image::decode, input, texture::Texture};
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
+use super::{
+    ImportReport, Source,
+    files::{Files, Trouble},
 };
+use crate::{
+    image::{decode, footprint},
+    texture::Texture,
+};
+use std::{collections::HashMap, path::Path};
 
 /// The textures that an import has loaded so far.
 pub(super) struct TextureLibrary {
-    folder: PathBuf,
+    pub files: Files,
     pub textures: Vec<Texture>,
     by_source: HashMap<String, u32>,
-    pub warnings: Vec<String>,
+    report: ImportReport,
 }
 
 impl TextureLibrary {
-    /// For a scene file at `path`: names are relative to its folder.
-    pub fn beside(path: &Path) -> Self {
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder, textures: Vec::new(), by_source: HashMap::new(), warnings: Vec::new() }
+    /// With no textures yet; `files` finds them.
+    pub fn new(files: Files) -> Self {
+        Self { files, textures: Vec::new(), by_source: HashMap::new(), report: ImportReport::default() }
     }
 
     /// Index of the texture in the file that a scene calls `name`.
-    pub fn load(&mut self, name: &str) -> u32 {
-        let found = find_file(&self.folder, name);
+    ///
+    /// # Errors
+    /// [`Trouble::Memory`].
+    pub fn load(&mut self, name: &str) -> Result<u32, Trouble> {
+        let found = self.files.find(name);
         let source = found.as_ref().map_or(name.to_owned(), |path| path.to_string_lossy().into_owned());
-        self.load_with(&source, name, || {
-            let path = found.ok_or("there is no such file beside the scene")?;
-            let bytes = input::read(&path).map_err(|e| e.to_string())?;
-            decode(&bytes, &path).map_err(|e| e.to_string())
+        self.load_with(&source, name, |files| {
+            let path = found?;
+            let bytes = files.read(&path)?;
+            read_picture(&bytes, &path, files)
         })
     }
 
     /// Index of the texture that `read` yields, unless one of the same `source` is there already.
-    pub fn load_with(&mut self, source: &str, name: &str, read: impl FnOnce() -> Result<Texture, String>) -> u32 {
+    ///
+    /// # Errors
+    /// [`Trouble::Memory`].
+    pub fn load_with(
+        &mut self,
+        source: &str,
+        name: &str,
+        read: impl FnOnce(&mut Files) -> Result<Texture, Trouble>,
+    ) -> Result<u32, Trouble> {
         if let Some(&index) = self.by_source.get(source) {
-            return index;
+            return Ok(index);
         }
-        let texture = read().unwrap_or_else(|reason| {
-            self.warnings.push(format!(
-                "the texture \"{name}\" was replaced by a magenta chequerboard because it cannot be read: {reason}; \
-                 put the file in place and import again"
-            ));
-            Texture::missing(name)
-        });
+        let reason = match read(&mut self.files) {
+            Ok(texture) => return Ok(self.push(source, Texture { name: name.to_owned(), ..texture })),
+            Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
+            Err(Trouble::Outside(_)) => "it is outside the folder of the scene".into(),
+            Err(Trouble::Reason(reason)) => reason,
+        };
+        self.report.warnings.push(format!(
+            "the texture \"{name}\" was replaced by a magenta chequerboard because it cannot be read: {reason}; \
+             put the file in place and import again"
+        ));
+        Ok(self.push(source, Texture::missing(name)))
+    }
+
+    fn push(&mut self, source: &str, mut texture: Texture) -> u32 {
+        self.report.warnings.extend(sanitized(&mut texture));
         let index = self.textures.len() as u32;
-        self.textures.push(Texture { name: name.to_owned(), ..texture });
+        self.textures.push(texture);
         self.by_source.insert(source.to_owned(), index);
         index
     }
+
+    /// Hands over the textures, and what is to be told.
+    pub fn finish(mut self, source: &mut Source) {
+        self.files.tell(&mut self.report);
+        source.textures = self.textures;
+        source.warnings.append(&mut self.report.warnings);
+        source.outside = self.report.outside;
+    }
 }
 
-/// The file in `folder` that `name` refers to, with either kind of slash and in any case. For paths of another machine
-/// the file's name alone counts.
-pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
-    let name = name.trim().trim_matches('"').replace('\\', "/");
-    let exact = folder.join(&name);
-    if exact.is_file() {
-        return Some(exact);
-    }
-    let last = name.rsplit('/').next().unwrap_or(&name);
-    ignoring_case(folder, &name).or_else(|| ignoring_case(folder, last)).filter(|path| path.is_file())
+/// Keeps the texels of a texture in range; returns what is told if they were not.
+pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
+    let changed = texture.texels.sanitize();
+    (changed > 0).then(|| {
+        format!(
+            "{changed} texels of the texture \"{}\" are not finite or beyond the range of 16-bit floats, and were replaced; \
+             save the picture without clipped or empty pixels",
+            texture.name
+        )
+    })
 }
 
-/// Follows the parts of `name` from `folder`, each by exact name or else by the same name in another case.
-fn ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
-    let mut at = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_path_buf() };
-    for part in name.split('/').filter(|p| !p.is_empty() && *p != ".") {
-        let exact = at.join(part);
-        at = if exact.exists() {
-            exact
-        } else {
-            let mut entries: Vec<_> = std::fs::read_dir(&at).ok()?.flatten().map(|e| e.file_name()).collect();
-            entries.sort();
-            let same = |entry: &std::ffi::OsString| entry.to_string_lossy().to_lowercase() == part.to_lowercase();
-            at.join(entries.into_iter().find(same)?)
-        };
-    }
-    Some(at)
+/// Decodes a picture if there is room for it.
+pub(super) fn read_picture(bytes: &[u8], path: &Path, files: &mut Files) -> Result<Texture, Trouble> {
+    let footprint = footprint(bytes, path).map_err(|e| e.to_string())?;
+    files.budget.take_picture(bytes.len(), footprint)?;
+    decode(bytes, path).map_err(|e| e.to_string().into())
 }

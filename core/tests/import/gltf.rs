@@ -4,16 +4,16 @@ use super::*;
 
 /// A quad as glTF: positions, and the rest of its JSON from `parts` of the form `"key": value`.
 pub struct Gltf {
-    nodes: &'static str,
-    primitive: &'static str,
-    rest: &'static str,
+    pub nodes: &'static str,
+    pub primitive: &'static str,
+    pub rest: &'static str,
 }
 
 pub const QUAD: Gltf = Gltf { nodes: r#"[{"mesh": 0}]"#, primitive: r#""indices": 1"#, rest: "" };
 
 impl Gltf {
     /// Four positions of the unit square in xy, then six `u16` indices, then four texture coordinates.
-    fn buffer() -> Vec<u8> {
+    pub fn buffer() -> Vec<u8> {
         let positions = [[0f32, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
         let uvs = [[0f32, 1.], [1., 1.], [1., 0.], [0., 0.]];
         let mut bytes: Vec<u8> = positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
@@ -22,7 +22,7 @@ impl Gltf {
         bytes
     }
 
-    fn json(&self, buffer: &str) -> String {
+    pub fn json(&self, buffer: &str) -> String {
         let Self { nodes, primitive, rest } = self;
         let separator = if primitive.is_empty() { "" } else { "," };
         format!(

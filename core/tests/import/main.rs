@@ -3,13 +3,16 @@
 
 mod damage;
 mod gltf;
+mod limits;
 mod material_files;
+mod numbers;
 mod obj;
+mod outside;
 mod repair;
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    import::{ImportError, Imported, import, load_material},
+    import::{ImportError, ImportOptions, Imported, import, import_with, load_material},
     lights::Emission,
     material::{BrdfModel, MapKind},
     scene::{MeshError, Scene},

@@ -1,6 +1,11 @@
 //! Materials in files of their own.
 
 use super::*;
+use lapidary_core::material::Material;
+
+fn load(path: &Path, scene: &mut Scene) -> Result<Material, ImportError> {
+    load_material(path, scene, &ImportOptions::default()).map(|(material, _)| material)
+}
 
 #[test]
 fn material_files_have_a_map_for_every_parameter() {
@@ -9,7 +14,7 @@ fn material_files_have_a_map_for_every_parameter() {
     let keys = ["base_color", "roughness", "metalness", "specular", "anisotropy", "ior", "normal", "bump"];
     for key in keys {
         let json = format!(r#"{{"maps": {{"{key}": {{"file": "a.png", "channel": "b"}}}}}}"#);
-        let maps = load_material(&files.add("one.json", &json), &mut Scene::default()).unwrap().maps;
+        let maps = load(&files.add("one.json", &json), &mut Scene::default()).unwrap().maps;
         let read = serde_json::to_value(&maps).unwrap();
         for other in keys {
             assert_eq!(read[other].is_null(), other != key, "{key}, {other}");
@@ -18,7 +23,7 @@ fn material_files_have_a_map_for_every_parameter() {
         assert_eq!((&read[key]["color_space"], &read[key]["channel"]), (&expected.into(), &"b".into()));
     }
     let misspelt = files.add("iro.json", r#"{"maps": {"iro": {"file": "a.png"}}}"#);
-    assert!(load_material(&misspelt, &mut Scene::default()).is_err());
+    assert!(load(&misspelt, &mut Scene::default()).is_err());
 }
 
 #[test]
@@ -30,7 +35,7 @@ fn material_files_bring_their_pictures_once() {
                  "roughness": {"file": "maps/a.png", "channel": "g"}}}"#;
     let path = files.add("gold.json", json);
     let mut scene = Scene::default();
-    let material = load_material(&path, &mut scene).unwrap();
+    let material = load(&path, &mut scene).unwrap();
     assert_eq!(
         (material.name.as_str(), material.model, material.parameters.roughness),
         ("gold", BrdfModel::Ward, 0.25)
@@ -40,13 +45,42 @@ fn material_files_bring_their_pictures_once() {
     assert_eq!((color.color_space, roughness.color_space), (ColorSpace::Srgb, ColorSpace::Linear));
     assert_eq!((roughness.channel, color.scale), (Channel::G, Vec2::splat(2.0)));
     assert!((color.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
-    load_material(&path, &mut scene).unwrap();
+    load(&path, &mut scene).unwrap();
     assert_eq!(scene.textures.len(), 1);
 
     for (name, bad) in
         [("typo.json", r#"{"rougness": 1}"#), ("gone.json", r#"{"maps": {"bump": {"file": "gone.png"}}}"#)]
     {
-        assert!(load_material(&files.add(name, bad), &mut scene).is_err());
+        assert!(load(&files.add(name, bad), &mut scene).is_err());
     }
     assert_eq!(scene.textures.len(), 1);
+}
+
+#[test]
+fn a_picture_that_cannot_be_read_is_told_with_the_material_that_names_it() {
+    let files = Files::new();
+    files.add("text.png", "no picture");
+    for name in ["data:,", "\\u0000", "gone.png", "text.png", ""] {
+        let path = files.add("x.json", format!(r#"{{"maps": {{"bump": {{"file": "{name}"}}}}}}"#));
+        let error = load(&path, &mut Scene::default()).unwrap_err();
+        let message = error.to_string();
+        assert!(matches!(error, ImportError::Map { .. }), "{name}: {message}");
+        assert!(message.ends_with("x.json)") && message.contains("map of the material"), "{message}");
+        assert!(name.starts_with('\\') || message.contains(&format!("({name})")), "{name}: {message}");
+    }
+}
+
+#[test]
+fn numbers_of_a_material_file_are_kept_in_range_aloud() {
+    let files = Files::new();
+    files.add_png("a.png", [0.5; 3]);
+    let text = r#"{"name": "odd", "parameters": {"roughness": 7},
+        "maps": {"bump": {"file": "a.png", "scale": [1e300, 2], "strength": 1e30}}}"#;
+    let path = files.add("x.json", text);
+    let (material, warnings) = load_material(&path, &mut Scene::default(), &ImportOptions::default()).unwrap();
+    let slot = material.maps[MapKind::Bump].as_ref().unwrap();
+    assert_eq!((slot.scale, slot.strength, material.parameters.roughness), (Vec2::new(1.0, 2.0), 1.0, 1.0));
+    assert!(matches!(&warnings[..], [warning] if warning.contains("\"odd\"")), "{warnings:?}");
+    let good = files.add("y.json", text.replace("1e300", "3").replace("1e30", "3").replace('7', "0.5"));
+    assert_eq!(load_material(&good, &mut Scene::default(), &ImportOptions::default()).unwrap().1, [""; 0]);
 }

@@ -7,7 +7,7 @@ use super::{
     state::{
         EditorState, OpenScene, Selection,
         ladder::LadderWindow,
-        prompt::{Prompt, Then},
+        prompt::{Again, Prompt, Then},
     },
 };
 use crate::{
@@ -112,6 +112,9 @@ impl EditorState {
                     self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
                 }
                 self.ask(Prompt::Missing { loaded, path, recovery });
+            }
+            Ok(Opened::Outside { target, scene, names }) => {
+                self.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
             }
             Err(error) => self.messages.error(error),
         }

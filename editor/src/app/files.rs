@@ -1,15 +1,20 @@
 //! Files that a document uses: textures and materials that were loaded, written, or changed on disk.
 
-use super::state::EditorState;
+use super::state::{
+    EditorState,
+    prompt::{Again, Prompt},
+};
 use crate::{
     actions::Action,
-    document::{Document, Edit, TextureEntry},
+    document::{Document, Edit, TextureEntry, folder_of},
     jobs::load::{LoadResult, Loaded, Source, Topic},
     panels::material::new_slot,
+    preferences::AllowedFolders,
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
     import::{MaterialFile, SlotFile},
+    input,
     material::{MapKind, Material},
     output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
@@ -48,8 +53,13 @@ impl EditorState {
                 (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
                     self.use_texture(material, map, texture, path);
                 }
-                (Topic::Material(index), Ok(Loaded::Material { material, textures, given })) => {
+                (Topic::Material(index), Ok(Loaded::Material { material, textures, given, warnings })) => {
+                    warnings.into_iter().for_each(|warning| self.messages.warning(warning));
                     self.use_material(index, *material, &textures[given..], given, path);
+                }
+                (Topic::Material(index), Ok(Loaded::Outside(names))) => {
+                    let material = |file| Prompt::Outside { file, names, then: Again::Load(index) };
+                    path.map(material).into_iter().for_each(|prompt| self.ask(prompt));
                 }
                 // Topics and sources go together where they are asked for.
                 _ => {}
@@ -155,9 +165,11 @@ impl EditorState {
                 self.environments.forget_picture(spec);
                 Source::Environment(spec.clone())
             } else if self.document.scene.as_ref() == Some(&path) {
-                Source::Scene(path.clone())
-            } else {
+                Source::Scene { path: path.clone(), allow_outside: self.preferences.outside.allow(&path) }
+            } else if may_be_read(&path, &self.document, &self.preferences.outside) {
                 Source::Texture(path.clone())
+            } else {
+                continue;
             };
             self.loader.load(Topic::Reload(path), source);
         }
@@ -206,6 +218,13 @@ fn files_in_use(document: &Document) -> Vec<PathBuf> {
     files.sort();
     files.dedup();
     files
+}
+
+/// Whether a picture was chosen by the user, is in the folder of the scene, or may be elsewhere.
+fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) -> bool {
+    let is_chosen = document.textures.iter().any(|entry| entry.file.as_deref() == Some(picture));
+    let of_scene = |scene: &Path| input::is_inside(&folder_of(scene), picture) || allowed.allow(scene);
+    is_chosen || document.scene.as_deref().is_some_and(of_scene)
 }
 
 /// A material for a file of its own, and how many of its maps have no file to name.
@@ -270,7 +289,7 @@ mod tests {
         let (file, left_out) = material_file(&document.materials[0], &document, &path);
         assert_eq!((left_out, file.maps[MapKind::BaseColor].as_ref().unwrap().file.as_str()), (0, "wood.png"));
         write_material(&file, &path).unwrap();
-        let read = load_material(&path, &mut Default::default()).unwrap();
+        let read = load_material(&path, &mut Default::default(), &Default::default()).unwrap().0;
         let (a, b) = (
             read.maps[MapKind::BaseColor].clone().unwrap(),
             document.materials[0].maps[MapKind::BaseColor].clone().unwrap(),
@@ -291,6 +310,21 @@ mod tests {
         let written = serde_json::to_value(&file.maps).unwrap();
         assert_eq!((left_out, written.as_object().unwrap().len()), (0, 8));
         assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
+    }
+
+    #[test]
+    fn a_picture_elsewhere_that_only_the_scene_names_is_not_read_unless_allowed() {
+        let folder = tempfile::tempdir().unwrap();
+        let [scene, inside, outside] =
+            ["inner/a.obj", "inner/wood.png", "wood.png"].map(|name| folder.path().join(name));
+        std::fs::create_dir(folder.path().join("inner")).unwrap();
+        [&scene, &inside, &outside].into_iter().for_each(|file| std::fs::write(file, "").unwrap());
+        let of_scene = Document { scene: Some(scene.clone()), ..document(None) };
+        let mut allowed = AllowedFolders::default();
+        assert!(may_be_read(&inside, &of_scene, &allowed) && !may_be_read(&outside, &of_scene, &allowed));
+        assert!(may_be_read(&outside, &document(Some(outside.clone())), &allowed), "the user chose it");
+        allowed.remember(&scene);
+        assert!(may_be_read(&outside, &of_scene, &allowed));
     }
 
     #[test]

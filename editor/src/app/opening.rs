@@ -1,5 +1,5 @@
 //! Opens a file completely: scene, dataset, session and the files that they name. A thread reads them until the
-//! document is complete.
+//! document is complete. Files outside the folder of a scene are read only with the user's consent.
 
 use crate::{
     document::{
@@ -12,13 +12,14 @@ use crate::{
         Imported as Source,
         load::{Kind, foreign, kind_of},
     },
+    preferences::AllowedFolders,
 };
 use anyhow::Result;
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, import::ImportError};
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};
-use lapidary_studies::terminal::error_text;
 use std::{
+    cell::RefCell,
     path::{Path, PathBuf},
     sync::mpsc::{Receiver, TryRecvError, channel},
 };
@@ -65,6 +66,53 @@ pub enum Opened {
         /// How many were found, if they were looked for.
         found: Option<usize>,
     },
+    /// The scene names files outside its folder; the user decides.
+    Outside {
+        /// What was to be opened.
+        target: Box<Target>,
+        /// The scene.
+        scene: PathBuf,
+        /// The files, as it names them.
+        names: Vec<String>,
+    },
+}
+
+/// Whether scenes may name files outside their folders, and which did where nothing is known.
+#[derive(Debug, Default)]
+pub struct Consent {
+    allowed: AllowedFolders,
+    /// The user need not be asked.
+    is_refused: bool,
+    /// The scene and the files that it names.
+    unknown: RefCell<Option<(PathBuf, Vec<String>)>>,
+}
+
+impl From<AllowedFolders> for Consent {
+    fn from(allowed: AllowedFolders) -> Self {
+        Self { allowed, ..Self::default() }
+    }
+}
+
+impl Consent {
+    /// Nothing outside is read, and the user is not asked.
+    pub fn refused() -> Self {
+        Self { is_refused: true, ..Self::default() }
+    }
+
+    /// Imports a scene as far as it is allowed.
+    fn import(&self, path: &Path) -> Result<Source, ImportError> {
+        let allowed = !self.is_refused && self.allowed.allow(path);
+        let imported = Source::read(path, allowed);
+        let outside = match &imported {
+            Ok(source) => source.report.outside.clone(),
+            Err(ImportError::Outside { names, .. }) => names.clone(),
+            Err(_) => Vec::new(),
+        };
+        if !allowed && !self.is_refused && !outside.is_empty() {
+            self.unknown.replace(Some((path.into(), outside)));
+        }
+        imported
+    }
 }
 
 /// A document and what belongs to it.
@@ -100,12 +148,12 @@ pub struct Opening {
 
 impl Opening {
     /// Begins.
-    pub fn start(target: Target, wake: Wake) -> Self {
+    pub fn start(target: Target, consent: Consent, wake: Wake) -> Self {
         let (sender, result) = channel();
         let what = name(&target);
         spawn("open", move || {
             // A window that opened something else meanwhile needs no result.
-            let _ = sender.send(guarded("opening the file", || open(target)));
+            let _ = sender.send(guarded("opening the file", || open(target, &consent)));
             wake();
         });
         Self { what, result }
@@ -135,20 +183,32 @@ fn name(target: &Target) -> String {
 ///
 /// # Errors
 /// A file that cannot be read, in words for the user.
-pub fn open(target: Target) -> Result<Opened> {
+pub fn open(target: Target, consent: &Consent) -> Result<Opened> {
+    let opened = read(target.clone(), consent);
+    match consent.unknown.take() {
+        Some((scene, names)) => Ok(Opened::Outside { target: target.into(), scene, names }),
+        None => opened,
+    }
+}
+
+fn read(target: Target, consent: &Consent) -> Result<Opened> {
     match target {
         Target::File(path) => match kind_of(&path) {
-            Kind::Scene => open_scene(&path).map(ready),
+            Kind::Scene => open_scene(&path, consent).map(ready),
             Kind::Dataset => open_dataset(&path).map(ready),
-            Kind::Session => open_session(&path, Some(path.clone()), None),
+            Kind::Session => open_session(&path, Some(path.clone()), None, consent),
             kind => Err(anyhow::Error::msg(no_document(&path, kind))),
         },
-        Target::Bundled { scene, bakes } => open_bundled(&scene, &bakes).map(ready),
+        Target::Bundled { scene, bakes } => open_bundled(&scene, &bakes, consent).map(ready),
         Target::Recovered(recovery) => {
-            open_session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery))
+            open_session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery), consent)
         }
-        Target::Session { loaded, path, recovery, look_in: None } => Ok(ready(resolve(*loaded, path, recovery))),
-        Target::Session { loaded, path, recovery, look_in: Some(folder) } => Ok(look(loaded, path, recovery, &folder)),
+        Target::Session { loaded, path, recovery, look_in: None } => {
+            Ok(ready(resolve(*loaded, path, recovery, consent)))
+        }
+        Target::Session { loaded, path, recovery, look_in: Some(folder) } => {
+            Ok(look(loaded, path, recovery, &folder, consent))
+        }
     }
 }
 
@@ -168,8 +228,8 @@ fn ready(ready: Ready) -> Opened {
     Opened::Ready(ready.into())
 }
 
-fn open_scene(path: &Path) -> Result<Ready> {
-    let source = Source::read(path)?;
+fn open_scene(path: &Path, consent: &Consent) -> Result<Ready> {
+    let source = consent.import(path)?;
     let output = path.with_extension("cuts");
     let mut warnings = source.report.warnings.clone();
     let baked = read_if_there(&output, &mut warnings);
@@ -204,8 +264,8 @@ fn open_dataset(path: &Path) -> Result<Ready> {
     Ok(Ready { recent: Some(path.into()), ..Ready::new(document, Some(baked), None, Vec::new()) })
 }
 
-fn open_bundled(scene: &Path, bakes: &Path) -> Result<Ready> {
-    let source = Source::read(scene)?;
+fn open_bundled(scene: &Path, bakes: &Path, consent: &Consent) -> Result<Ready> {
+    let source = consent.import(scene)?;
     let output = bakes.join(bundled_name(scene, &source.hash));
     let mut warnings = source.report.warnings.clone();
     let mut read =
@@ -235,28 +295,34 @@ fn bundled_name(scene: &Path, hash: &str) -> String {
     format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash))
 }
 
-fn open_session(file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>) -> Result<Opened> {
+fn open_session(file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>, consent: &Consent) -> Result<Opened> {
     let loaded = session::load(file)?;
     if loaded.missing.is_empty() {
-        return Ok(ready(resolve(loaded, path, recovery)));
+        return Ok(ready(resolve(loaded, path, recovery, consent)));
     }
     Ok(Opened::Missing { loaded: loaded.into(), path, recovery, found: None })
 }
 
 /// Looks for the missing files of a session.
-fn look(mut loaded: Box<LoadedSession>, path: Option<PathBuf>, recovery: Option<Recovery>, folder: &Path) -> Opened {
+fn look(
+    mut loaded: Box<LoadedSession>,
+    path: Option<PathBuf>,
+    recovery: Option<Recovery>,
+    folder: &Path,
+    consent: &Consent,
+) -> Opened {
     let found = Some(loaded.relink(folder));
     if loaded.missing.is_empty() {
-        return ready(resolve(*loaded, path, recovery));
+        return ready(resolve(*loaded, path, recovery, consent));
     }
     Opened::Missing { loaded, path, recovery, found }
 }
 
 /// All files that the session names, as far as they can be read; unreadable ones are left out with a warning.
-fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
+fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>, consent: &Consent) -> Ready {
     let mut warnings = Vec::new();
     let scene_path = loaded.session.scene.clone();
-    let source = scene_path.as_deref().and_then(|path| source_if_there(path, &mut warnings));
+    let source = scene_path.as_deref().and_then(|path| source_if_there(path, consent, &mut warnings));
     let output = loaded.session.dataset.clone().or_else(|| scene_path.map(|p| p.with_extension("cuts")));
     let baked = output.as_deref().and_then(|output| read_or_draft(output, source.as_ref(), &mut warnings));
     let unknown = loaded.unknown.clone();
@@ -271,12 +337,12 @@ fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recove
 }
 
 /// Without its scene a session can still be seen, but not baked again.
-fn source_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Source> {
+fn source_if_there(path: &Path, consent: &Consent, warnings: &mut Vec<String>) -> Option<Source> {
     if !path.is_file() {
         return None;
     }
-    let source = Source::read(path);
-    source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {}", error_text(&error)))).ok()
+    let source = consent.import(path);
+    source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {error}"))).ok()
 }
 
 /// The bake, or the draft of it if that is of the scene as it is.

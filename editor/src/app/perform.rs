@@ -114,9 +114,10 @@ impl EditorState {
         ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
     }
 
-    fn load_material(&mut self, material: usize, path: PathBuf) {
+    pub(super) fn load_material(&mut self, material: usize, path: PathBuf) {
+        let allow_outside = self.preferences.outside.allow(&path);
         let textures = self.document.textures.iter().map(|t| t.texture.clone()).collect();
-        self.load(Topic::Material(material), Source::Material { path: path.clone(), textures }, path);
+        self.load(Topic::Material(material), Source::Material { path: path.clone(), textures, allow_outside }, path);
     }
 
     /// Does what a menu or key asks for.
@@ -204,7 +205,7 @@ impl EditorState {
         }
     }
 
-    fn prefer(&mut self, preferences: Preferences) {
+    pub(super) fn prefer(&mut self, preferences: Preferences) {
         self.preferences = preferences.clamped();
         if let Err(error) = self.preferences.save(&self.folders.config) {
             self.messages.warning(format!("{error:#}"));

@@ -1,15 +1,19 @@
-//! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says.
+//! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says, and
+//! files that are elsewhere than a scene or a material.
 
 use super::{
     opening::Target,
-    state::{EditorState, prompt::Prompt},
+    state::{
+        EditorState,
+        prompt::{Again, Prompt},
+    },
 };
 use crate::{
     actions::Action,
     document::{autosave::Recovery, session::LoadedSession},
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
-use std::time::SystemTime;
+use std::{path::Path, time::SystemTime};
 
 /// The answer.
 enum Answer {
@@ -20,6 +24,7 @@ enum Answer {
     DiscardAll,
     Look,
     OpenWithout,
+    ReadOutside,
 }
 
 /// Shows the question that waits, if any, and does what is answered.
@@ -35,6 +40,7 @@ pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
             Prompt::Unsaved { .. } => unsaved(ui, &title),
             Prompt::Recover(found) => recover(ui, found),
             Prompt::Missing { loaded, .. } => missing(ui, loaded),
+            Prompt::Outside { file, names, then } => outside(ui, file, names, then),
             Prompt::About => about(ui),
         }
     });
@@ -84,6 +90,32 @@ fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
     let answers =
         [("Look in a folder...", Answer::Look), ("Open without them", Answer::OpenWithout), ("Cancel", Answer::Cancel)];
     buttons(ui, answers)
+}
+
+fn outside(ui: &mut Ui, file: &Path, names: &[String], then: &Again) -> Option<Answer> {
+    ui.heading("Read files from elsewhere?");
+    ui.add_space(4.0);
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    ui.label(format!(
+        "{name} names files outside its folder. What they hold becomes part of the dataset. Read them if you know where \
+         {name} comes from; its folder is remembered."
+    ));
+    ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
+        for name in names {
+            ui.label(RichText::new(name).weak());
+        }
+    });
+    match then {
+        Again::Open(_) => buttons(
+            ui,
+            [
+                ("Read them", Answer::ReadOutside),
+                ("Open without them", Answer::OpenWithout),
+                ("Cancel", Answer::Cancel),
+            ],
+        ),
+        Again::Load(_) => buttons(ui, [("Read them", Answer::ReadOutside), ("Cancel", Answer::Cancel)]),
+    }
 }
 
 fn about(ui: &mut Ui) -> Option<Answer> {
@@ -142,6 +174,16 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
         (Some(Prompt::Missing { loaded, path, recovery }), Answer::OpenWithout) => {
             state.open(Target::Session { loaded, path, recovery, look_in: None });
         }
+        (Some(Prompt::Outside { file, then, .. }), Answer::ReadOutside) => {
+            let mut preferences = state.preferences.clone();
+            preferences.outside.remember(&file);
+            state.prefer(preferences);
+            match then {
+                Again::Open(target) => state.open(target),
+                Again::Load(material) => state.load_material(material, file),
+            }
+        }
+        (Some(Prompt::Outside { then: Again::Open(target), .. }), Answer::OpenWithout) => state.open_without(target),
         _ => {}
     }
 }

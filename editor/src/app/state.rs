@@ -16,7 +16,7 @@ use super::{
     dialogs::FileDialogs,
     first_view::FirstView,
     messages::Messages,
-    opening::{Opening, Target},
+    opening::{Consent, Opening, Target},
 };
 use crate::{
     document::{
@@ -243,7 +243,13 @@ impl EditorState {
 
     /// Begins to open something. Whether changes would be lost is asked once the new document is ready.
     pub fn open(&mut self, target: Target) {
-        self.opening = Some(Opening::start(target, self.wake.clone()));
+        let consent = Consent::from(self.preferences.outside.clone());
+        self.opening = Some(Opening::start(target, consent, self.wake.clone()));
+    }
+
+    /// Begins to open something without files outside the folder of its scene.
+    pub fn open_without(&mut self, target: Target) {
+        self.opening = Some(Opening::start(target, Consent::refused(), self.wake.clone()));
     }
 
     /// Whether there are changes that are not saved.

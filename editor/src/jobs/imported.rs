@@ -1,9 +1,8 @@
 //! A scene that can be baked.
 
-use anyhow::Result;
 use lapidary_core::{
     dataset::scene_hash,
-    import::{ImportReport, import},
+    import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
 };
 use std::{path::Path, sync::Arc, time::Instant};
@@ -22,13 +21,13 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// Imports a scene file.
+    /// Imports a scene file; `allow_outside` lets it name files outside its folder.
     ///
     /// # Errors
     /// A file that cannot be read, or is no scene.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub fn read(path: &Path, allow_outside: bool) -> Result<Self, ImportError> {
         let start = Instant::now();
-        let imported = import(path)?;
+        let imported = import_with(path, &ImportOptions { allow_outside, ..Default::default() })?;
         let hash = scene_hash(&imported.scene);
         let import_secs = start.elapsed().as_secs_f64();
         Ok(Self { scene: imported.scene.into(), hash, import_secs, report: imported.report })

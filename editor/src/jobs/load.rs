@@ -7,7 +7,11 @@ pub use kind::{Kind, foreign, kind_of};
 use super::Imported;
 use lapidary_core::material::MapKind;
 use lapidary_core::{
-    environment::Environment, import::load_material, material::Material, scene::Scene, texture::Texture,
+    environment::Environment,
+    import::{ImportError, ImportOptions, load_material},
+    material::Material,
+    scene::Scene,
+    texture::Texture,
 };
 use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
@@ -43,7 +47,12 @@ pub enum Source {
     /// A path or formula, as [`Environment::from_spec`] reads it.
     Environment(String),
     /// A scene file that has changed.
-    Scene(PathBuf),
+    Scene {
+        /// Which.
+        path: PathBuf,
+        /// Whether it may name files outside its folder.
+        allow_outside: bool,
+    },
     /// A picture for a map.
     Texture(PathBuf),
     /// A material file.
@@ -52,6 +61,8 @@ pub enum Source {
         path: PathBuf,
         /// Those of the document: pictures that are among them are not loaded again.
         textures: Vec<Arc<Texture>>,
+        /// Whether it may name files outside its folder.
+        allow_outside: bool,
     },
 }
 
@@ -77,7 +88,11 @@ pub enum Loaded {
         textures: Vec<Arc<Texture>>,
         /// How many were given.
         given: usize,
+        /// Repairs, in sentences.
+        warnings: Vec<String>,
     },
+    /// A material that needs pictures outside its folder: the user decides.
+    Outside(Vec<String>),
 }
 
 /// A load that has ended.
@@ -148,13 +163,18 @@ fn open(source: Source) -> anyhow::Result<Loaded> {
             let (environment, warnings) = Environment::from_spec(&spec)?;
             Loaded::Environment { environment: environment.into(), warnings }
         }
-        Source::Scene(path) => Loaded::Scene(Imported::read(&path)?.into()),
+        Source::Scene { path, allow_outside } => Loaded::Scene(Imported::read(&path, allow_outside)?.into()),
         Source::Texture(path) => Loaded::Texture(Texture::read(&path)?.into()),
-        Source::Material { path, textures } => {
+        Source::Material { path, textures, allow_outside } => {
             let given = textures.len();
             let mut scene = Scene { textures, ..Default::default() };
-            let material = load_material(&path, &mut scene)?.into();
-            Loaded::Material { material, textures: scene.textures, given }
+            match load_material(&path, &mut scene, &ImportOptions { allow_outside, ..Default::default() }) {
+                Err(ImportError::Outside { names, .. }) => Loaded::Outside(names),
+                loaded => {
+                    let (material, warnings) = loaded?;
+                    Loaded::Material { material: material.into(), textures: scene.textures, given, warnings }
+                }
+            }
         }
     })
 }

@@ -1,6 +1,7 @@
 //! The options about what is shown, which all commands that make pictures share, and what they resolve to.
 
 use super::{
+    OutsideArgs,
     light::{EnvironmentArgs, LocalLightArgs, LocalLights},
     values,
 };
@@ -48,6 +49,8 @@ struct MaterialArgs {
     /// Material of any model, with textures, as a JSON file
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["roughness", "base_color", "metalness"])]
     material: Option<PathBuf>,
+    #[command(flatten)]
+    outside: OutsideArgs,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -149,7 +152,7 @@ impl ViewArgs {
         let mut dataset = Dataset::read(&self.file)?;
         let light = self.light.of_bake(light, dataset.settings.mode, console);
         let local = local.resolve(lights, &dataset, &self.file)?;
-        self.material.apply(&mut dataset.scene)?;
+        self.material.apply(&mut dataset.scene, console)?;
         let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;
         let view = View {
             aa: self.camera.aa,
@@ -189,9 +192,13 @@ fn check_room([width, height]: [u32; 2], pictures: usize, available: Option<u64>
 
 impl MaterialArgs {
     /// Replaces all materials if one was asked for.
-    fn apply(&self, scene: &mut Scene) -> Result<()> {
+    fn apply(&self, scene: &mut Scene, console: Console) -> Result<()> {
         let material = match &self.material {
-            Some(path) => Some(load_material(path, scene)?),
+            Some(path) => {
+                let (material, warnings) = load_material(path, scene, &self.outside.into())?;
+                warnings.iter().for_each(|warning| console.warning(warning));
+                Some(material)
+            }
             None => self.ggx(),
         };
         if let Some(material) = material {
@@ -338,13 +345,20 @@ mod tests {
 
     #[test]
     fn one_option_of_a_material_replaces_all_and_none_replaces_none() {
-        let none = MaterialArgs { roughness: None, base_color: None, metalness: None, material: None };
+        let none = MaterialArgs {
+            roughness: None,
+            base_color: None,
+            metalness: None,
+            material: None,
+            outside: OutsideArgs::default(),
+        };
+        let quiet = Console { quiet: true };
         let mut changed = scene(vec![]);
         changed.materials[1].double_sided = true;
         changed.materials[0].name = "own".into();
-        none.apply(&mut changed).unwrap();
+        none.apply(&mut changed, quiet).unwrap();
         assert_eq!(changed.materials[0].name, "own");
-        MaterialArgs { roughness: Some(0.2), ..none }.apply(&mut changed).unwrap();
+        MaterialArgs { roughness: Some(0.2), ..none }.apply(&mut changed, quiet).unwrap();
         let parameters = BrdfParameters { roughness: 0.2, ..Default::default() };
         assert!(changed.materials.iter().all(|m| m.parameters == parameters && m.name.is_empty()));
         assert!(!changed.materials[0].double_sided && changed.materials[1].double_sided);

@@ -9,7 +9,7 @@ use glam::Vec3;
 use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeParts, BakeSettings, Dataset},
-    import::{Imported, import},
+    import::{ImportOptions, Imported, import_with},
     light_tree::TreeKind,
     scene::Scene,
     sphere::fibonacci_directions,
@@ -50,9 +50,9 @@ impl Plan {
     /// Reads a scene, so that one that cannot be read is told before anything is baked.
     ///
     /// # Errors
-    /// See [`import`].
-    pub fn read(path: &Path) -> Result<Self> {
-        let Imported { scene, report } = import(path)?;
+    /// See [`import_with`].
+    pub fn read(path: &Path, options: &ImportOptions) -> Result<Self> {
+        let Imported { scene, report } = import_with(path, options)?;
         let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Ok(Self { name, path: path.into(), scene, warnings: report.warnings })
     }

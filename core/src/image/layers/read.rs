@@ -2,9 +2,9 @@
 
 use super::super::{
     Image, ImageError,
-    read::{EXR_MAGIC, check_size, damaged},
+    read::{EXR_MAGIC, Footprint, damaged, exr_parts},
 };
-use crate::input;
+use crate::{input, memory};
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use std::{io::Cursor, path::Path};
@@ -50,10 +50,11 @@ fn plain(name: &str) -> String {
 }
 
 fn groups(bytes: &[u8], path: &Path) -> Result<Vec<Group>, ImageError> {
-    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, e))?;
-    for header in &meta.headers {
-        check_size(header.layer_size.x() as u64, header.layer_size.y() as u64, path)?;
-    }
+    let parts = exr_parts(bytes, path)?;
+    // All parts are decoded, and one of them becomes a picture.
+    let decoding = parts.iter().fold(0, |sum: u64, part| sum.saturating_add(part.samples));
+    let held = parts.iter().map(|part| part.pixels.saturating_mul(12)).max().unwrap_or(0);
+    Footprint { held, decoding }.check(memory::available(), path)?;
     let file = openexr::read()
         .no_deep_data()
         .largest_resolution_level()

@@ -1,8 +1,10 @@
 //! The binary data of a glTF file: loaded from wherever it lies, and checked before the `gltf` crate, which trusts
 //! its offsets and counts, reads it.
 
-use super::super::{repair::RawMesh, textures::find_file};
-use crate::input;
+use super::super::{
+    files::{Files, Trouble},
+    repair::RawMesh,
+};
 use base64::Engine;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::{
@@ -10,7 +12,6 @@ use gltf::{
     accessor::{DataType, Dimensions},
     buffer::{Source, View},
 };
-use std::path::Path;
 
 /// The contents of all buffers, each at least as long as the file says.
 pub(super) struct Buffers {
@@ -18,20 +19,23 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    pub fn load(gltf: &gltf::Gltf, path: &Path) -> Result<Self, String> {
-        let folder = path.parent().unwrap_or(Path::new(""));
+    pub fn load(gltf: &gltf::Gltf, files: &mut Files) -> Result<Self, Trouble> {
         let load = |buffer: gltf::Buffer| {
             let data = match buffer.source() {
-                Source::Bin => gltf.blob.clone().ok_or("the binary chunk is missing")?,
-                Source::Uri(uri) => read_uri(uri, folder)?,
+                Source::Bin => {
+                    let blob = gltf.blob.as_ref().ok_or("the binary chunk is missing")?;
+                    files.budget.take(blob.len() as u64)?;
+                    blob.clone()
+                }
+                Source::Uri(uri) => read_uri(uri, files)?,
             };
             if data.len() < buffer.length() {
                 let (index, found, expected) = (buffer.index(), data.len(), buffer.length());
-                return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated"));
+                return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated").into());
             }
             Ok(data)
         };
-        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, String>>()? })
+        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, Trouble>>()? })
     }
 
     /// The bytes of a view.
@@ -55,26 +59,29 @@ impl Buffers {
     /// Zeros if the primitive has none.
     pub fn normals(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec3>, String> {
         let Some(accessor) = primitive.get(&Semantic::Normals) else { return Ok(vec![Vec3::ZERO; count]) };
+        one_per_vertex(&accessor, "normals", count)?;
         self.check(&accessor, &[DataType::F32], Dimensions::Vec3)?;
         let reader = primitive.reader(|b| self.slice(&b));
-        one_per_vertex(reader.read_normals().into_iter().flatten().map(Vec3::from_array), "normals", count)
+        Ok(reader.read_normals().into_iter().flatten().map(Vec3::from_array).collect())
     }
 
     /// Zeros if the primitive has none.
     pub fn tangents(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec4>, String> {
         let Some(accessor) = primitive.get(&Semantic::Tangents) else { return Ok(vec![Vec4::ZERO; count]) };
+        one_per_vertex(&accessor, "tangents", count)?;
         self.check(&accessor, &[DataType::F32], Dimensions::Vec4)?;
         let reader = primitive.reader(|b| self.slice(&b));
-        one_per_vertex(reader.read_tangents().into_iter().flatten().map(Vec4::from_array), "tangents", count)
+        Ok(reader.read_tangents().into_iter().flatten().map(Vec4::from_array).collect())
     }
 
     /// The first set; [`RawMesh::NO_UV`] if the primitive has none.
     pub fn uvs(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec2>, String> {
         let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) else { return Ok(vec![RawMesh::NO_UV; count]) };
+        one_per_vertex(&accessor, "texture coordinates", count)?;
         self.check(&accessor, &[DataType::F32, DataType::U8, DataType::U16], Dimensions::Vec2)?;
         let reader = primitive.reader(|b| self.slice(&b));
         let uvs = reader.read_tex_coords(0).into_iter().flat_map(|t| t.into_f32());
-        one_per_vertex(uvs.map(Vec2::from_array), "texture coordinates", count)
+        Ok(uvs.map(Vec2::from_array).collect())
     }
 
     pub fn indices(&self, primitive: &gltf::Primitive) -> Result<Option<Vec<u32>>, String> {
@@ -124,24 +131,26 @@ impl Buffers {
     }
 }
 
-fn one_per_vertex<T>(values: impl Iterator<Item = T>, what: &str, count: usize) -> Result<Vec<T>, String> {
-    let values: Vec<T> = values.collect();
-    if values.len() == count {
-        Ok(values)
-    } else {
-        Err(format!("a mesh has {} {what} for {count} vertices", values.len()))
-    }
+/// Checks the count of an attribute before it is read.
+fn one_per_vertex(accessor: &Accessor, what: &str, count: usize) -> Result<(), String> {
+    let found = accessor.count();
+    if found == count { Ok(()) } else { Err(format!("a mesh has {found} {what} for {count} vertices")) }
 }
 
-/// The contents of a `data:` URI or of a file in `folder`.
-pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, String> {
+/// The contents of a `data:` URI or of a file.
+pub(super) fn read_uri(uri: &str, files: &mut Files) -> Result<Vec<u8>, Trouble> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, encoded) = data.split_once(";base64,").ok_or("an embedded buffer is not in base64")?;
-        return base64::engine::general_purpose::STANDARD.decode(encoded).map_err(|e| format!("embedded data: {e}"));
+        files.budget.take(encoded.len() as u64)?;
+        let decoded = base64::engine::general_purpose::STANDARD.decode(encoded);
+        return decoded.map_err(|e| format!("embedded data: {e}").into());
     }
     let name = percent_decoded(uri);
-    let file = find_file(folder, &name).ok_or_else(|| format!("the file \"{name}\" is missing beside it"))?;
-    input::read(&file).map_err(|e| format!("the file \"{name}\" cannot be read: {e}"))
+    let read = files.find(&name).and_then(|file| files.read(&file));
+    read.map_err(|trouble| match trouble {
+        Trouble::Reason(reason) => format!("the file \"{name}\" cannot be read: {reason}").into(),
+        other => other,
+    })
 }
 
 /// Replaces `%20` and the like; what is no such code stays.

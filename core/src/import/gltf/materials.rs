@@ -1,34 +1,42 @@
 //! Metallic-roughness materials of a glTF file and their textures.
 
 use super::{
-    super::{Source, listed, textures::TextureLibrary},
+    super::{
+        Source,
+        files::Trouble,
+        listed,
+        textures::{TextureLibrary, read_picture},
+    },
     buffers::{Buffers, percent_decoded, read_uri},
     document_with,
 };
 use crate::{
     color::luminance,
-    image::decode,
     material::{BrdfParameters, MapKind, Material},
-    texture::{Channel, ColorSpace, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, TextureSlot},
 };
 use glam::{Vec2, Vec3};
 use gltf::{material::AlphaMode, texture::WrappingMode};
 use serde::Deserialize;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Adds all materials in the order of the file.
+///
+/// # Errors
+/// [`Trouble::Memory`].
 pub(super) fn add_materials(
     source: &mut Source,
     gltf: &gltf::Gltf,
     bytes: &[u8],
     buffers: &Buffers,
     library: &mut TextureLibrary,
-) {
+) -> Result<(), Trouble> {
     let normal_transforms = normal_transforms(bytes);
     let mut reader = MaterialReader { gltf, buffers, library, normal_transforms, ignored: Ignored::default() };
-    source.materials = gltf.materials().map(|m| reader.material(&m)).collect();
+    source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
     reader.ignored.warn(&mut source.warnings);
+    Ok(())
 }
 
 /// The material of a primitive; the default of the format is added when the first primitive needs it.
@@ -113,7 +121,7 @@ struct MaterialReader<'a> {
 }
 
 impl MaterialReader<'_> {
-    fn material(&mut self, source: &gltf::Material) -> Material {
+    fn material(&mut self, source: &gltf::Material) -> Result<Material, Trouble> {
         let index = source.index().unwrap_or_default();
         let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
         if source.alpha_mode() != AlphaMode::Opaque {
@@ -128,38 +136,45 @@ impl MaterialReader<'_> {
             double_sided: source.double_sided(),
             ..Default::default()
         };
-        self.add_maps(&mut material, source);
-        material
+        self.add_maps(&mut material, source)?;
+        Ok(material)
     }
 
-    fn add_maps(&mut self, material: &mut Material, source: &gltf::Material) {
+    fn add_maps(&mut self, material: &mut Material, source: &gltf::Material) -> Result<(), Trouble> {
         let pbr = source.pbr_metallic_roughness();
         let name = &material.name;
         let maps = &mut material.maps;
         if let Some(info) = pbr.base_color_texture() {
-            maps[MapKind::BaseColor] = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name) });
+            maps[MapKind::BaseColor] = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? });
         }
         if let Some(info) = pbr.metallic_roughness_texture() {
-            let slot = self.slot(&info, name);
+            let slot = self.slot(&info, name)?;
             maps[MapKind::Roughness] = Some(TextureSlot { channel: Channel::G, ..slot.clone() });
             maps[MapKind::Metalness] = Some(TextureSlot { channel: Channel::B, ..slot });
         }
         if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
-            maps[MapKind::Specular] = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name) });
+            maps[MapKind::Specular] = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name)? });
         }
         if let Some(normal) = source.normal_texture() {
             let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
-            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name);
+            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name)?;
             maps[MapKind::Normal] = Some(TextureSlot { strength: normal.scale(), ..slot });
         }
+        Ok(())
     }
 
-    fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> TextureSlot {
+    fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {
         let transform = info.texture_transform().map(Transform::from).unwrap_or_default();
         self.slot_of(&info.texture(), info.tex_coord(), transform, material)
     }
 
-    fn slot_of(&mut self, texture: &gltf::Texture, set: u32, transform: Transform, material: &str) -> TextureSlot {
+    fn slot_of(
+        &mut self,
+        texture: &gltf::Texture,
+        set: u32,
+        transform: Transform,
+        material: &str,
+    ) -> Result<TextureSlot, Trouble> {
         let note = |list: &mut Vec<String>| {
             if list.last().is_none_or(|last| last != material) {
                 list.push(material.to_owned());
@@ -172,35 +187,32 @@ impl MaterialReader<'_> {
         if [sampler.wrap_s(), sampler.wrap_t()] != [WrappingMode::Repeat; 2] {
             note(&mut self.ignored.not_repeated);
         }
-        TextureSlot {
-            texture: self.texture(texture.source().index()),
+        Ok(TextureSlot {
+            texture: self.texture(texture.source().index())?,
             scale: transform.scale,
             offset: transform.offset,
             rotation: transform.rotation,
             ..Default::default()
-        }
+        })
     }
 
     /// Loads an image from a file, a `data:` URI or a buffer view.
-    fn texture(&mut self, image: usize) -> u32 {
+    fn texture(&mut self, image: usize) -> Result<u32, Trouble> {
         let json = &self.gltf.as_json().images[image];
         let name = json.name.clone().unwrap_or_else(|| format!("image {image}"));
         let (gltf, buffers) = (self.gltf, self.buffers);
         match &json.uri {
             Some(uri) if !uri.starts_with("data:") => self.library.load(&percent_decoded(uri)),
-            Some(uri) => self
-                .library
-                .load_with(&format!("image {image}"), &name, || decode_embedded(&read_uri(uri, Path::new(""))?, &name)),
-            None => self.library.load_with(&format!("image {image}"), &name, || {
+            Some(uri) => self.library.load_with(&format!("image {image}"), &name, |files| {
+                let bytes = read_uri(uri, files)?;
+                read_picture(&bytes, Path::new(&name), files)
+            }),
+            None => self.library.load_with(&format!("image {image}"), &name, |files| {
                 let view = json.buffer_view.and_then(|v| gltf.views().nth(v.value())).ok_or("it has no data")?;
-                decode_embedded(buffers.view(&view)?, &name)
+                read_picture(buffers.view(&view)?, Path::new(&name), files)
             }),
         }
     }
-}
-
-fn decode_embedded(bytes: &[u8], name: &str) -> Result<Texture, String> {
-    decode(bytes, &PathBuf::from(name)).map_err(|e| e.to_string())
 }
 
 fn parameters(source: &gltf::Material) -> BrdfParameters {
@@ -216,5 +228,4 @@ fn parameters(source: &gltf::Material) -> BrdfParameters {
         specular,
         ..Default::default()
     }
-    .sanitized()
 }

@@ -1,7 +1,7 @@
 //! Questions that wait for an answer.
 
 use crate::{
-    app::opening::Ready,
+    app::opening::{Ready, Target},
     document::{autosave::Recovery, session::LoadedSession},
 };
 use std::path::PathBuf;
@@ -24,8 +24,25 @@ pub enum Prompt {
         /// The autosave it was read from, which nothing else keeps.
         recovery: Option<Recovery>,
     },
+    /// A scene or a material names files outside its folder.
+    Outside {
+        /// The scene or the material.
+        file: PathBuf,
+        /// The files, as it names them.
+        names: Vec<String>,
+        /// What is done once there is an answer.
+        then: Again,
+    },
     /// The identity of this program.
     About,
+}
+
+/// What waits for the answer whether files outside a folder are read.
+pub enum Again {
+    /// A document is opened.
+    Open(Target),
+    /// This material is loaded.
+    Load(usize),
 }
 
 /// The action after the document may be left.

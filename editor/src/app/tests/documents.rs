@@ -168,3 +168,56 @@ fn a_scene_without_a_bake_is_baked_from_the_notice() {
     assert!(place.path("scene.cuts").is_file() && window.has_said("Baked"));
     assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
 }
+
+/// A scene in a folder of its own, whose texture is above that.
+fn with_a_texture_outside(place: &Place) -> PathBuf {
+    std::fs::create_dir(place.path("inner")).unwrap();
+    lapidary_core::image::Image::filled([3, 3], glam::Vec3::X).write(&place.path("red.png")).unwrap();
+    std::fs::write(place.path("inner/a.mtl"), "newmtl m\nmap_Kd ../red.png\n").unwrap();
+    std::fs::write(place.path("inner/a.obj"), format!("mtllib a.mtl\nusemtl m\n{SCENE}")).unwrap();
+    place.path("inner/a.obj")
+}
+
+#[test]
+fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_once() {
+    let place = Place::new();
+    let scene = with_a_texture_outside(&place);
+    let texture = |window: &Window| window.0.state().document.textures[0].texture.size;
+    let mut window = place.window();
+    window.open(&scene);
+    assert!(window.shows("Read files from elsewhere?") && window.shows("../red.png"));
+    assert!(window.0.state().scene.source.is_none(), "nothing is opened before the answer");
+    window.click("Open without them");
+    window.wait("the scene", |s| s.scene.source.is_some());
+    assert_eq!(texture(&window), [8, 8], "the chequerboard");
+    window.open(&scene);
+    window.click("Read them");
+    window.wait("the picture", |s| s.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));
+    let mut later = place.window();
+    later.open(&scene);
+    assert!(!later.shows("Read files from elsewhere?"), "the folder is remembered");
+    assert_eq!(texture(&later), [3, 3]);
+    assert!(later.has_said("were read, as was allowed"));
+}
+
+#[test]
+fn pictures_outside_the_folder_of_a_material_are_read_after_a_question() {
+    let place = Place::new();
+    place.bake();
+    with_a_texture_outside(&place);
+    let json = r#"{"model": "ward", "parameters": {}, "maps": {"base_color": {"file": "../red.png"}}}"#;
+    std::fs::write(place.path("inner/x.json"), json).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    let load = || Action::LoadMaterial { material: 0, path: Some(place.path("inner/x.json")) };
+    window.perform(load());
+    window.wait("the question", |s| !s.prompts.is_empty());
+    assert!(window.shows("../red.png"));
+    window.click("Cancel");
+    assert!(window.0.state().document.textures.is_empty() && window.0.state().prompts.is_empty());
+    window.perform(load());
+    window.wait("the question", |s| !s.prompts.is_empty());
+    window.click("Read them");
+    window.wait("the map", |s| s.document.materials[0].maps[MapKind::BaseColor].is_some());
+    assert_eq!(window.0.state().document.textures[0].texture.size, [3, 3]);
+}

@@ -3,7 +3,7 @@
 use super::{Place, Window, few_lights};
 use crate::{
     actions::Action,
-    app::opening::{Opened, Ready, Target, open},
+    app::opening::{Consent, Opened, Ready, Target, open},
     document::{Document, TextureEntry, autosave, autosave::Autosave, session},
     panels::bake::BakeStatus,
 };
@@ -30,9 +30,10 @@ fn textured(place: &Place) -> PathBuf {
 }
 
 fn opened(target: Target) -> Box<Ready> {
-    match open(target).unwrap() {
+    match open(target, &Consent::default()).unwrap() {
         Opened::Ready(ready) => ready,
         Opened::Missing { loaded, .. } => panic!("missing: {:?}", loaded.missing),
+        Opened::Outside { names, .. } => panic!("outside: {names:?}"),
     }
 }
 

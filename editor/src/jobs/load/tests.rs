@@ -22,7 +22,7 @@ fn every_source_is_opened() {
     loader.load(Topic::Reload(path("t.png")), Source::Texture(path("t.png")));
     let Ok(Loaded::Texture(texture)) = next(&mut loader).result else { panic!("no texture") };
     for (own, expected) in [(Vec::new(), 1), (vec![texture], 1)] {
-        let source = Source::Material { path: path("m.json"), textures: own };
+        let source = Source::Material { path: path("m.json"), textures: own, allow_outside: false };
         loader.load(Topic::Material(0), source);
         let Ok(Loaded::Material { material, textures, .. }) = next(&mut loader).result else { panic!("no material") };
         assert_eq!((material.name.as_str(), textures.len()), ("m", expected));

@@ -1,20 +1,23 @@
 //! The `bake` command.
 
 use crate::{
-    args::{ShotOption, choices, values::place},
+    args::{OutsideArgs, ShotOption, choices, values::place},
     outputs::CommandFiles,
-    terminal::{ProgressReporter, ProgressStyle, write_json},
+    terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
 };
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use clap::{Args, builder::RangedU64ValueParser};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
-    import::import,
+    import::import_with,
     light_tree::TreeKind,
 };
-use lapidary_precompute::{BakeJob, Preset, bake, resolve};
-use std::{path::PathBuf, time::Instant};
+use lapidary_precompute::{BakeError, BakeJob, Preset, bake, resolve};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// Most worker threads: more take memory and bring nothing.
 const MOST_THREADS: u64 = 1024;
@@ -24,6 +27,8 @@ const MOST_THREADS: u64 = 1024;
 pub struct BakeArgs {
     /// Scene to bake: .obj, .gltf, .glb or .ply
     pub scene: PathBuf,
+    #[command(flatten)]
+    outside: OutsideArgs,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
@@ -167,7 +172,7 @@ impl BakeArgs {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
         let start = Instant::now();
-        let imported = import(&self.scene)?;
+        let imported = import_with(&self.scene, &self.outside.into())?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
@@ -183,11 +188,22 @@ impl BakeArgs {
             import_secs: start.elapsed().as_secs_f64(),
             warnings: imported.report.warnings,
         };
-        let report = bake(imported.scene, &job, &progress)?.report;
+        let baked = bake(imported.scene, &job, &progress).map_err(|error| of_scene(error, &self.scene))?;
+        let report = baked.report;
         progress.finish();
         if let Some(path) = &self.report {
             write_json(path, &report)?;
         }
         Ok(report)
+    }
+}
+
+/// An error that lies in a scene is told with its file. Others tell theirs, or are of no file.
+fn of_scene(error: BakeError, scene: &Path) -> Error {
+    match error {
+        BakeError::Points(_) | BakeError::Basis(_) | BakeError::Memory { .. } | BakeError::TooManyTexels { .. } => {
+            Error::msg(format!("{} ({})", error.text(option_name), scene.display()))
+        }
+        other => other.into(),
     }
 }
