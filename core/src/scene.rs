@@ -233,7 +233,8 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1, against `materials` and `objects` entries to refer to.
+    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1, against `materials` and `objects`
+    /// entries to refer to.
     ///
     /// # Errors
     /// The first [`MeshError`] found.
