@@ -1,10 +1,11 @@
 //! No command writes over an input, or over anything but a file. An output that cannot be written is told before the work begins:
 //! all inputs here are damaged, so that a command that reads one first complains of that.
 
-use crate::common::{Folder, LAPIDARY};
+use crate::common::{Folder, LAPIDARY, SMALL, files_in};
 use clap::Subcommand;
+use lapidary_core::lock::OutputLock;
 use lapidary_studies::commands::Command;
-use std::{any::TypeId, fs, path::PathBuf};
+use std::{any::TypeId, fs, path::PathBuf, process::Stdio};
 
 enum Kind {
     /// A file, of any name that ends in `.png`.
@@ -177,4 +178,86 @@ fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
     assert!(message.contains("a.cuts"), "the folder was taken, the dataset is what is wrong: {message}");
     assert_eq!(fs::read_to_string(folder.path("file")).expect("a file"), CONTENTS);
     assert_eq!(fs::read_dir(folder.path("out")).expect("a folder").count(), 1, "the link");
+}
+
+/// The test holds the lock, as another run of the program would.
+#[test]
+fn a_folder_is_filled_by_one_process_at_a_time() {
+    let folder = Folder::new();
+    folder.bake("a.cuts", "--mode cuts --sources 256");
+    let small = "--size 8x6 --env studio";
+    for line in [
+        format!("ladder a.cuts {small} --illum-cuts 4 --out out"),
+        format!("explain a.cuts {small} --pixel 4,3 --no-split --out out"),
+        format!("export a.cuts {small} --mitsuba out"),
+        format!("bounces a.cuts {small} --spp 2 --no-samples --out out"),
+        "evidence --quick --out out".into(),
+        "demo --out out".into(),
+    ] {
+        fs::create_dir(folder.path("out")).expect("a folder");
+        let held = OutputLock::acquire(&folder.path("out/.lapidary")).expect("nobody else");
+        let message = folder.fail(&line);
+        let process = format!("process {}", std::process::id());
+        assert!(message.contains(&process) && message.contains("(out)"), "{line}: {message}");
+        assert_eq!(files_in(&folder.path("out")), 1, "{line}: nothing but the lock");
+        drop(held);
+        if !line.starts_with("evidence") && !line.starts_with("demo") {
+            folder.succeed(&line);
+            assert!(!folder.path("out/.lapidary.lock").exists(), "negative control: {line}");
+        }
+        fs::remove_dir_all(folder.path("out")).expect("a folder of ours");
+    }
+}
+
+#[test]
+fn two_sequences_of_one_name_do_not_mix() {
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    let line = |exposure: i32, out: &str| {
+        format!(
+            "sequence a.cuts --size 64x48 --backend cpu --exposure {exposure} --turn object --frames 6 --out {out}/f.#.png"
+        )
+    };
+    let frames =
+        |out: &str| (1..=6).map(|n| fs::read(folder.path(&format!("{out}/f.{n}.png"))).ok()).collect::<Vec<_>>();
+    for exposure in [0, 1] {
+        folder.succeed(&line(exposure, &exposure.to_string()));
+    }
+    let runs = [0, 1].map(|exposure| {
+        let mut command = folder.command(&line(exposure, "both"));
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts")
+    });
+    let [first, second] = runs.map(|run| run.wait_with_output().expect("it ends"));
+    let (winner, other) = if first.status.success() { (0, &second) } else { (1, &first) };
+    let message = String::from_utf8_lossy(&other.stderr);
+    assert_eq!((first.status.success(), second.status.success()), (winner == 0, winner == 1), "{message}");
+    // Where one had ended before the other began, its frames are there.
+    let refused = message.contains("is writing the output") || message.contains("are there already");
+    assert!(refused && message.contains("both"), "{message}");
+    assert!(frames("both") == frames(&winner.to_string()), "the frames are those of one run");
+    assert!(frames("0") != frames("1"), "negative control");
+}
+
+#[test]
+fn a_bake_over_a_picture_of_its_scene_is_refused() {
+    let folder = Folder::new();
+    folder.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\nmap_Kd wood.tga\n".into());
+    let mut tga = vec![0_u8; 18];
+    (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24);
+    tga.extend([10, 20, 30]);
+    fs::write(folder.path("wood.tga"), &tga).expect("a writable folder");
+    for output in ["wood.tga", "scene.mtl"] {
+        let before = fs::read(folder.path(output)).expect("an input");
+        let message = folder.fail(&format!("bake scene.obj -o {output} {SMALL}"));
+        assert!(message.contains("over an input") && message.contains(output), "{message}");
+        assert!(fs::read(folder.path(output)).expect("an input") == before);
+    }
+    folder.bake("a.cuts", "");
+    // Nor is a picture written over one of its material.
+    fs::rename(folder.path("wood.tga"), folder.path("wood.png")).expect("a picture");
+    folder.write("m.json", r#"{"maps": {"base_color": {"file": "wood.png"}}}"#.into());
+    let line = |out: &str| format!("render a.cuts --material m.json --env studio --size 8x6 --out {out}");
+    let message = folder.fail(&line("wood.png"));
+    assert!(message.contains("over an input") && message.contains("wood.png"), "{message}");
+    assert!(fs::read(folder.path("wood.png")).expect("a picture") == tga);
 }

@@ -33,7 +33,7 @@ mod repair;
 mod tangents;
 mod textures;
 
-pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material};
+pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material, pictures_of_material};
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
 const MAX_ELEMENTS: u64 = 100_000_000;
@@ -148,6 +148,8 @@ pub struct ImportReport {
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
+    /// Files that were read beside that of the scene: buffers, materials and pictures.
+    pub files: Vec<PathBuf>,
     /// Files outside the folder of the scene, as it names them. They were read only if that was allowed.
     pub outside: Vec<String>,
     /// Other problems, with their repair and the remedy.

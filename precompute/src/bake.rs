@@ -39,7 +39,10 @@ use lapidary_core::{
     output::check_output,
     scene::Scene,
 };
-use std::time::Instant;
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 /// Bakes a scene and writes the dataset to the job's output.
 ///
@@ -47,7 +50,8 @@ use std::time::Instant;
 /// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once. One bake at
 /// a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    check_output(&job.output, &[])?;
+    let inputs: Vec<&Path> = job.inputs.iter().map(PathBuf::as_path).collect();
+    check_output(&job.output, &inputs)?;
     let settings = &job.settings;
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;

@@ -9,7 +9,7 @@ mod report;
 
 use crate::{
     bundled::DataFolder,
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, Steps, write_json},
 };
 use anyhow::{Context, Result};
@@ -53,7 +53,7 @@ const VERIFIED_VERTICES: usize = 64;
 pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
     let start = Instant::now();
     let data = DataFolder::find(args.data.as_deref())?;
-    create_folder(&args.out)?;
+    let _taken = take_folder(&args.out)?;
     let steps = Steps::new(console);
     let environments = data.environments(console)?;
     let dataset = Arc::new(bake::bake_still_life(&data, &args.out, &steps)?);

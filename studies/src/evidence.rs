@@ -17,7 +17,7 @@ mod wavelets;
 use crate::{
     args::OutsideArgs,
     bundled::DataFolder,
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, Steps},
 };
 use anyhow::{Result, bail};
@@ -67,7 +67,7 @@ impl EvidenceArgs {
 /// # Errors
 /// A folder that cannot be written, scenes or data that cannot be read, or Ctrl-C; figures that were done are kept.
 pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
-    create_folder(&args.out)?;
+    let _taken = take_folder(&args.out)?;
     let scale = if args.quick { MeasurementScale::QUICK } else { MeasurementScale::FULL };
     let (environment, warnings) = Environment::from_spec(&args.env)?;
     warnings.iter().for_each(|w| console.warning(w));

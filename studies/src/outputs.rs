@@ -5,7 +5,10 @@ mod folder;
 
 use anyhow::{Context, Result, bail};
 use folder::FilledFolder;
-use lapidary_core::output::{check_output, check_writable, is_same_output};
+use lapidary_core::{
+    lock::{LockError, OutputLock},
+    output::{check_output, check_writable, is_same_output},
+};
 use std::path::{Path, PathBuf};
 
 /// The files and folders of a command.
@@ -79,6 +82,21 @@ pub fn create_folder(path: &Path) -> Result<()> {
         format!("cannot write to the folder; check the path, its permissions and the space ({})", path.display())
     })?;
     Ok(check_writable(path)?)
+}
+
+/// Name of the lock of a folder, without its extension.
+const FOLDER_LOCK: &str = ".lapidary";
+
+/// Creates a folder that is filled, and takes it until the lock is dropped: what two processes write there would mix.
+///
+/// # Errors
+/// A folder that cannot be written to, or that another process fills.
+pub fn take_folder(path: &Path) -> Result<OutputLock> {
+    create_folder(path)?;
+    Ok(OutputLock::acquire(&path.join(FOLDER_LOCK)).map_err(|error| match error {
+        LockError::Held { holder, .. } => LockError::Held { path: path.into(), holder },
+        error => error,
+    })?)
 }
 
 #[cfg(test)]

@@ -13,7 +13,6 @@ mod turn;
 pub use names::FrameNames;
 pub use parameter::{Domain, Parameter, Target};
 pub use plan::{SequenceFrame, SequenceSettings, plan};
-pub use record::Record;
-pub use run::{Existing, SequenceEnd, SequenceTask, SheetTask, sequence_files};
+pub use run::{Existing, Prepared, SequenceEnd, SequenceTask, SheetTask, sequence_files};
 pub use sweep::{Sweep, Value};
 pub use turn::Turn;

@@ -8,7 +8,8 @@ use std::path::Path;
 /// Where the system does not tell what is free: 8 GiB.
 const UNKNOWN: u64 = 8 << 30;
 
-/// Peak bytes of a vertex: as read, while vertices are welded, and in the mesh.
+/// Peak bytes of a vertex: as read, while vertices are welded, and in the mesh. With [`TRIANGLE`] this is 0.9 GB for a mesh of
+/// a million vertices; one without normals and with a crease at every edge was seen to take 0.65 GB.
 const VERTEX: u64 = 260;
 
 /// Peak bytes of a triangle: as read, its edges while normals are rebuilt, and in the mesh.

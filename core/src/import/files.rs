@@ -56,6 +56,8 @@ pub(super) struct Files {
     pub budget: Budget,
     /// Names of files outside the folder, each once.
     outside: Vec<String>,
+    /// The files that were read.
+    read: Vec<PathBuf>,
 }
 
 impl Files {
@@ -63,7 +65,7 @@ impl Files {
     pub fn beside(path: &Path, options: &ImportOptions) -> Self {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let budget = Budget::new(options.budget);
-        Self { folder, allow_outside: options.allow_outside, budget, outside: Vec::new() }
+        Self { folder, allow_outside: options.allow_outside, budget, outside: Vec::new(), read: Vec::new() }
     }
 
     /// The file of a name.
@@ -82,11 +84,13 @@ impl Files {
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Trouble> {
         let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         self.budget.take(length)?;
+        self.read.push(path.into());
         input::read(path).map_err(|e| e.to_string().into())
     }
 
-    /// Tells of the files outside. Those that are not read are told where they are missed, too.
+    /// Tells which files were read, and of those outside. Those that are not read are told where they are missed, too.
     pub fn tell(self, report: &mut ImportReport) {
+        report.files.extend(self.read);
         if self.outside.is_empty() {
             return;
         }

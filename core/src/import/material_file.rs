@@ -9,13 +9,14 @@ use super::{
 };
 use crate::{
     image::{ImageError, decode, footprint},
+    input,
     material::{BrdfModel, BrdfParameters, Maps, Material},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The contents of a material file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -96,6 +97,13 @@ pub fn load_material(
             Err(error)
         }
     }
+}
+
+/// The pictures that a material file names, so far as they are there; none of a file that cannot be read.
+pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
+    let read = input::read(path).ok().and_then(|bytes| serde_json::from_slice::<MaterialFile>(&bytes).ok());
+    let mut files = Files::beside(path, &ImportOptions { allow_outside: true, ..Default::default() });
+    read.iter().flat_map(|file| file.maps.slots()).filter_map(|slot| files.find(&slot.file).ok()).collect()
 }
 
 struct MaterialLoader<'a> {

@@ -79,8 +79,18 @@ fn scenes_of_an_extreme_scale_are_refused_with_the_number_and_the_remedy() {
     for scale in ["1e-5", "1", "1e9"] {
         check("x.obj", scaled(scale)).unwrap();
     }
-    let stray = format!("{}v 1e30 0 0\n", scaled("1"));
-    assert_eq!(check("x.obj", stray).unwrap().report.unreferenced_vertices, 1, "it is dropped");
+}
+
+#[test]
+fn a_vertex_far_away_that_no_triangle_uses_is_dropped() {
+    let ply = |face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1e30 0 0\n{face}\n"
+        )
+    };
+    assert_eq!(check("x.ply", ply("3 0 1 2")).unwrap().report.unreferenced_vertices, 1);
+    assert!(check("x.ply", ply("3 0 1 3")).is_none(), "negative control: one that a triangle uses");
 }
 
 #[test]

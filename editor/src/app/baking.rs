@@ -70,7 +70,8 @@ impl EditorState {
         }
         let Imported { scene, import_secs, report, .. } = source;
         let mode = settings.mode;
-        let job = BakeJob { settings, output, chunks: None, resume, import_secs, warnings: report.warnings };
+        let (inputs, warnings) = (report.files, report.warnings);
+        let job = BakeJob { settings, output, inputs, chunks: None, resume, import_secs, warnings };
         let task = BakeTask {
             scene,
             job,

@@ -75,8 +75,8 @@ impl EditorState {
         }
         let task = dialog.task(look)?;
         task.command_files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
-        let record = task.prepare(&baked.dataset)?;
-        self.start_export(ExportTask::Sequence { task, record }, baked);
+        let prepared = task.prepare(&baked.dataset)?;
+        self.start_export(ExportTask::Sequence { task, prepared }, baked);
         Ok(())
     }
 

@@ -10,6 +10,8 @@ pub struct BakeJob {
     pub settings: ResolvedBake,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
+    /// Files that the scene was imported from, which the output must not be.
+    pub inputs: Vec<PathBuf>,
     /// Number of chunks; `None` for a checkpoint every few seconds.
     pub chunks: Option<usize>,
     /// Resume from the checkpoint of an interrupted bake.
@@ -23,6 +25,14 @@ pub struct BakeJob {
 impl BakeJob {
     /// A bake from the beginning, without a report of the import.
     pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
-        Self { settings, output, chunks: None, resume: false, import_secs: 0.0, warnings: Vec::new() }
+        Self {
+            settings,
+            output,
+            inputs: Vec::new(),
+            chunks: None,
+            resume: false,
+            import_secs: 0.0,
+            warnings: Vec::new(),
+        }
     }
 }

@@ -175,7 +175,7 @@ fn a_byte_budget_is_kept() {
 fn an_output_that_cannot_be_written_is_an_error_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let job = BakeJob { output: folder.path().join("no/such/folder/\0a.cuts"), ..job(folder.path(), "") };
-    assert!(matches!(bake(scene(), &job, &Silent), Err(BakeError::Lock(LockError::Io { .. }))));
+    assert!(matches!(bake(scene(), &job, &Silent), Err(BakeError::Output(_))));
 }
 
 /// A small room with a box in it.

@@ -12,7 +12,7 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
-    import::load_material,
+    import::{load_material, pictures_of_material},
     material::{BrdfModel, BrdfParameters, Material},
     memory,
     scene::{Scene, camera_named},
@@ -138,7 +138,8 @@ impl ViewArgs {
     /// The files that are read, together with those of `local`.
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
-        files.reads(&self.material.material)
+        let material = &self.material.material;
+        files.reads(material).reads(material.iter().flat_map(|path| pictures_of_material(path)))
     }
 
     /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.

@@ -6,7 +6,7 @@ use crate::{
         BouncedLight,
         light_paths::{Figures, LightPaths},
     },
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     sheet::strip,
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
@@ -96,7 +96,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {
         bail!("--spp must be a multiple of {}, so that both halves cover the whole pixel", 2 * viewed.view.aa);
     }
-    create_folder(&args.out)?;
+    let _taken = take_folder(&args.out)?;
     let mut report = Report { size: viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
     let mut comparison = Comparison::new(args, &viewed, &interrupt, console)?;
     for solution in solutions {

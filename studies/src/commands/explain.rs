@@ -5,7 +5,7 @@ mod sheet;
 
 use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene, choices, values},
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Result, bail};
@@ -104,7 +104,7 @@ pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
         bail!("explain shows one bounce by cuts; leave out --solution");
     }
     let region = region_of(args, &viewed)?;
-    create_folder(&args.out)?;
+    let _taken = take_folder(&args.out)?;
     let explainer = Explainer::new(args, &viewed)?;
     let explanation = args.pixel.map(|pixel| explainer.explain(pixel, console)).transpose()?;
     let split = match region {

@@ -3,7 +3,7 @@
 use crate::{
     args::{LocalLightArgs, ViewArgs, ViewedScene},
     export::mitsuba::{self, Exported, MitsubaScene},
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     terminal::Console,
     terminal::Outcome,
 };
@@ -43,7 +43,7 @@ impl ExportArgs {
 /// # Errors
 /// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
 pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
-    create_folder(&args.mitsuba)?;
+    let _taken = take_folder(&args.mitsuba)?;
     let viewed = args.view.resolve(&args.local, console)?;
     let exported = scene(&viewed, args.bounces)?.write(&args.mitsuba)?;
     let Exported { meshes, triangles, materials, remarks } = exported;

@@ -3,7 +3,7 @@
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
     ladder::{self, Ladder, Settings, Summary, climb},
-    outputs::{CommandFiles, create_folder},
+    outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Context, Result};
@@ -48,7 +48,7 @@ impl LadderArgs {
 /// # Errors
 /// Files that cannot be read or written, options that contradict each other.
 pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
-    create_folder(&args.out)?;
+    let _taken = take_folder(&args.out)?;
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(args.illum_cuts.len() + 3)?;
     let viewed = args.view.resolve(&args.local, console)?;

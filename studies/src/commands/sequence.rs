@@ -81,13 +81,13 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
         existing: args.existing(),
         sheet: args.sheet(),
     };
-    let record = task.prepare(&viewed.baked.dataset)?;
+    let prepared = task.prepare(&viewed.baked.dataset)?;
     let start = Instant::now();
     let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
     warn_of_buried(&Renderer::new(baked), &viewed.local.lights, console);
     let progress = StepProgress::new("sequence", "frames", &interrupt, console.quiet);
-    let end = task.run(record, &mut studio, &progress);
+    let end = task.run(prepared, &mut studio, &progress);
     progress.finish();
     studio.remarks().iter().for_each(|remark| console.warning(remark));
     tell(&task, end?, start, console)

@@ -42,7 +42,7 @@ impl VerifyArgs {
             print_out(&verification_text(&result))?;
         }
         if !result.passed {
-            bail!("the dataset does not agree with its scene: bake it again");
+            bail!("the dataset does not agree with its scene; bake it again ({})", self.file.display());
         }
         Ok(())
     }

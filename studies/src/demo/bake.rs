@@ -23,6 +23,7 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
     let job = BakeJob {
         settings: resolve(BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() })?,
         output: out.join("still-life.cuts"),
+        inputs: report.files,
         chunks: None,
         resume: true,
         import_secs: start.elapsed().as_secs_f64(),

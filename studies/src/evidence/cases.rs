@@ -155,6 +155,7 @@ impl Measurement<'_> {
                 ..normal
             })?,
             output: self.out.join(format!("{}-bounces.cuts", plan.name)),
+            inputs: Vec::new(),
             chunks: None,
             resume: false,
             import_secs: 0.0,

@@ -3,7 +3,7 @@
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
     export::{Finished, LayerKind, Studio},
-    sequence::{Record, SequenceEnd, SequenceTask},
+    sequence::{Prepared, SequenceEnd, SequenceTask},
     terminal::Interrupted,
 };
 use anyhow::Result;
@@ -24,7 +24,7 @@ pub enum ExportTask {
         /// What it is.
         task: SequenceTask,
         /// What [`SequenceTask::prepare`] gave.
-        record: Record,
+        prepared: Prepared,
     },
     /// A picture with its layers.
     Layers {
@@ -103,7 +103,7 @@ fn run(
     let backend = factory()?;
     let mut studio = Studio::new(backend, baked)?;
     let end = match task {
-        ExportTask::Sequence { task, record } => sequence(&task, record, &mut studio, state),
+        ExportTask::Sequence { task, prepared } => sequence(&task, prepared, &mut studio, state),
         ExportTask::Layers { look, layers, path } => picture(&look, &layers, path, &mut studio, state),
     };
     for remark in studio.remarks() {
@@ -112,8 +112,13 @@ fn run(
     end
 }
 
-fn sequence(task: &SequenceTask, record: Record, studio: &mut Studio, state: &SharedProgress) -> Result<ExportMessage> {
-    let SequenceEnd { rendered, kept, cancelled } = task.run(record, studio, state)?;
+fn sequence(
+    task: &SequenceTask,
+    prepared: Prepared,
+    studio: &mut Studio,
+    state: &SharedProgress,
+) -> Result<ExportMessage> {
+    let SequenceEnd { rendered, kept, cancelled } = task.run(prepared, studio, state)?;
     let (there, all, place) = (rendered + kept, task.frames.len(), task.record_path());
     Ok(if cancelled {
         ExportMessage::Cancelled(format!("Export cancelled: {there} of {all} frames are there ({})", place.display()))

@@ -13,11 +13,15 @@ use lapidary_core::{
     dataset::Dataset,
     image::{Image, decode},
     input,
+    lock::OutputLock,
     output::folder_of,
     texture::Texels,
 };
 use lapidary_render::{Post, Progress};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Longest side in pixels of a frame in a contact sheet.
 const TILE: u32 = 240;
@@ -58,6 +62,13 @@ pub struct SequenceTask {
     pub sheet: Option<SheetTask>,
 }
 
+/// A sequence that may begin. No other process writes its files until it is dropped.
+#[derive(Debug)]
+pub struct Prepared {
+    record: Record,
+    _locks: Vec<OutputLock>,
+}
+
 /// How a sequence ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SequenceEnd {
@@ -92,14 +103,15 @@ impl SequenceTask {
         sequence_files(files, &self.outputs, numbers, self.sheet.as_ref().map(|sheet| sheet.path.as_path()))
     }
 
-    /// Checks folders and what is there, before anything slow. Returns the record to begin with.
+    /// Checks folders and what is there, before anything slow, and takes the files for this process.
     ///
     /// # Errors
     /// Folders that cannot be made or written to; frames that are there and may not be replaced, or are of another sequence.
-    pub fn prepare(&self, dataset: &Dataset) -> Result<Record> {
+    pub fn prepare(&self, dataset: &Dataset) -> Result<Prepared> {
         for folder in self.folders() {
             create_folder(folder)?;
         }
+        let locks = self.lock()?;
         let mut record = Record::new(&self.frames, &self.outputs, dataset);
         let there = self.frames.iter().filter(|frame| self.files(frame).iter().any(|file| file.exists())).count();
         match self.existing {
@@ -122,15 +134,16 @@ impl SequenceTask {
             }
             _ => {}
         }
-        Ok(record)
+        Ok(Prepared { record, _locks: locks })
     }
 
     /// Renders what is not there yet, after [`Self::prepare`]. `progress` counts frames, also those that are there.
     ///
     /// # Errors
     /// A renderer that fails, or files that cannot be written; the frames before stay.
-    pub fn run(&self, mut record: Record, studio: &mut Studio, progress: &dyn Progress) -> Result<SequenceEnd> {
+    pub fn run(&self, prepared: Prepared, studio: &mut Studio, progress: &dyn Progress) -> Result<SequenceEnd> {
         let dataset = studio.baked().dataset.clone();
+        let Prepared { mut record, _locks } = prepared;
         let mut end = SequenceEnd { rendered: 0, kept: 0, cancelled: false };
         let mut tiles = Vec::new();
         record.write(&self.record_path())?;
@@ -161,6 +174,16 @@ impl SequenceTask {
         progress.advanced(all, all);
         self.write_sheet(&tiles)?;
         Ok(end)
+    }
+
+    /// The records of all formats, which have a place in each folder, and the sheet.
+    fn lock(&self) -> Result<Vec<OutputLock>> {
+        let records = self.outputs.iter().map(FrameNames::record_path);
+        let files = records.chain(self.sheet.iter().map(|sheet| sheet.path.clone()));
+        // Two formats in one folder have one record, by whatever name the folder goes.
+        let place = |file: PathBuf| Ok(folder_of(&file).canonicalize()?.join(file.file_name().unwrap_or_default()));
+        let places = files.map(place).collect::<Result<BTreeSet<PathBuf>>>()?;
+        places.iter().map(|place| Ok(OutputLock::acquire(place)?)).collect()
     }
 
     fn so_far(&self, end: SequenceEnd) -> String {

@@ -16,7 +16,7 @@ use crate::{
     texture::{Channel, ColorSpace, TextureSlot},
 };
 use glam::{Vec2, Vec3};
-use gltf::{material::AlphaMode, texture::WrappingMode};
+use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
@@ -33,7 +33,8 @@ pub(super) fn add_materials(
     library: &mut TextureLibrary,
 ) -> Result<(), Trouble> {
     let normal_transforms = normal_transforms(bytes);
-    let mut reader = MaterialReader { gltf, buffers, library, normal_transforms, ignored: Ignored::default() };
+    let views = gltf.views().collect();
+    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, ignored: Ignored::default() };
     source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
     reader.ignored.warn(&mut source.warnings);
     Ok(())
@@ -114,6 +115,8 @@ fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
 
 struct MaterialReader<'a> {
     gltf: &'a gltf::Gltf,
+    /// By their indices.
+    views: Vec<View<'a>>,
     buffers: &'a Buffers,
     library: &'a mut TextureLibrary,
     normal_transforms: Vec<Transform>,
@@ -200,7 +203,7 @@ impl MaterialReader<'_> {
     fn texture(&mut self, image: usize) -> Result<u32, Trouble> {
         let json = &self.gltf.as_json().images[image];
         let name = json.name.clone().unwrap_or_else(|| format!("image {image}"));
-        let (gltf, buffers) = (self.gltf, self.buffers);
+        let (views, buffers) = (&self.views, self.buffers);
         match &json.uri {
             Some(uri) if !uri.starts_with("data:") => self.library.load(&percent_decoded(uri)),
             Some(uri) => self.library.load_with(&format!("image {image}"), &name, |files| {
@@ -208,8 +211,8 @@ impl MaterialReader<'_> {
                 read_picture(&bytes, Path::new(&name), files)
             }),
             None => self.library.load_with(&format!("image {image}"), &name, |files| {
-                let view = json.buffer_view.and_then(|v| gltf.views().nth(v.value())).ok_or("it has no data")?;
-                read_picture(buffers.view(&view)?, Path::new(&name), files)
+                let view = json.buffer_view.and_then(|v| views.get(v.value())).ok_or("it has no data")?;
+                read_picture(buffers.view(view)?, Path::new(&name), files)
             }),
         }
     }

@@ -174,6 +174,8 @@ impl BakeArgs {
         let start = Instant::now();
         let imported = import_with(&self.scene, &self.outside.into())?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
+        // The scene's own buffers and pictures are known only now.
+        self.files().reads(&imported.report.files).check()?;
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
             settings = settings.with_room_for(vertices);
@@ -183,6 +185,7 @@ impl BakeArgs {
         let job = BakeJob {
             settings,
             output: self.output.clone(),
+            inputs: imported.report.files,
             chunks: self.chunks,
             resume: self.resume,
             import_secs: start.elapsed().as_secs_f64(),

@@ -67,8 +67,8 @@ fn task(baked: &Baked, folder: &Path, sweep: &str, frames: u32) -> SequenceTask 
 }
 
 fn run(task: &SequenceTask, baked: &Baked, stop: &Stop) -> Result<SequenceEnd> {
-    let record = task.prepare(&baked.dataset)?;
-    task.run(record, &mut Studio::new(Box::new(CpuBackend::new()), baked.clone())?, stop)
+    let prepared = task.prepare(&baked.dataset)?;
+    task.run(prepared, &mut Studio::new(Box::new(CpuBackend::new()), baked.clone())?, stop)
 }
 
 fn files(folder: &Path) -> Vec<String> {
@@ -158,11 +158,11 @@ fn folders_that_take_no_files_are_told_before_anything_is_rendered() {
 fn a_write_that_fails_leaves_the_frames_before_it_and_says_how_to_go_on() {
     let (folder, baked) = (tempfile::tempdir().unwrap(), baked());
     let task = task(&baked, folder.path(), "intensity=1..3", 3);
-    let record = task.prepare(&baked.dataset).unwrap();
+    let prepared = task.prepare(&baked.dataset).unwrap();
     // A folder in the place of a file cannot be replaced by it, as a full disk cannot take it.
     fs::create_dir(folder.path().join("f.02.png")).unwrap();
     let mut studio = Studio::new(Box::new(CpuBackend::new()), baked).unwrap();
-    let error = crate::terminal::error_text(&task.run(record, &mut studio, &Stop::never()).unwrap_err());
+    let error = crate::terminal::error_text(&task.run(prepared, &mut studio, &Stop::never()).unwrap_err());
     assert!(error.contains("1 of 3 frames") && error.contains("--resume"), "{error}");
     assert!(Image::read(&folder.path().join("f.01.exr")).is_ok());
 }
