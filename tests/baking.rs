@@ -135,7 +135,7 @@ fn quiet_bakes_print_nothing() {
 fn help_teaches_every_command() {
     let folder = Folder::new();
     let help = folder.succeed("--help");
-    for command in ["demo", "bake", "info", "verify", "render", "reference", "compare"] {
+    for command in ["demo", "bake", "info", "verify", "check", "render", "reference", "compare"] {
         assert!(help.contains(command), "{command}");
         assert!(folder.succeed(&format!("{command} --help")).contains("Usage"), "{command}");
     }

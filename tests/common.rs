@@ -1,7 +1,8 @@
 //! What the end-to-end tests share: running the binary, a small scene, comparing datasets.
 
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, image::decode};
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
@@ -87,6 +88,46 @@ pub fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<[u32; 3
 /// Keys of a JSON object, sorted.
 pub fn keys(value: &serde_json::Value) -> Vec<&str> {
     value.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+/// Contents of a file.
+pub fn read(path: &Path) -> Vec<u8> {
+    fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Whether two outputs of this name are the same but for times that they tell: those of exr files are in their headers.
+pub fn is_same_output(name: &str, a: &[u8], b: &[u8]) -> bool {
+    let texels = |bytes: &[u8]| decode(bytes, Path::new(name)).ok().map(|picture| (picture.size, picture.texels));
+    a == b || (name.ends_with(".exr") && texels(a).is_some_and(|a| texels(b) == Some(a)))
+}
+
+/// All files below a folder, by their path in it.
+pub fn files_below(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        if path.is_dir() {
+            found.extend(files_below(&path).into_iter().map(|(below, contents)| (format!("{name}/{below}"), contents)));
+        } else {
+            found.insert(name, read(&path));
+        }
+    }
+    found
+}
+
+/// Copies a folder with all that is in it.
+pub fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let to = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy_folder(&entry.path(), &to)?
+        } else {
+            fs::copy(entry.path(), to).map(drop)?
+        }
+    }
+    Ok(())
 }
 
 /// Number of files in a folder.

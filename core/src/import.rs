@@ -176,6 +176,7 @@ struct Source {
     lights: Vec<Light>,
     warnings: Vec<String>,
     outside: Vec<String>,
+    files: Vec<PathBuf>,
 }
 
 /// Imports the scene in an obj, gltf, glb or ply file. It may take all free memory, and read files of its folder.
@@ -212,7 +213,8 @@ fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
 /// Repairs the mesh, and checks that it is valid.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let mut report = ImportReport { warnings: source.warnings, outside: source.outside, ..Default::default() };
+    let Source { warnings, outside, files, .. } = source;
+    let mut report = ImportReport { warnings, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {

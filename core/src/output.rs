@@ -1,6 +1,9 @@
 //! Writing files: what may be written over is checked before the work, and a file is replaced only when its successor is complete
 //! and on disk. Nothing is written in any other way.
 
+#[cfg(feature = "test-faults")]
+mod faults;
+
 use crate::input::what_it_is;
 use same_file::is_same_file;
 use std::{
@@ -62,8 +65,14 @@ pub enum OutputError {
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file_to_replace(path)?;
     let mut file = temporary_in(folder_of(path))?;
+    #[cfg(feature = "test-faults")]
+    let fault = faults::next();
+    #[cfg(feature = "test-faults")]
+    fault.write(&mut file, bytes)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
+    #[cfg(feature = "test-faults")]
+    fault.rename()?;
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }

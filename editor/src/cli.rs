@@ -1,6 +1,9 @@
 //! The command line: the window, and the commands of `lapidary_studies`.
 
-use crate::edit::{self, EditArgs};
+use crate::{
+    check::CheckArgs,
+    edit::{self, EditArgs},
+};
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use lapidary_studies::{
@@ -28,6 +31,8 @@ With your own scene:
       describes the dataset: mesh, light tree, cut sizes, error, bytes, times
   lapidary verify scene.cuts
       traces some vertices again and compares
+  lapidary check look.lapidary
+      tells whether all files that a session of the window names are there and can be read
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
       relights it by any environment at any rotation, without a new bake
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
@@ -54,8 +59,8 @@ Exit codes:
 #[derive(Parser)]
 #[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, max_term_width = 110)]
 pub struct Cli {
-    /// Print no progress, warnings, notes or summaries; errors and the output of `info` and `verify` are still
-    /// printed
+    /// Print no progress, warnings, notes or summaries; errors and the output of `info`, `verify` and `check` are
+    /// still printed
     #[arg(long, global = true)]
     pub quiet: bool,
     /// What to do; without a command the window opens.
@@ -83,6 +88,14 @@ Examples:
   lapidary edit scene.gltf
   lapidary edit look.lapidary --backend cpu")]
     Edit(EditArgs),
+    /// Check that all files that a session names are there and can be read
+    #[command(after_help = "\
+It lists scene, dataset, environment, textures, lights, materials and bookmarks, and tells what is missing or damaged. It
+opens no window. It fails (exit code 1) if there is a problem.
+
+Example:
+  lapidary check look.lapidary")]
+    Check(CheckArgs),
     #[command(flatten)]
     Study(Box<commands::Command>),
 }
@@ -95,6 +108,7 @@ impl Command {
     pub fn run(&self, console: Console) -> Result<Outcome> {
         match self {
             Self::Edit(args) => edit::run(args),
+            Self::Check(args) => args.run(),
             Self::Study(command) => command.run(console),
         }
     }

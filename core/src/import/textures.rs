@@ -78,6 +78,7 @@ impl TextureLibrary {
         source.textures = self.textures;
         source.warnings.append(&mut self.report.warnings);
         source.outside = self.report.outside;
+        source.files = self.report.files;
     }
 }
 

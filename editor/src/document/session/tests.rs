@@ -1,5 +1,6 @@
 //! A session survives the disk, moves, other versions and other datasets; damage is refused or said.
 
+mod broken_writes;
 mod damage;
 
 use super::{file::SessionMaps, *};

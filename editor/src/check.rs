@@ -1,0 +1,183 @@
+//! `lapidary check`: whether all that a session names is there and can be read, without a window.
+
+use crate::document::session::{self, LoadedSession, SessionError};
+use anyhow::{Result, bail};
+use clap::Args;
+use lapidary_core::{dataset::Dataset, environment::Environment, import::import, scene::Scene};
+use lapidary_studies::terminal::{Outcome, print_out};
+use std::path::{Path, PathBuf};
+
+/// Options of `check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// Session to check
+    #[arg(value_name = "FILE.lapidary")]
+    file: PathBuf,
+}
+
+impl CheckArgs {
+    /// Prints what the session names and what is wrong with it.
+    ///
+    /// # Errors
+    /// A session that cannot be read, or that has problems.
+    pub fn run(&self) -> Result<Outcome> {
+        let checked = check(&self.file)?;
+        print_out(&checked.text())?;
+        match checked.problems.len() {
+            0 => Ok(Outcome::Done),
+            1 => bail!("the session has a problem, see above ({})", self.file.display()),
+            count => bail!("the session has {count} problems, see above ({})", self.file.display()),
+        }
+    }
+}
+
+/// What a session names, and what is wrong with it.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// What it names: a word for the kind, and which.
+    pub named: Vec<(&'static str, String)>,
+    /// What is missing or damaged, in sentences.
+    pub problems: Vec<String>,
+}
+
+/// Reads a session and every file that it names: scene, dataset, environment and textures.
+///
+/// # Errors
+/// A session that cannot be read. What is wrong with other files is among [`Checked::problems`].
+pub fn check(file: &Path) -> Result<Checked, SessionError> {
+    let loaded = session::load(file)?;
+    let mut checked = Checked::default();
+    checked.list(&loaded);
+    let scene = checked.scene(&loaded);
+    checked.environment(&loaded);
+    let (_, warnings) = loaded.into_document(scene.as_ref());
+    checked.problems.extend(warnings);
+    Ok(checked)
+}
+
+impl Checked {
+    fn list(&mut self, loaded: &LoadedSession) {
+        let mut session = loaded.session.clone();
+        session.visit_paths(&mut |kind, path| {
+            let entry = (kind, path.display().to_string());
+            if !self.named.contains(&entry) {
+                self.named.push(entry);
+            }
+        });
+        if session.environment.file().is_none() {
+            self.named.push(("environment", session.environment.spec));
+        }
+        let lights = session.lights.map_or_else(|| "those of the scene".into(), |lights| lights.len().to_string());
+        self.named.push(("lights", lights));
+        self.named.push(("materials", session.materials.len().to_string()));
+        self.named.push(("bookmarks", session.bookmarks.len().to_string()));
+    }
+
+    /// The scene that the session's materials belong to: the baked one, or the one to bake.
+    fn scene(&mut self, loaded: &LoadedSession) -> Option<Scene> {
+        let source = loaded.session.scene.as_deref().map(|path| self.kept(import(path)).map(|import| import.scene));
+        let baked =
+            loaded.session.dataset.as_deref().map(|path| self.kept(Dataset::read(path)).map(|baked| baked.scene));
+        baked.flatten().or(source.flatten())
+    }
+
+    fn environment(&mut self, loaded: &LoadedSession) {
+        self.kept(Environment::from_spec(&loaded.session.environment.spec));
+    }
+
+    fn kept<T>(&mut self, read: Result<T, impl std::fmt::Display>) -> Option<T> {
+        read.map_err(|error| self.problems.push(error.to_string())).ok()
+    }
+
+    fn text(&self) -> String {
+        let named = self.named.iter().map(|(kind, which)| format!("{kind:<11} {which}\n"));
+        let problems = self.problems.iter().map(|problem| format!("problem     {problem}\n"));
+        named.chain(problems).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Document, TextureEntry};
+    use lapidary_core::{
+        material::MapKind,
+        test_scenes::{dataset, write_picture},
+        texture::{Texture, TextureSlot},
+    };
+
+    /// A session of a dataset, an environment and a texture, all there.
+    struct Place(tempfile::TempDir);
+
+    impl Place {
+        fn new() -> Self {
+            let place = Self(tempfile::tempdir().unwrap());
+            write_picture(&place.path("linen.png"));
+            write_picture(&place.path("room.png"));
+            let dataset = dataset(&["cloth"], &[]);
+            dataset.write(&place.path("a.cuts")).unwrap();
+            let mut document = Document::of_dataset(&dataset, place.path("a.cuts"), None);
+            let texture = Texture::read(&place.path("linen.png")).unwrap().into();
+            document.textures.push(TextureEntry { texture, file: Some(place.path("linen.png")) });
+            document.materials[0].maps[MapKind::BaseColor] = Some(TextureSlot::default());
+            document.environment.spec = place.path("room.png").display().to_string();
+            session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
+            place
+        }
+
+        fn path(&self, name: &str) -> PathBuf {
+            self.0.path().join(name)
+        }
+
+        fn check(&self) -> Checked {
+            check(&self.path("look.lapidary")).unwrap()
+        }
+
+        fn run(&self) -> Result<Outcome> {
+            CheckArgs { file: self.path("look.lapidary") }.run()
+        }
+    }
+
+    #[test]
+    fn a_session_whose_files_are_there_has_no_problems() {
+        let place = Place::new();
+        let checked = place.check();
+        assert_eq!(checked.problems, Vec::<String>::new());
+        for (kind, name) in [("dataset", "a.cuts"), ("environment", "room.png"), ("texture", "linen.png")] {
+            assert!(checked.named.iter().any(|(k, which)| *k == kind && which.ends_with(name)), "{kind}");
+        }
+        assert!(checked.text().contains("lights      0\n"));
+        assert_eq!(place.run().unwrap(), Outcome::Done);
+    }
+
+    #[test]
+    fn each_file_that_is_missing_or_damaged_is_a_problem_that_names_it() {
+        for name in ["a.cuts", "room.png", "linen.png"] {
+            let damages: [fn(&Path) -> std::io::Result<()>; 2] =
+                [|path| std::fs::remove_file(path), |path| std::fs::write(path, b"not what it was")];
+            for damage in damages {
+                let place = Place::new();
+                damage(&place.path(name)).unwrap();
+                let problems = place.check().problems;
+                assert!(problems.len() == 1 && problems[0].contains(name), "{name}: {problems:?}");
+                assert!(place.run().unwrap_err().to_string().contains("look.lapidary"));
+            }
+        }
+    }
+
+    #[test]
+    fn values_that_cannot_be_used_are_problems() {
+        let place = Place::new();
+        let text = std::fs::read_to_string(place.path("look.lapidary")).unwrap();
+        std::fs::write(place.path("look.lapidary"), text.replace("\"intensity\": 1.0", "\"intensity\": -1.0")).unwrap();
+        let problems = place.check().problems;
+        assert!(problems.len() == 1 && problems[0].contains("intensity"), "{problems:?}");
+    }
+
+    #[test]
+    fn what_is_no_session_is_an_error_that_names_it() {
+        let place = Place::new();
+        std::fs::write(place.path("look.lapidary"), "{\"lapidary_session\": 99}").unwrap();
+        assert!(place.run().unwrap_err().to_string().contains("look.lapidary"));
+    }
+}

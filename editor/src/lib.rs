@@ -1,0 +1,37 @@
+//! The `lapidary` program: a window for look-dev, and a command line over baking, rendering and comparing.
+//!
+//! It is a library so that tests and fuzzers can reach what it does without a window: [`main`] runs the command line,
+//! [`check`](check()) reads a session file and everything that it names.
+
+mod actions;
+mod app;
+mod check;
+mod cli;
+mod document;
+mod edit;
+mod jobs;
+mod panels;
+mod paths;
+mod preferences;
+#[cfg(test)]
+mod test_support;
+mod viewport;
+
+pub use check::{Checked, check};
+pub use document::session::SessionError;
+
+use clap::Parser;
+use cli::Cli;
+use lapidary_studies::terminal::{Console, Outcome, error_text};
+use std::process::ExitCode;
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = cli.chosen().run(Console { quiet: cli.quiet });
+    let outcome = outcome.unwrap_or_else(|error| {
+        eprintln!("error: {}", error_text(&error));
+        Outcome::of_error(&error)
+    });
+    outcome.into()
+}

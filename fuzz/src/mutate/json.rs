@@ -1,0 +1,133 @@
+//! Mutations of JSON that leave it JSON: numbers, kinds, keys and entries.
+
+use super::{numbers, repeatedly, repetitions, text};
+use crate::choices::Choices;
+use serde_json::{Value, json};
+
+/// Mutates values and keys; one time in four, and where the text is no JSON, words and bytes.
+pub fn json(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
+    match serde_json::from_slice::<Value>(file) {
+        Ok(mut root) if !choices.one_in(4) => {
+            value(&mut root, choices);
+            *file = root.to_string().into_bytes();
+        }
+        _ => text::text(file, others, choices),
+    }
+}
+
+/// Mutates nodes of a tree.
+pub fn value(root: &mut Value, choices: &mut Choices) {
+    repeatedly(choices, |choices| {
+        let donor = node(root, choices.below(1 << 20)).cloned().unwrap_or_default();
+        let count = count(root);
+        let at = choices.below(count);
+        // A donor may hold the whole tree, and is put in twice at most.
+        let donor = if repetitions(2, self::count(&donor), count) == 2 { donor } else { Value::Null };
+        if let Some(node) = node(root, at) {
+            mutate(node, donor, count, choices);
+        }
+    });
+}
+
+/// Nodes of a tree.
+fn count(value: &Value) -> usize {
+    1 + match value {
+        Value::Array(entries) => entries.iter().map(count).sum::<usize>(),
+        Value::Object(entries) => entries.values().map(count).sum(),
+        _ => 0,
+    }
+}
+
+/// Node `index` of a tree in the order in which they are written, modulo their number.
+fn node(root: &mut Value, index: usize) -> Option<&mut Value> {
+    let mut left = index % count(root);
+    let mut here = root;
+    while left > 0 {
+        left -= 1;
+        let children: Vec<&mut Value> = match here {
+            Value::Array(entries) => entries.iter_mut().collect(),
+            Value::Object(entries) => entries.values_mut().collect(),
+            _ => return None,
+        };
+        here = children.into_iter().find(|child| {
+            let size = count(child);
+            let found = left < size;
+            left -= if found { 0 } else { size };
+            found
+        })?;
+    }
+    Some(here)
+}
+
+/// Mutates a node of a tree with `size` nodes.
+fn mutate(node: &mut Value, donor: Value, size: usize, choices: &mut Choices) {
+    let kind = choices.below(4);
+    match node {
+        Value::Object(entries) if kind > 0 && !entries.is_empty() => {
+            let keys: Vec<String> = entries.keys().cloned().collect();
+            let key = choices.of(&keys);
+            match choices.below(3) {
+                0 => drop(entries.remove(key)),
+                1 => drop(entries.insert(key.clone(), donor)),
+                _ => {
+                    let moved = entries.remove(key).unwrap_or_default();
+                    entries.insert(choices.of(&keys).clone(), moved);
+                }
+            }
+        }
+        Value::Array(entries) if kind > 0 && !entries.is_empty() => {
+            let (at, from) = (choices.below(entries.len()), choices.below(entries.len()));
+            match choices.below(5) {
+                0 => drop(entries.remove(at)),
+                1 => entries.swap(at, from),
+                2 => entries.insert(at, donor),
+                3 => entries.truncate(at),
+                _ => {
+                    let times = repetitions(*choices.of(&[1, 64, 2048]), count(&entries[from]), size);
+                    let many = vec![entries[from].clone(); times];
+                    entries.splice(at..at, many);
+                }
+            }
+        }
+        Value::String(text) if kind > 0 => {
+            let mut bytes = std::mem::take(text).into_bytes();
+            text::text(&mut bytes, &[], choices);
+            *text = String::from_utf8_lossy(&bytes).into_owned();
+        }
+        Value::Number(_) if kind > 0 => *node = number(choices),
+        _ => *node = other(donor, choices),
+    }
+}
+
+/// A number at which readers break; JSON has no infinite ones.
+fn number(choices: &mut Choices) -> Value {
+    let text = choices.of(&numbers::TEXTS);
+    serde_json::from_str(text).unwrap_or_else(|_| json!(-1e308))
+}
+
+/// A value of another kind.
+fn other(donor: Value, choices: &mut Choices) -> Value {
+    match choices.below(8) {
+        0 => Value::Null,
+        1 => json!(true),
+        2 => json!(""),
+        3 => json!([]),
+        4 => json!({}),
+        5 => number(choices),
+        6 => json!([donor.clone(), donor]),
+        _ => donor,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_node_is_found_once() {
+        let mut root = json!({"a": [1, {"b": 2}], "c": 3});
+        assert_eq!(count(&root), 6);
+        let found: Vec<String> = (0..6).map(|i| node(&mut root, i).unwrap().to_string()).collect();
+        assert_eq!(found, [root.to_string().as_str(), "[1,{\"b\":2}]", "1", "{\"b\":2}", "2", "3"]);
+    }
+}

@@ -1,0 +1,73 @@
+//! What is tried: a target for each kind of file.
+
+mod checkpoint;
+mod files;
+mod scenes;
+
+use crate::{
+    choices::Choices,
+    mutate::{self, containers, json, tensors, text},
+};
+use files::{FileKind, FileTarget};
+use std::{io, panic::RefUnwindSafe, path::Path};
+
+/// A reader, and how to make inputs for it.
+pub trait Target: Sync + RefUnwindSafe {
+    /// Its name, as in `--target` and in the folder `corpus`.
+    fn name(&self) -> &str;
+
+    /// How many of a thousand inputs are for it: fewer where an input takes longer.
+    fn share(&self) -> u64;
+
+    /// Writes what does not change from input to input.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    fn prepare(&self, folder: &Path) -> io::Result<()>;
+
+    /// Writes the input that `choices` make.
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    fn write(&self, choices: &mut Choices, folder: &Path) -> io::Result<()>;
+
+    /// Reads the input in the folder, and uses what it holds.
+    ///
+    /// # Errors
+    /// What is wrong, where it is neither read rightly nor refused clearly.
+    fn read(&self, folder: &Path) -> Result<(), String>;
+}
+
+/// All targets, in the order in which they run.
+pub fn all() -> Vec<Box<dyn Target>> {
+    let file = |target: FileTarget| -> Box<dyn Target> { Box::new(target) };
+    let mut all: Vec<_> = FILES.into_iter().map(FileTarget::new).map(file).collect();
+    all.push(Box::<checkpoint::Checkpoint>::default());
+    all
+}
+
+/// Targets of one file.
+const FILES: [FileKind; 15] = [
+    FileKind { name: "obj", share: 110, file: "input.obj", mutation: text::text, read: scenes::import_file },
+    FileKind { name: "mtl", share: 50, file: "input.mtl", mutation: text::text, read: scenes::import_with_materials },
+    FileKind { name: "gltf", share: 130, file: "input.gltf", mutation: json::json, read: scenes::import_file },
+    FileKind { name: "glb", share: 80, file: "input.glb", mutation: containers::glb, read: scenes::import_file },
+    FileKind { name: "ply", share: 90, file: "input.ply", mutation: containers::ply, read: scenes::import_file },
+    FileKind { name: "png", share: 90, file: "input.png", mutation: containers::png, read: files::read_picture },
+    FileKind { name: "jpg", share: 60, file: "input.jpg", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "tga", share: 60, file: "input.tga", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "hdr", share: 60, file: "input.hdr", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "exr", share: 60, file: "input.exr", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "lights", share: 80, file: "input.json", mutation: json::json, read: scenes::read_lights },
+    FileKind { name: "material", share: 60, file: "input.json", mutation: json::json, read: scenes::read_material },
+    FileKind { name: "session", share: 60, file: "input.lapidary", mutation: json::json, read: files::read_session },
+    FileKind { name: "cuts", share: 8, file: "input.cuts", mutation: tensors::dataset, read: scenes::read_dataset },
+    FileKind { name: "bake", share: 1, file: "input.gltf", mutation: json::json, read: scenes::bake_file },
+];
+
+/// Whether an error names the file, as all must.
+fn named(error: &dyn std::fmt::Display, file: &Path) -> Result<(), String> {
+    let text = error.to_string();
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    if text.contains(&*name) { Ok(()) } else { Err(format!("the error does not name {name}: {text}")) }
+}

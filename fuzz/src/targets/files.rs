@@ -1,0 +1,127 @@
+//! Targets of one file, which is a mutated copy of a sound one.
+
+use super::{Target, named, scenes::datasets};
+use crate::{choices::Choices, mutate::Mutation};
+use lapidary_core::{
+    environment::Environment,
+    image::{Image, decode, dimensions},
+};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
+
+/// What a target of one file is.
+#[derive(Clone, Copy)]
+pub struct FileKind {
+    /// See [`Target::name`].
+    pub name: &'static str,
+    /// See [`Target::share`].
+    pub share: u64,
+    /// Name of the file.
+    pub file: &'static str,
+    /// What makes it of sound ones.
+    pub mutation: Mutation,
+    /// What reads it.
+    pub read: fn(&Path) -> Result<(), String>,
+}
+
+/// A target of one file. Beside it lie the files of `corpus/beside`, which it may name.
+pub struct FileTarget {
+    kind: FileKind,
+    /// Sound files, read or made when the first input is.
+    sound: OnceLock<Vec<Vec<u8>>>,
+}
+
+impl FileTarget {
+    /// Of this kind.
+    pub fn new(kind: FileKind) -> Self {
+        Self { kind, sound: OnceLock::new() }
+    }
+
+    /// The files of the folder that is named after the target; datasets are baked, and bakes take the scenes of glTF.
+    fn sound(&self) -> &[Vec<u8>] {
+        let folder = match self.kind.name {
+            "cuts" => return self.sound.get_or_init(datasets),
+            "bake" => "gltf",
+            name => name,
+        };
+        self.sound.get_or_init(|| {
+            let files = files_in(&corpus(folder)).expect("the corpus lies beside the source");
+            files.iter().map(|path| fs::read(path).expect("a file of the corpus")).collect()
+        })
+    }
+}
+
+impl Target for FileTarget {
+    fn name(&self) -> &str {
+        self.kind.name
+    }
+
+    fn share(&self) -> u64 {
+        self.kind.share
+    }
+
+    fn prepare(&self, folder: &Path) -> io::Result<()> {
+        for path in files_in(&corpus("beside"))? {
+            fs::copy(&path, folder.join(path.file_name().unwrap_or_default()))?;
+        }
+        Ok(())
+    }
+
+    fn write(&self, choices: &mut Choices, folder: &Path) -> io::Result<()> {
+        let mut bytes = choices.of(self.sound()).clone();
+        if !choices.are_over() {
+            (self.kind.mutation)(&mut bytes, self.sound(), choices);
+        }
+        fs::write(folder.join(self.kind.file), bytes)
+    }
+
+    fn read(&self, folder: &Path) -> Result<(), String> {
+        (self.kind.read)(&folder.join(self.kind.file))
+    }
+}
+
+/// A folder of the corpus.
+pub fn corpus(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name)
+}
+
+/// Files of a folder, in the order of their names, so that an input is the same everywhere.
+pub fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    let mut files: Vec<PathBuf> = entries.iter().map(fs::DirEntry::path).filter(|path| path.is_file()).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// Reads a picture in every way: as a texture, as an environment, its size alone, and its layers.
+pub fn read_picture(path: &Path) -> Result<(), String> {
+    let bytes = fs::read(path).map_err(|e| e.to_string())?;
+    match decode(&bytes, path) {
+        Ok(texture) => {
+            let size = dimensions(path).unwrap_or(texture.size);
+            if size != texture.size {
+                return Err(format!("the header says {size:?}, the picture has {:?}", texture.size));
+            }
+        }
+        Err(error) => named(&error, path)?,
+    }
+    match Environment::read(path) {
+        Ok((environment, _)) if environment.map.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0) => {}
+        Ok(_) => return Err("the environment is not finite".into()),
+        Err(error) => named(&error, path)?,
+    }
+    for layer in ["beauty", "normal", "depth"] {
+        if let Err(error) = Image::read_layer(path, layer) {
+            named(&error, path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Reads a session and all that it names.
+pub fn read_session(path: &Path) -> Result<(), String> {
+    lapidary::check(path).map(drop).or_else(|error| named(&error, path))
+}

@@ -1,0 +1,126 @@
+//! One process that tries inputs one after the other. What it cannot survive, its parent notices.
+
+use crate::{MOST_SECS, choices::Choices, limit_memory, targets::Target};
+use anyhow::{Context, Result};
+use std::{
+    fs,
+    panic::{self, AssertUnwindSafe},
+    path::Path,
+    sync::{
+        Mutex,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+/// File in a worker's folder with the number of the input that it is trying.
+pub const CURRENT: &str = "current-input";
+
+/// Which inputs a worker tries.
+#[derive(Clone, Debug)]
+pub struct Work {
+    /// Decides all inputs, beside their numbers.
+    pub seed: u64,
+    /// Number of the first input.
+    pub first: u64,
+    /// From one input to the next.
+    pub step: u64,
+    /// No input has this number or a greater one.
+    pub end: u64,
+    /// No input begins later.
+    pub secs: f64,
+}
+
+/// The bytes that decide input `number` of a target.
+pub fn bytes_of(target: &str, seed: u64, number: u64) -> Vec<u8> {
+    let name = blake3::hash(format!("{target} {seed} {number}").as_bytes());
+    let mut random = fastrand::Rng::with_seed(u64::from_le_bytes(name.as_bytes()[..8].try_into().unwrap_or_default()));
+    let length = random.usize(8..160);
+    (0..length).map(|_| random.u8(..)).collect()
+}
+
+/// Tries inputs in `folder`. Prints `finding NUMBER TEXT` for each finding, and at the end `tried COUNT`.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
+    let began = Instant::now();
+    target.prepare(folder).context("the folder of a worker must be writable")?;
+    silence_panics();
+    // What is made once is not counted.
+    let _ = attempt(target, &[], folder);
+    limit_memory();
+    let watch = Watch::start();
+    let mut tried = 0;
+    let numbers = (work.first..work.end).step_by(usize::try_from(work.step)?);
+    for number in numbers.take_while(|_| began.elapsed().as_secs_f64() < work.secs) {
+        fs::write(folder.join(CURRENT), number.to_string())?;
+        watch.begin();
+        let began = Instant::now();
+        let result = attempt(target, &bytes_of(target.name(), work.seed, number), folder)?;
+        let secs = began.elapsed().as_secs_f64();
+        watch.end();
+        tried += 1;
+        let slow = (secs > MOST_SECS).then(|| format!("it took {secs:.1} s"));
+        if let Some(finding) = result.err().or(slow) {
+            println!("finding {number} {}", finding.replace('\n', " "));
+        }
+    }
+    println!("tried {tried}");
+    Ok(())
+}
+
+/// Tries one input. The inner result is what is wrong with the reader, a panic included.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn attempt(target: &dyn Target, bytes: &[u8], folder: &Path) -> Result<Result<(), String>> {
+    target.write(&mut Choices::new(bytes), folder)?;
+    let read = panic::catch_unwind(AssertUnwindSafe(|| target.read(folder)));
+    Ok(read.unwrap_or_else(|_| Err(PANIC.lock().map(|text| format!("panic: {text}")).unwrap_or_default())))
+}
+
+/// Text of the last panic.
+static PANIC: Mutex<String> = Mutex::new(String::new());
+
+fn silence_panics() {
+    panic::set_hook(Box::new(|info| {
+        if let Ok(mut text) = PANIC.lock() {
+            *text = info.to_string();
+        }
+    }));
+}
+
+/// Ends the process if an input takes twice as long as it may.
+struct Watch {
+    began: Instant,
+    /// Milliseconds at which the input began, and 0 between inputs.
+    input: &'static AtomicU64,
+}
+
+impl Watch {
+    fn start() -> Self {
+        static INPUT: AtomicU64 = AtomicU64::new(0);
+        let began = Instant::now();
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(Duration::from_millis(200));
+                let input = INPUT.load(Ordering::Relaxed);
+                let limit = 2000.0 * MOST_SECS;
+                if input > 0 && began.elapsed().as_millis() as f64 > input as f64 + limit {
+                    eprintln!("it takes longer than {} s", 2.0 * MOST_SECS);
+                    std::process::abort();
+                }
+            }
+        });
+        Self { began, input: &INPUT }
+    }
+
+    fn begin(&self) {
+        self.input.store(self.began.elapsed().as_millis() as u64 + 1, Ordering::Relaxed);
+    }
+
+    fn end(&self) {
+        self.input.store(0, Ordering::Relaxed);
+    }
+}
