@@ -4,6 +4,9 @@ use crate::scene::is_within_reach;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
+/// Smallest and largest vertical field of view in radians.
+const FIELD_OF_VIEW: [f32; 2] = [1e-4, 3.1];
+
 /// A pinhole camera that looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
@@ -36,8 +39,9 @@ impl Camera {
     /// Whether its places are within reach, its upward direction is finite, and its field of view is between 0 and 180
     /// degrees.
     pub fn is_valid(&self) -> bool {
-        let lens = self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI;
-        is_within_reach(self.eye) && is_within_reach(self.target) && self.up.is_finite() && lens
+        let [narrowest, widest] = FIELD_OF_VIEW;
+        let lens = (narrowest..=widest).contains(&self.fov_y);
+        is_within_reach(self.eye) && is_within_reach(self.target) && is_within_reach(self.up) && lens
     }
 
     /// Columns are the right, up and backward axes of the camera in world space.

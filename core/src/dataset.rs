@@ -29,7 +29,8 @@
 //! `dataset/meshless.rs` with `--mode meshless` or `all`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
-//! and the scene's lists. A file is written under a temporary name and renamed; loading checks everything before use.
+//! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
+//! before they are written and before they are used.
 
 mod error;
 mod header;
@@ -39,9 +40,12 @@ mod modes;
 mod parts;
 mod read;
 mod tensors;
+mod validate;
 mod write;
 
-pub use error::DatasetError;
+pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
+#[cfg(any(test, feature = "test-scenes"))]
+pub(crate) use header::METADATA_KEY;
 pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};

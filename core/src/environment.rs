@@ -15,12 +15,17 @@ mod procedural;
 
 pub use procedural::{constant, orientation, studio, sun_and_sky};
 
+/// Largest radiance of an environment: ten thousand times that of the sun, and sums of its light stay numbers of 32 bits.
+pub const MOST_RADIANCE: f32 = 1e12;
+/// Largest factor on an environment's radiance.
+pub const MOST_INTENSITY: f32 = 1e6;
+
 /// Light from all directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     /// The file's name, or the specification it was made from.
     pub name: String,
-    /// Latitude-longitude radiance, of any size; finite and not negative.
+    /// Latitude-longitude radiance, of any size; 0 to [`MOST_RADIANCE`].
     pub map: Image,
 }
 
@@ -113,7 +118,13 @@ fn constant_from(numbers: Option<&[f32]>) -> Result<Image, String> {
         Some(&[r, g, b]) => Vec3::new(r, g, b),
         Some(other) => return Err(format!("constant takes three numbers and not {}", other.len())),
     };
-    if radiance.min_element() < 0.0 { Err("radiance cannot be negative".into()) } else { Ok(constant(radiance)) }
+    if radiance.min_element() < 0.0 {
+        Err("radiance cannot be negative".into())
+    } else if radiance.max_element() > MOST_RADIANCE {
+        Err(format!("a radiance of {} is above the limit of {MOST_RADIANCE}", radiance.max_element()))
+    } else {
+        Ok(constant(radiance))
+    }
 }
 
 fn sky_from(numbers: Option<&[f32]>) -> Result<Image, String> {
@@ -126,7 +137,7 @@ fn sky_from(numbers: Option<&[f32]>) -> Result<Image, String> {
 
 /// Replaces what cannot be radiance, and says so.
 fn repair(map: &mut Image, warnings: &mut Vec<String>) {
-    let (mut invalid, mut negative) = (0, 0);
+    let (mut invalid, mut negative, mut too_bright) = (0, 0, 0);
     for texel in &mut map.pixels {
         if !texel.is_finite() {
             invalid += 1;
@@ -134,6 +145,10 @@ fn repair(map: &mut Image, warnings: &mut Vec<String>) {
         } else if texel.min_element() < 0.0 {
             negative += 1;
             *texel = texel.max(Vec3::ZERO);
+        }
+        if texel.max_element() > MOST_RADIANCE {
+            too_bright += 1;
+            *texel = texel.min(Vec3::splat(MOST_RADIANCE));
         }
     }
     if invalid > 0 {
@@ -146,6 +161,12 @@ fn repair(map: &mut Image, warnings: &mut Vec<String>) {
         warnings.push(format!(
             "{negative} texels of the environment were negative and were raised to zero; save the map in Rec. 709 \
              primaries"
+        ));
+    }
+    if too_bright > 0 {
+        warnings.push(format!(
+            "{too_bright} texels of the environment were brighter than {MOST_RADIANCE} and were lowered to it; save the map \
+             with less exposure"
         ));
     }
     if map.pixels.iter().all(|p| *p == Vec3::ZERO) {
@@ -244,6 +265,12 @@ mod tests {
         assert_eq!(environment.map.pixels[4], Vec3::ZERO);
         assert_eq!(warnings.len(), 2, "{warnings:?}");
         assert!(warnings[0].starts_with("2 texels") && warnings[1].starts_with("1 texels"));
+        let mut map = Image::filled([8, 4], Vec3::splat(MOST_RADIANCE));
+        map.pixels[5] = Vec3::new(3e38, 1.0, 2.0 * MOST_RADIANCE);
+        let (_folder, path) = written(&map, "glaring.exr");
+        let (environment, warnings) = Environment::read(&path).unwrap();
+        assert_eq!(environment.map.pixels[5], Vec3::new(MOST_RADIANCE, 1.0, MOST_RADIANCE));
+        assert!(warnings.len() == 1 && warnings[0].starts_with("1 texels of the environment were brighter"));
         let (_folder, path) = written(&Image::filled([8, 4], Vec3::ONE), "good.exr");
         assert!(Environment::read(&path).unwrap().1.is_empty());
     }
@@ -288,5 +315,11 @@ mod tests {
             assert!(matches!(error, EnvironmentError::Spec { .. }), "{bad}: {error}");
         }
         assert!(matches!(Environment::from_spec("nowhere.hdr"), Err(EnvironmentError::Image(_))));
+        assert!(Environment::from_spec(&format!("constant:{MOST_RADIANCE}")).is_ok());
+        let glaring = Environment::from_spec("constant:0,1e38,0").unwrap_err().to_string();
+        assert!(
+            glaring.contains("above the limit of 1000000000000") && glaring.ends_with("(constant:0,1e38,0)"),
+            "{glaring}"
+        );
     }
 }

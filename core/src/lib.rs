@@ -63,5 +63,7 @@ pub mod sources;
 pub mod sphere;
 pub mod surfel;
 #[cfg(any(test, feature = "test-scenes"))]
+pub mod test_files;
+#[cfg(any(test, feature = "test-scenes"))]
 pub mod test_scenes;
 pub mod texture;

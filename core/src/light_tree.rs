@@ -68,6 +68,12 @@ pub fn height_of(lights: usize) -> Result<u32, LightCountError> {
     }
 }
 
+/// Whether `order` has every index of its own once.
+pub(crate) fn is_permutation(order: &[u32]) -> bool {
+    let mut seen = vec![false; order.len()];
+    order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)))
+}
+
 impl LightTree {
     /// Clusters spherical Fibonacci samples top down, one per feature vector.
     ///

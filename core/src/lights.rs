@@ -10,7 +10,7 @@ mod file;
 mod rectangle;
 mod sample;
 
-pub use check::{LightProblem, MAX_LIGHTS};
+pub use check::{LightProblem, MAX_LIGHTS, MOST_INTENSITY};
 pub use file::LightsError;
 pub use rectangle::RectangleShape;
 pub use sample::{LightHit, LightSample};

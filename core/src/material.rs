@@ -3,8 +3,10 @@
 //! The paper (4.2) allows a BRDF up to eight floating-point parameters per pixel, all modulated by textures. All models
 //! here read the same eight, so that an artist can change the model and keep the look.
 
+mod check;
 mod maps;
 
+pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem};
 pub use maps::{MapKind, Maps, MaterialMaps};
 
 use crate::texture::TextureSlot;

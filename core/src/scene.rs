@@ -24,6 +24,14 @@ pub fn is_within_reach(place: Vec3) -> bool {
     place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
 }
 
+/// How much the length of a stored direction may differ from 1.
+const UNIT_TOLERANCE: f32 = 0.1;
+
+/// Whether a direction is about of length 1.
+pub fn is_unit(direction: Vec3) -> bool {
+    (direction.length() - 1.0).abs() <= UNIT_TOLERANCE
+}
+
 /// An indexed triangle mesh in world space. All vertex arrays have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -156,6 +164,14 @@ pub enum MeshError {
         /// The largest of its numbers.
         value: f32,
     },
+    /// A normal or tangent that is no direction.
+    #[error("{array} {index} is not of length 1; recalculate it in the program that wrote the mesh")]
+    NotUnit {
+        /// Name of the array.
+        array: &'static str,
+        /// Which element.
+        index: usize,
+    },
     /// Everything is in one place, or nearly.
     #[error("the scene is {diagonal:e} m across, below the limit of {LEAST_DIAGONAL:e} m; scale the scene up")]
     TooSmall {
@@ -217,7 +233,8 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices, finiteness and extent, against `materials` and `objects` entries to refer to.
+    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1, against `materials` and `objects`
+    /// entries to refer to.
     ///
     /// # Errors
     /// The first [`MeshError`] found.
@@ -227,7 +244,8 @@ impl Mesh {
         }
         self.validate_lengths()?;
         self.validate_indices(materials, objects)?;
-        self.validate_numbers()
+        self.validate_numbers()?;
+        self.validate_directions()
     }
 
     fn validate_lengths(&self) -> Result<(), MeshError> {
@@ -268,5 +286,16 @@ impl Mesh {
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
         check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))
+    }
+
+    /// Tangents may be zero where there is no direction of u.
+    fn validate_directions(&self) -> Result<(), MeshError> {
+        fn check(array: &'static str, mut unit: impl Iterator<Item = bool>) -> Result<(), MeshError> {
+            unit.position(|u| !u).map_or(Ok(()), |index| Err(MeshError::NotUnit { array, index }))
+        }
+        let longest = 1.0 + UNIT_TOLERANCE;
+        let is_tangent = |t: &Vec4| t.w.abs() <= longest && t.truncate().length() <= longest;
+        check("normal", self.normals.iter().map(|&n| is_unit(n)))?;
+        check("tangent", self.tangents.iter().map(is_tangent))
     }
 }

@@ -9,6 +9,9 @@ const LEAST_COSINE: f32 = 0.05;
 /// The picture is enlarged by this factor, so that a camera may move a little.
 const MARGIN: f32 = 1.1;
 
+/// Largest width over height of a picture, and height over width.
+pub const WIDEST: f32 = 32_768.0;
+
 /// Width over height of a picture whose aspect is unknown.
 pub const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
@@ -22,12 +25,12 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Whether the camera is usable: finite, with an eye apart from its target, a positive field of view, and a frame
-    /// of positive width.
+    /// Whether the camera is usable: valid, with an eye apart from its target, and a frame at most [`WIDEST`] times as wide
+    /// as high or as high as wide.
     pub fn is_valid(&self) -> bool {
-        let Camera { eye, target, up, fov_y, .. } = &self.camera;
-        let looks = eye.is_finite() && target.is_finite() && up.is_finite() && eye != target && *up != Vec3::ZERO;
-        looks && *fov_y > 0.0 && *fov_y < std::f32::consts::PI && self.aspect > 0.0 && self.aspect.is_finite()
+        let Camera { eye, target, up, .. } = &self.camera;
+        let has_frame = (1.0 / WIDEST..=WIDEST).contains(&self.aspect);
+        self.camera.is_valid() && eye != target && *up != Vec3::ZERO && has_frame
     }
 
     /// The part of space in its picture.

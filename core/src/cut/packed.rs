@@ -105,11 +105,26 @@ impl PackedCuts {
     /// # Errors
     /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
     pub fn from_parts(height: u32, nodes: Vec<u16>, offsets: Vec<u32>) -> Result<Self, (usize, CutError)> {
-        for (vertex, &offset) in offsets.iter().enumerate() {
-            let rest = nodes.get(offset as usize * NODES_PER_TEXEL..).unwrap_or(&[]);
+        let cuts = Self::unchecked(nodes, offsets);
+        cuts.validate(height)?;
+        Ok(cuts)
+    }
+
+    /// From stored arrays that [`Self::validate`] has yet to check.
+    pub(crate) fn unchecked(nodes: Vec<u16>, offsets: Vec<u32>) -> Self {
+        Self { nodes, offsets }
+    }
+
+    /// Checks all cuts.
+    ///
+    /// # Errors
+    /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
+    pub fn validate(&self, height: u32) -> Result<(), (usize, CutError)> {
+        for (vertex, &offset) in self.offsets.iter().enumerate() {
+            let rest = self.nodes.get(offset as usize * NODES_PER_TEXEL..).unwrap_or(&[]);
             cut_len(height, rest).map_err(|e| (vertex, e))?;
         }
-        Ok(Self { nodes, offsets })
+        Ok(())
     }
 
     /// Appends a cut and returns its first texel.

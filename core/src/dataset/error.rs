@@ -1,10 +1,12 @@
 //! Why a dataset cannot be written or read.
 
+use super::validate::MOST_LINK_SCALE;
 use crate::{
     cut::CutError,
-    lights::LightProblem,
+    lights::{LightProblem, MAX_LIGHTS},
+    material::MaterialProblem,
     meshless::{BasisError, TransportError},
-    scene::MeshError,
+    scene::{MOST_COORDINATE, MeshError},
 };
 use std::path::PathBuf;
 use thiserror::Error;
@@ -39,6 +41,14 @@ pub enum DatasetError {
         found: u32,
         /// The newest known.
         supported: u32,
+    },
+    /// The contents cannot be written, since nothing could read or use them.
+    #[error("the dataset cannot be written: {reason}; correct the scene or the settings, and bake again ({})", path.display())]
+    Unwritable {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: Damage,
     },
     /// The contents contradict themselves.
     #[error("the dataset is damaged: {reason}; copy it again from its source or bake again ({})", path.display())]
@@ -82,6 +92,22 @@ pub enum Damage {
         /// Why.
         source: CutError,
     },
+    /// A part has another number of elements than its owner needs.
+    #[error("there are {found} {what}, not {expected}")]
+    Count {
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// A tensor whose bytes cannot be checked.
+    #[error("tensor `{0}` has no checksum")]
+    NoChecksum(String),
+    /// A setting of the bake that nothing can be computed with.
+    #[error("the setting {0} of its bake is no finite number in its range")]
+    Setting(&'static str),
     /// The tree order is no permutation of a power of two.
     #[error("the order of the light tree is no permutation of 2^H samples")]
     Tree,
@@ -101,6 +127,19 @@ pub enum Damage {
         /// Number of textures.
         count: usize,
     },
+    /// Numbers of a material.
+    #[error("material {index} (`{name}`) is invalid: {source}")]
+    Material {
+        /// Which of the scene's materials, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        source: MaterialProblem,
+    },
+    /// More local lights than a scene may have.
+    #[error("there are {0} lights, more than the limit of {MAX_LIGHTS}")]
+    Lights(usize),
     /// A local light that cannot shine.
     #[error("light {index} (`{name}`) is invalid: {source}")]
     Light {
@@ -112,7 +151,9 @@ pub enum Damage {
         source: LightProblem,
     },
     /// A camera that looks nowhere.
-    #[error("camera {index} (`{name}`) has a place, a direction or a field of view that is no finite number")]
+    #[error(
+        "camera {index} (`{name}`) has a place, a direction or a field of view that is no finite number in its range"
+    )]
     Camera {
         /// Which of the scene's cameras, from 0.
         index: usize,
@@ -125,23 +166,33 @@ pub enum Damage {
 }
 
 /// Errors of surface sources.
-#[derive(Debug, Error, PartialEq, Eq)]
+#[derive(Debug, Error, PartialEq)]
 pub enum SourceDamage {
     /// No power of two.
     #[error("{0} surface sources make no complete binary tree")]
     Count(usize),
-    /// A coordinate or area is no number, or an area is negative.
-    #[error("surface source {0} has a place or an area that is no finite number")]
-    NotFinite(usize),
-    /// A triangle that is not there.
-    #[error("surface source {source_index} lies on triangle {triangle}, but there are {count}")]
-    Triangle {
+    /// Where it is.
+    #[error("surface source {index} {source}")]
+    Place {
         /// Which source.
-        source_index: usize,
-        /// Its triangle.
-        triangle: u32,
-        /// Number of triangles.
-        count: usize,
+        index: usize,
+        /// What is wrong with it.
+        source: SurfelDamage,
+    },
+    /// How large it is.
+    #[error(
+        "surface source {index} has an area of {area} m² and a spacing of {spacing} m; both must be 0 or more and fit the \
+         scene, which is {diagonal} m large"
+    )]
+    Size {
+        /// Which source.
+        index: usize,
+        /// Its area in m².
+        area: f32,
+        /// Its spacing in metres.
+        spacing: f32,
+        /// Diagonal of the scene in metres.
+        diagonal: f32,
     },
 }
 
@@ -154,20 +205,37 @@ pub enum MeshlessDamage {
     /// Its links.
     #[error(transparent)]
     Transport(TransportError),
-    /// A place on its triangle that is no number.
-    #[error("function {function} of the meshless basis has a place that is no finite number")]
-    Place {
+    /// Where a function is.
+    #[error("function {function} of the meshless basis {source}")]
+    Function {
         /// Which function.
         function: usize,
+        /// What is wrong with it.
+        source: SurfelDamage,
     },
+    /// Links that carry more light than there is.
+    #[error("the links of the meshless basis have a scale of {0}, which is not between 0 and {MOST_LINK_SCALE}")]
+    Scale(f32),
+}
+
+/// Errors of a surface point.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SurfelDamage {
+    /// Its position.
+    #[error("has a position that is no finite number within {MOST_COORDINATE} m of the origin")]
+    Position,
+    /// Its normal.
+    #[error("has a normal that is not of length 1")]
+    Normal,
     /// A triangle that is not there.
-    #[error("function {function} of the meshless basis lies on triangle {triangle}, but there are {count}")]
+    #[error("lies on triangle {triangle}, but there are {count}")]
     Triangle {
-        /// Which function.
-        function: usize,
         /// Its triangle.
         triangle: u32,
         /// Number of triangles.
         count: usize,
     },
+    /// Where on the triangle it is.
+    #[error("has a place on its triangle that is no finite number from 0 to 1")]
+    Place,
 }

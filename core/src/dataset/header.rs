@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Key of the JSON in the safetensors metadata.
-pub(super) const METADATA_KEY: &str = "lapidary";
+pub(crate) const METADATA_KEY: &str = "lapidary";
 
 /// The JSON part of a dataset.
-#[derive(Serialize, Deserialize)]
+#[derive(PartialEq, Serialize, Deserialize)]
 pub(super) struct Header {
     pub format_version: u32,
     pub settings: BakeSettings,

@@ -1,16 +1,20 @@
 //! Surface sources and their cuts on disk.
 
 use super::{
-    error::{Damage, SourceDamage},
+    error::Damage,
     tensors::{Reader, Tensor, cut_tensors, owned, tensor},
 };
 use crate::{
-    light_tree::height_of,
     sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
 use glam::{Vec2, Vec3};
 use safetensors::Dtype;
+
+/// Names of the tensors of the vertices' cuts over the sources.
+pub(super) const SOURCE_CUTS: [&str; 2] = ["source_cuts", "source_cut_offsets"];
+/// Names of the tensors of the sources' cuts over the environment.
+pub(super) const SOURCE_ENVIRONMENT_CUTS: [&str; 2] = ["source_environment_cuts", "source_environment_cut_offsets"];
 
 /// The tensors of an indirect bake.
 pub(super) fn tensors(bake: &IndirectBake) -> Vec<Tensor<'_>> {
@@ -30,34 +34,24 @@ pub(super) fn tensors(bake: &IndirectBake) -> Vec<Tensor<'_>> {
         owned(tensor("source_triangles", Dtype::U32, [n], &triangles)),
         owned(tensor("source_barycentrics", Dtype::F32, [n, 2], &barycentrics)),
     ];
-    tensors.extend(cut_tensors("source_cuts", "source_cut_offsets", &bake.cuts));
-    let environment = &bake.environment_cuts;
-    tensors.extend(cut_tensors("source_environment_cuts", "source_environment_cut_offsets", environment));
+    tensors.extend(cut_tensors(SOURCE_CUTS, &bake.cuts));
+    tensors.extend(cut_tensors(SOURCE_ENVIRONMENT_CUTS, &bake.environment_cuts));
     tensors
 }
 
 impl Reader<'_> {
-    /// The indirect bake, if there is one. `height` is that of the tree of the environment's lights, `reported` the
-    /// spacing of sources that store none.
-    pub(super) fn indirect(
-        &self,
-        height: u32,
-        vertices: usize,
-        triangles: usize,
-        reported: f32,
-    ) -> Result<Option<IndirectBake>, Damage> {
+    /// The indirect bake, if there is one. `reported` is the spacing of sources that store none.
+    pub(super) fn indirect(&self, vertices: usize, reported: f32) -> Result<Option<IndirectBake>, Damage> {
         if !self.has("source_positions") {
             return Ok(None);
         }
-        let sources = self.sources(triangles, reported)?;
-        let source_height = height_of(sources.len()).map_err(|_| SourceDamage::Count(sources.len()))?;
-        let cuts = self.cuts(["source_cuts", "source_cut_offsets"], source_height, vertices)?;
-        let names = ["source_environment_cuts", "source_environment_cut_offsets"];
-        let environment_cuts = self.cuts(names, height, sources.len())?;
+        let sources = self.sources(reported)?;
+        let cuts = self.cuts(SOURCE_CUTS, vertices)?;
+        let environment_cuts = self.cuts(SOURCE_ENVIRONMENT_CUTS, sources.len())?;
         Ok(Some(IndirectBake { sources, cuts, environment_cuts }))
     }
 
-    fn sources(&self, triangles: usize, reported: f32) -> Result<Vec<Source>, Damage> {
+    fn sources(&self, reported: f32) -> Result<Vec<Source>, Damage> {
         let positions: Vec<Vec3> = self.array("source_positions", Dtype::F32, &[3], None)?;
         let n = Some(positions.len());
         let normals: Vec<Vec3> = self.array("source_normals", Dtype::F32, &[3], n)?;
@@ -71,19 +65,9 @@ impl Reader<'_> {
         let source = |i: usize| {
             let place = MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
             let surfel = Surfel { position: positions[i], normal: normals[i], place };
-            let finite = surfel.position.is_finite() && surfel.normal.is_finite() && place.barycentric.is_finite();
-            let is_size = |x: f32| x.is_finite() && x >= 0.0;
-            if !(finite && is_size(areas[i]) && is_size(spacings[i])) {
-                return Err(SourceDamage::NotFinite(i).into());
-            }
-            if place.triangle as usize >= triangles {
-                return Err(
-                    SourceDamage::Triangle { source_index: i, triangle: place.triangle, count: triangles }.into()
-                );
-            }
-            Ok(Source { surfel, area: areas[i], spacing: spacings[i] })
+            Source { surfel, area: areas[i], spacing: spacings[i] }
         };
-        (0..positions.len()).map(source).collect()
+        Ok((0..positions.len()).map(source).collect())
     }
 }
 

@@ -108,15 +108,14 @@ pub(super) fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
 
 impl Reader<'_> {
     /// The meshless bake, if there is one.
-    pub(super) fn meshless(&self, triangles: usize) -> Result<Option<MeshlessBake>, Damage> {
+    pub(super) fn meshless(&self) -> Result<Option<MeshlessBake>, Damage> {
         if !self.has("meshless_positions") {
             return Ok(None);
         }
         let offsets: Vec<u32> = self.array("meshless_levels", Dtype::U32, &[], None)?;
         let radii: Vec<f32> = self.array("meshless_radii", Dtype::F32, &[], None)?;
         let sender_levels: Vec<u32> = self.array("meshless_sender_levels", Dtype::U32, &[], Some(1))?;
-        let points = self.functions(triangles)?;
-        let basis = Basis::from_parts(points, offsets, radii, sender_levels[0] as usize);
+        let basis = Basis::from_parts(self.functions()?, offsets, radii, sender_levels[0] as usize);
         let basis = basis.map_err(MeshlessDamage::Basis)?;
         let links: Vec<PackedLink> = self.array("meshless_links", Dtype::U16, &[4], None)?;
         let offsets: Vec<u32> = self.array("meshless_link_offsets", Dtype::U32, &[], None)?;
@@ -125,23 +124,14 @@ impl Reader<'_> {
         Ok(Some(MeshlessBake { basis, transport: transport.map_err(MeshlessDamage::Transport)? }))
     }
 
-    fn functions(&self, triangles: usize) -> Result<Vec<Surfel>, Damage> {
+    fn functions(&self) -> Result<Vec<Surfel>, Damage> {
         let positions: Vec<Vec3> = self.array("meshless_positions", Dtype::F32, &[3], None)?;
         let n = Some(positions.len());
         let normals: Vec<Vec3> = self.array("meshless_normals", Dtype::F32, &[3], n)?;
         let of_triangle: Vec<u32> = self.array("meshless_triangles", Dtype::U32, &[], n)?;
         let barycentrics: Vec<Vec2> = self.array("meshless_barycentrics", Dtype::F32, &[2], n)?;
-        if let Some(function) = barycentrics.iter().position(|b| !b.is_finite()) {
-            return Err(MeshlessDamage::Place { function }.into());
-        }
-        if let Some(function) = of_triangle.iter().position(|&t| t as usize >= triangles) {
-            let triangle = of_triangle[function];
-            return Err(MeshlessDamage::Triangle { function, triangle, count: triangles }.into());
-        }
-        let surfel = |i: usize| {
-            let place = MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
-            Surfel { position: positions[i], normal: normals[i], place }
-        };
-        Ok((0..positions.len()).map(surfel).collect())
+        let place = |i: usize| MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
+        let point = |i: usize| Surfel { position: positions[i], normal: normals[i], place: place(i) };
+        Ok((0..positions.len()).map(point).collect())
     }
 }

@@ -1,4 +1,5 @@
-//! Reading a dataset: everything is checked before anything is used.
+//! Reading a dataset. The parts are put together here, as far as their sizes allow; `validate.rs` checks all of it before
+//! anything is used.
 
 use super::{
     Dataset, DatasetError, FORMAT_VERSION,
@@ -7,11 +8,9 @@ use super::{
     tensors::Reader,
 };
 use crate::{
-    camera::Camera,
     image::decode,
     input,
-    light_tree::LightTree,
-    lights::Light,
+    light_tree::{LightTree, is_permutation},
     scene::{Mesh, Object, Scene},
     texture::Texture,
 };
@@ -32,7 +31,10 @@ impl Dataset {
         let json = json.ok_or_else(|| foreign("it lacks Lapidary's metadata".into()))?;
         check_version(json, path)?;
         let tensors = SafeTensors::deserialize(&bytes).map_err(|e| foreign(e.to_string()))?;
-        Reader { tensors, path }.dataset(json).map_err(|reason| DatasetError::Damaged { path: path.into(), reason })
+        let damaged = |reason| DatasetError::Damaged { path: path.into(), reason };
+        let dataset = Reader { tensors, path }.dataset(json).map_err(damaged)?;
+        dataset.validate().map_err(damaged)?;
+        Ok(dataset)
     }
 }
 
@@ -54,10 +56,10 @@ impl Reader<'_> {
         let tree = LightTree::from_order(self.permutation()?).map_err(|_| Damage::Tree)?;
         let scene = self.scene(&header)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
-        let cuts = self.cuts(["cuts", "cut_offsets"], tree.height(), vertices)?;
+        let cuts = self.cuts(["cuts", "cut_offsets"], vertices)?;
         let reported = header.report.indirect.as_ref().map_or(0.0, |report| report.radius);
-        let indirect = self.indirect(tree.height(), vertices, triangles, reported)?;
-        let meshless = self.meshless(triangles)?;
+        let indirect = self.indirect(vertices, reported)?;
+        let meshless = self.meshless()?;
         Ok(Dataset {
             two_sided: self.flags("triangle_two_sided", triangles)?,
             vertex_valid: self.flags("vertex_valid", vertices)?,
@@ -72,7 +74,11 @@ impl Reader<'_> {
         })
     }
 
+    /// Every tensor has a checksum, and every checksum its tensor.
     fn check_sums(&self, header: &Header) -> Result<(), Damage> {
+        if let Some(name) = self.tensors.names().into_iter().find(|name| !header.checksums.contains_key(*name)) {
+            return Err(Damage::NoChecksum(name.to_owned()));
+        }
         for (name, expected) in &header.checksums {
             let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.clone()))?;
             if blake3::hash(tensor.data()).to_hex().as_str() != expected {
@@ -96,20 +102,15 @@ impl Reader<'_> {
             triangle_material: self.array("triangle_material", Dtype::U32, &[], t)?,
             triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,
         };
-        mesh.validate(header.materials.len(), header.objects.len())?;
         let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name).map(Into::into));
-        let scene = Scene {
+        Ok(Scene {
             mesh,
             materials: header.materials.clone(),
             textures: textures.collect::<Result<_, _>>()?,
             objects: header.objects.iter().map(|name| Object { name: name.clone() }).collect(),
             cameras: header.cameras.clone(),
             lights: header.lights.clone(),
-        };
-        check_texture_indices(&scene)?;
-        check_cameras(&scene)?;
-        check_lights(&scene)?;
-        Ok(scene)
+        })
     }
 
     fn texture(&self, index: usize, name: &str) -> Result<Texture, Damage> {
@@ -125,36 +126,6 @@ impl Reader<'_> {
 
     fn permutation(&self) -> Result<Vec<u32>, Damage> {
         let order: Vec<u32> = self.array("tree_order", Dtype::U32, &[], None)?;
-        let mut seen = vec![false; order.len()];
-        let fresh = order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)));
-        if fresh { Ok(order) } else { Err(Damage::Tree) }
+        if is_permutation(&order) { Ok(order) } else { Err(Damage::Tree) }
     }
-}
-
-/// Numbers above those of an f32 are read as infinite.
-fn check_cameras(scene: &Scene) -> Result<(), Damage> {
-    let finite = |c: &Camera| (c.eye.is_finite() && c.target.is_finite() && c.up.is_finite()) && c.fov_y.is_finite();
-    match scene.cameras.iter().position(|c| !finite(c)) {
-        Some(index) => Err(Damage::Camera { index, name: scene.cameras[index].name.clone() }),
-        None => Ok(()),
-    }
-}
-
-fn check_lights(scene: &Scene) -> Result<(), Damage> {
-    let check = |(index, light): (usize, &Light)| {
-        light.validate().map_err(|source| Damage::Light { index, name: light.name.clone(), source })
-    };
-    scene.lights.iter().enumerate().try_for_each(check)
-}
-
-fn check_texture_indices(scene: &Scene) -> Result<(), Damage> {
-    for material in &scene.materials {
-        for slot in material.maps.slots() {
-            if slot.texture as usize >= scene.textures.len() {
-                let count = scene.textures.len();
-                return Err(Damage::Texture { material: material.name.clone(), texture: slot.texture, count });
-            }
-        }
-    }
-    Ok(())
 }

@@ -28,7 +28,7 @@ pub(super) fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
 }
 
 /// The texels and the offsets of cuts.
-pub(super) fn cut_tensors<'a>(texels: &str, offsets: &str, cuts: &'a PackedCuts) -> [Tensor<'a>; 2] {
+pub(super) fn cut_tensors<'a>([texels, offsets]: [&str; 2], cuts: &'a PackedCuts) -> [Tensor<'a>; 2] {
     let nodes: &[u8] = bytemuck::cast_slice(cuts.nodes());
     [
         tensor(texels, Dtype::U32, [nodes.len() / 16, 4], nodes),
@@ -48,13 +48,11 @@ impl Reader<'_> {
         self.tensors.tensor(name).is_ok()
     }
 
-    /// `count` cuts of trees of `height` from the tensors of their texels and of their offsets.
-    pub(super) fn cuts(&self, names: [&'static str; 2], height: u32, count: usize) -> Result<PackedCuts, Damage> {
-        let [cuts, offsets] = names;
+    /// `count` cuts, not yet checked, from the tensors of their texels and of their offsets.
+    pub(super) fn cuts(&self, [cuts, offsets]: [&str; 2], count: usize) -> Result<PackedCuts, Damage> {
         let texels: Vec<[u32; 4]> = self.array(cuts, Dtype::U32, &[4], None)?;
-        let nodes = bytemuck::cast_slice(&texels).to_vec();
         let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
-        PackedCuts::from_parts(height, nodes, offsets).map_err(|(index, source)| Damage::Cut { cuts, index, source })
+        Ok(PackedCuts::unchecked(bytemuck::cast_slice(&texels).to_vec(), offsets))
     }
 
     pub(super) fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {

@@ -8,17 +8,25 @@ use super::{
 };
 use crate::output::write_atomically;
 use safetensors::{Dtype, tensor::TensorView};
-use std::{borrow::Cow, collections::HashMap, io, path::Path};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, HashMap},
+    io,
+    path::Path,
+};
 
 impl Dataset {
     /// Writes the dataset to a temporary name beside `path` and renames it when it is complete, so that a failure leaves
-    /// whatever was there before.
+    /// whatever was there before. The contents are checked before a byte is written: what is written can be read.
     ///
     /// # Errors
-    /// A file that cannot be written, such as on a full disk.
+    /// Contents that contradict themselves or hold numbers that nothing can be computed with; a file that cannot be
+    /// written, such as on a full disk.
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
+        self.validate().map_err(|reason| DatasetError::Unwritable { path: path.into(), reason })?;
         let tensors = self.tensors();
-        let header = self.header(&tensors);
+        let checksum = |t: &Tensor| (t.name.clone(), blake3::hash(&t.bytes).to_hex().to_string());
+        let header = self.header(tensors.iter().map(checksum).collect());
         self.write_tensors(path, &tensors, &header).map_err(|source| DatasetError::Io {
             action: "write",
             path: path.into(),
@@ -43,8 +51,8 @@ impl Dataset {
         write_atomically(path, &bytes)
     }
 
-    fn header(&self, tensors: &[Tensor]) -> Header {
-        let checksum = |t: &Tensor| (t.name.clone(), blake3::hash(&t.bytes).to_hex().to_string());
+    /// The JSON part, with these checksums of the tensors.
+    pub(super) fn header(&self, checksums: BTreeMap<String, String>) -> Header {
         Header {
             format_version: FORMAT_VERSION,
             settings: self.settings.clone(),
@@ -55,7 +63,7 @@ impl Dataset {
             cameras: self.scene.cameras.clone(),
             lights: self.scene.lights.clone(),
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
-            checksums: tensors.iter().map(checksum).collect(),
+            checksums,
         }
     }
 
@@ -73,7 +81,7 @@ impl Dataset {
             tensor("triangle_object", Dtype::U32, [t], &mesh.triangle_object),
             tensor("tree_order", Dtype::U32, [self.tree.len()], self.tree.order()),
         ];
-        tensors.extend(cut_tensors("cuts", "cut_offsets", &self.cuts));
+        tensors.extend(cut_tensors(["cuts", "cut_offsets"], &self.cuts));
         tensors.extend(self.indirect.iter().flat_map(indirect::tensors));
         tensors.extend(self.meshless.iter().flat_map(meshless::tensors));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {

@@ -1,11 +1,18 @@
 //! Checks of the values of lights.
 
 use super::{Emission, Light};
+use crate::scene::{MOST_COORDINATE, is_within_reach};
 use glam::Vec3;
 use thiserror::Error;
 
 /// Most lights of a scene: every one may cast a shadow ray for every pixel.
 pub const MAX_LIGHTS: usize = 4096;
+
+/// Largest intensity of a light: its light stays a number of 32 bits however close a surface is.
+pub const MOST_INTENSITY: f32 = 1e12;
+
+/// Smallest area of a light in m².
+const LEAST_AREA: f32 = 1e-18;
 
 /// Why a light cannot shine.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -16,6 +23,17 @@ pub enum LightProblem {
         /// Which value.
         what: &'static str,
     },
+    /// Outside of all scenes.
+    #[error("its {what} {place} is farther from the origin than the limit of {MOST_COORDINATE} m; move it closer")]
+    TooFar {
+        /// Which of its places.
+        what: &'static str,
+        /// Where that is, in metres.
+        place: Vec3,
+    },
+    /// So bright that sums of its light are no numbers.
+    #[error("its intensity {0} is above the limit of {MOST_INTENSITY}; lower it")]
+    TooBright(Vec3),
     /// Light cannot be taken away.
     #[error("its intensity {0} is negative; give numbers of 0 or more")]
     NegativeIntensity(Vec3),
@@ -34,7 +52,10 @@ pub enum LightProblem {
         cone: f32,
     },
     /// No area to emit.
-    #[error("its size of {width} x {height} m has no area; give a width and a height above 0")]
+    #[error(
+        "its size of {width} x {height} m has no area or is above the limit of {MOST_COORDINATE} m; give a width and a \
+         height above 0"
+    )]
     NoArea {
         /// Metres.
         width: f32,
@@ -53,6 +74,9 @@ impl Light {
         if self.intensity.min_element() < 0.0 {
             return Err(LightProblem::NegativeIntensity(self.intensity));
         }
+        if self.intensity.max_element() > MOST_INTENSITY {
+            return Err(LightProblem::TooBright(self.intensity));
+        }
         if self.emission.is_aimed() && self.forward().is_none() {
             return Err(LightProblem::NoDirection(self.position));
         }
@@ -61,8 +85,11 @@ impl Light {
 
     fn check_finite(&self) -> Result<(), LightProblem> {
         let vectors = [("position", self.position), ("target", self.target), ("intensity", self.intensity)];
-        match vectors.into_iter().find(|(_, value)| !value.is_finite()) {
-            Some((what, _)) => Err(LightProblem::NotFinite { what }),
+        if let Some((what, _)) = vectors.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(LightProblem::NotFinite { what });
+        }
+        match vectors[..2].iter().find(|(_, place)| !is_within_reach(*place)) {
+            Some(&(what, place)) => Err(LightProblem::TooFar { what, place }),
             None => Ok(()),
         }
     }
@@ -74,8 +101,8 @@ impl Light {
                 Err(LightProblem::Penumbra { penumbra, cone })
             }
             Emission::Rectangle { width, height } => {
-                let area = width * height;
-                let usable = width > 0.0 && height > 0.0 && area > 0.0 && area.is_finite();
+                let is_length = |x: f32| x > 0.0 && x <= MOST_COORDINATE;
+                let usable = is_length(width) && is_length(height) && width * height >= LEAST_AREA;
                 if usable { Ok(()) } else { Err(LightProblem::NoArea { width, height }) }
             }
             _ => Ok(()),
@@ -104,13 +131,22 @@ mod tests {
         for emission in [spot(30.0, 31.0), spot(30.0, -1.0), spot(30.0, f32::NAN)] {
             assert!(matches!(with(emission).validate(), Err(LightProblem::Penumbra { .. })));
         }
-        for (width, height) in [(0.0, 1.0), (1.0, -1.0), (f32::NAN, 1.0), (1e-30, 1e-30), (f32::INFINITY, 1.0)] {
+        for (width, height) in
+            [(0.0, 1.0), (1.0, -1.0), (f32::NAN, 1.0), (1e-30, 1e-30), (f32::INFINITY, 1.0), (1.1e9, 1e-9)]
+        {
             let rectangle = with(Emission::Rectangle { width, height });
             assert!(matches!(rectangle.validate(), Err(LightProblem::NoArea { .. })), "{width} x {height}");
         }
         let negative = Light { intensity: Vec3::new(1.0, -1.0, 0.0), ..good.clone() };
         assert!(matches!(negative.validate(), Err(LightProblem::NegativeIntensity(_))));
-        let nowhere = Light { position: Vec3::splat(f32::NAN), ..good };
+        let nowhere = Light { position: Vec3::splat(f32::NAN), ..good.clone() };
         assert_eq!(nowhere.validate(), Err(LightProblem::NotFinite { what: "position" }));
+        let [near, far] = [1.0, 1.1].map(|part| Vec3::new(0.0, -part * MOST_COORDINATE, 0.0));
+        assert_eq!(Light { position: near, ..good.clone() }.validate(), Ok(()));
+        let far = Light { target: far, ..good.clone() }.validate();
+        assert!(matches!(far, Err(LightProblem::TooFar { what: "target", .. })), "{far:?}");
+        let of = |intensity| Light { intensity: Vec3::new(0.0, intensity, 0.0), ..good.clone() }.validate();
+        assert_eq!(of(MOST_INTENSITY), Ok(()));
+        assert!(matches!(of(1.1 * MOST_INTENSITY), Err(LightProblem::TooBright(_))));
     }
 }

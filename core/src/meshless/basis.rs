@@ -4,11 +4,22 @@ use super::{
     sparse::{Coefficient, SparseRows},
     tree::LevelTree,
 };
-use crate::surfel::Surfel;
+use crate::{
+    scene::{is_unit, is_within_reach},
+    surfel::Surfel,
+};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::{fmt, ops::Range};
+use std::{
+    fmt,
+    ops::{Range, RangeInclusive},
+};
 use thiserror::Error;
+
+/// Most levels of a basis: the finest would have points closer than numbers of 32 bits can tell.
+const MOST_LEVELS: usize = 16;
+/// Smallest and largest radius of support in metres: their squares are numbers of 32 bits, and so are those of distances.
+const RADII: RangeInclusive<f32> = 1e-15..=4e9;
 
 /// Why points do not make a basis.
 #[derive(Debug, Error, PartialEq)]
@@ -27,14 +38,14 @@ pub enum BasisError {
         /// Number of levels.
         levels: usize,
     },
-    /// A position or normal that is not finite.
-    #[error("point {point} of the basis has a position or normal that is no finite number; bake it again")]
+    /// A position that is not finite or too far, or a normal that is not of length 1.
+    #[error("point {point} of the basis has a position or normal that is no finite number in its range; bake it again")]
     Point {
         /// Which point.
         point: usize,
     },
-    /// A radius that is not finite, or not positive.
-    #[error("the radius of level {level} of the basis is {radius}, not a positive number; bake it again")]
+    /// A radius that is not finite, not positive, or not within what squares can be taken of.
+    #[error("the radius of level {level} of the basis is {radius}, not a positive number in its range; bake it again")]
     Radius {
         /// Which level, from 0.
         level: usize,
@@ -94,18 +105,19 @@ impl Basis {
         let whole = offsets.first() == Some(&0)
             && offsets.last().is_some_and(|&end| end as usize == points.len())
             && offsets.is_sorted()
-            && offsets.len() == radii.len() + 1;
+            && offsets.len() == radii.len() + 1
+            && radii.len() <= MOST_LEVELS;
         if !whole {
             return Err(BasisError::Levels { points: points.len() });
         }
         if !(1..=radii.len()).contains(&sender_levels) {
             return Err(BasisError::SenderLevels { sender_levels, levels: radii.len() });
         }
-        let usable = |p: &Surfel| p.position.is_finite() && p.normal.is_finite();
+        let usable = |p: &Surfel| is_within_reach(p.position) && is_unit(p.normal);
         if let Some(point) = points.iter().position(|p| !usable(p)) {
             return Err(BasisError::Point { point });
         }
-        if let Some(level) = radii.iter().position(|&r| !(r > 0.0 && r < f32::MAX)) {
+        if let Some(level) = radii.iter().position(|r| !RADII.contains(r)) {
             return Err(BasisError::Radius { level, radius: radii[level] });
         }
         let level = |l: usize| LevelTree::new(&points[range(&offsets, l)], offsets[l], radii[l]);

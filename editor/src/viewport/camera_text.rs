@@ -6,7 +6,10 @@
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use glam::Vec3;
-use lapidary_core::camera::Camera;
+use lapidary_core::{
+    camera::Camera,
+    scene::{MOST_COORDINATE, is_within_reach},
+};
 use lapidary_studies::args::values;
 
 /// Vertical field of view in degrees where the text gives none, as on the command line.
@@ -32,7 +35,7 @@ pub fn parse(text: &str) -> Result<Camera> {
 }
 
 fn from_options(text: &str) -> Result<Camera> {
-    let vector = |name| -> Result<Option<Vec3>> { read(text, name, values::vector) };
+    let vector = |name| -> Result<Option<Vec3>> { read(text, name, values::place) };
     let (Some(eye), Some(target)) = (vector("--eye")?, vector("--target")?) else {
         bail!("this text holds no camera; copy one, or write it as --eye 0,1,3 --target 0,0,0 --fov 40");
     };
@@ -56,7 +59,10 @@ fn from_json(text: &str) -> Result<Camera> {
     let camera: Camera = serde_json::from_str(text)
         .map_err(|error| anyhow!("this JSON is no camera ({error}); copy a camera or a session's \"camera\" again"))?;
     let numbers = [camera.eye, camera.target, camera.up];
-    ensure!(numbers.iter().all(|v| v.is_finite()), "the camera's eye, target and up must be finite numbers");
+    ensure!(
+        numbers.into_iter().all(is_within_reach),
+        "the camera's eye, target and up must be finite numbers within {MOST_COORDINATE:e} m of the origin"
+    );
     ensure!(camera.up != Vec3::ZERO, "the camera's up must point somewhere, as 0,1,0 does");
     let degrees = camera.fov_y.to_degrees();
     ensure!((1.0..=170.0).contains(&degrees), "the camera's fov_y is {degrees} degrees and not between 1 and 170");

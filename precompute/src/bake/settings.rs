@@ -5,6 +5,7 @@ use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
     light_tree::height_of,
+    scene::MOST_COORDINATE,
     shot::Shot,
 };
 use serde::{Deserialize, Serialize};
@@ -119,10 +120,13 @@ fn check_shots(shots: &[Shot]) -> Result<(), SettingsError> {
 }
 
 /// Each number with its least and greatest value; for a number that is left out, its least value.
-fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 15] {
+fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 16] {
     let (sources, meshless) = (&settings.indirect.criterion, &settings.meshless);
     let optional = |value: Option<f64>, low| value.unwrap_or(low);
+    let viewpoint = settings.indirect.viewpoint.unwrap_or_default().to_array().map(f64::from);
+    let farthest = viewpoint.into_iter().fold(0.0, |a: f64, b| if a.is_nan() || b.abs() <= a.abs() { a } else { b });
     [
+        (Setting::Viewpoint, farthest, -f64::from(MOST_COORDINATE), f64::from(MOST_COORDINATE)),
         (Setting::Beta, f64::from(settings.beta), 0.0, 1.0),
         (Setting::Sigma, f64::from(settings.criterion.sigma), 0.0, 1e3),
         (Setting::SourceSigma, f64::from(sources.sigma), 0.0, 1e3),
@@ -169,6 +173,12 @@ mod tests {
         assert!(resolve(BakeSettings { shots: shots[..1].to_vec(), ..normal.clone() }).is_ok());
         assert_eq!(resolve(BakeSettings { shots: shots.clone(), ..normal.clone() }), Err(SettingsError::Shot(2)));
         assert_eq!(resolve(normal.clone()).unwrap().for_shots(shots), Err(SettingsError::Shot(2)));
+        let from = |x| IndirectSettings { viewpoint: Some(Vec3::new(1.0, x, 2.0)), ..normal.indirect };
+        let viewpoint = |x| resolve(BakeSettings { indirect: from(x), ..normal.clone() });
+        assert!(viewpoint(-1e9).is_ok());
+        for far in [-1.1e9, f32::INFINITY, f32::NAN] {
+            assert!(matches!(viewpoint(far), Err(SettingsError::Range { setting: Setting::Viewpoint, .. })), "{far}");
+        }
         let beta = resolve(BakeSettings { beta: f32::NAN, ..normal });
         assert!(matches!(beta, Err(SettingsError::Range { setting: Setting::Beta, .. })));
     }

@@ -1,7 +1,7 @@
 //! Why no bake can be made with some settings.
 
 use crate::setting::{Naming, Setting};
-use lapidary_core::light_tree::LightCountError;
+use lapidary_core::{light_tree::LightCountError, scene::MOST_COORDINATE};
 use std::fmt;
 use thiserror::Error;
 
@@ -37,8 +37,8 @@ impl SettingsError {
                 name(Setting::Sources)
             ),
             Self::Shot(number) => format!(
-                "shot {number} looks nowhere; give an eye, another place to look at, a field of view between 0 and 180 \
-                 degrees and a width over height above 0"
+                "shot {number} looks nowhere; give an eye, another place to look at, both within {MOST_COORDINATE:e} m of the \
+                 origin, a field of view between 0 and 177 degrees and a width over height above 0"
             ),
             Self::Range { setting, value, low, high } => {
                 format!("{} is {value}, but must lie between {low} and {high}", name(*setting))

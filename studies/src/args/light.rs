@@ -19,16 +19,16 @@ const DARK: &str = "constant:0,0,0";
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
-    /// Environment map: a latitude-longitude .hdr or .exr file, or one of constant:R,G,B, sun-sky:ELEVATION (0 to 90
-    /// degrees), studio, orientation and none [default: studio; none with --lights or if the dataset was baked
+    /// Environment map: a latitude-longitude .hdr or .exr file, or one of constant:R,G,B (each 0 to 1e12),
+    /// sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default: studio; none with --lights or if the dataset was baked
     /// without the environment]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
     /// Rotation of the environment about the vertical in degrees, counter-clockwise seen from above
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
     rotate: f32,
-    /// Factor on the environment's radiance, 0 or more
-    #[arg(long, value_name = "X", default_value = "1", value_parser = values::non_negative)]
+    /// Factor on the environment's radiance, 0 to 1000000
+    #[arg(long, value_name = "X", default_value = "1", value_parser = values::intensity)]
     intensity: f32,
 }
 

@@ -14,8 +14,8 @@ pub struct PictureArgs {
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
-    /// Exposure of png files in stops; exr and hdr files stay scene-linear
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
+    /// Exposure of png files in stops, -32 to 32; exr and hdr files stay scene-linear
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::exposure, allow_hyphen_values = true)]
     exposure: f32,
     /// Tone curve of png files
     #[arg(long, default_value = "standard", value_parser = choices::tone_map())]

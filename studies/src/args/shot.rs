@@ -4,8 +4,8 @@ use super::values::vector;
 use anyhow::Result;
 use lapidary_core::{
     camera::Camera,
-    scene::Scene,
-    shot::{DEFAULT_ASPECT, Shot},
+    scene::{MOST_COORDINATE, Scene},
+    shot::{DEFAULT_ASPECT, Shot, WIDEST},
 };
 
 /// Vertical field of view in degrees where none is given; that of `render` with `--eye` and `--target`.
@@ -42,9 +42,10 @@ impl ShotOption {
         if shot.is_valid() {
             Ok(Self::Free(shot))
         } else {
-            Err("the camera is invalid; eye and target must differ, the field of view must lie between 0 and 180 degrees, \
-                 and width over height must be above 0"
-                .into())
+            Err(format!(
+                "the camera is invalid; eye and target must differ and lie within {MOST_COORDINATE:e} m of the origin, the field \
+                 of view must lie between 0 and 177 degrees, and width over height must be between 1/{WIDEST} and {WIDEST}"
+            ))
         }
     }
 

@@ -2,6 +2,10 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
+use lapidary_core::{
+    environment::MOST_INTENSITY,
+    scene::{MOST_COORDINATE, is_within_reach},
+};
 use lapidary_render::Region;
 use serde::{
     Deserialize,
@@ -13,6 +17,9 @@ const MAX_SIDE: u32 = 32_768;
 
 /// Most pixels of a picture: as many as can be read back.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// Most stops of exposure, up or down: as much as in the window.
+const MOST_STOPS: f32 = 32.0;
 
 /// One of a library's choices by the name that files have for it; each name comes with its line of `--help`.
 pub fn choice<T>(choices: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
@@ -35,6 +42,19 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
     match numbers[..] {
         [x, y, z] => Ok(Vec3::new(x, y, z)),
         _ => Err(format!("three numbers are needed, as in 0.3,0.5,3.5, not {}", numbers.len())),
+    }
+}
+
+/// A position in metres: three numbers separated by commas, none beyond what a scene may hold.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn place(text: &str) -> Result<Vec3, String> {
+    let place = vector(text)?;
+    if is_within_reach(place) {
+        Ok(place)
+    } else {
+        Err(format!("a coordinate is beyond the limit of {MOST_COORDINATE:e} m"))
     }
 }
 
@@ -106,12 +126,20 @@ pub fn fraction(text: &str) -> Result<f32, String> {
     between(text, 0.0, 1.0)
 }
 
-/// A number that is not negative.
+/// A factor on the radiance of an environment.
 ///
 /// # Errors
 /// What is wrong, in words.
-pub fn non_negative(text: &str) -> Result<f32, String> {
-    between(text, 0.0, f32::MAX)
+pub fn intensity(text: &str) -> Result<f32, String> {
+    between(text, 0.0, MOST_INTENSITY)
+}
+
+/// An exposure in stops.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    between(text, -MOST_STOPS, MOST_STOPS)
 }
 
 /// A number above zero.
@@ -152,6 +180,8 @@ mod tests {
         assert_eq!(pixel("3, 4"), Ok([3, 4]));
         assert_eq!(region("1,2,3,4"), Ok(Region { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(positive("0.1"), Ok(0.1));
+        assert_eq!(place("-1e9,0,1e9"), Ok(Vec3::new(-1e9, 0.0, 1e9)));
+        assert_eq!((intensity("1e6"), exposure("-32")), (Ok(1e6), Ok(-32.0)));
     }
 
     #[test]
@@ -167,6 +197,8 @@ mod tests {
         }
         assert!(color("0.5,0.5,1.5").is_err() && color("0.5,0.5").is_err());
         assert!(fraction("1.1").is_err() && fraction("nan").is_err());
-        assert!(positive("0").is_err() && non_negative("-1").is_err() && field_of_view("180").is_err());
+        assert!(place("0,1.1e9,0").unwrap_err().contains("1e9") && place("0,nan,0").is_err());
+        assert!(intensity("1.1e6").is_err() && intensity("-1").is_err() && exposure("33").is_err());
+        assert!(positive("0").is_err() && field_of_view("180").is_err());
     }
 }

@@ -61,10 +61,10 @@ struct CameraArgs {
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// Position of the eye in metres [default: that of the camera]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     eye: Option<Vec3>,
     /// Point to look at in metres [default: that of the camera]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     target: Option<Vec3>,
     /// Vertical field of view in degrees, 1 to 170 [default: that of the camera; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
@@ -147,7 +147,7 @@ impl ViewArgs {
     /// # Errors
     /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
     pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<ViewedScene> {
-        self.camera.check_memory()?;
+        self.check_memory(1)?;
         let light = self.light.resolve(local, console)?;
         let lights = local.read()?;
         let mut dataset = Dataset::read(&self.file)?;
@@ -161,6 +161,33 @@ impl ViewArgs {
             ..View::new(camera, self.camera.size)
         };
         Ok(ViewedScene { baked: dataset.into(), view, light, local })
+    }
+
+    /// Checks that as many pictures of the size asked for fit in memory at once. Layers of a file count as pictures.
+    ///
+    /// # Errors
+    /// Both numbers, and what to do.
+    pub fn check_memory(&self, pictures: usize) -> Result<()> {
+        check_room(self.camera.size, pictures, memory::available())
+    }
+}
+
+/// Bytes per pixel of the first picture: samples, sum, coverage, depth, a copy to write and the encoded file.
+const BYTES_OF_PICTURE: u64 = 64;
+/// Bytes per pixel of each further picture: itself and a copy to write.
+const BYTES_OF_FURTHER: u64 = 16;
+
+fn check_room([width, height]: [u32; 2], pictures: usize, available: Option<u64>) -> Result<()> {
+    let bytes = BYTES_OF_PICTURE + BYTES_OF_FURTHER.saturating_mul((pictures as u64).saturating_sub(1));
+    let needed = (u64::from(width) * u64::from(height)).saturating_mul(bytes);
+    match available {
+        Some(available) if needed > available => bail!(
+            "{} of {width} x {height} need about {} MB of memory, {} MB are free; lower --size",
+            if pictures > 1 { format!("{pictures} pictures or layers") } else { "the buffers of a picture".to_owned() },
+            needed >> 20,
+            available >> 20
+        ),
+        _ => Ok(()),
     }
 }
 
@@ -238,21 +265,6 @@ impl CameraArgs {
             None => Ok(cameras.next()),
         }
     }
-
-    fn check_memory(&self) -> Result<()> {
-        /// Two copies of the picture, and its encoded file.
-        const BYTES_PER_PIXEL: u64 = 48;
-        let [width, height] = self.size;
-        let needed = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
-        match memory::available() {
-            Some(available) if needed > available => bail!(
-                "a picture of {width} x {height} needs about {} MB of memory, {} MB are free; lower --size",
-                needed >> 20,
-                available >> 20
-            ),
-            _ => Ok(()),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -317,6 +329,19 @@ mod tests {
         assert!(message(same).contains("same point"));
         let unknown = CameraArgs { camera: Some("c".into()), ..NOTHING };
         assert!(unknown.resolve(&scene(vec![named("a", 1.0)]), &[]).unwrap_err().to_string().contains("it has a"));
+    }
+
+    #[test]
+    fn pictures_that_do_not_fit_in_memory_are_refused_with_both_numbers() {
+        let free = Some(100 << 20);
+        assert!(check_room([1000, 1000], 1, free).is_ok());
+        let message = |size, pictures| check_room(size, pictures, free).unwrap_err().to_string();
+        let one = message([2000, 1000], 1);
+        assert!(one.contains("2000 x 1000 need about 122 MB") && one.contains("100 MB are free"), "{one}");
+        let layers = message([1000, 1000], 13);
+        assert!(layers.starts_with("13 pictures or layers") && layers.contains("about 244 MB"), "{layers}");
+        assert!(message([32_768, 8192], usize::MAX).contains("lower --size"));
+        assert!(check_room([32_768, 8192], usize::MAX, None).is_ok(), "the system does not tell");
     }
 
     #[test]

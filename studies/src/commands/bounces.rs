@@ -78,6 +78,9 @@ struct Row {
     every_source: Option<Figures>,
 }
 
+/// Pictures held at once: both halves of the reference and their mean, the solution, its error, and the sheet of all.
+const PICTURES_AT_ONCE: usize = 8;
+
 /// Renders, traces, compares, and writes what was found.
 ///
 /// # Errors
@@ -87,6 +90,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
         bail!("bounces shows bounced light only; leave out --components");
     }
     let interrupt = ProgressReporter::interruptible(console);
+    args.view.check_memory(PICTURES_AT_ONCE)?;
     let viewed = args.view.resolve(&args.local, console)?;
     let solutions = solutions(&viewed)?;
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {

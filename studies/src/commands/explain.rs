@@ -85,6 +85,9 @@ struct Report<'a> {
     split: Option<ErrorSplit>,
 }
 
+/// Pictures that the split of an error holds at once: those of its series, and the sheet of all.
+const PICTURES_OF_SPLIT: usize = 12;
+
 /// Explains, splits, and writes what was found.
 ///
 /// # Errors
@@ -94,6 +97,8 @@ pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
         bail!("explain shows one light at a time; choose it with --tree and leave out --components");
     }
     let interrupt = ProgressReporter::interruptible(console);
+    let splits_all = args.region.is_none() && args.pixel.is_none() && !args.no_split;
+    args.view.check_memory(if splits_all { PICTURES_OF_SPLIT } else { 1 })?;
     let viewed = args.view.resolve(&args.local, console)?;
     if viewed.local.solution.is_some_and(|solution| solution != Solution::Cuts) {
         bail!("explain shows one bounce by cuts; leave out --solution");

@@ -50,6 +50,7 @@ impl LadderArgs {
 pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     let _taken = take_folder(&args.out)?;
     let interrupt = ProgressReporter::interruptible(console);
+    args.view.check_memory(args.illum_cuts.len() + 3)?;
     let viewed = args.view.resolve(&args.local, console)?;
     let look = viewed.look()?;
     warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);

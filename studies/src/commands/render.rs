@@ -52,6 +52,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
         bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
     }
+    args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let viewed = args.view.resolve(&args.local, console)?;
     let look = args.picture.look(&viewed)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;

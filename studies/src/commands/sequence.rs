@@ -71,6 +71,7 @@ pub struct SequenceArgs {
 pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let outputs = args.outputs()?;
     let interrupt = ProgressReporter::interruptible(console);
+    args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let viewed = args.view.resolve(&args.local, console)?;
     let look = args.picture.look(&viewed)?;
     let task = SequenceTask {

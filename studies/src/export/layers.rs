@@ -156,6 +156,14 @@ impl fmt::Display for LayerList {
 }
 
 impl LayerList {
+    /// Most layers that there can be beside the picture.
+    pub fn most(&self) -> usize {
+        match self {
+            Self::All => LayerKind::ALL.len() - 1,
+            Self::These(kinds) => kinds.len().min(LayerKind::ALL.len() - 1),
+        }
+    }
+
     /// The layers for the picture of a look, each once, in the order of files, and always the picture itself.
     ///
     /// # Errors

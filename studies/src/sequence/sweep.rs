@@ -98,7 +98,7 @@ fn parsed(parameter: Parameter, text: &str) -> Result<Value, SweepError> {
     let value = match parameter.domain() {
         Domain::Number(..) => values::finite(text).map(Value::Number),
         Domain::Color => values::color(text).map(Value::Vector),
-        Domain::Place => values::vector(text).map(Value::Vector),
+        Domain::Place => values::place(text).map(Value::Vector),
     };
     value.map_err(|reason| SweepError::Value { parameter: parameter.name(), text: text.trim().into(), reason })
 }

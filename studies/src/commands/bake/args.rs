@@ -1,12 +1,12 @@
 //! The `bake` command.
 
 use crate::{
-    args::{OutsideArgs, ShotOption, choices, values::vector},
+    args::{OutsideArgs, ShotOption, choices, values::place},
     outputs::CommandFiles,
     terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
 };
 use anyhow::{Context, Error, Result};
-use clap::Args;
+use clap::{Args, builder::RangedU64ValueParser};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
@@ -18,6 +18,9 @@ use std::{
     path::{Path, PathBuf},
     time::Instant,
 };
+
+/// Most worker threads: more take memory and bring nothing.
+const MOST_THREADS: u64 = 1024;
 
 /// Options of `bake`.
 #[derive(Args, Clone, Debug)]
@@ -47,7 +50,7 @@ pub struct BakeArgs {
     /// Bounced light is baked for one enclosed space: that around this point, in metres. Surfaces that light from
     /// there cannot reach get no sources [default: the space chosen from shots, cameras and lights, else the largest
     /// found]
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub viewpoint: Option<Vec3>,
     /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
     #[arg(long, value_name = "L")]
@@ -110,8 +113,8 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Worker threads; the result does not depend on them [default: one per core]
-    #[arg(long, value_name = "T")]
+    /// Worker threads, 1 to 1024; the result does not depend on them [default: one per core]
+    #[arg(long, value_name = "T", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_THREADS))]
     pub threads: Option<usize>,
     /// Number of checkpoints; the result does not depend on them [default: one every few seconds]
     #[arg(long, value_name = "C")]
