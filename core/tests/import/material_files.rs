@@ -75,12 +75,15 @@ fn numbers_of_a_material_file_are_kept_in_range_aloud() {
     let files = Files::new();
     files.add_png("a.png", [0.5; 3]);
     let text = r#"{"name": "odd", "parameters": {"roughness": 7},
-        "maps": {"bump": {"file": "a.png", "scale": [1e300, 2], "strength": 1e30}}}"#;
+        "maps": {"bump": {"file": "a.png", "scale": [1e30, 2], "strength": 1e31}}}"#;
     let path = files.add("x.json", text);
     let (material, warnings) = load_material(&path, &mut Scene::default(), &ImportOptions::default()).unwrap();
     let slot = material.maps[MapKind::Bump].as_ref().unwrap();
     assert_eq!((slot.scale, slot.strength, material.parameters.roughness), (Vec2::new(1.0, 2.0), 1.0, 1.0));
     assert!(matches!(&warnings[..], [warning] if warning.contains("\"odd\"")), "{warnings:?}");
-    let good = files.add("y.json", text.replace("1e300", "3").replace("1e30", "3").replace('7', "0.5"));
+    let beyond = files.add("z.json", text.replace("1e30", "1e300"));
+    let refused = load_material(&beyond, &mut Scene::default(), &ImportOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("number out of range") && refused.ends_with("z.json)"), "{refused}");
+    let good = files.add("y.json", text.replace("1e31", "3").replace("1e30", "3").replace('7', "0.5"));
     assert_eq!(load_material(&good, &mut Scene::default(), &ImportOptions::default()).unwrap().1, [""; 0]);
 }

@@ -43,7 +43,10 @@ impl FilledFolder {
         }
         // A link to nowhere is there, too.
         if fs::symlink_metadata(&self.path).is_ok() {
-            bail!("the output's folder is there and no folder; choose another name ({})", self.path.display());
+            bail!(
+                "something else lies where the output's folder would be; choose another name ({})",
+                self.path.display()
+            );
         }
         let above =
             self.path.ancestors().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
