@@ -83,17 +83,16 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// An output that is one of the `inputs`, by whatever name; a folder, a link, a device; a file that is read-only; a folder that is
 /// missing or takes no files.
 pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
-    let path = || path.to_path_buf();
     let ends_as_folder = |bytes: &[u8]| bytes.last().is_some_and(|&b| std::path::is_separator(b.into()));
-    if path().file_name().is_none() || ends_as_folder(path().as_os_str().as_encoded_bytes()) {
-        return Err(OutputError::NoName { path: path() });
+    if path.file_name().is_none() || ends_as_folder(path.as_os_str().as_encoded_bytes()) {
+        return Err(OutputError::NoName { path: path.into() });
     }
-    check_kind(&path())?;
-    if inputs.iter().any(|input| is_same_output(&path(), input)) {
-        return Err(OutputError::Input { path: path() });
+    check_kind(path)?;
+    if inputs.iter().any(|input| is_same_output(path, input)) {
+        return Err(OutputError::Input { path: path.into() });
     }
-    check_protection(&path())?;
-    check_writable(folder_of(&path()))
+    check_protection(path)?;
+    check_writable(folder_of(path))
 }
 
 /// Checks that nothing but a file is at `path`, if anything is.
