@@ -83,19 +83,18 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// An output that is one of the `inputs`, by whatever name; a folder, a link, a device; a file that is read-only; a folder that is
 /// missing or takes no files.
 pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
-    let path = || path.to_path_buf();
     let ends_as_folder = |bytes: &[u8]| bytes.last().is_some_and(|&b| std::path::is_separator(b.into()));
-    if path().file_name().is_none() || ends_as_folder(path().as_os_str().as_encoded_bytes()) {
-        return Err(OutputError::NoName { path: path() });
+    if path.file_name().is_none() || ends_as_folder(path.as_os_str().as_encoded_bytes()) {
+        return Err(OutputError::NoName { path: path.into() });
     }
-    let there = file_to_replace(&path()).map_err(|source| OutputError::NotAFile { path: path(), source })?;
-    if inputs.iter().any(|input| is_same_output(&path(), input)) {
-        return Err(OutputError::Input { path: path() });
+    let there = file_to_replace(path).map_err(|source| OutputError::NotAFile { path: path.into(), source })?;
+    if inputs.iter().any(|input| is_same_output(path, input)) {
+        return Err(OutputError::Input { path: path.into() });
     }
-    if there.is_some_and(|there| there.permissions().readonly() || !takes_bytes(&path())) {
-        return Err(OutputError::ReadOnly { path: path() });
+    if there.is_some_and(|there| there.permissions().readonly() || !takes_bytes(path)) {
+        return Err(OutputError::ReadOnly { path: path.into() });
     }
-    check_writable(folder_of(&path()))
+    check_writable(folder_of(path))
 }
 
 /// Checks that a folder is there and takes files, before work whose result is to be written there.
