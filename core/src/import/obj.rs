@@ -209,9 +209,13 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
         match library.files.find(name).and_then(|file| library.files.read(&file)) {
             Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
             Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
-            Err(_) => source.warnings.push(format!(
-                "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
-            )),
+            Err(_) => {
+                let warning = format!(
+                    "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
+                );
+                source.unread.push(warning.clone());
+                source.warnings.push(warning);
+            }
         }
     }
     mtl::add_materials(source, &outline.material_names, &entries, &mut library)?;
