@@ -55,10 +55,14 @@ pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
     let numbers = (work.first..work.end).step_by(usize::try_from(work.step)?);
     for number in numbers.take_while(|_| began.elapsed().as_secs_f64() < work.secs) {
         fs::write(folder.join(CURRENT), number.to_string())?;
+        let bytes = bytes_of(target.name(), work.seed, number);
         watch.begin();
-        let began = Instant::now();
-        let result = attempt(target, &bytes_of(target.name(), work.seed, number), folder)?;
-        let secs = began.elapsed().as_secs_f64();
+        let (result, mut secs) = timed_attempt(target, &bytes, folder)?;
+        if secs > MOST_SECS {
+            // Other programs may have held it up.
+            watch.begin();
+            secs = secs.min(timed_attempt(target, &bytes, folder)?.1);
+        }
         watch.end();
         tried += 1;
         let slow = (secs > MOST_SECS).then(|| format!("it took {secs:.1} s"));
@@ -68,6 +72,13 @@ pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
     }
     println!("tried {tried}");
     Ok(())
+}
+
+/// What is wrong with the reader by one input, and the seconds that it took.
+fn timed_attempt(target: &dyn Target, bytes: &[u8], folder: &Path) -> Result<(Result<(), String>, f64)> {
+    let began = Instant::now();
+    let result = attempt(target, bytes, folder)?;
+    Ok((result, began.elapsed().as_secs_f64()))
 }
 
 /// Tries one input. The inner result is what is wrong with the reader, a panic included.
