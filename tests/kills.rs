@@ -89,7 +89,40 @@ fn a_killed_render_or_export_leaves_whole_files_and_runs_again() {
     }
 }
 
+/// A process that stands still, so that it cannot end before the test goes on. None is left behind.
+#[cfg(unix)]
+struct Halted(std::process::Child);
+
+#[cfg(unix)]
+impl Halted {
+    fn signal(&self, signal: &str) {
+        let mut kill = std::process::Command::new("kill");
+        let status = kill.args([signal, &self.0.id().to_string()]).status().expect("kill starts");
+        assert!(status.success(), "kill {signal}");
+    }
+
+    fn new(child: std::process::Child) -> Self {
+        let halted = Self(child);
+        halted.signal("-STOP");
+        halted
+    }
+
+    /// Lets it go on to its end. Whether it ends well.
+    fn finish(mut self) -> bool {
+        self.signal("-CONT");
+        self.0.wait().expect("a child").success()
+    }
+}
+
+#[cfg(unix)]
+impl Drop for Halted {
+    fn drop(&mut self) {
+        let _ = self.0.kill().and_then(|()| self.0.wait());
+    }
+}
+
 #[test]
+#[cfg(unix)]
 fn of_two_bakes_to_one_output_one_is_refused_and_the_other_is_right() {
     let folder = Folder::new();
     let other = BAKE.replace("--lights 4096", "--lights 2048");
@@ -98,14 +131,15 @@ fn of_two_bakes_to_one_output_one_is_refused_and_the_other_is_right() {
     let mut first = folder.command(BAKE).stderr(Stdio::null()).spawn().expect("the program starts");
     let lock = folder.path("a.cuts.lock");
     let chunk = folder.path("a.cuts.partial/chunk-00000.bin");
-    while !chunk.exists() {
+    while !(lock.exists() && chunk.exists()) {
         assert!(first.try_wait().expect("a child").is_none(), "the bake ended before the other began");
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert!(lock.exists());
+    let first = Halted::new(first);
+    assert!(lock.exists() && chunk.exists(), "the bake ended before the other began");
     let refused = folder.fail(&other);
-    assert!(refused.contains(&first.id().to_string()) && refused.contains("a.cuts"), "{refused}");
-    assert!(first.wait().expect("a child").success());
+    assert!(refused.contains(&first.0.id().to_string()) && refused.contains("a.cuts"), "{refused}");
+    assert!(first.finish());
     assert!(read(&folder.path("a.cuts")) == right, "the bake that went on");
     folder.succeed(&other);
     assert!(read(&folder.path("a.cuts")) != right, "negative control: other settings, another dataset");

@@ -29,7 +29,7 @@ fn nothing_outside_is_embedded_unnoticed() {
         assert_eq!(dataset.scene.textures[0].size, size, "the chequerboard, or the picture");
         let report = dataset.report.warnings.join("\n");
         assert!(report.contains("\"../red.png\" are outside"), "{report}");
-        assert_eq!(report.contains("--allow-outside"), option.is_empty());
+        assert_eq!(report.contains("or allow files outside the folder"), option.is_empty());
     }
 }
 
@@ -40,7 +40,7 @@ fn a_material_reads_pictures_outside_only_if_allowed() {
     folder.write("scene/x.json", r#"{"maps": {"base_color": {"file": "../red.png"}}}"#.into());
     let render = "render a.cuts --material scene/x.json --size 16x12 --backend cpu --out";
     let message = folder.fail(&format!("{render} a.png"));
-    for part in ["../red.png", "--allow-outside", "x.json)"] {
+    for part in ["../red.png", "or allow files outside the folder", "x.json)"] {
         assert!(message.contains(part), "{message}");
     }
     assert!(!folder.path("a.png").exists());

@@ -38,7 +38,7 @@ studio="--env data/environments/studio.hdr"
 sky="--env data/environments/sun-and-sky.hdr --rotate 40"
 picture still-life-refined still-life $studio --aa 2
 picture still-life-once still-life $sky --brdf once --illum-cut 128
-picture still-life-ward still-life $studio --material tests/pixel_hashes_ward.json
+picture still-life-ward still-life $studio --material tests/pixel_hashes_ward.json --allow-outside
 for solution in cuts meshless cuts+meshless; do
   picture "color-box-$solution" color-box --env none --solution $solution
   picture "interior-$solution" interior $sky --solution $solution

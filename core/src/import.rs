@@ -98,7 +98,7 @@ pub enum ImportError {
         available: u64,
     },
     /// The file needs others that it may not read.
-    #[error("the files {} are outside the folder of the file that needs them, and were not read; put them beside it, or allow it with --allow-outside ({})", listed(names), path.display())]
+    #[error("the files {} are outside the folder of the file that needs them, and were not read; put them beside it, or allow files outside the folder ({})", listed(names), path.display())]
     Outside {
         /// Which file.
         path: PathBuf,
@@ -154,6 +154,9 @@ pub struct ImportReport {
     pub outside: Vec<String>,
     /// Other problems, with their repair and the remedy.
     pub warnings: Vec<String>,
+    /// Those of the warnings that tell of a picture or a material library that is missing, damaged or not allowed.
+    #[serde(skip)]
+    pub unread: Vec<String>,
 }
 
 /// A scene and the report of its import.
@@ -175,6 +178,7 @@ struct Source {
     cameras: Vec<Camera>,
     lights: Vec<Light>,
     warnings: Vec<String>,
+    unread: Vec<String>,
     outside: Vec<String>,
     files: Vec<PathBuf>,
 }
@@ -213,8 +217,8 @@ fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
 /// Repairs the mesh, and checks that it is valid.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let Source { warnings, outside, files, .. } = source;
-    let mut report = ImportReport { warnings, outside, files, ..Default::default() };
+    let Source { warnings, unread, outside, files, .. } = source;
+    let mut report = ImportReport { warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {

@@ -12,6 +12,9 @@ use std::{
 };
 use thiserror::Error;
 
+/// Tries to lock a file that others make and remove at the same time.
+const MOST_TRIES: u32 = 100;
+
 /// Why an output cannot be locked.
 #[derive(Debug, Error)]
 pub enum LockError {
@@ -56,24 +59,26 @@ impl OutputLock {
     pub fn acquire(output: &Path) -> Result<Self, LockError> {
         let path = Self::path_of(output);
         let failed = |source| LockError::Io { path: output.into(), source };
-        loop {
+        for _ in 0..MOST_TRIES {
             let mut file = open(&path).map_err(failed)?;
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
                     return Err(LockError::Held { path: output.into(), holder: holder(&path) });
                 }
-                // Some network file systems have no locks; there it only tells who writes.
-                Err(TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => {}
-                Err(TryLockError::Error(e)) => return Err(failed(e)),
+                // Some network file systems have no locks, and say so in many ways; there it only tells who writes.
+                Err(TryLockError::Error(_)) => {}
             }
-            // The holder before may have removed the file between its opening and its locking here.
+            // The holder before may have removed the file between its opening and its locking here, or someone else may
+            // have put a link in its place.
+            check_no_link(&path).map_err(failed)?;
             if !is_at(&file, &path) {
                 continue;
             }
             file.set_len(0).and_then(|()| file.write_all(this_process().as_bytes())).map_err(failed)?;
             return Ok(Self { _file: file, path });
         }
+        Err(LockError::Held { path: output.into(), holder: holder(&path) })
     }
 }
 
@@ -84,13 +89,19 @@ impl Drop for OutputLock {
     }
 }
 
-/// Opens the lock, but never through a symbolic link.
+/// Opens the lock, or makes it.
 fn open(path: &Path) -> io::Result<File> {
+    check_no_link(path)?;
+    OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
+}
+
+/// Whatever a link leads to would be emptied, and a pipe would wait.
+fn check_no_link(path: &Path) -> io::Result<()> {
     if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
         let what = format!("{} is no regular file; remove it", path.display());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     }
-    OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
+    Ok(())
 }
 
 fn is_at(file: &File, path: &Path) -> bool {

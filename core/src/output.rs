@@ -83,19 +83,36 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// An output that is one of the `inputs`, by whatever name; a folder, a link, a device; a file that is read-only; a folder that is
 /// missing or takes no files.
 pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
-    let path = || path.to_path_buf();
     let ends_as_folder = |bytes: &[u8]| bytes.last().is_some_and(|&b| std::path::is_separator(b.into()));
-    if path().file_name().is_none() || ends_as_folder(path().as_os_str().as_encoded_bytes()) {
-        return Err(OutputError::NoName { path: path() });
+    if path.file_name().is_none() || ends_as_folder(path.as_os_str().as_encoded_bytes()) {
+        return Err(OutputError::NoName { path: path.into() });
     }
-    let there = file_to_replace(&path()).map_err(|source| OutputError::NotAFile { path: path(), source })?;
-    if inputs.iter().any(|input| is_same_output(&path(), input)) {
-        return Err(OutputError::Input { path: path() });
+    check_kind(path)?;
+    if inputs.iter().any(|input| is_same_output(path, input)) {
+        return Err(OutputError::Input { path: path.into() });
     }
-    if there.is_some_and(|there| there.permissions().readonly() || !takes_bytes(&path())) {
-        return Err(OutputError::ReadOnly { path: path() });
+    check_protection(path)?;
+    check_writable(folder_of(path))
+}
+
+/// Checks that nothing but a file is at `path`, if anything is.
+///
+/// # Errors
+/// A folder, a link or a device.
+pub fn check_kind(path: &Path) -> Result<(), OutputError> {
+    file_to_replace(path).map(drop).map_err(|source| OutputError::NotAFile { path: path.into(), source })
+}
+
+/// Checks that the file at `path`, if one is there, may be written over.
+///
+/// # Errors
+/// A file that is read-only.
+pub fn check_protection(path: &Path) -> Result<(), OutputError> {
+    let is_protected = |there: Metadata| there.permissions().readonly() || !takes_bytes(path);
+    if fs::metadata(path).is_ok_and(is_protected) {
+        return Err(OutputError::ReadOnly { path: path.into() });
     }
-    check_writable(folder_of(&path()))
+    Ok(())
 }
 
 /// Checks that a folder is there and takes files, before work whose result is to be written there.

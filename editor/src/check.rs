@@ -3,8 +3,16 @@
 use crate::document::session::{self, LoadedSession, SessionError};
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_core::{dataset::Dataset, environment::Environment, import::import, scene::Scene};
-use lapidary_studies::terminal::{Outcome, print_out};
+use lapidary_core::{
+    dataset::Dataset,
+    environment::Environment,
+    import::{ImportOptions, Imported, import_with},
+    scene::Scene,
+};
+use lapidary_studies::{
+    args::OutsideArgs,
+    terminal::{Outcome, print_out},
+};
 use std::path::{Path, PathBuf};
 
 /// Options of `check`.
@@ -13,6 +21,8 @@ pub struct CheckArgs {
     /// Session to check
     #[arg(value_name = "FILE.lapidary")]
     file: PathBuf,
+    #[command(flatten)]
+    outside: OutsideArgs,
 }
 
 impl CheckArgs {
@@ -21,7 +31,7 @@ impl CheckArgs {
     /// # Errors
     /// A session that cannot be read, or that has problems.
     pub fn run(&self) -> Result<Outcome> {
-        let checked = check(&self.file)?;
+        let checked = check(&self.file, &self.outside.into())?;
         print_out(&checked.text())?;
         match checked.problems.len() {
             0 => Ok(Outcome::Done),
@@ -44,11 +54,11 @@ pub struct Checked {
 ///
 /// # Errors
 /// A session that cannot be read. What is wrong with other files is among [`Checked::problems`].
-pub fn check(file: &Path) -> Result<Checked, SessionError> {
+pub fn check(file: &Path, options: &ImportOptions) -> Result<Checked, SessionError> {
     let loaded = session::load(file)?;
     let mut checked = Checked::default();
     checked.list(&loaded);
-    let scene = checked.scene(&loaded);
+    let scene = checked.scene(&loaded, options);
     checked.environment(&loaded);
     let (_, warnings) = loaded.into_document(scene.as_ref());
     checked.problems.extend(warnings);
@@ -74,11 +84,19 @@ impl Checked {
     }
 
     /// The scene that the session's materials belong to: the baked one, or the one to bake.
-    fn scene(&mut self, loaded: &LoadedSession) -> Option<Scene> {
-        let source = loaded.session.scene.as_deref().map(|path| self.kept(import(path)).map(|import| import.scene));
+    fn scene(&mut self, loaded: &LoadedSession, options: &ImportOptions) -> Option<Scene> {
+        let source = loaded.session.scene.as_deref().map(|path| self.source(path, options));
         let baked =
             loaded.session.dataset.as_deref().map(|path| self.kept(Dataset::read(path)).map(|baked| baked.scene));
         baked.flatten().or(source.flatten())
+    }
+
+    /// The scene of a file. What it names and lacks is a problem, too; that it was repaired is none.
+    fn source(&mut self, path: &Path, options: &ImportOptions) -> Option<Scene> {
+        let Imported { scene, report } = self.kept(import_with(path, options))?;
+        let unread = report.unread.iter().map(|problem| format!("{problem} ({})", path.display()));
+        self.problems.extend(unread);
+        Some(scene)
     }
 
     fn environment(&mut self, loaded: &LoadedSession) {
@@ -130,11 +148,11 @@ mod tests {
         }
 
         fn check(&self) -> Checked {
-            check(&self.path("look.lapidary")).unwrap()
+            check(&self.path("look.lapidary"), &ImportOptions::default()).unwrap()
         }
 
         fn run(&self) -> Result<Outcome> {
-            CheckArgs { file: self.path("look.lapidary") }.run()
+            CheckArgs { file: self.path("look.lapidary"), outside: OutsideArgs::default() }.run()
         }
     }
 
@@ -163,6 +181,31 @@ mod tests {
                 assert!(place.run().unwrap_err().to_string().contains("look.lapidary"));
             }
         }
+    }
+
+    #[test]
+    fn what_the_scene_names_must_be_there_and_in_its_folder() {
+        let place = Place::new();
+        let bare = place.check().problems;
+        assert!(bare.is_empty(), "{bare:?}");
+        std::fs::create_dir(place.path("inner")).unwrap();
+        std::fs::write(place.path("inner/a.obj"), "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+            .unwrap();
+        let checked = |picture: &str, allow_outside: bool| {
+            std::fs::write(place.path("inner/a.mtl"), format!("newmtl m\nmap_Kd {picture}\n")).unwrap();
+            let mut checked = Checked::default();
+            let options = ImportOptions { allow_outside, ..Default::default() };
+            assert!(checked.source(&place.path("inner/a.obj"), &options).is_some());
+            checked.problems
+        };
+        for (picture, allow) in [("wood.png", false), ("wood.png", true), ("../linen.png", false)] {
+            let problems = checked(picture, allow);
+            assert!(problems.len() == 1 && problems[0].contains(picture), "{problems:?}");
+            assert!(problems[0].ends_with("a.obj)"), "{problems:?}");
+        }
+        assert_eq!(checked("../linen.png", true), Vec::<String>::new());
+        write_picture(&place.path("inner/wood.png"));
+        assert_eq!(checked("wood.png", false), Vec::<String>::new());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::document::{folder_of, session::read_leniently, write_setting};
 use anyhow::Result;
 use lapidary_core::input;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 use std::{
     io::ErrorKind,
@@ -99,7 +99,7 @@ impl LastFolders {
 /// Folders of scenes and materials that may name files outside them; the user was asked for each.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct AllowedFolders(Vec<PathBuf>);
+pub struct AllowedFolders(#[serde(serialize_with = "those_of_unicode")] Vec<PathBuf>);
 
 impl AllowedFolders {
     /// Whether what a file names outside its folder is read.
@@ -107,11 +107,16 @@ impl AllowedFolders {
         folder_after_links(file).is_some_and(|folder| self.0.contains(&folder))
     }
 
-    /// Remembers the folder of a file. One whose name is no Unicode cannot be written to the preferences, and is not.
+    /// Remembers the folder of a file. One whose name is no Unicode cannot be written to the preferences, and is forgotten
+    /// when the program ends.
     pub fn remember(&mut self, file: &Path) {
-        let folder = folder_after_links(file).filter(|folder| folder.to_str().is_some());
+        let folder = folder_after_links(file);
         self.0.extend(folder.filter(|folder| !self.0.contains(folder)));
     }
+}
+
+fn those_of_unicode<S: Serializer>(folders: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(folders.iter().filter_map(|folder| folder.to_str()))
 }
 
 fn folder_after_links(file: &Path) -> Option<PathBuf> {
@@ -225,6 +230,26 @@ mod tests {
         };
         preferences.save(&config).unwrap();
         assert_eq!(Preferences::load(&config), (preferences, None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_cannot_be_written_down_is_allowed_until_the_end() {
+        use std::os::unix::ffi::OsStrExt;
+        let folder = tempfile::tempdir().unwrap();
+        let odd = folder.path().join(std::ffi::OsStr::from_bytes(b"\xff"));
+        // Some file systems have no such names.
+        if std::fs::create_dir(&odd).is_err() {
+            return;
+        }
+        let mut preferences = Preferences::default();
+        preferences.outside.remember(&odd.join("a.gltf"));
+        preferences.outside.remember(&folder.path().join("a.gltf"));
+        assert!(preferences.outside.allow(&odd.join("a.gltf")));
+        preferences.save(folder.path()).unwrap();
+        let (later, message) = Preferences::load(folder.path());
+        assert_eq!(message, None);
+        assert!(!later.outside.allow(&odd.join("a.gltf")) && later.outside.allow(&folder.path().join("a.gltf")));
     }
 
     #[test]

@@ -62,7 +62,7 @@ const FILES: [FileKind; 15] = [
     FileKind { name: "material", share: 60, file: "input.json", mutation: json::json, read: scenes::read_material },
     FileKind { name: "session", share: 60, file: "input.lapidary", mutation: json::json, read: files::read_session },
     FileKind { name: "cuts", share: 8, file: "input.cuts", mutation: tensors::dataset, read: scenes::read_dataset },
-    FileKind { name: "bake", share: 1, file: "input.gltf", mutation: json::json, read: scenes::bake_file },
+    FileKind { name: "bake", share: 1, file: "input.gltf", mutation: json::quantities, read: scenes::bake_file },
 ];
 
 /// Whether an error names the file, as all must.

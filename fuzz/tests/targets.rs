@@ -2,26 +2,28 @@
 //! reaches.
 
 use lapidary_fuzz::{choices::Choices, targets};
+use std::panic::RefUnwindSafe;
 
 /// Hands choices to the target of this name.
-fn fuzz(name: &str, iterations: usize) {
-    let all = targets::all();
-    let target = all.iter().find(|target| target.name() == name).expect("a target of this name");
+fn reader(name: &str) -> impl Fn(&[u8]) + RefUnwindSafe {
+    let target = targets::all().into_iter().find(|target| target.name() == name).expect("a target of this name");
     let folder = tempfile::tempdir().expect("a temporary folder");
     target.prepare(folder.path()).expect("a writable folder");
-    bolero::check!().with_iterations(iterations).with_max_len(160).for_each(|bytes: &[u8]| {
+    move |bytes| {
         target.write(&mut Choices::new(bytes), folder.path()).expect("a writable folder");
         if let Err(finding) = target.read(folder.path()) {
             panic!("{finding}");
         }
-    });
+    }
 }
 
 macro_rules! targets {
     ($($name:ident $iterations:literal),*) => {
+        // A fuzzer finds a target by the function in which `check!` stands.
         $(#[test]
         fn $name() {
-            fuzz(stringify!($name), $iterations);
+            let check = bolero::check!().with_iterations($iterations).with_max_len(160);
+            check.for_each(reader(stringify!($name)));
         })*
 
         #[test]
@@ -45,5 +47,25 @@ fn sound_inputs_are_read() {
         target.prepare(folder.path()).expect("a writable folder");
         target.write(&mut Choices::new(&[]), folder.path()).expect("a writable folder");
         assert_eq!(target.read(folder.path()), Ok(()), "{}", target.name());
+    }
+}
+
+/// Targets whose inputs pass several gates try little if most are refused at the first.
+#[test]
+fn enough_inputs_get_to_the_end() {
+    for (name, output, least) in [("bake", "input.cuts", 20), ("cuts", "input.copy.cuts", 6)] {
+        let all = targets::all();
+        let target = all.iter().find(|target| target.name() == name).expect("a target of this name");
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        target.prepare(folder.path()).expect("a writable folder");
+        let mut random = fastrand::Rng::with_seed(29);
+        let mut is_whole = || {
+            let bytes: Vec<u8> = (0..random.usize(8..160)).map(|_| random.u8(..)).collect();
+            target.write(&mut Choices::new(&bytes), folder.path()).expect("a writable folder");
+            target.read(folder.path()).expect("it is read or refused");
+            std::fs::remove_file(folder.path().join(output)).is_ok()
+        };
+        let whole = (0..60).filter(|_| is_whole()).count();
+        assert!(whole >= least, "{whole} of 60 inputs of {name} get to the end");
     }
 }

@@ -56,16 +56,13 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     let remarks = Remarks::before(observer);
     let observer: &dyn Observer = &remarks;
     let _lock = OutputLock::acquire(&job.output)?;
-    let is_left = Checkpoint::is_left(&job.output)?;
+    Checkpoint::is_left(&job.output)?;
     check_memory(&scene, settings)?;
     if settings.mode.meshless() {
         check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
     }
     let hash = scene_hash(&scene);
     let resumed = if job.resume { Checkpoint::open(&job.output, &hash, settings)? } else { None };
-    if is_left && !job.resume {
-        observer.event(Event::Warning { message: Warning::Discarded });
-    }
     let mut clock = Clock::new(observer, job.import_secs);
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
     let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
@@ -99,7 +96,9 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     finish_report(&mut dataset, clock);
     dataset.report.warnings.extend(remarks.warnings());
     dataset.write(&job.output)?;
-    checkpoint.remove()?;
+    if let Some(path) = checkpoint.remove()? {
+        observer.event(Event::Warning { message: Warning::KeptFolder { path } });
+    }
     Ok(dataset)
 }
 

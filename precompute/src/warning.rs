@@ -3,7 +3,7 @@
 use crate::setting::{Naming, Setting};
 use glam::Vec3;
 use serde::{Serialize, Serializer};
-use std::fmt;
+use std::{fmt, path::PathBuf};
 
 /// Something that was repaired or left out, and what to do about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,11 @@ pub enum Warning {
     OtherCheckpoint,
     /// An unfinished bake was discarded, because resuming it was not asked for.
     Discarded,
+    /// The folder of the checkpoint has other files in it, and stays with them.
+    KeptFolder {
+        /// The first of these files.
+        path: PathBuf,
+    },
     /// The surface sources differ from those of the checkpoint.
     OtherSources,
     /// The points of the meshless basis differ from those of the checkpoint.
@@ -71,9 +76,12 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Whether it tells what became of an interrupted bake. The result is the same as without one.
+    /// Whether it tells what became of a checkpoint. The result is the same as without one.
     pub(crate) fn is_about_resuming(&self) -> bool {
-        matches!(self, Self::OtherCheckpoint | Self::Discarded | Self::OtherSources | Self::OtherBasis)
+        matches!(
+            self,
+            Self::OtherCheckpoint | Self::Discarded | Self::KeptFolder { .. } | Self::OtherSources | Self::OtherBasis
+        )
     }
 
     /// In words, with settings called by `name`.
@@ -94,6 +102,10 @@ impl Warning {
             Self::Discarded => format!(
                 "an unfinished bake of this output is discarded; bake with {} to resume it instead",
                 name(Setting::Resume)
+            ),
+            Self::KeptFolder { path } => format!(
+                "the folder of the checkpoint stays, for this is no part of a checkpoint; move it elsewhere ({})",
+                path.display()
             ),
             Self::OtherSources => {
                 "the surface sources differ from those of the interrupted bake, because cameras, lights or objects have \

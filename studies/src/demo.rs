@@ -38,8 +38,9 @@ pub struct DemoArgs {
 impl DemoArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        let names = ["report.json", "report.html", "*.png", "*.exr", "*.cuts"];
-        CommandFiles::default().reads(&self.data).fills(&self.out, names)
+        let pictures = ["png", "exr"].map(|extension| pictures::NAMES.map(|name| format!("{name}.{extension}")));
+        let names = ["report.json", "report.html", bake::DATASET, "error-*.png"].map(String::from);
+        CommandFiles::default().reads(&self.data).fills(&self.out, pictures.into_iter().flatten().chain(names))
     }
 }
 

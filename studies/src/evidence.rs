@@ -56,7 +56,7 @@ pub struct EvidenceArgs {
 impl EvidenceArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        let names = [notebook::PAGE, notebook::FIGURES, "*.png", "*.exr", "*.cuts"];
+        let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "*-bounces.cuts"];
         let environment = Some(Path::new(&self.env)).filter(|path| path.is_file());
         CommandFiles::default().reads(environment).reads(&self.scenes).reads(&self.data).fills(&self.out, names)
     }

@@ -1,5 +1,5 @@
-//! What work reads and writes, checked before it begins: nothing is written over an input, and an output that cannot be written
-//! is told at once.
+//! What work reads and writes, checked before it begins: nothing is written over an input, and an output that cannot be
+//! written is told at once.
 
 mod folder;
 
@@ -34,18 +34,26 @@ impl CommandFiles {
         self
     }
 
-    /// With a folder that is made if it is missing, and the names of what is written into it. A name may have one `*`, which stands
-    /// for any text.
+    /// With a folder that is made if it is missing, and the names of what is written into it. A name may have one `*`,
+    /// which stands for any text without a `/`.
     #[must_use]
     pub fn fills(mut self, folder: &Path, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.folders.push(FilledFolder::new(folder, names));
         self
     }
 
+    /// With a folder as for [`Self::fills`], in which what is there stays.
+    #[must_use]
+    pub fn completes(mut self, folder: &Path, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.folders.push(FilledFolder::new(folder, names).keeping());
+        self
+    }
+
     /// Checks all outputs. It makes nothing.
     ///
     /// # Errors
-    /// An output that is an input or another output; that is a folder, a link, a device or read-only; or whose folder takes no files.
+    /// An output that is an input or another output; that is a folder, a link, a device or read-only; or whose folder
+    /// takes no files.
     pub fn check(&self) -> Result<()> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         for (number, path) in self.outputs.iter().enumerate() {

@@ -138,7 +138,7 @@ impl Files {
         } else {
             format!(
                 "the files {names} are outside the folder of the file that names them, and were not read; put them \
-                 beside it, or allow it with --allow-outside"
+                 beside it, or allow files outside the folder"
             )
         });
     }

@@ -187,8 +187,7 @@ pub(super) fn add_materials(
     Ok(())
 }
 
-/// Warns of the things called `names`, which stand for the braces in `text`.
-pub(super) fn warn(source: &mut Source, names: &[String], text: &str) {
+fn warn(source: &mut Source, names: &[String], text: &str) {
     if !names.is_empty() {
         source.warnings.push(text.replace("{}", &listed(names)));
     }

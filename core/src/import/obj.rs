@@ -251,8 +251,14 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
             Err(_) => unread.push(name.to_owned()),
         }
     }
-    let text = "the material libraries {} cannot be read and their materials show grey; put them beside the scene";
-    mtl::warn(source, &unread, text);
+    if !unread.is_empty() {
+        let warning = format!(
+            "the material libraries {} cannot be read and their materials show grey; put them beside the scene",
+            listed(&unread)
+        );
+        source.unread.push(warning.clone());
+        source.warnings.push(warning);
+    }
     mtl::add_materials(source, &outline.materials.in_order, &entries, &mut library)?;
     let count = source.materials.len() as u32;
     if source.mesh.triangle_material.contains(&count) {

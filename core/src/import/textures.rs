@@ -58,10 +58,12 @@ impl TextureLibrary {
             Err(Trouble::Reason(reason)) => reason,
         };
         self.files.budget.take_names(1)?;
-        self.report.warnings.push(format!(
+        let warning = format!(
             "the texture \"{name}\" was replaced by a magenta chequerboard because it cannot be read: {reason}; \
              put the file in place and import again"
-        ));
+        );
+        self.report.unread.push(warning.clone());
+        self.report.warnings.push(warning);
         Ok(self.push(source, Texture::missing(name)))
     }
 
@@ -78,6 +80,7 @@ impl TextureLibrary {
         self.files.tell(&mut self.report);
         source.textures = self.textures;
         source.warnings.append(&mut self.report.warnings);
+        source.unread.append(&mut self.report.unread);
         source.outside = self.report.outside;
         source.files = self.report.files;
     }

@@ -1,7 +1,7 @@
 //! Autosave and recovery: the session of a changed document is saved separately, and found again after a crash.
 //!
-//! Each running program has one file, named after its process with a random part. It is removed when the document agrees with its file and
-//! on a clean exit. So a file whose process has ended contains unsaved work.
+//! Each running program has one file, named after its process with a random part. It is removed when the document agrees
+//! with its file and on a clean exit. So a file whose process has ended contains unsaved work.
 
 use super::{
     Document, History,

@@ -15,6 +15,56 @@ pub fn json(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     }
 }
 
+/// Mutates quantities alone, three times in four: most of such scenes can be imported, and so be baked.
+pub fn quantities(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
+    match serde_json::from_slice::<Value>(file) {
+        Ok(mut root) if !choices.one_in(4) => {
+            repeatedly(choices, |choices| {
+                let mut found = Vec::new();
+                find_quantities(&mut root, false, &mut found);
+                if !found.is_empty() {
+                    let at = choices.below(found.len());
+                    vary(found.swap_remove(at), choices);
+                }
+            });
+            *file = root.to_string().into_bytes();
+        }
+        _ => json(file, others, choices),
+    }
+}
+
+/// Numbers that neither count nor refer to anything: those of vectors, fractions, and the packed ones of buffers.
+fn find_quantities<'a>(value: &'a mut Value, in_vector: bool, found: &mut Vec<&'a mut Value>) {
+    match value {
+        Value::Array(entries) => {
+            let is_vector = entries.len() > 1 && entries.iter().all(Value::is_number);
+            entries.iter_mut().for_each(|entry| find_quantities(entry, is_vector, found));
+        }
+        Value::Object(entries) => entries.values_mut().for_each(|entry| find_quantities(entry, false, found)),
+        Value::Number(number) if in_vector || number.is_f64() => found.push(value),
+        Value::String(text) if text.starts_with(PACKED) => found.push(value),
+        _ => {}
+    }
+}
+
+/// How texts begin that hold a buffer.
+const PACKED: &str = "data:application/octet-stream;base64,";
+
+/// Scales a number, or changes a letter of a buffer.
+fn vary(node: &mut Value, choices: &mut Choices) {
+    if let Value::String(text) = node {
+        let mut bytes = std::mem::take(text).into_bytes();
+        let at = PACKED.len() + choices.below(bytes.len() - PACKED.len());
+        if let Some(letter) = bytes.get_mut(at) {
+            *letter = *choices.of(b"ABQgwz9/");
+        }
+        *text = String::from_utf8_lossy(&bytes).into_owned();
+    } else {
+        let factor = choices.of(&[-1.0, 0.0, 0.5, 0.999_999, 1.000_001, 2.0, 1e-3, 1e-7, 1e3]);
+        *node = json!(node.as_f64().unwrap_or_default() * factor);
+    }
+}
+
 /// Mutates nodes of a tree.
 pub fn value(root: &mut Value, choices: &mut Choices) {
     repeatedly(choices, |choices| {
@@ -129,5 +179,20 @@ mod tests {
         assert_eq!(count(&root), 6);
         let found: Vec<String> = (0..6).map(|i| node(&mut root, i).unwrap().to_string()).collect();
         assert_eq!(found, [root.to_string().as_str(), "[1,{\"b\":2}]", "1", "{\"b\":2}", "2", "3"]);
+    }
+
+    #[test]
+    fn counts_and_references_are_no_quantities() {
+        let packed = format!("{PACKED}AAAA");
+        let mut root = json!({"count": 3, "nodes": [1], "ior": 1.5, "scale": [1, 2, 3], "name": "a", "uri": packed});
+        let mut found = Vec::new();
+        find_quantities(&mut root, false, &mut found);
+        assert_eq!(found, [&json!(1.5), &json!(1), &json!(2), &json!(3), &json!(packed)]);
+        for node in found {
+            let before = node.clone();
+            vary(node, &mut Choices::new(&[1, 1]));
+            assert_ne!(*node, before);
+        }
+        assert_eq!((&root["count"], &root["nodes"]), (&json!(3), &json!([1])));
     }
 }

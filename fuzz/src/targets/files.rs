@@ -129,5 +129,5 @@ pub fn read_picture(path: &Path) -> Result<(), String> {
 
 /// Reads a session and all that it names.
 pub fn read_session(path: &Path) -> Result<(), String> {
-    lapidary::check(path).map(drop).or_else(|error| named(&error, path))
+    lapidary::check(path, &Default::default()).map(drop).or_else(|error| named(&error, path))
 }

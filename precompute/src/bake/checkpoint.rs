@@ -16,7 +16,7 @@ pub use identity::Places;
 
 use super::settings::ResolvedBake;
 use crate::errors::CheckpointError;
-use folder::{contents, is_there, remove_contents};
+use folder::{Contents, is_there, remove};
 use identity::{Identity, Seal};
 use lapidary_core::{dataset::BakeSettings, input, output::write_atomically};
 use manifest::Manifest;
@@ -103,7 +103,7 @@ impl Checkpoint {
     /// Something else lies where the checkpoint would be.
     pub fn is_left(output: &Path) -> Result<bool, CheckpointError> {
         let folder = Self::folder_of(output);
-        Ok(is_there(&folder)? && !contents(&folder)?.is_empty())
+        Ok(is_there(&folder)? && !Contents::of(&folder)?.all_ours()?.is_empty())
     }
 
     /// Starts anew and discards an earlier checkpoint.
@@ -120,7 +120,7 @@ impl Checkpoint {
     ) -> Result<Self, CheckpointError> {
         let folder = Self::folder_of(output);
         if is_there(&folder)? {
-            remove_contents(&folder)?;
+            remove(&Contents::of(&folder)?.all_ours()?)?;
         } else {
             fs::create_dir(&folder).map_err(|e| io_error("write", &folder, e))?;
         }
@@ -165,13 +165,17 @@ impl Checkpoint {
         Kept { checkpoint: self, series, identity, places, others: Cell::new(false) }
     }
 
-    /// Removes the checkpoint when its bake is complete.
+    /// Removes the checkpoint when its bake is complete. Returns a file of others, with which the folder stays.
     ///
     /// # Errors
-    /// A folder with other files in it, which stay.
-    pub fn remove(self) -> Result<(), CheckpointError> {
-        remove_contents(&self.folder)?;
-        fs::remove_dir(&self.folder).map_err(|e| io_error("remove", &self.folder, e))
+    /// Files that cannot be removed.
+    pub fn remove(self) -> Result<Option<PathBuf>, CheckpointError> {
+        let Contents { ours, foreign } = Contents::of(&self.folder)?;
+        remove(&ours)?;
+        if foreign.is_none() {
+            fs::remove_dir(&self.folder).map_err(|e| io_error("remove", &self.folder, e))?;
+        }
+        Ok(foreign)
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CheckpointError> {

@@ -20,8 +20,8 @@ const DARK: &str = "constant:0,0,0";
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
     /// Environment map: a latitude-longitude .hdr or .exr file, or one of constant:R,G,B (each 0 to 1e12),
-    /// sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default: studio; none with --lights or if the dataset was baked
-    /// without the environment]
+    /// sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default: studio; none with --lights or if the
+    /// dataset was baked without the environment]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
     /// Rotation of the environment about the vertical in degrees, counter-clockwise seen from above

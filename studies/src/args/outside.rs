@@ -6,8 +6,8 @@ use lapidary_core::import::ImportOptions;
 /// Whether files outside the folder are read.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct OutsideArgs {
-    /// Also read pictures, buffers and material libraries that the scene or the material file names outside its own
-    /// folder; a dataset holds what they hold. Without this they are named and not read
+    /// Allow files outside the folder: also read pictures, buffers and material libraries that the scene or the material
+    /// file names outside its own folder; a dataset holds what they hold. Without this they are named and not read
     #[arg(long)]
     allow_outside: bool,
 }

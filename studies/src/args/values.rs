@@ -18,7 +18,7 @@ const MAX_SIDE: u32 = 32_768;
 /// Most pixels of a picture: as many as can be read back.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Most stops of exposure, up or down: as much as in the window.
+/// Most stops of exposure, up or down: as much as in a session.
 const MOST_STOPS: f32 = 32.0;
 
 /// One of a library's choices by the name that files have for it; each name comes with its line of `--help`.

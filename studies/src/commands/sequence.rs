@@ -116,7 +116,8 @@ impl SequenceArgs {
     pub fn files(&self) -> Result<CommandFiles> {
         let outputs = self.outputs()?;
         let files = self.view.files(&self.local);
-        Ok(sequence_files(files, &outputs, self.first..self.first + self.frames, self.contact_sheet.as_deref()))
+        let numbers = self.first..self.first + self.frames;
+        Ok(sequence_files(files, &outputs, numbers, self.existing(), self.contact_sheet.as_deref()))
     }
 
     fn outputs(&self) -> Result<Vec<FrameNames>> {

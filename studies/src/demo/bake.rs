@@ -9,6 +9,9 @@ use lapidary_core::{
 use lapidary_precompute::{BakeError, BakeJob, Preset, bake, resolve};
 use std::{path::Path, time::Instant};
 
+/// The baked still life.
+pub const DATASET: &str = "still-life.cuts";
+
 /// Most vertices: the scene's own, and some for the shadows on the backdrop.
 const MAX_VERTICES: usize = 60_000;
 
@@ -22,7 +25,7 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
     let Imported { scene, report } = import(&data.still_life())?;
     let job = BakeJob {
         settings: resolve(BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() })?,
-        output: out.join("still-life.cuts"),
+        output: out.join(DATASET),
         inputs: report.files,
         chunks: None,
         resume: true,

@@ -8,6 +8,19 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::{path::Path, sync::Arc};
 
+/// Names of the pictures' files without their extensions.
+pub const NAMES: [&str; 9] = [
+    "hero",
+    "environment-*",
+    "rotation-*",
+    "material-*",
+    "cut-*",
+    "reference-samples",
+    "reference-path",
+    "detail-once",
+    "detail-refine",
+];
+
 /// A picture that was taken.
 #[derive(Clone, Debug, Serialize)]
 pub struct Picture {

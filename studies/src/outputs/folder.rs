@@ -1,7 +1,7 @@
 //! A folder that a command fills with files of known names.
 
 use anyhow::{Result, bail};
-use lapidary_core::output::{OutputError, check_output, check_writable, folder_of};
+use lapidary_core::output::{OutputError, check_kind, check_protection, check_writable, folder_of, is_same_output};
 use std::{
     collections::HashSet,
     fs,
@@ -16,13 +16,20 @@ pub struct FilledFolder {
     names: HashSet<String>,
     /// Names with a `*`.
     patterns: HashSet<String>,
+    /// Whether what is there stays.
+    keeps: bool,
 }
 
 impl FilledFolder {
     pub fn new(path: &Path, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let (patterns, names) = names.into_iter().map(Into::into).partition(|name: &String| name.contains('*'));
-        Self { path: path.into(), names, patterns }
+        Self { path: path.into(), names, patterns, keeps: false }
+    }
+
+    /// With what is there kept, so that it may be read-only.
+    pub fn keeping(self) -> Self {
+        Self { keeps: true, ..self }
     }
 
     pub fn path(&self) -> &Path {
@@ -39,12 +46,12 @@ impl FilledFolder {
         }
         if self.path.is_dir() {
             check_writable(&self.path)?;
-            return self.there().iter().try_for_each(|file| Ok(check_output(file, inputs)?));
+            return self.check_there(inputs);
         }
         // A link to nowhere is there, too.
         if fs::symlink_metadata(&self.path).is_ok() {
             bail!(
-                "something else lies where the output's folder would be; choose another name ({})",
+                "the output must be a folder, but something that is no folder has its name; choose another name ({})",
                 self.path.display()
             );
         }
@@ -54,12 +61,28 @@ impl FilledFolder {
         check_writable(there.unwrap_or(Path::new("."))).map_err(|error| match error {
             OutputError::NoFolder { folder } => {
                 anyhow::anyhow!(
-                    "cannot create the folder in what is no folder; choose another name ({})",
+                    "the output's folder would lie in something that is no folder; choose another name ({})",
                     folder.display()
                 )
             }
             error => error.into(),
         })
+    }
+
+    /// Checks what is there of what is written. The folder itself is checked before, once for all files.
+    fn check_there(&self, inputs: &[&Path]) -> Result<()> {
+        let inputs: Vec<&Path> = inputs.iter().copied().filter(|input| input.is_file()).collect();
+        for file in self.there() {
+            check_kind(&file)?;
+            // An input of another name or in another folder may be the same file.
+            if inputs.iter().any(|input| is_same_output(&file, input)) {
+                return Err(OutputError::Input { path: file }.into());
+            }
+            if !self.keeps {
+                check_protection(&file)?;
+            }
+        }
+        Ok(())
     }
 
     /// Checks that nothing is written both here and by one of the `others`.
@@ -112,6 +135,7 @@ fn canonical(path: &Path) -> Option<PathBuf> {
 }
 
 fn matches(pattern: &str, name: &str) -> bool {
-    let rest = |(before, after)| name.strip_prefix(before).is_some_and(|rest: &str| rest.ends_with::<&str>(after));
-    pattern.split_once('*').is_some_and(rest)
+    let Some((before, after)) = pattern.split_once('*') else { return false };
+    let text = name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    text.is_some_and(|text| !text.contains('/'))
 }

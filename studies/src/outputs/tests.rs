@@ -59,6 +59,30 @@ fn what_a_folder_has_of_its_names_are_files() {
     }
 }
 
+#[test]
+fn a_pattern_stays_in_its_folder() {
+    let (folder, path) = folder();
+    fs::create_dir(path("deep")).unwrap();
+    fs::write(path("deep/a.exr"), b"in").unwrap();
+    let files = CommandFiles::default().reads([path("deep/a.exr")]);
+    files.clone().fills(folder.path(), ["*.exr", "*"]).check().unwrap();
+    assert!(refused(&files.fills(folder.path(), ["deep/*.exr"])).contains("another folder"));
+}
+
+#[test]
+fn what_is_read_only_is_kept_but_not_written_over() {
+    let (folder, path) = folder();
+    let mut permissions = fs::metadata(path("input")).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(path("input"), permissions).unwrap();
+    fs::create_dir(path("folder")).unwrap();
+    let files = CommandFiles::default();
+    assert!(refused(&files.clone().fills(folder.path(), ["input"])).contains("read-only"));
+    files.clone().completes(folder.path(), ["input"]).check().unwrap();
+    assert!(refused(&files.clone().completes(folder.path(), ["folder"])).contains("is a folder"));
+    assert!(refused(&files.reads([path("input")]).completes(folder.path(), ["input"])).contains("another folder"));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_input_is_known_behind_a_link() {

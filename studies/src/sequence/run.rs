@@ -85,11 +85,16 @@ pub fn sequence_files(
     files: CommandFiles,
     outputs: &[FrameNames],
     numbers: impl Iterator<Item = u32> + Clone,
+    existing: Existing,
     sheet: Option<&Path>,
 ) -> CommandFiles {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let frames = |files: CommandFiles, names: &FrameNames| {
-        files.fills(names.folder(), numbers.clone().map(|number| name(&names.path(number))))
+        let frames = numbers.clone().map(|number| name(&names.path(number)));
+        match existing {
+            Existing::Resume => files.completes(names.folder(), frames),
+            Existing::Refuse | Existing::Overwrite => files.fills(names.folder(), frames),
+        }
     };
     let files = outputs.iter().fold(files, frames);
     let others = outputs.first().map(FrameNames::record_path).into_iter().chain(sheet.map(Path::to_path_buf));
@@ -100,7 +105,8 @@ impl SequenceTask {
     /// `files` with those that it writes.
     pub fn command_files(&self, files: CommandFiles) -> CommandFiles {
         let numbers = self.frames.iter().map(|frame| frame.number);
-        sequence_files(files, &self.outputs, numbers, self.sheet.as_ref().map(|sheet| sheet.path.as_path()))
+        let sheet = self.sheet.as_ref().map(|sheet| sheet.path.as_path());
+        sequence_files(files, &self.outputs, numbers, self.existing, sheet)
     }
 
     /// Checks folders and what is there, before anything slow, and takes the files for this process.

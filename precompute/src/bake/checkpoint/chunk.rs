@@ -104,6 +104,8 @@ mod tests {
         }
         let bytes = chunk().encoded();
         (0..bytes.len()).for_each(|end| assert_eq!(Chunk::decoded(&bytes[..end], 2, 2), None, "cut to {end}"));
-        assert_eq!(Chunk::decoded(&bytes, usize::MAX, 2), None);
+        let mut endless = bytes;
+        endless[8..16].copy_from_slice(&u64::MAX.to_le_bytes());
+        assert_eq!(Chunk::decoded(&endless, usize::MAX, 2), None);
     }
 }

@@ -21,26 +21,41 @@ pub fn is_there(folder: &Path) -> Result<bool, CheckpointError> {
 }
 
 /// The files in a checkpoint's folder.
-///
-/// # Errors
-/// The first thing that no bake has put there.
-pub fn contents(folder: &Path) -> Result<Vec<PathBuf>, CheckpointError> {
-    let failed = |e| io_error("read", folder, e);
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let is_file = entry.file_type().map_err(failed)?.is_file();
-        if !(is_file && is_name_of_ours(&entry.file_name().to_string_lossy())) {
-            return Err(CheckpointError::Foreign { path: entry.path() });
-        }
-        files.push(entry.path());
-    }
-    Ok(files)
+pub struct Contents {
+    /// What bakes and file managers put there.
+    pub ours: Vec<PathBuf>,
+    /// The first of all else.
+    pub foreign: Option<PathBuf>,
 }
 
-/// Removes the files of a checkpoint, if there is nothing else among them.
-pub fn remove_contents(folder: &Path) -> Result<(), CheckpointError> {
-    contents(folder)?.iter().try_for_each(|file| fs::remove_file(file).map_err(|e| io_error("remove", file, e)))
+impl Contents {
+    /// Lists a folder.
+    pub fn of(folder: &Path) -> Result<Self, CheckpointError> {
+        let failed = |e| io_error("read", folder, e);
+        let (mut ours, mut foreign) = (Vec::new(), None);
+        for entry in fs::read_dir(folder).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let is_file = entry.file_type().map_err(failed)?.is_file();
+            match is_file && is_name_of_ours(&entry.file_name().to_string_lossy()) {
+                true => ours.push(entry.path()),
+                false => foreign = foreign.or(Some(entry.path())),
+            }
+        }
+        Ok(Self { ours, foreign })
+    }
+
+    /// The files, if all are ours.
+    ///
+    /// # Errors
+    /// The first thing that is not.
+    pub fn all_ours(self) -> Result<Vec<PathBuf>, CheckpointError> {
+        self.foreign.map_or(Ok(self.ours), |path| Err(CheckpointError::Foreign { path }))
+    }
+}
+
+/// Removes files.
+pub fn remove(files: &[PathBuf]) -> Result<(), CheckpointError> {
+    files.iter().try_for_each(|file| fs::remove_file(file).map_err(|e| io_error("remove", file, e)))
 }
 
 fn is_name_of_ours(name: &str) -> bool {
@@ -51,5 +66,6 @@ fn is_name_of_ours(name: &str) -> bool {
     // What a killed bake was about to write, and what earlier versions wrote.
     let is_temporary = name.starts_with(".lapidary-") && name.ends_with(".tmp");
     let is_earlier = ["places-sources.txt", "places-transport.txt"].contains(&name);
-    name == manifest::FILE || is_temporary || is_earlier || Series::ALL.into_iter().any(is_chunk)
+    let is_of_file_manager = [".DS_Store", "desktop.ini", "Thumbs.db"].contains(&name);
+    name == manifest::FILE || is_temporary || is_earlier || is_of_file_manager || Series::ALL.into_iter().any(is_chunk)
 }

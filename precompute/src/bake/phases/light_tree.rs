@@ -35,6 +35,9 @@ pub fn checkpoint_and_tree(
         clock.observer.event(Event::Warning { message: Warning::OtherCheckpoint });
     }
     let tree = build_tree(geometry, settings, clock)?;
+    if !job.resume && Checkpoint::is_left(&job.output)? {
+        clock.observer.event(Event::Warning { message: Warning::Discarded });
+    }
     let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
     let checkpoint = Checkpoint::create(&job.output, hash, settings, points, chunks, tree.order())?;
     Ok((checkpoint, tree))

@@ -57,6 +57,7 @@ fn a_killed_save_leaves_one_session_or_the_other() {
         std::fs::remove_file(&file).unwrap();
         let mut child = started(&file, "", "");
         while !file.exists() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended before it saved");
             std::thread::sleep(Duration::from_millis(1));
         }
         std::thread::sleep(Duration::from_micros(random.u64(0..20_000)));
