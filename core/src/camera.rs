@@ -5,7 +5,13 @@ use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Smallest and largest vertical field of view in radians.
-const FIELD_OF_VIEW: [f32; 2] = [1e-4, 3.1];
+pub const FIELD_OF_VIEW: [f32; 2] = [1e-4, 3.1];
+
+/// What [`FIELD_OF_VIEW`] allows, in words.
+pub fn field_of_view_range() -> String {
+    let [narrowest, widest] = FIELD_OF_VIEW.map(f32::to_degrees);
+    format!("{narrowest:.3} to {widest:.1} degrees")
+}
 
 /// A pinhole camera that looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,8 +42,7 @@ impl Camera {
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
     }
 
-    /// Whether its places are within reach, its upward direction is finite, and its field of view is between 0 and 180
-    /// degrees.
+    /// Whether its places are within reach, its upward direction is finite, and its field of view is in [`FIELD_OF_VIEW`].
     pub fn is_valid(&self) -> bool {
         let [narrowest, widest] = FIELD_OF_VIEW;
         let lens = (narrowest..=widest).contains(&self.fov_y);

@@ -88,7 +88,7 @@ pub enum ImportError {
         limit: u64,
     },
     /// The scene would not fit in the memory that is free.
-    #[error("the scene takes at least {needed} MB of memory, but {available} MB are free; reduce its textures or its meshes, or close other programs ({})", path.display())]
+    #[error("the scene takes about {needed} MB of memory, but {available} MB are free; reduce its textures or its meshes, or close other programs ({})", path.display())]
     Memory {
         /// Which file.
         path: PathBuf,

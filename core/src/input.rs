@@ -11,14 +11,20 @@ use std::{
 /// The contents of a regular file.
 ///
 /// # Errors
-/// What [`open`] says, a file that takes more memory than there is, and errors of the file system.
+/// What [`open`] says, a file that takes more memory than there is or that grows meanwhile, and errors of the file system.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let mut file = open(path)?;
+    let file = open(path)?;
     let length = file.metadata()?.len();
     check_room(length, memory::available())?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX))?;
-    file.read_to_end(&mut bytes)?;
+    file.take(length.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > length {
+        return Err(Error::new(
+            ErrorKind::InvalidData,
+            format!("it holds more than its length of {length} bytes; wait until it is written, or copy it to a disk"),
+        ));
+    }
     Ok(bytes)
 }
 
@@ -73,12 +79,12 @@ pub(crate) fn what_it_is(kind: FileType) -> &'static str {
 }
 
 fn check_room(length: u64, available: Option<u64>) -> io::Result<()> {
-    let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
     match available {
-        Some(available) if length > available => Err(Error::new(
-            ErrorKind::OutOfMemory,
-            format!("it has {} MB, but {} MB of memory are free", megabytes(length), megabytes(available)),
-        )),
+        Some(available) if length > available => {
+            let [length, available] = memory::in_megabytes(length, available);
+            let message = format!("it has {length} MB, but {available} MB of memory are free");
+            Err(Error::new(ErrorKind::OutOfMemory, message))
+        }
         _ => Ok(()),
     }
 }
@@ -128,9 +134,16 @@ mod tests {
     }
 
     #[test]
+    #[cfg(target_os = "linux")]
+    fn a_file_that_holds_more_than_its_length_is_refused() {
+        // The system makes its contents as they are read, and tells a length of 0.
+        assert!(refusal(Path::new("/proc/self/status")).contains("more than its length of 0 bytes"));
+    }
+
+    #[test]
     fn a_file_larger_than_the_memory_is_refused_with_both_numbers() {
         let message = check_room(5_000_000, Some(3_999_999)).unwrap_err().to_string();
-        assert!(message.contains("5 MB") && message.contains("4 MB"), "{message}");
+        assert!(message.contains("5 MB") && message.contains("3 MB"), "{message}");
         assert!(check_room(5_000_000, Some(5_000_000)).is_ok() && check_room(u64::MAX, None).is_ok());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sparse");

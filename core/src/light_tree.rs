@@ -69,7 +69,7 @@ pub fn height_of(lights: usize) -> Result<u32, LightCountError> {
 }
 
 /// Whether `order` has every index of its own once.
-pub(crate) fn is_permutation(order: &[u32]) -> bool {
+pub fn is_permutation(order: &[u32]) -> bool {
     let mut seen = vec![false; order.len()];
     order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)))
 }

@@ -11,11 +11,26 @@ pub fn peak() -> u64 {
     kilobytes("/proc/self/status", "VmHWM:").unwrap_or(0)
 }
 
+/// What is needed, rounded up, and what is free, rounded down, in megabytes: a refusal never shows the same number twice.
+pub(crate) fn in_megabytes(needed: u64, available: u64) -> [u64; 2] {
+    [needed.div_ceil(1_000_000), available / 1_000_000]
+}
+
 /// What the control group of a container leaves.
 fn left_in_group() -> Option<u64> {
-    let number =
-        |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse::<u64>().ok();
-    Some(number("memory.max")?.saturating_sub(number("memory.current")?))
+    let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok();
+    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
+    Some(left_of(number("memory.max")?, number("memory.current")?, &text("memory.stat").unwrap_or_default()))
+}
+
+/// What is left of a group's limit. What it uses counts the files that the system caches for it; these give way when memory
+/// is needed.
+fn left_of(limit: u64, used: u64, statistics: &str) -> u64 {
+    const CACHED: [&str; 3] = ["inactive_file", "active_file", "slab_reclaimable"];
+    let entries = statistics.lines().filter_map(|line| line.split_once(' '));
+    let cached =
+        entries.filter(|(key, _)| CACHED.contains(key)).filter_map(|(_, bytes)| bytes.trim().parse::<u64>().ok());
+    limit.saturating_sub(used.saturating_sub(cached.sum::<u64>()))
 }
 
 fn left_of_address_space() -> Option<u64> {
@@ -40,5 +55,18 @@ mod tests {
     fn the_system_tells_both() {
         assert!(available().is_some_and(|b| b > 1 << 20));
         assert!(peak() > 1 << 20);
+    }
+
+    #[test]
+    fn cached_files_of_a_group_count_as_free_and_never_more_than_its_limit() {
+        let statistics = "anon 200\nfile 800\ninactive_file 500\nactive_file 250\nslab_reclaimable 20\nslab 90\n";
+        assert_eq!(left_of(1000, 1000, statistics), 770);
+        assert_eq!(left_of(1000, 300, statistics), 1000);
+        assert_eq!(left_of(1000, 900, ""), 100, "negative control");
+    }
+
+    #[test]
+    fn a_need_is_rounded_up_and_what_is_free_down() {
+        assert_eq!(in_megabytes(3_999_999, 3_999_998), [4, 3]);
     }
 }

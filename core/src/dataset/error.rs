@@ -2,13 +2,15 @@
 
 use super::validate::MOST_LINK_SCALE;
 use crate::{
+    camera::field_of_view_range,
     cut::CutError,
+    image::ImageError,
     lights::{LightProblem, MAX_LIGHTS},
     material::MaterialProblem,
     meshless::{BasisError, TransportError},
     scene::{MOST_COORDINATE, MeshError},
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Why a dataset cannot be written or read. Paths come last.
@@ -50,6 +52,16 @@ pub enum DatasetError {
         /// What is wrong.
         reason: Damage,
     },
+    /// There is not enough memory for a picture in it.
+    #[error("a picture in the dataset takes {needed} MB of memory, but {available} MB are free; close other programs ({})", path.display())]
+    Memory {
+        /// Which file.
+        path: PathBuf,
+        /// What the picture takes, in megabytes.
+        needed: u64,
+        /// What is free, in megabytes.
+        available: u64,
+    },
     /// The contents contradict themselves.
     #[error("the dataset is damaged: {reason}; copy it again from its source or bake again ({})", path.display())]
     Damaged {
@@ -58,6 +70,18 @@ pub enum DatasetError {
         /// What is wrong.
         reason: Damage,
     },
+}
+
+impl DatasetError {
+    /// The error of a file at `path` whose contents cannot be read.
+    pub(super) fn of_contents(path: &Path, reason: Damage) -> Self {
+        match reason {
+            Damage::Picture { source: ImageError::Memory { needed, available, .. }, .. } => {
+                Self::Memory { path: path.into(), needed, available }
+            }
+            reason => Self::Damaged { path: path.into(), reason },
+        }
+    }
 }
 
 /// Errors inside a dataset.
@@ -152,13 +176,23 @@ pub enum Damage {
     },
     /// A camera that looks nowhere.
     #[error(
-        "camera {index} (`{name}`) has a place, a direction or a field of view that is no finite number in its range"
+        "camera {index} (`{name}`) has a place or a direction that is no finite number within {MOST_COORDINATE} m, or a field of \
+         view that is not {}",
+        field_of_view_range()
     )]
     Camera {
         /// Which of the scene's cameras, from 0.
         index: usize,
         /// Its name.
         name: String,
+    },
+    /// A picture cannot be read.
+    #[error("texture {index} cannot be read: {source}")]
+    Picture {
+        /// Which texture, from 0.
+        index: usize,
+        /// Why.
+        source: ImageError,
     },
     /// The metadata cannot be read.
     #[error("the metadata cannot be read ({0})")]

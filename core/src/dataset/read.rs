@@ -31,7 +31,7 @@ impl Dataset {
         let json = json.ok_or_else(|| foreign("it lacks Lapidary's metadata".into()))?;
         check_version(json, path)?;
         let tensors = SafeTensors::deserialize(&bytes).map_err(|e| foreign(e.to_string()))?;
-        let damaged = |reason| DatasetError::Damaged { path: path.into(), reason };
+        let damaged = |reason| DatasetError::of_contents(path, reason);
         let dataset = Reader { tensors, path }.dataset(json).map_err(damaged)?;
         dataset.validate().map_err(damaged)?;
         Ok(dataset)
@@ -119,7 +119,7 @@ impl Reader<'_> {
             return Ok(Texture::missing(name));
         }
         // The name tells the decoder the format, where the contents alone do not.
-        let mut decoded = decode(&bytes, Path::new(name)).map_err(|e| Damage::Metadata(e.to_string()))?;
+        let mut decoded = decode(&bytes, Path::new(name)).map_err(|source| Damage::Picture { index, source })?;
         decoded.texels.sanitize();
         Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })
     }

@@ -49,6 +49,24 @@ fn error_after(change: impl FnOnce(&mut Vec<u8>)) -> DatasetError {
 }
 
 #[test]
+fn a_picture_that_is_damaged_or_too_large_is_told_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let mut damaged = dataset();
+    let texture = Texture { encoded: vec![1, 2, 3].into(), ..Texture::missing("wood.png") };
+    damaged.scene.textures = vec![texture.into()];
+    damaged.write(&path).unwrap();
+    let message = Dataset::read(&path).unwrap_err().to_string();
+    assert!(message.contains("damaged: texture 0 cannot be read") && message.ends_with("a.cuts)"), "{message}");
+    assert!(!message.contains("metadata"), "{message}");
+
+    let source = crate::image::ImageError::Memory { path: "wood.png".into(), needed: 5, available: 4 };
+    let message = DatasetError::of_contents(&path, error::Damage::Picture { index: 0, source }).to_string();
+    assert!(message.contains("5 MB") && message.contains("4 MB are free; close other programs"), "{message}");
+    assert!(message.ends_with("a.cuts)") && !message.contains("damaged"), "{message}");
+}
+
+#[test]
 fn everything_survives_the_disk() {
     let (_folder, path, _) = written();
     let (read, original) = (Dataset::read(&path).unwrap(), dataset());

@@ -77,11 +77,10 @@ impl Footprint {
     pub(super) fn check(self, available: Option<u64>, path: &Path) -> Result<(), ImageError> {
         let needed = self.held.saturating_add(self.decoding);
         match available {
-            Some(available) if needed > available => Err(ImageError::Memory {
-                path: path.into(),
-                needed: needed.div_ceil(1_000_000),
-                available: available / 1_000_000,
-            }),
+            Some(available) if needed > available => {
+                let [needed, available] = memory::in_megabytes(needed, available);
+                Err(ImageError::Memory { path: path.into(), needed, available })
+            }
             _ => Ok(()),
         }
     }

@@ -15,6 +15,9 @@ const VERTEX: u64 = 260;
 /// Peak bytes of a triangle: as read, its edges while normals are rebuilt, and in the mesh.
 const TRIANGLE: u64 = 320;
 
+/// Peak bytes of a material, a texture or another thing that is little more than a name, in all places that hold it.
+const NAME: u64 = 1200;
+
 /// Peak bytes of an object of a JSON file, such as a node or an accessor, as parsed: once for itself and once for its extensions.
 const JSON_OBJECT: u64 = 600;
 
@@ -29,9 +32,14 @@ pub(super) struct OverBudget {
 }
 
 impl OverBudget {
+    /// Where `needed` bytes are more than the `limit`.
+    pub fn new(needed: u64, limit: u64) -> Self {
+        Self { needed, limit }
+    }
+
     pub fn at(self, path: &Path) -> ImportError {
-        let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
-        ImportError::Memory { path: path.into(), needed: megabytes(self.needed), available: self.limit / 1_000_000 }
+        let [needed, available] = memory::in_megabytes(self.needed, self.limit);
+        ImportError::Memory { path: path.into(), needed, available }
     }
 }
 
@@ -52,7 +60,7 @@ impl Budget {
     pub fn take(&mut self, bytes: u64) -> Result<(), OverBudget> {
         let needed = self.used.saturating_add(bytes);
         if needed > self.limit {
-            return Err(OverBudget { needed, limit: self.limit });
+            return Err(OverBudget::new(needed, self.limit));
         }
         self.used = needed;
         Ok(())
@@ -61,6 +69,11 @@ impl Budget {
     /// Takes what a mesh of so many vertices and triangles needs until it is clean.
     pub fn take_mesh(&mut self, vertices: u64, triangles: u64) -> Result<(), OverBudget> {
         self.take(vertices.saturating_mul(VERTEX).saturating_add(triangles.saturating_mul(TRIANGLE)))
+    }
+
+    /// Takes what things that are little more than a name need.
+    pub fn take_names(&mut self, count: u64) -> Result<(), OverBudget> {
+        self.take(count.saturating_mul(NAME))
     }
 
     /// Takes what a JSON text needs when it is parsed.

@@ -7,8 +7,13 @@ use super::{
     budget::{Budget, OverBudget},
     listed,
 };
-use crate::input;
-use std::path::{Path, PathBuf};
+use crate::{image::ImageError, input, memory};
+use std::{
+    collections::{BTreeSet, HashMap},
+    ffi::OsString,
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
 /// Why something that a file names or holds is not read.
 pub(super) enum Trouble {
@@ -38,6 +43,17 @@ impl From<OverBudget> for Trouble {
     }
 }
 
+impl From<ImageError> for Trouble {
+    fn from(error: ImageError) -> Self {
+        match error {
+            ImageError::Memory { needed, available, .. } => {
+                Self::Memory(OverBudget::new(needed * 1_000_000, available * 1_000_000))
+            }
+            other => Self::Reason(other.to_string()),
+        }
+    }
+}
+
 impl Trouble {
     /// The error of a file at `path` of a format that cannot do without what is not read.
     pub fn at(self, path: &Path, format: &'static str) -> ImportError {
@@ -54,8 +70,9 @@ pub(super) struct Files {
     folder: PathBuf,
     allow_outside: bool,
     pub budget: Budget,
-    /// Names of files outside the folder, each once.
-    outside: Vec<String>,
+    /// Names of files outside the folder.
+    outside: BTreeSet<String>,
+    listings: Listings,
     /// The files that were read.
     read: Vec<PathBuf>,
 }
@@ -65,19 +82,34 @@ impl Files {
     pub fn beside(path: &Path, options: &ImportOptions) -> Self {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let budget = Budget::new(options.budget);
-        Self { folder, allow_outside: options.allow_outside, budget, outside: Vec::new(), read: Vec::new() }
+        Self {
+            folder,
+            allow_outside: options.allow_outside,
+            budget,
+            outside: BTreeSet::new(),
+            listings: Listings::default(),
+            read: Vec::new(),
+        }
     }
 
-    /// The file of a name.
+    /// The file that `name` refers to, with either kind of slash and in any case. Where its path leads nowhere, or to where it
+    /// may not be read, the file's name alone counts: paths of another machine are found so, and files that were copied
+    /// into the folder.
     pub fn find(&mut self, name: &str) -> Result<PathBuf, Trouble> {
-        let path = find_file(&self.folder, name).ok_or("there is no such file beside it")?;
-        if input::is_inside(&self.folder, &path) {
-            return Ok(path);
+        let parts = name.trim().trim_matches('"').replace('\\', "/");
+        let last = parts.rsplit('/').next().unwrap_or(&parts);
+        let named = self.listings.file(&self.folder, &parts);
+        let beside = if last == parts { None } else { self.listings.file(&self.folder, last) };
+        let found: Vec<PathBuf> = named.into_iter().chain(beside).collect();
+        if found.is_empty() {
+            return Err("there is no such file beside it".into());
         }
-        if !self.outside.iter().any(|known| known == name) {
-            self.outside.push(name.to_owned());
+        let is_inside = |path: &PathBuf| input::is_inside(&self.folder, path);
+        let chosen = found.iter().find(|path| self.allow_outside || is_inside(path));
+        if !chosen.is_some_and(is_inside) {
+            self.outside.insert(name.to_owned());
         }
-        if self.allow_outside { Ok(path) } else { Err(Trouble::Outside(name.to_owned())) }
+        chosen.cloned().ok_or_else(|| Trouble::Outside(name.to_owned()))
     }
 
     /// The contents of a file that was found.
@@ -85,7 +117,10 @@ impl Files {
         let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         self.budget.take(length)?;
         self.read.push(path.into());
-        input::read(path).map_err(|e| e.to_string().into())
+        input::read(path).map_err(|error| match error.kind() {
+            ErrorKind::OutOfMemory => OverBudget::new(length, memory::available().unwrap_or(0)).into(),
+            _ => error.to_string().into(),
+        })
     }
 
     /// Tells which files were read, and of those outside. Those that are not read are told where they are missed, too.
@@ -94,7 +129,8 @@ impl Files {
         if self.outside.is_empty() {
             return;
         }
-        let names = listed(&self.outside);
+        report.outside = self.outside.into_iter().collect();
+        let names = listed(&report.outside);
         report.warnings.push(if self.allow_outside {
             format!(
                 "the files {names} are outside the folder of the file that names them, and were read, as was allowed"
@@ -105,35 +141,54 @@ impl Files {
                  beside it, or allow files outside the folder"
             )
         });
-        report.outside = self.outside;
     }
 }
 
-/// The file in `folder` that `name` refers to, with either kind of slash and in any case. For paths of another machine
-/// the file's name alone counts.
-fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
-    let name = name.trim().trim_matches('"').replace('\\', "/");
-    let exact = folder.join(&name);
-    if exact.is_file() {
-        return Some(exact);
+/// The entries of folders by their names in lower case, as they were when first asked for: to list a folder again for each
+/// name that it lacks would take a long time.
+#[derive(Default)]
+struct Listings(HashMap<PathBuf, HashMap<String, OsString>>);
+
+impl Listings {
+    /// The file at the path `name` from `folder`.
+    fn file(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let exact = folder.join(name);
+        if exact.is_file() {
+            return Some(exact);
+        }
+        self.ignoring_case(folder, name).filter(|path| path.is_file())
     }
-    let last = name.rsplit('/').next().unwrap_or(&name);
-    ignoring_case(folder, &name).or_else(|| ignoring_case(folder, last)).filter(|path| path.is_file())
+
+    /// Follows the parts of `name` from `folder`, each by exact name or else by the same name in another case.
+    fn ignoring_case(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let mut at = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_path_buf() };
+        for part in name.split('/').filter(|p| !p.is_empty() && *p != ".") {
+            let exact = at.join(part);
+            at = if exact.exists() { exact } else { at.join(self.entries(&at).get(&part.to_lowercase())?) };
+        }
+        Some(at)
+    }
+
+    fn entries(&mut self, folder: &Path) -> &HashMap<String, OsString> {
+        self.0.entry(folder.into()).or_insert_with(|| {
+            let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+            let mut names: Vec<OsString> = entries.map(|entry| entry.file_name()).collect();
+            // Of names that differ in case alone, the first in order is kept.
+            names.sort_by(|a, b| b.cmp(a));
+            names.into_iter().map(|name| (name.to_string_lossy().to_lowercase(), name)).collect()
+        })
+    }
 }
 
-/// Follows the parts of `name` from `folder`, each by exact name or else by the same name in another case.
-fn ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
-    let mut at = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_path_buf() };
-    for part in name.split('/').filter(|p| !p.is_empty() && *p != ".") {
-        let exact = at.join(part);
-        at = if exact.exists() {
-            exact
-        } else {
-            let mut entries: Vec<_> = std::fs::read_dir(&at).ok()?.flatten().map(|e| e.file_name()).collect();
-            entries.sort();
-            let same = |entry: &std::ffi::OsString| entry.to_string_lossy().to_lowercase() == part.to_lowercase();
-            at.join(entries.into_iter().find(same)?)
-        };
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_without_room_is_a_matter_of_memory_and_a_damaged_one_is_not() {
+        let path = PathBuf::from("a.png");
+        let over = Trouble::from(ImageError::Memory { path: path.clone(), needed: 5, available: 4 });
+        assert!(matches!(over, Trouble::Memory(over) if over == OverBudget::new(5_000_000, 4_000_000)));
+        assert!(matches!(Trouble::from(ImageError::Decode { path, reason: "x".into() }), Trouble::Reason(_)));
     }
-    Some(at)
 }

@@ -178,14 +178,7 @@ fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, wor
     let eye = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(Vec3::Z);
     let up = world_from_node.y_axis.truncate().normalize_or(Vec3::Y);
-    let valid = eye.is_finite() && forward.is_finite() && up.is_finite() && lens.yfov() > 0.0 && lens.yfov() < 3.1;
-    if valid {
-        source.cameras.push(Camera { name, eye, target: eye + forward, up, fov_y: lens.yfov() });
-    } else {
-        source
-            .warnings
-            .push(format!("the camera \"{name}\" has no valid transform or lens and was left out; correct it"));
-    }
+    source.cameras.push(Camera { name, eye, target: eye + forward, up, fov_y: lens.yfov() });
 }
 
 /// The attributes of a primitive in its own space, and its triangles.

@@ -16,7 +16,10 @@ use crate::{
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// The contents of a material file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -102,8 +105,13 @@ pub fn load_material(
 /// The pictures that a material file names, so far as they are there; none of a file that cannot be read.
 pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let read = input::read(path).ok().and_then(|bytes| serde_json::from_slice::<MaterialFile>(&bytes).ok());
-    let mut files = Files::beside(path, &ImportOptions { allow_outside: true, ..Default::default() });
-    read.iter().flat_map(|file| file.maps.slots()).filter_map(|slot| files.find(&slot.file).ok()).collect()
+    // Which file a name refers to depends on whether files outside are allowed.
+    let found = [false, true].into_iter().flat_map(|allow_outside| {
+        let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
+        let slots = read.iter().flat_map(|file| file.maps.slots());
+        slots.filter_map(move |slot| files.find(&slot.file).ok())
+    });
+    found.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 struct MaterialLoader<'a> {

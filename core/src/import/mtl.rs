@@ -3,7 +3,13 @@
 //! Read here and not by `tobj`, which panics at a colour of fewer than three numbers and drops the whole library at
 //! one bad line.
 
-use super::{Source, files::Trouble, listed, textures::TextureLibrary};
+use super::{
+    Source,
+    budget::{Budget, OverBudget},
+    files::Trouble,
+    listed,
+    textures::TextureLibrary,
+};
 use crate::{
     color::luminance,
     material::{BrdfParameters, MapKind, Material},
@@ -25,19 +31,23 @@ pub(super) struct MtlEntry {
 }
 
 /// All materials of a library by name. Lines that are not understood are skipped.
-pub(super) fn parse(text: &str) -> HashMap<String, MtlEntry> {
+///
+/// # Errors
+/// More materials than there is room for.
+pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, MtlEntry>, OverBudget> {
     let mut entries = HashMap::new();
     let mut current: Option<(String, MtlEntry)> = None;
     for line in text.lines().map(str::trim).filter(|l| !l.starts_with('#')) {
         let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if key == "newmtl" {
+            budget.take_names(1)?;
             entries.extend(current.replace((value.trim().to_owned(), MtlEntry::default())));
         } else if let Some((_, entry)) = &mut current {
             entry.statements.insert(key.to_ascii_lowercase(), value.trim().to_owned());
         }
     }
     entries.extend(current);
-    entries
+    Ok(entries)
 }
 
 /// A texture statement: options and the file name, which may hold spaces.
@@ -310,7 +320,7 @@ mod tests {
     use super::*;
 
     fn entry(text: &str) -> MtlEntry {
-        parse(&format!("newmtl m\n{text}")).remove("m").unwrap()
+        parse(&format!("newmtl m\n{text}"), &mut Budget::new(None)).unwrap().remove("m").unwrap()
     }
 
     #[test]

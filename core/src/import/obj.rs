@@ -1,7 +1,9 @@
 //! Wavefront OBJ, parsed by `tobj`.
 
 use super::{
-    ImportError, Source, check_count,
+    ImportError, Source,
+    budget::{Budget, OverBudget},
+    check_count,
     files::{Files, Trouble},
     listed, mtl,
     repair::RawMesh,
@@ -25,11 +27,15 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     }
     // The text is copied for `tobj`, and may be once more where it is not UTF-8.
     files.budget.take(2 * bytes.len() as u64).map_err(|over| over.at(path))?;
-    let outline = outline(&String::from_utf8_lossy(bytes));
-    check_count("vertices", outline.vertices, path)?;
-    check_count("triangles", outline.corners, path)?;
-    files.budget.take_mesh(outline.vertices.max(outline.corners), outline.corners).map_err(|over| over.at(path))?;
+    let over_budget = |over: OverBudget| over.at(path);
+    let outline = outline(&String::from_utf8_lossy(bytes), &mut files.budget).map_err(over_budget)?;
+    check_count("vertices", outline.positions, path)?;
+    check_count("triangles", outline.triangles, path)?;
+    let expected = outline.vertices();
+    files.budget.take_mesh(expected, outline.triangles).map_err(over_budget)?;
     let models = parse(&outline).map_err(parse_error)?;
+    let vertices: u64 = models.iter().map(|model| model.mesh.positions.len() as u64 / 3).sum();
+    files.budget.take_mesh(vertices.saturating_sub(expected), 0).map_err(over_budget)?;
     let mut source = Source::default();
     let mut damaged = Damaged::default();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -40,7 +46,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
             source.objects.push(Object { name: name.clone() });
             source.objects.len() as u32 - 1
         });
-        let material = model.mesh.material_id.unwrap_or(outline.material_names.len());
+        let material = model.mesh.material_id.unwrap_or(outline.materials.in_order.len());
         add_model(&mut source.mesh, &model.mesh, object, material as u32);
         damaged.note(&name, &model.mesh);
     }
@@ -53,19 +59,20 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
 #[derive(Default)]
 struct Outline {
     text: String,
-    /// In the order of first use; `tobj` refers to them by index.
-    material_names: Vec<String>,
-    libraries: Vec<String>,
-    vertices: u64,
-    /// Of all faces; a face has two triangles fewer.
+    /// Names, in the order of first use; `tobj` refers to them by index.
+    materials: Names,
+    libraries: Names,
+    positions: u64,
+    uvs: u64,
+    normals: u64,
     corners: u64,
+    triangles: u64,
 }
 
 /// Joins continued lines, drops comments behind numbers, and collects the names of materials and libraries.
 /// Line numbers stay as they are.
-fn outline(file: &str) -> Outline {
+fn outline(file: &str, budget: &mut Budget) -> Result<Outline, OverBudget> {
     let mut outline = Outline { text: String::with_capacity(file.len() + 64), ..Default::default() };
-    let mut known = HashMap::new();
     let mut joined = 0;
     for line in file.lines() {
         if let Some(start) = line.strip_suffix('\\') {
@@ -74,33 +81,63 @@ fn outline(file: &str) -> Outline {
             joined += 1;
             continue;
         }
-        outline.push_line(line, &mut known);
+        outline.push_line(line, budget)?;
         outline.text.extend(std::iter::repeat_n('\n', 1 + std::mem::take(&mut joined)));
     }
-    outline
+    Ok(outline)
 }
 
 impl Outline {
-    fn push_line(&mut self, line: &str, known: &mut HashMap<String, ()>) {
+    /// About how many vertices there will be. One is made for each combination that a corner names; most programs write half as
+    /// many more as there are positions, at seams and hard edges.
+    fn vertices(&self) -> u64 {
+        let most = self.positions.max(self.uvs).max(self.normals);
+        (most + most / 2).min(self.corners)
+    }
+
+    fn push_line(&mut self, line: &str, budget: &mut Budget) -> Result<(), OverBudget> {
         let trimmed = line.trim();
         let (key, value) = trimmed.split_once(char::is_whitespace).unwrap_or((trimmed, ""));
         let value = value.trim();
         match key {
-            "mtllib" => return self.libraries.push(value.to_owned()),
-            "usemtl" if value.is_empty() => return,
+            "mtllib" => return self.libraries.add(value, budget),
+            "usemtl" if value.is_empty() => return Ok(()),
             "usemtl" => {
-                if known.insert(value.to_owned(), ()).is_none() {
-                    self.material_names.push(value.to_owned());
-                }
                 self.text.push_str("usemtl ");
-                return self.text.push_str(value);
+                self.text.push_str(value);
+                return self.materials.add(value, budget);
             }
-            "v" => self.vertices += 1,
-            "f" => self.corners += value.split_whitespace().count() as u64,
+            "v" => self.positions += 1,
+            "vt" => self.uvs += 1,
+            "vn" => self.normals += 1,
+            "f" => {
+                let corners = value.split_whitespace().count() as u64;
+                self.corners += corners;
+                self.triangles += corners.saturating_sub(2);
+            }
             _ => {}
         }
         let numeric = matches!(key, "v" | "vt" | "vn" | "f" | "l");
         self.text.push_str(if numeric { trimmed.split('#').next().unwrap_or_default() } else { trimmed });
+        Ok(())
+    }
+}
+
+/// Names, each once.
+#[derive(Default)]
+struct Names {
+    in_order: Vec<String>,
+    known: HashSet<String>,
+}
+
+impl Names {
+    fn add(&mut self, name: &str, budget: &mut Budget) -> Result<(), OverBudget> {
+        if !self.known.contains(name) {
+            budget.take_names(1)?;
+            self.known.insert(name.to_owned());
+            self.in_order.push(name.to_owned());
+        }
+        Ok(())
     }
 }
 
@@ -135,8 +172,9 @@ fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
     let mut reader = library.chain(LineCounter { rest: outline.text.as_bytes(), lines: &lines });
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let names = |_: &Path| {
-        let materials = outline.material_names.iter().map(|n| tobj::Material { name: n.clone(), ..Default::default() });
-        let indices = outline.material_names.iter().cloned().zip(0..).collect();
+        let materials =
+            outline.materials.in_order.iter().map(|n| tobj::Material { name: n.clone(), ..Default::default() });
+        let indices = outline.materials.in_order.iter().cloned().zip(0..).collect();
         Ok((materials.collect(), indices))
     };
     // tobj computes with indices before it checks them: a file of absurd ones overflows, which panics in debug builds.
@@ -205,20 +243,23 @@ impl Damaged {
 
 fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLibrary) -> Result<(), Trouble> {
     let mut entries = HashMap::new();
-    for name in library_names(&outline.libraries, &mut library.files) {
+    let mut unread = Vec::new();
+    for name in library_names(&outline.libraries.in_order, &mut library.files) {
         match library.files.find(name).and_then(|file| library.files.read(&file)) {
-            Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes))),
+            Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes), &mut library.files.budget)?),
             Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
-            Err(_) => {
-                let warning = format!(
-                    "the material library \"{name}\" cannot be read and its materials show grey; put it beside the scene"
-                );
-                source.unread.push(warning.clone());
-                source.warnings.push(warning);
-            }
+            Err(_) => unread.push(name.to_owned()),
         }
     }
-    mtl::add_materials(source, &outline.material_names, &entries, &mut library)?;
+    if !unread.is_empty() {
+        let warning = format!(
+            "the material libraries {} cannot be read and their materials show grey; put them beside the scene",
+            listed(&unread)
+        );
+        source.unread.push(warning.clone());
+        source.warnings.push(warning);
+    }
+    mtl::add_materials(source, &outline.materials.in_order, &entries, &mut library)?;
     let count = source.materials.len() as u32;
     if source.mesh.triangle_material.contains(&count) {
         source.materials.push(Material { name: "default".into(), ..Default::default() });

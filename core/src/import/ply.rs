@@ -38,9 +38,9 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
         };
         result.map_err(|e| parse_error(e.to_string()))?;
     }
-    let corners: u64 = faces.iter().map(|face| face.corners.len() as u64).sum();
-    check_count("triangles", corners, path)?;
-    files.budget.take_mesh(0, corners.saturating_sub(3 * faces.len() as u64)).map_err(|over| over.at(path))?;
+    let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
+    check_count("triangles", triangles, path)?;
+    files.budget.take_mesh(0, triangles.saturating_sub(faces.len() as u64)).map_err(|over| over.at(path))?;
     Ok(source(&vertices, &faces, path))
 }
 

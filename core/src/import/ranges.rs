@@ -6,7 +6,7 @@ use crate::{
     camera::Camera,
     lights::Light,
     material::Material,
-    scene::{MOST_COORDINATE, Scene, is_within_reach},
+    scene::{MOST_COORDINATE, Scene},
 };
 
 /// Keeps all of a scene but its mesh in range.
@@ -40,9 +40,7 @@ fn leave_out_cameras(cameras: &mut Vec<Camera>, warnings: &mut Vec<String>) {
 }
 
 fn leave_out_lights(lights: &mut Vec<Light>, warnings: &mut Vec<String>) {
-    let is_valid =
-        |light: &Light| light.validate().is_ok() && is_within_reach(light.position) && is_within_reach(light.target);
-    let (valid, invalid) = std::mem::take(lights).into_iter().partition(is_valid);
+    let (valid, invalid) = std::mem::take(lights).into_iter().partition(|light| light.validate().is_ok());
     *lights = valid;
     warn("lights", invalid.into_iter().map(|light: Light| light.name).collect(), warnings);
 }

@@ -57,6 +57,7 @@ impl TextureLibrary {
             Err(Trouble::Outside(_)) => "it is outside the folder of the scene".into(),
             Err(Trouble::Reason(reason)) => reason,
         };
+        self.files.budget.take_names(1)?;
         let warning = format!(
             "the texture \"{name}\" was replaced by a magenta chequerboard because it cannot be read: {reason}; \
              put the file in place and import again"
@@ -101,5 +102,5 @@ pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
 pub(super) fn read_picture(bytes: &[u8], path: &Path, files: &mut Files) -> Result<Texture, Trouble> {
     let footprint = footprint(bytes, path).map_err(|e| e.to_string())?;
     files.budget.take_picture(bytes.len(), footprint)?;
-    decode(bytes, path).map_err(|e| e.to_string().into())
+    Ok(decode(bytes, path)?)
 }

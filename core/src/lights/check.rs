@@ -51,11 +51,18 @@ pub enum LightProblem {
         /// Degrees.
         cone: f32,
     },
-    /// No area to emit.
+    /// Larger than all scenes.
     #[error(
-        "its size of {width} x {height} m has no area or is above the limit of {MOST_COORDINATE} m; give a width and a \
-         height above 0"
+        "its size of {width} x {height} m is above the limit of {MOST_COORDINATE} m; give a smaller width and height"
     )]
+    TooLarge {
+        /// Metres.
+        width: f32,
+        /// Metres.
+        height: f32,
+    },
+    /// No area to emit.
+    #[error("its size of {width} x {height} m has no area; give a width and a height above 0")]
     NoArea {
         /// Metres.
         width: f32,
@@ -100,9 +107,11 @@ impl Light {
             Emission::Spot { cone_degrees: cone, penumbra_degrees: penumbra } if !(0.0..=cone).contains(&penumbra) => {
                 Err(LightProblem::Penumbra { penumbra, cone })
             }
+            Emission::Rectangle { width, height } if width.max(height) > MOST_COORDINATE => {
+                Err(LightProblem::TooLarge { width, height })
+            }
             Emission::Rectangle { width, height } => {
-                let is_length = |x: f32| x > 0.0 && x <= MOST_COORDINATE;
-                let usable = is_length(width) && is_length(height) && width * height >= LEAST_AREA;
+                let usable = width > 0.0 && height > 0.0 && width * height >= LEAST_AREA;
                 if usable { Ok(()) } else { Err(LightProblem::NoArea { width, height }) }
             }
             _ => Ok(()),
@@ -131,11 +140,12 @@ mod tests {
         for emission in [spot(30.0, 31.0), spot(30.0, -1.0), spot(30.0, f32::NAN)] {
             assert!(matches!(with(emission).validate(), Err(LightProblem::Penumbra { .. })));
         }
-        for (width, height) in
-            [(0.0, 1.0), (1.0, -1.0), (f32::NAN, 1.0), (1e-30, 1e-30), (f32::INFINITY, 1.0), (1.1e9, 1e-9)]
-        {
-            let rectangle = with(Emission::Rectangle { width, height });
-            assert!(matches!(rectangle.validate(), Err(LightProblem::NoArea { .. })), "{width} x {height}");
+        let rectangle = |(width, height)| with(Emission::Rectangle { width, height }).validate();
+        for size in [(0.0, 1.0), (1.0, -1.0), (f32::NAN, 1.0), (1.0, f32::NAN), (1e-30, 1e-30)] {
+            assert!(matches!(rectangle(size), Err(LightProblem::NoArea { .. })), "{size:?}");
+        }
+        for size in [(f32::INFINITY, 1.0), (1.1e9, 1e-9), (1.0, 1.1e9)] {
+            assert!(matches!(rectangle(size), Err(LightProblem::TooLarge { .. })), "{size:?}");
         }
         let negative = Light { intensity: Vec3::new(1.0, -1.0, 0.0), ..good.clone() };
         assert!(matches!(negative.validate(), Err(LightProblem::NegativeIntensity(_))));

@@ -100,6 +100,18 @@ fn texts_and_elements_of_the_other_formats_are_counted() {
         " 0 1 2".repeat(many)
     );
     check_refused(&files.add("c.ply", ply));
+    // So is a name, wherever it stands.
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    let names = |text: fn(usize) -> String| (0..10_000).map(text).collect::<String>();
+    check_refused(&files.add("e.obj", format!("{triangle}{}", names(|i| format!("usemtl {i}\n")))));
+    let same = format!("{triangle}{}", names(|_| "usemtl m\n".into()));
+    assert!(within(10 * MEGABYTE, &files.add("f.obj", same)).is_ok(), "negative control");
+    for (name, text) in
+        [("g", names(|i| format!("newmtl {i}\n"))), ("h", names(|i| format!("newmtl {i}\nmap_Kd {i}.png\n")))]
+    {
+        files.add(&format!("{name}.mtl"), text);
+        check_refused(&files.add(&format!("{name}.obj"), format!("mtllib {name}.mtl\n{triangle}")));
+    }
     let objects = format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"nodes\": [{}{{}}]}}", "{},".repeat(many));
     check_refused(&files.add("d.gltf", objects));
 }

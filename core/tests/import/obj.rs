@@ -40,6 +40,30 @@ fn obj_quirks_are_understood() {
 }
 
 #[test]
+fn a_hundred_thousand_missing_libraries_are_told_at_once_and_in_one_sentence() {
+    let libraries: String = (0..100_000).map(|i| format!("mtllib {i}.mtl\n")).collect();
+    let start = std::time::Instant::now();
+    let imported = import_alone("a.obj", format!("{libraries}v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n")).unwrap();
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    let told = imported.report.warnings.iter().filter(|warning| warning.contains("and 99995 more")).count();
+    assert_eq!(told, 1, "{:?}", imported.report.warnings.len());
+}
+
+#[test]
+fn a_face_of_many_corners_and_a_scan_take_what_they_are() {
+    // A strip of squares: half a vertex for a triangle.
+    let count = 20_000;
+    let rows: String = (0..=count).map(|i| format!("v {i} 0 0\nv {i} 0 1\n")).collect();
+    let faces: String =
+        (0..count).map(|i| 2 * i).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 4, i + 3)).collect();
+    let folder = Files::new();
+    let path = folder.add("a.obj", rows + &faces);
+    let within = |bytes| import_with(&path, &ImportOptions { budget: Some(bytes), ..Default::default() });
+    assert_eq!(within(1000 * 2 * count).unwrap().report.triangles as u64, 2 * count);
+    assert!(matches!(within(300 * 2 * count), Err(ImportError::Memory { .. })), "negative control");
+}
+
+#[test]
 fn missing_libraries_and_textures_are_visible_and_reported() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl m\nf 1 3 2\n";
     let imported = import_alone("a.obj", format!("mtllib gone.mtl\n{triangle}")).unwrap();

@@ -48,6 +48,22 @@ fn textures_above_the_folder_absolute_and_behind_links_are_outside() {
 }
 
 #[test]
+fn a_file_that_was_copied_beside_is_read_in_place_of_one_outside() {
+    let files = place();
+    let scene = files.0.path().join("scene/a.obj");
+    let absolute = files.0.path().join("red.png").to_string_lossy().into_owned();
+    for name in ["../red.png", &absolute] {
+        files.add("scene/a.mtl", format!("newmtl m\nmap_Kd {name}\n"));
+        check_outside(&scene, name);
+        let copy = files.add_png("scene/Red.png", [1.0, 0.0, 0.0]);
+        let imported = with(&scene, false).unwrap();
+        assert!(is_red(&imported) && imported.report.outside.is_empty(), "{name}: {:?}", imported.report);
+        assert!(imported.report.warnings.is_empty() && imported.report.files.contains(&copy), "{:?}", imported.report);
+        std::fs::remove_file(copy).unwrap();
+    }
+}
+
+#[test]
 fn files_of_the_folder_are_read_whatever_their_path() {
     let files = place();
     files.add_png("scene/maps/red.png", [1.0, 0.0, 0.0]);

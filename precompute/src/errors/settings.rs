@@ -1,7 +1,7 @@
 //! Why no bake can be made with some settings.
 
 use crate::setting::{Naming, Setting};
-use lapidary_core::{light_tree::LightCountError, scene::MOST_COORDINATE};
+use lapidary_core::{camera::field_of_view_range, light_tree::LightCountError, scene::MOST_COORDINATE};
 use std::fmt;
 use thiserror::Error;
 
@@ -38,7 +38,8 @@ impl SettingsError {
             ),
             Self::Shot(number) => format!(
                 "shot {number} looks nowhere; give an eye, another place to look at, both within {MOST_COORDINATE:e} m of the \
-                 origin, a field of view between 0 and 177 degrees and a width over height above 0"
+                 origin, a field of view of {} and a width over height above 0",
+                field_of_view_range()
             ),
             Self::Range { setting, value, low, high } => {
                 format!("{} is {value}, but must lie between {low} and {high}", name(*setting))
