@@ -144,7 +144,7 @@ fn sequences_that_cannot_be_are_refused_before_anything_is_rendered() {
     assert!(fail("--turn camera --layers normal --out f.##.png").contains("exr"));
     assert!(fail("--turn camera --out f.##.png --contact-sheet s.jpg").contains(".png"));
     fs::write(folder.path("file"), "").expect("a file");
-    assert!(fail("--turn camera --out file/f.##.png").contains("something else lies where"));
+    assert!(fail("--turn camera --out file/f.##.png").contains("something that is no folder has its name"));
     let wrong = |options: &str| {
         let output = folder.run(&format!("sequence a.cuts {VIEW} {options}"));
         assert_eq!(output.status.code(), Some(2), "{options}");

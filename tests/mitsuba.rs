@@ -86,7 +86,7 @@ fn what_cannot_be_exported_is_told_before_anything_is_written() {
     folder.bake("a.cuts", "");
     folder.write("file", String::new());
     for (options, words) in [
-        ("--env studio --mitsuba file/below", "cannot create the folder"),
+        ("--env studio --mitsuba file/below", "would lie in something that is no folder"),
         ("--env none --lights none --mitsuba m", "no light"),
         ("--env studio --components indirect --mitsuba m", "environment and direct"),
         ("--env studio --camera nobody --mitsuba m", "nobody"),
