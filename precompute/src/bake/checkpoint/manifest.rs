@@ -1,7 +1,7 @@
 //! `bake.json`: the bake that a checkpoint belongs to.
 
 use crate::errors::ManifestError;
-use lapidary_core::dataset::BakeSettings;
+use lapidary_core::{dataset::BakeSettings, light_tree::is_permutation};
 use serde::{Deserialize, Serialize};
 
 /// Name of its file.
@@ -85,9 +85,7 @@ impl Manifest {
             return Err(ManifestError::Chunks { chunks, points });
         }
         let lights = self.settings.lights;
-        let mut seen = vec![false; self.tree_order.len()];
-        let mut is_new = |&light: &u32| seen.get_mut(light as usize).is_some_and(|s| !std::mem::replace(s, true));
-        if self.tree_order.len() != lights || !self.tree_order.iter().all(&mut is_new) {
+        if self.tree_order.len() != lights || !is_permutation(&self.tree_order) {
             return Err(ManifestError::TreeOrder { lights });
         }
         Ok(())
