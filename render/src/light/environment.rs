@@ -2,8 +2,13 @@
 //! recomputes.
 
 use glam::Vec3;
+use crate::light::brightness;
 use lapidary_core::{
-    cut::illumination::{IlluminationCriterion, illumination_cut},
+    color::luminance,
+    cut::{
+        illumination::{IlluminationCriterion, intensity_cut},
+        lit::{CutValues, DEFAULT_TAU, LitCuts},
+    },
     environment::Environment,
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
 };
@@ -55,6 +60,10 @@ pub struct SceneLighting {
     pub cones: Arc<NodeCones>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
+    /// The vertices' lit cuts.
+    pub lit: LitCuts,
+    /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
+    pub brightness: Vec<f32>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
@@ -70,8 +79,17 @@ impl SceneLighting {
 
     fn with_cones(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         let nodes = Lighting::new(tree, leaf_radiance);
-        let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
-        Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
+        let means: Vec<f32> = nodes.radiance.iter().map(|&l| luminance(l)).collect();
+        let cut = intensity_cut(&means, &nodes.luminance_sq, IlluminationCriterion::with_budget(illum_cut));
+        let lit = LitCuts::new(CutValues::Visibility, means.iter().copied(), DEFAULT_TAU);
+        let brightness = brightness(&means, &nodes.luminance_sq);
+        let leaf_solid_angle = tree.leaf_solid_angle();
+        Self { nodes, cones, cut, lit, brightness, max_nodes: illum_cut, leaf_solid_angle }
+    }
+
+    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
+    pub fn with_tau(self, tau: f32) -> Self {
+        Self { lit: self.lit.with_tau(tau), ..self }
     }
 }
 

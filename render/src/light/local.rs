@@ -53,6 +53,9 @@ impl LocalLighting {
     }
 }
 
+/// How bounced light is gathered: the solution, most nodes of the illumination cut, and tau of the lit cuts.
+type Gathering = (Solution, u32, f32);
+
 /// Makes the [`LocalLighting`] of a picture.
 pub struct LocalRig {
     lights: Arc<[Light]>,
@@ -66,8 +69,8 @@ pub struct LocalRig {
     /// The environment that lights the sources, and the senders of the basis.
     on_sources: Option<Arc<SceneLighting>>,
     on_senders: Option<Arc<SceneLighting>>,
-    /// The last gathered light, with its solution and size of the illumination cut; `None` after any change.
-    gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
+    /// The last gathered light, with its solution, size of the illumination cut and tau; `None` after any change.
+    gathered: Option<(Gathering, Arc<SourceLighting>)>,
     /// The last irradiance at the vertices; `None` after any change.
     interpolated: Option<Arc<VertexIrradiance>>,
     /// The last irradiance of the sources from further bounces; `None` after any change.
@@ -122,24 +125,31 @@ impl LocalRig {
     }
 
     /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
-    /// The illumination cut of the sources has at most `illum_cut` nodes.
-    pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
+    /// The illumination cut of the sources has at most `illum_cut` nodes; their lit cuts have the given `tau`.
+    pub fn lighting(
+        &mut self,
+        components: Components,
+        solution: Solution,
+        illum_cut: u32,
+        tau: f32,
+    ) -> LocalLighting {
         let lights = self.lights.clone();
         let (indirect, vertex_irradiance) = match solution {
             _ if !components.indirect => (None, None),
             Solution::Meshless => (None, self.interpolate()),
-            Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
+            Solution::Cuts | Solution::CutsMeshless => (self.gather((solution, illum_cut, tau)), None),
         };
         let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
         let energy = solved.and_then(MeshlessRig::energy);
         LocalLighting { lights, indirect, vertex_irradiance, components, energy }
     }
 
-    fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {
-        let known = self.gathered.as_ref().filter(|(s, cut, _)| (*s, *cut) == (solution, illum_cut));
-        if let Some((.., lighting)) = known {
+    fn gather(&mut self, gathering: Gathering) -> Option<Arc<SourceLighting>> {
+        let known = self.gathered.as_ref().filter(|(known, _)| *known == gathering);
+        if let Some((_, lighting)) = known {
             return Some(lighting.clone());
         }
+        let (solution, illum_cut, tau) = gathering;
         let further = if solution == Solution::CutsMeshless { self.further() } else { None };
         let sources = self.sources.as_mut()?;
         sources.set_lights(&self.lights);
@@ -148,8 +158,8 @@ impl LocalRig {
             self.on_sources = self.environment.clone();
         }
         sources.set_further(further);
-        let lighting = Arc::new(sources.lighting(illum_cut));
-        self.gathered = Some((solution, illum_cut, lighting.clone()));
+        let lighting = Arc::new(sources.lighting(illum_cut).with_tau(tau));
+        self.gathered = Some((gathering, lighting.clone()));
         Some(lighting)
     }
 
@@ -185,13 +195,14 @@ impl LocalRig {
 mod tests {
     use super::*;
     use crate::test_scenes::{linked_floor_and_wall, point_light};
+    use lapidary_core::cut::lit::DEFAULT_TAU;
 
     #[test]
     fn another_cut_or_solution_takes_no_other_bounces_and_another_light_does() {
         let mut rig = LocalRig::new(&Baked::from(linked_floor_and_wall()));
         rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into());
         let place = |rig: &mut LocalRig, solution, illum_cut| {
-            let lighting = rig.lighting(Components::ALL, solution, illum_cut);
+            let lighting = rig.lighting(Components::ALL, solution, illum_cut, DEFAULT_TAU);
             let place = rig.further.as_ref().map(|further| further.as_ptr());
             (place, lighting.indirect, lighting.energy)
         };

@@ -4,10 +4,9 @@
 use crate::light::{bounce::SourceLighting, environment::SceneLighting};
 use glam::Vec3;
 use lapidary_core::{
-    cut::{packed::VALUE_MAX, solid_angle},
+    cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
     simd::Vec3x8,
 };
-use std::sync::LazyLock;
 use wide::f32x8;
 
 /// A light tree under one illumination. Nodes are heap indices.
@@ -16,6 +15,10 @@ pub(crate) trait NodeField: Copy {
     fn height(&self) -> u32;
     /// Packed illumination cut.
     fn illumination_cut(&self) -> &[u16];
+    /// The vertices' lit cuts.
+    fn lit_cuts(&self) -> &LitCuts;
+    /// How bright a node is somewhere, see [`brightness`](crate::light::brightness).
+    fn brightness(&self, node: usize) -> f32;
     /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
@@ -53,6 +56,16 @@ impl NodeField for &SceneLighting {
     #[inline(always)]
     fn illumination_cut(&self) -> &[u16] {
         &self.cut
+    }
+
+    #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lit
+    }
+
+    #[inline(always)]
+    fn brightness(&self, node: usize) -> f32 {
+        self.brightness[node]
     }
 
     #[inline(always)]
@@ -101,15 +114,14 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Solid angle of every code: a table is faster than a power.
-    solid_angles: &'static [f32],
+    /// Solid angle of every code.
+    solid_angles: &'static [f32; 4096],
 }
 
 impl<'a> SourceField<'a> {
     /// For sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
-        static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
-        Self { lighting, solid_angles: &SOLID_ANGLES }
+        Self { lighting, solid_angles: solid_angles() }
     }
 }
 
@@ -125,6 +137,16 @@ impl NodeField for SourceField<'_> {
     #[inline(always)]
     fn illumination_cut(&self) -> &[u16] {
         &self.lighting.cut
+    }
+
+    #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lighting.lit
+    }
+
+    #[inline(always)]
+    fn brightness(&self, node: usize) -> f32 {
+        self.lighting.brightness[node]
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
-//! BRDF refinement: halves nodes of the merged cut that are too wide for the BRDF, during the traversal.
+//! BRDF refinement: which nodes of the merged cut are too wide for the BRDF, during the traversal.
 //!
-//! The paper samples the BRDF once per merged node and names this its weak point (section 6). In dyadic form a node can
-//! be halved on the fly, because the light tree holds the means of its halves: an implicit BRDF cut, merged with the
-//! others.
+//! The paper samples the BRDF once per merged node and names this its weak point (section 6). In dyadic form the merge
+//! can go down where this pixel's lobe looks: from nodes of lit cuts into the stored ones below them, and on into the light
+//! tree, which holds the means of all halves. That is an implicit BRDF cut, merged with the others.
 
 use glam::Vec3;
 use lapidary_core::brdf::LobeWidth;
@@ -12,45 +12,41 @@ use lapidary_core::brdf::LobeWidth;
 const NARROWEST: f32 = 0.01;
 /// A node is fine enough when its radius is below this many lobe widths.
 const FINE: f32 = 0.7;
-/// A node with less weight than this in the peak-normalised lobe is not worth halving.
+/// A node whose light has less weight than this in the peak-normalised lobe is fine enough. Light of the tree's mean
+/// counts once, brighter light in proportion.
 const NEGLIGIBLE: f32 = 0.02;
-/// Radius in radians above which a node is too wide even for the cosine alone.
-const WIDEST: f32 = 0.35;
 
 /// The shader's copies of these are compared with them in a test.
 #[cfg(test)]
-pub(crate) const CONSTANTS: [(&str, f32); 4] =
-    [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE), ("WIDEST", WIDEST)];
+pub(crate) const CONSTANTS: [(&str, f32); 3] = [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE)];
 
 /// The criterion for one pixel.
 pub struct Refinement {
-    lobe: Option<f32>,
-    wo: Vec3,
+    lobe: f32,
+    /// Direction of the lobe's peak, mirrored at the normal.
+    mirrored: Vec3,
 }
 
 impl Refinement {
     /// For a lobe seen from the local direction `wo`.
-    pub fn new(lobe: Option<LobeWidth>, wo: Vec3) -> Self {
-        Self { lobe: lobe.map(|l| l.narrow().max(NARROWEST)), wo }
+    pub fn new(lobe: LobeWidth, wo: Vec3) -> Self {
+        Self { lobe: lobe.narrow().max(NARROWEST), mirrored: Vec3::new(-wo.x, -wo.y, wo.z) }
     }
 
-    /// Whether the cone of `radius` around the local direction `wi` is too wide for its light to have one direction.
+    /// Whether the cone of `radius` around the local direction `wi` is too wide for its light, of this `brightness`, to have
+    /// one direction.
     #[inline(always)]
-    pub fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: impl FnOnce() -> f32) -> bool {
-        if radius > WIDEST {
-            return wi.z > -radius;
-        }
-        let Some(lobe) = self.lobe else { return false };
+    pub fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: f32, brightness: f32) -> bool {
+        let lobe = self.lobe;
         if radius <= FINE * lobe {
             return false;
         }
-        let half = wi + self.wo;
-        // Tangent of the angle between normal and half vector, minus half of the node's radius: the best within the
-        // node.
-        let tan_h = (half.x * half.x + half.y * half.y).sqrt() / half.z.max(1e-6);
-        let tan_r = tan_half_radius();
-        let tan = ((tan_h - tan_r) / (1.0 + tan_h * tan_r)).max(0.0);
+        // Half of the angle to the mirrored direction: no half vector is nearer to the normal. Minus half of the node's
+        // radius it is the best within the node.
+        let cos = wi.dot(self.mirrored);
+        let tan_half = ((1.0 - cos).max(0.0) / (1.0 + cos).max(1e-6)).sqrt();
+        let tan = ((tan_half - tan_half_radius) / (1.0 + tan_half * tan_half_radius)).max(0.0);
         let fall_off = 1.0 + tan * tan / (lobe * lobe);
-        (radius / lobe).min(4.0) > NEGLIGIBLE * fall_off * fall_off
+        (radius / lobe).min(4.0) * brightness > NEGLIGIBLE * fall_off * fall_off
     }
 }
