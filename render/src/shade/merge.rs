@@ -198,7 +198,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         let Some(refinement) = &self.refinement else { return false };
         let cone = self.field.cone(node as usize, self.point.position);
         let wi = self.local_from_world * cone.direction;
-        refinement.is_too_wide(wi, cone.radius, cone.tan_half_radius, self.field.brightness(node as usize))
+        refinement.is_too_wide(wi, cone.radius, self.field.brightness(node as usize))
     }
 
     /// Value of the three vertices' nodes, interpolated.

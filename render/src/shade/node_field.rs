@@ -43,8 +43,6 @@ pub(crate) struct Cone {
     pub direction: Vec3,
     /// Half-angle in radians.
     pub radius: f32,
-    /// Tangent of half of it.
-    pub tan_half_radius: f32,
 }
 
 impl NodeField for &SceneLighting {
@@ -80,8 +78,7 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn cone(&self, node: usize, _from: Vec3) -> Cone {
-        let (radius, tan_half_radius) = (self.cones.radius[node], self.cones.tan_half_radius[node]);
-        Cone { direction: self.nodes.direction[node], radius, tan_half_radius }
+        Cone { direction: self.nodes.direction[node], radius: self.radii[node] }
     }
 
     #[inline(always)]
@@ -164,9 +161,9 @@ impl NodeField for SourceField<'_> {
         let to_center = self.lighting.nodes.center[node] - from;
         let distance = to_center.length().max(LEAST_DISTANCE);
         let tan = self.lighting.tree.radii()[node] / distance;
-        let tan_half_radius = tan / (1.0 + (1.0 + tan * tan).sqrt());
-        // Twice the tangent of a half is the angle itself up to the widest that is not split in any case.
-        Cone { direction: to_center / distance, radius: 2.0 * tan_half_radius, tan_half_radius }
+        // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
+        let radius = 2.0 * tan / (1.0 + (1.0 + tan * tan).sqrt());
+        Cone { direction: to_center / distance, radius }
     }
 
     #[inline(always)]

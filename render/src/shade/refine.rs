@@ -12,8 +12,8 @@ use lapidary_core::brdf::LobeWidth;
 const NARROWEST: f32 = 0.01;
 /// A node is fine enough when its radius is below this many lobe widths.
 const FINE: f32 = 0.7;
-/// A node whose light has less weight than this in the peak-normalised lobe is fine enough. Light of the tree's mean
-/// counts once, brighter light in proportion.
+/// A node is fine enough when its light reflects less than this share of what the lobe reflects of even light of the
+/// tree's mean.
 const NEGLIGIBLE: f32 = 0.02;
 
 /// The shader's copies of these are compared with them in a test.
@@ -34,19 +34,20 @@ impl Refinement {
     }
 
     /// Whether the cone of `radius` around the local direction `wi` is too wide for its light, of this `brightness`, to have
-    /// one direction.
+    /// one direction: what the lobe, widened by the node, reflects of it is not negligible.
     #[inline(always)]
-    pub fn is_too_wide(&self, wi: Vec3, radius: f32, tan_half_radius: f32, brightness: f32) -> bool {
+    pub fn is_too_wide(&self, wi: Vec3, radius: f32, brightness: f32) -> bool {
         let lobe = self.lobe;
         if radius <= FINE * lobe {
             return false;
         }
-        // Half of the angle to the mirrored direction: no half vector is nearer to the normal. Minus half of the node's
-        // radius it is the best within the node.
+        // In the space of half vectors distances are half as large: the node is a disc of radius r / 2, whose variance
+        // along an axis widens the lobe.
+        let node_sq = 0.25 * radius * radius;
+        let width_sq = lobe * lobe + 0.25 * node_sq;
+        // The squared tangent of half of the angle to the lobe's peak is (1 - cos) / (1 + cos).
         let cos = wi.dot(self.mirrored);
-        let tan_half = ((1.0 - cos).max(0.0) / (1.0 + cos).max(1e-6)).sqrt();
-        let tan = ((tan_half - tan_half_radius) / (1.0 + tan_half * tan_half_radius)).max(0.0);
-        let fall_off = 1.0 + tan * tan / (lobe * lobe);
-        (radius / lobe).min(4.0) * brightness > NEGLIGIBLE * fall_off * fall_off
+        let (near, far) = (1.0 + cos, width_sq * (1.0 + cos) + (1.0 - cos));
+        brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far
     }
 }
