@@ -1,65 +1,41 @@
-// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
-// the BRDF evaluated on each node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
-// environment's and that of the sources on surfaces; each adds to the sum of those before it.
+// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, in one traversal, with the BRDF evaluated on each
+// node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
+// environment's and that of the sources on surfaces; each has sums of its own.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
-// The sum of all samples and passes so far.
-@group(3) @binding(4) var previous_sum: texture_2d<f32>;
-@group(3) @binding(5) var previous_work: texture_2d<f32>;
-
-struct Sample {
-    // Value of the view mode, and coverage.
-    @location(0) value: vec4<f32>,
-    // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
-    @location(1) work: vec4<f32>,
-}
-
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy);
-    let sample = shade_pixel(pixel);
-    let sum = textureLoad(previous_sum, pixel, 0);
-    let work = textureLoad(previous_work, pixel, 0);
-    return Sample(sum + sample.value, work + sample.work);
-}
-
-// Adds nothing that an earlier pass has already added for this sample: values without a merge, and coverage.
-override IS_FIRST: bool = true;
-
-fn shade_pixel(pixel: vec2<u32>) -> Sample {
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
+    }
     let g = textureLoad(geometry, pixel, 0);
     let direction = ray_direction(pixel);
-    if !IS_FIRST {
-        return further_light(g, pixel, direction);
-    }
-    if g.x == 0u {
-        let shown = select(vec3(0.0), background_radiance(direction), frame.view_mode == VIEW_SHADED);
-        return Sample(vec4(shown, 0.0), vec4(0.0));
-    }
-    if (g.w & FLAG_BLACK) != 0u {
-        return Sample(vec4(0.0, 0.0, 0.0, 1.0), vec4(0.0));
+    if !is_surface(g) {
+        // The environment is no count, and a back is black.
+        let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
+        let shown = select(vec3(0.0), background_radiance(direction), shows);
+        return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, direction);
     var shaded = Shaded(vec3(0.0), 0u, 0u);
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
+    if !IS_FIRST {
+        let value = select(vec3(0.0), view_value(point, pixel, shaded), needs_merge());
+        return with_sample(sums, g, vec4(value, 0.0), shaded.merged_nodes, shaded.brdf_evaluations);
+    }
     let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
-    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), wire, 1.0);
-    return Sample(vec4(view_value(point, pixel, shaded), 1.0), work);
+    let value = vec4(view_value(point, pixel, shaded), wire);
+    return with_sample(sums, g, value, shaded.merged_nodes, shaded.brdf_evaluations);
 }
 
-fn further_light(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Sample {
-    if g.x == 0u || (g.w & FLAG_BLACK) != 0u || !needs_merge() {
-        return Sample(vec4(0.0), vec4(0.0));
-    }
-    let point = surface_point(g, pixel, direction);
-    let shaded = merge_cuts(point);
-    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), 0.0, 0.0);
-    return Sample(vec4(view_value(point, pixel, shaded), 0.0), work);
-}
+// Whether it renders the first part of the light, which also has values without a merge, and the background.
+override IS_FIRST: bool = true;
 
 fn needs_merge() -> bool {
     return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;
@@ -89,54 +65,133 @@ struct Shaded {
     brdf_evaluations: u32,
 }
 
-// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
-// the others, and the outer one evaluates one node per iteration.
 fn merge_cuts(point: SurfacePoint) -> Shaded {
+    if REFINE {
+        return merge_lit(point);
+    }
+    return merge_stored(point);
+}
+
+// As in the paper: the stored cuts and the illumination cut, one sample of the BRDF a node.
+fn merge_stored(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = visibility_cursor(cut_offset(point.vertices.x));
     var b = visibility_cursor(cut_offset(point.vertices.y));
     var c = visibility_cursor(cut_offset(point.vertices.z));
     var l = illumination_cursor();
     let w = point.weights;
-    let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
     var first = 0u;
+    while first < leaves {
+        let end = min(min(a.end, b.end), min(c.end, l.end));
+        let visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
+        shaded.merged_nodes += 1u;
+        if visibility > 0.0 {
+            let node = (leaves + first) >> firstTrailingBit(end - first);
+            let cone = cone_of(node, point.position);
+            shaded.radiance += reflected_light(point, cone, node, visibility, 0.0);
+            shaded.brdf_evaluations += 1u;
+        }
+        first = end;
+        if end < leaves {
+            if a.end == end { advance_visibility(&a); }
+            if b.end == end { advance_visibility(&b); }
+            if c.end == end { advance_visibility(&c); }
+            if l.end == end { advance_illumination(&l); }
+        }
+    }
+    shaded.radiance *= leaf_solid_angle();
+    return shaded;
+}
+
+// The lit cuts, and the stored ones below a node that is too wide for the lobe; then halves of nodes of the tree.
+//
+// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
+// the others, and the outer one evaluates one node per iteration.
+fn merge_lit(point: SurfacePoint) -> Shaded {
+    let leaves = 1u << tree_height();
+    let offsets = vec3(cut_offset(point.vertices.x), cut_offset(point.vertices.y), cut_offset(point.vertices.z));
+    var a = lit_cursor(offsets.x);
+    var b = lit_cursor(offsets.y);
+    var c = lit_cursor(offsets.z);
+    var stored_a = visibility_cursor(offsets.x);
+    var stored_b = visibility_cursor(offsets.y);
+    var stored_c = visibility_cursor(offsets.z);
+    let w = point.weights;
+    let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
+    let mirrored = vec3(-point.wo.xy, point.wo.z);
+    var first = 0u;
+    // Up to this leaf the stored cuts are merged.
+    var stored_end = 0u;
+    // The node of the merged cut, with the lit nodes that contain it, and the part of it that is looked at.
+    var interval = vec2(0u);
+    var is_lit = false;
+    var lit_a = a;
+    var lit_b = b;
+    var lit_c = c;
     var visibility = 0.0;
-    // The node of the merged cut, and the part of it that is looked at.
     var root = 0u;
     var node = 0u;
-    var sum = vec3(0.0);
-    var merged = 0u;
-    var evaluations = 0u;
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
     loop {
         while node == 0u && first < leaves {
-            let end = min(min(a.end, b.end), min(c.end, l.end));
-            visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
-            merged += 1u;
-            if visibility > 0.0 {
-                root = (leaves + first) >> firstTrailingBit(end - first);
-                node = root;
+            is_lit = first >= stored_end;
+            var end = 0u;
+            if is_lit {
+                end = min(min(a.end, b.end), c.end);
+                visibility = w.x * lit_value(a) + w.y * lit_value(b) + w.z * lit_value(c);
+                lit_a = a;
+                lit_b = b;
+                lit_c = c;
+                if end < leaves {
+                    if a.end == end { advance_lit(&a); }
+                    if b.end == end { advance_lit(&b); }
+                    if c.end == end { advance_lit(&c); }
+                }
+            } else {
+                end = min(min(min(stored_a.end, stored_b.end), stored_c.end), stored_end);
+                visibility = w.x * cursor_value(stored_a) + w.y * cursor_value(stored_b) + w.z * cursor_value(stored_c);
+                if end < stored_end {
+                    if stored_a.end == end { advance_visibility(&stored_a); }
+                    if stored_b.end == end { advance_visibility(&stored_b); }
+                    if stored_c.end == end { advance_visibility(&stored_c); }
+                }
             }
+            shaded.merged_nodes += 1u;
+            interval = vec2(first, end);
             first = end;
-            if end < leaves {
-                if a.end == end { advance_visibility(&a); }
-                if b.end == end { advance_visibility(&b); }
-                if c.end == end { advance_visibility(&c); }
-                if l.end == end { advance_illumination(&l); }
+            if visibility > 0.0 {
+                root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
+                node = root;
             }
         }
         if node == 0u { break; }
         var cone = cone_of(node, point.position);
         var wi = cone.direction * point.world_from_local;
-        while REFINE && node < leaves && wants_halves(lobe, cone.radius, cone.tan_half_radius, wi, point.wo) {
-            node = 2u * node;
-            cone = cone_of(node, point.position);
-            wi = cone.direction * point.world_from_local;
+        if is_lit {
+            if is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+                first = interval.x;
+                stored_end = interval.y;
+                seek_visibility(&stored_a, offsets.x, lit_a, first);
+                seek_visibility(&stored_b, offsets.y, lit_b, first);
+                seek_visibility(&stored_c, offsets.z, lit_c, first);
+                shaded.merged_nodes -= 1u;
+                node = 0u;
+                continue;
+            }
+        } else {
+            while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+                node = 2u * node;
+                cone = cone_of(node, point.position);
+                wi = cone.direction * point.world_from_local;
+            }
         }
-        evaluations += 1u;
-        sum += evaluate(point, cone, wi, visibility * node_size(node)) * nodes[node].radiance;
+        shaded.radiance += reflected_light(point, cone, node, visibility, cone.inv_kappa);
+        shaded.brdf_evaluations += 1u;
         node = next_node(node, root);
     }
-    return Shaded(sum * leaf_solid_angle(), merged, evaluations);
+    shaded.radiance *= leaf_solid_angle();
+    return shaded;
 }
 
 // First texel of a vertex's cut over the tree that is merged.
@@ -155,9 +210,8 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// Light that reaches the eye from a node of radiance 1.
-fn evaluate(point: SurfacePoint, cone: Cone, wi: vec3<f32>, weight: f32) -> vec3<f32> {
-    let inv_kappa = select(0.0, cone.inv_kappa, REFINE);
-    let received = select(0.0, weight, dot(cone.direction, point.smooth_normal) > 0.0);
-    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * received;
+// Light that reaches the eye from a node, for leaves of a solid angle of 1.
+fn reflected_light(point: SurfacePoint, cone: Cone, node: u32, visibility: f32, inv_kappa: f32) -> vec3<f32> {
+    let light = received_light(point, cone.direction, cone.direction * point.world_from_local, inv_kappa);
+    return reflected(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
 }

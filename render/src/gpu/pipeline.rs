@@ -17,9 +17,12 @@ pub struct Layouts {
     /// One texture of unsigned integers.
     pub ids: BindGroupLayout,
     pub merge: BindGroupLayout,
-    /// Passes before the merge.
+    /// The other passes that add to sums.
     pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
+    pub patches: BindGroupLayout,
+    pub marks: BindGroupLayout,
+    pub keep: BindGroupLayout,
 }
 
 /// The compiled text of a program.
@@ -94,6 +97,8 @@ impl<'a> Pipeline<'a> {
 pub enum Binding {
     Uniform,
     Storage,
+    /// A buffer that a compute pass writes.
+    Written,
     Uint,
     Float,
     DepthLayers,
@@ -107,11 +112,14 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         frame: layout("frame", &[Uniform]),
         scene: layout("scene", &[Storage, Storage]),
         materials: layout("materials", &[Storage, Uint, Uniform]),
-        light: layout("light", &[Storage, Storage, Uint, Uint]),
+        light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
-        merge: layout("merge", &[Uint, Float, Float, Float, Float, Float, Float]),
-        addition: layout("addition", &[Uint, Float, Float, Float, Float]),
-        display: layout("display", &[Uniform, Uniform, Float, Float]),
+        merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
+        addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
+        display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
+        patches: layout("patches", &[Storage]),
+        marks: layout("marks", &[Uint, Uint]),
+        keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),
     }
 }
 
@@ -123,10 +131,14 @@ pub fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLa
     let texture = |sample_type| texture_of(sample_type, wgpu::TextureViewDimension::D2);
     let entry = |(binding, kind): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
         binding: binding as u32,
-        visibility: Stages::VERTEX_FRAGMENT,
+        visibility: match kind {
+            Binding::Written => Stages::COMPUTE,
+            _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
+        },
         ty: match kind {
             Binding::Uniform => buffer(wgpu::BufferBindingType::Uniform),
             Binding::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Binding::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
             Binding::Uint => texture(wgpu::TextureSampleType::Uint),
             Binding::Float => texture(wgpu::TextureSampleType::Float { filterable: false }),
             Binding::DepthLayers => texture_of(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),

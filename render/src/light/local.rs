@@ -10,7 +10,7 @@ use crate::{
     },
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, meshless::BounceEnergy, surfel::Surfel};
+use lapidary_core::{cut::lit::DEFAULT_TAU, lights::Light, meshless::BounceEnergy, surfel::Surfel};
 use std::sync::Arc;
 
 /// The light of a picture beside the environment, and the components that are shown.
@@ -42,6 +42,11 @@ impl LocalLighting {
         Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
     }
 
+    /// Whether any bounced light is shown.
+    pub(crate) fn shows_bounces(&self) -> bool {
+        self.shown_indirect().is_some() || self.shown_vertex_irradiance().is_some()
+    }
+
     /// Bounced light at the vertices if it is shown.
     pub(crate) fn shown_vertex_irradiance(&self) -> Option<&Arc<VertexIrradiance>> {
         self.vertex_irradiance.as_ref().filter(|_| self.components.indirect)
@@ -52,9 +57,6 @@ impl LocalLighting {
         self.indirect.as_ref().filter(|_| self.components.indirect)
     }
 }
-
-/// How bounced light is gathered: the solution, most nodes of the illumination cut, and tau of the lit cuts.
-type Gathering = (Solution, u32, f32);
 
 /// Makes the [`LocalLighting`] of a picture.
 pub struct LocalRig {
@@ -69,8 +71,10 @@ pub struct LocalRig {
     /// The environment that lights the sources, and the senders of the basis.
     on_sources: Option<Arc<SceneLighting>>,
     on_senders: Option<Arc<SceneLighting>>,
-    /// The last gathered light, with its solution, size of the illumination cut and tau; `None` after any change.
-    gathered: Option<(Gathering, Arc<SourceLighting>)>,
+    /// Of the lit cuts over the sources.
+    tau: f32,
+    /// The last gathered light, with its solution and size of the illumination cut; `None` after any change.
+    gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
     /// The last irradiance at the vertices; `None` after any change.
     interpolated: Option<Arc<VertexIrradiance>>,
     /// The last irradiance of the sources from further bounces; `None` after any change.
@@ -91,6 +95,7 @@ impl LocalRig {
             surfels,
             on_sources: None,
             on_senders: None,
+            tau: DEFAULT_TAU,
             gathered: None,
             interpolated: None,
             further: None,
@@ -112,6 +117,13 @@ impl LocalRig {
         }
     }
 
+    /// Gives the lit cuts over the sources another `tau`, see [`SourceLighting::with_tau`].
+    pub fn set_tau(&mut self, tau: f32) {
+        if self.tau != tau {
+            (self.tau, self.gathered) = (tau, None);
+        }
+    }
+
     /// Shines the environment, or none.
     pub fn set_environment(&mut self, lighting: Option<&Arc<SceneLighting>>) {
         if !is_same(self.environment.as_ref(), lighting) {
@@ -125,31 +137,24 @@ impl LocalRig {
     }
 
     /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
-    /// The illumination cut of the sources has at most `illum_cut` nodes; their lit cuts have the given `tau`.
-    pub fn lighting(
-        &mut self,
-        components: Components,
-        solution: Solution,
-        illum_cut: u32,
-        tau: f32,
-    ) -> LocalLighting {
+    /// The illumination cut of the sources has at most `illum_cut` nodes.
+    pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
         let lights = self.lights.clone();
         let (indirect, vertex_irradiance) = match solution {
             _ if !components.indirect => (None, None),
             Solution::Meshless => (None, self.interpolate()),
-            Solution::Cuts | Solution::CutsMeshless => (self.gather((solution, illum_cut, tau)), None),
+            Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
         };
         let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
         let energy = solved.and_then(MeshlessRig::energy);
         LocalLighting { lights, indirect, vertex_irradiance, components, energy }
     }
 
-    fn gather(&mut self, gathering: Gathering) -> Option<Arc<SourceLighting>> {
-        let known = self.gathered.as_ref().filter(|(known, _)| *known == gathering);
-        if let Some((_, lighting)) = known {
+    fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {
+        let known = self.gathered.as_ref().filter(|(s, cut, _)| (*s, *cut) == (solution, illum_cut));
+        if let Some((.., lighting)) = known {
             return Some(lighting.clone());
         }
-        let (solution, illum_cut, tau) = gathering;
         let further = if solution == Solution::CutsMeshless { self.further() } else { None };
         let sources = self.sources.as_mut()?;
         sources.set_lights(&self.lights);
@@ -158,8 +163,8 @@ impl LocalRig {
             self.on_sources = self.environment.clone();
         }
         sources.set_further(further);
-        let lighting = Arc::new(sources.lighting(illum_cut).with_tau(tau));
-        self.gathered = Some((gathering, lighting.clone()));
+        let lighting = Arc::new(sources.lighting(illum_cut).with_tau(self.tau));
+        self.gathered = Some((solution, illum_cut, lighting.clone()));
         Some(lighting)
     }
 
@@ -195,14 +200,13 @@ impl LocalRig {
 mod tests {
     use super::*;
     use crate::test_scenes::{linked_floor_and_wall, point_light};
-    use lapidary_core::cut::lit::DEFAULT_TAU;
 
     #[test]
     fn another_cut_or_solution_takes_no_other_bounces_and_another_light_does() {
         let mut rig = LocalRig::new(&Baked::from(linked_floor_and_wall()));
         rig.set_lights(&[point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into());
         let place = |rig: &mut LocalRig, solution, illum_cut| {
-            let lighting = rig.lighting(Components::ALL, solution, illum_cut, DEFAULT_TAU);
+            let lighting = rig.lighting(Components::ALL, solution, illum_cut);
             let place = rig.further.as_ref().map(|further| further.as_ptr());
             (place, lighting.indirect, lighting.energy)
         };

@@ -3,14 +3,20 @@
 use super::{BackendOption, ViewedScene, choices, values};
 use anyhow::Result;
 use clap::Args;
+use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
 
 /// How pictures are made and shown.
 #[derive(Args, Clone, Debug)]
 pub struct PictureArgs {
-    /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer
+    /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer. It is merged
+    /// with --brdf once
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
+    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1; 0 leaves the stored cuts as they are.
+    /// Lit cuts are merged with --brdf refine
+    #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
+    lit_cuts: f32,
     /// How the BRDF is sampled
     #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
@@ -33,6 +39,7 @@ impl PictureArgs {
     pub fn look(&self, viewed: &ViewedScene) -> Result<Look> {
         Ok(Look {
             illum_cut: self.illum_cut,
+            tau: self.lit_cuts,
             sampling: self.brdf,
             post: Post { exposure: self.exposure, tone_map: self.tone_map },
             ..viewed.look()?
