@@ -122,11 +122,11 @@ struct Light {
 
 // f_r(wi, wo) times the cosine for one direction; zero below the horizon.
 fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
-    return reflected(brdf, Light(wi, 0.0, max(wi.z, 0.0), wi.z > 0.0), wo);
+    return reflection_of(brdf, Light(wi, 0.0, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
 
 // f_r times the cosine for a light.
-fn reflected(brdf: Brdf, light: Light, wo: vec3<f32>) -> vec3<f32> {
+fn reflection_of(brdf: Brdf, light: Light, wo: vec3<f32>) -> vec3<f32> {
     var value = brdf.diffuse * light.cosine;
     if HAS_GGX || HAS_WARD {
         let half = half_vector(light.wi, wo, light.inv_kappa);

@@ -213,5 +213,5 @@ fn next_node(node: u32, root: u32) -> u32 {
 // Light that reaches the eye from a node, for leaves of a solid angle of 1.
 fn reflected_light(point: SurfacePoint, cone: Cone, node: u32, visibility: f32, inv_kappa: f32) -> vec3<f32> {
     let light = received_light(point, cone.direction, cone.direction * point.world_from_local, inv_kappa);
-    return reflected(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
+    return reflection_of(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
 }

@@ -88,7 +88,7 @@ impl Redo {
     fn stale(old: &Look, new: &Look) -> Stale {
         let Components { environment, direct, indirect } = new.components;
         let looks = Self::changed_looks(old, new);
-        let sky = !old.light.is_same(&new.light) || old.illum_cut != new.illum_cut;
+        let sky = !old.light.is_same(&new.light) || (old.illum_cut, old.tau) != (new.illum_cut, new.tau);
         let lights = old.lights != new.lights;
         let bounced = sky || lights || old.solution != new.solution;
         Stale {

@@ -62,6 +62,9 @@ impl AddAssign for Work {
     }
 }
 
+/// Radius in radians above which a node is too wide for one cosine, where its cuts do not know the horizon.
+const WIDEST: f32 = 0.35;
+
 /// A node to evaluate.
 #[derive(Clone, Copy)]
 pub(crate) struct Term {
@@ -69,6 +72,8 @@ pub(crate) struct Term {
     pub node: u32,
     /// Interpolated value of the vertices' cuts; zero in padding alone.
     pub visibility: f32,
+    /// Whether it comes from lit cuts: then the value is a mean weighted by the light.
+    pub is_lit: bool,
 }
 
 /// Eight terms of the sum, evaluated.
@@ -106,6 +111,8 @@ pub struct Shader<'a, F> {
     sampling: BrdfSampling,
     /// Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
     merges_lit: bool,
+    /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
+    knows_horizon: bool,
     terms: Vec<Term>,
     /// Work done so far.
     pub work: Work,
@@ -120,7 +127,12 @@ impl<'a, F: NodeField> Shader<'a, F> {
     /// The same for the stored cuts, merged with the illumination cut.
     pub fn of_stored(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
         let (height, work) = (field.height(), Work::default());
-        Self { field, cuts, height, sampling, merges_lit: false, terms: Vec::new(), work }
+        Self { field, cuts, height, sampling, merges_lit: false, knows_horizon: true, terms: Vec::new(), work }
+    }
+
+    /// For `cuts` without any occlusion, not even by the surface itself.
+    pub fn unoccluded(field: F, cuts: &'a PackedCuts) -> Self {
+        Self { knows_horizon: false, ..Self::of_stored(field, cuts, BrdfSampling::Refine) }
     }
 
     /// Reflected radiance toward the eye.
@@ -147,7 +159,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
     #[inline(always)]
     fn evaluate(&self, point: &SurfacePoint, terms: &mut Vec<Term>, mut visit: impl FnMut(&EightTerms)) {
         // Padding repeats the root without visibility.
-        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
+        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0, is_lit: false });
         let receiver = ReceiverX8::new(point);
         let brdf = point.brdf.as_brdf();
         for terms in terms.chunks_exact(8) {
@@ -160,7 +172,11 @@ impl<'a, F: NodeField> Shader<'a, F> {
             let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
             let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
             let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
-            let brdf_cos = brdf.reflect_x8(&receiver.lights(direction, inv_kappa), point.wo);
+            let lights = match self.knows_horizon {
+                true => receiver.lights(direction, inv_kappa),
+                false => receiver.lights_at_centers(direction, inv_kappa),
+            };
+            let brdf_cos = brdf.reflect_x8(&lights, point.wo);
             visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
         }
     }
@@ -175,27 +191,33 @@ struct Merged<'a, 'p, F> {
     local_from_world: Mat3,
     /// `None` where the BRDF is sampled once per node, and for BRDFs without a lobe.
     refinement: Option<Refinement>,
+    knows_horizon: bool,
 }
 
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
-        let &Shader { field, cuts, height, sampling, .. } = shader;
+        let &Shader { field, cuts, height, sampling, knows_horizon, .. } = shader;
         let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling == BrdfSampling::Refine);
         let refinement = lobe.map(|lobe| Refinement::new(lobe, point.wo));
-        Self { field, cuts, height, point, local_from_world: point.world_from_local.transpose(), refinement }
+        let local_from_world = point.world_from_local.transpose();
+        Self { field, cuts, height, point, local_from_world, refinement, knows_horizon }
     }
 
     fn leaves(&self) -> u32 {
         1 << self.height
     }
 
-    /// Whether the lobe needs more directions than that of the node.
+    /// Whether the BRDF needs more directions than that of the node.
     #[inline(always)]
     fn is_too_wide(&self, node: u32) -> bool {
-        let Some(refinement) = &self.refinement else { return false };
+        if self.refinement.is_none() && self.knows_horizon {
+            return false;
+        }
         let cone = self.field.cone(node as usize, self.point.position);
         let wi = self.local_from_world * cone.direction;
-        refinement.is_too_wide(wi, cone.radius, self.field.brightness(node as usize))
+        let is_cut_off = !self.knows_horizon && cone.radius > WIDEST && wi.z > -cone.radius;
+        let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, self.field.brightness(node as usize));
+        is_cut_off || self.refinement.as_ref().is_some_and(too_wide)
     }
 
     /// Value of the three vertices' nodes, interpolated.
@@ -219,7 +241,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
             count += 1;
             let visibility = self.interpolated(|i| cursors[i].stored_value());
             if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
             } else {
                 dark(interval);
             }
@@ -245,7 +267,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                 }
                 count += self.below(interval, &mut stored, terms, &mut dark) - 1;
             } else {
-                terms.push(Term { node, visibility });
+                terms.push(Term { node, visibility, is_lit: true });
             }
         });
         count
@@ -265,7 +287,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
             count += 1;
             let visibility = self.interpolated(|i| cursors[i].stored_value());
             if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
             } else {
                 dark(interval);
             }

@@ -147,6 +147,14 @@ impl ReceiverX8 {
         LightsX8 { wi, inv_kappa, cosine, above }
     }
 
+    /// Lights whose cosines are those of their centres; zero below the horizons.
+    #[inline(always)]
+    pub fn lights_at_centers(&self, direction: Vec3x8, inv_kappa: f32x8) -> LightsX8 {
+        let lights = LightsX8::at(self.local(direction), inv_kappa);
+        let seen = self.receives(direction);
+        LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
+    }
+
     /// A mask of the directions that are above the smooth normal's horizon.
     #[inline(always)]
     pub fn receives(&self, direction: Vec3x8) -> f32x8 {
