@@ -147,7 +147,7 @@ pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, c
     if !panels.open[edge as usize] {
         return;
     }
-    let width = panels.widths[edge as usize].min(0.9 * picture.width());
+    let width = panels.fitted(picture.width())[edge as usize];
     let rect = match edge {
         Edge::Left => picture.with_max_x(picture.left() + width),
         Edge::Right => picture.with_min_x(picture.right() - width),
