@@ -65,14 +65,18 @@ struct Shaded {
     brdf_evaluations: u32,
 }
 
+// Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
+override LIT: bool = true;
+
 fn merge_cuts(point: SurfacePoint) -> Shaded {
-    if REFINE {
+    if LIT {
         return merge_lit(point);
     }
     return merge_stored(point);
 }
 
-// As in the paper: the stored cuts and the illumination cut, one sample of the BRDF a node.
+// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
+// the others, and the outer one evaluates one node per iteration.
 fn merge_stored(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = visibility_cursor(cut_offset(point.vertices.x));
@@ -80,34 +84,53 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var c = visibility_cursor(cut_offset(point.vertices.z));
     var l = illumination_cursor();
     let w = point.weights;
-    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    let lobe = lobe_to_follow(point);
+    let mirrored = vec3(-point.wo.xy, point.wo.z);
     var first = 0u;
-    while first < leaves {
-        let end = min(min(a.end, b.end), min(c.end, l.end));
-        let visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
-        shaded.merged_nodes += 1u;
-        if visibility > 0.0 {
-            let node = (leaves + first) >> firstTrailingBit(end - first);
-            let cone = cone_of(node, point.position);
-            shaded.radiance += reflected_light(point, cone, node, visibility, 0.0);
-            shaded.brdf_evaluations += 1u;
+    var visibility = 0.0;
+    // The node of the merged cut, and the part of it that is looked at.
+    var root = 0u;
+    var node = 0u;
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    loop {
+        while node == 0u && first < leaves {
+            let end = min(min(a.end, b.end), min(c.end, l.end));
+            visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
+            shaded.merged_nodes += 1u;
+            if visibility > 0.0 {
+                root = (leaves + first) >> firstTrailingBit(end - first);
+                node = root;
+            }
+            first = end;
+            if end < leaves {
+                if a.end == end { advance_visibility(&a); }
+                if b.end == end { advance_visibility(&b); }
+                if c.end == end { advance_visibility(&c); }
+                if l.end == end { advance_illumination(&l); }
+            }
         }
-        first = end;
-        if end < leaves {
-            if a.end == end { advance_visibility(&a); }
-            if b.end == end { advance_visibility(&b); }
-            if c.end == end { advance_visibility(&c); }
-            if l.end == end { advance_illumination(&l); }
+        if node == 0u { break; }
+        var cone = cone_of(node, point.position);
+        var wi = cone.direction * point.world_from_local;
+        while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+            node = 2u * node;
+            cone = cone_of(node, point.position);
+            wi = cone.direction * point.world_from_local;
         }
+        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
+        shaded.brdf_evaluations += 1u;
+        node = next_node(node, root);
     }
     shaded.radiance *= leaf_solid_angle();
     return shaded;
 }
 
+// Width of the lobe that refinement follows; 0 for none.
+fn lobe_to_follow(point: SurfacePoint) -> f32 {
+    return select(0.0, max(point.brdf.lobe, NARROWEST), REFINE && point.brdf.lobe > 0.0);
+}
+
 // The lit cuts, and the stored ones below a node that is too wide for the lobe; then halves of nodes of the tree.
-//
-// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
-// the others, and the outer one evaluates one node per iteration.
 fn merge_lit(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     let offsets = vec3(cut_offset(point.vertices.x), cut_offset(point.vertices.y), cut_offset(point.vertices.z));
@@ -118,7 +141,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_b = visibility_cursor(offsets.y);
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
-    let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
+    let lobe = lobe_to_follow(point);
     let mirrored = vec3(-point.wo.xy, point.wo.z);
     var first = 0u;
     // Up to this leaf the stored cuts are merged.
@@ -186,7 +209,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
                 wi = cone.direction * point.world_from_local;
             }
         }
-        shaded.radiance += reflected_light(point, cone, node, visibility, cone.inv_kappa);
+        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
         shaded.brdf_evaluations += 1u;
         node = next_node(node, root);
     }
@@ -210,8 +233,8 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// Light that reaches the eye from a node, for leaves of a solid angle of 1.
-fn reflected_light(point: SurfacePoint, cone: Cone, node: u32, visibility: f32, inv_kappa: f32) -> vec3<f32> {
-    let light = received_light(point, cone.direction, cone.direction * point.world_from_local, inv_kappa);
+// Light that reaches the eye from a node in the local direction `wi`, for leaves of a solid angle of 1.
+fn reflected_light(point: SurfacePoint, cone: Cone, wi: vec3<f32>, node: u32, visibility: f32) -> vec3<f32> {
+    let light = received_light(point, cone.direction, wi, select(0.0, cone.inv_kappa, REFINE));
     return reflection_of(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
 }

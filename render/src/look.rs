@@ -17,10 +17,10 @@ pub struct Look {
     pub components: Components,
     /// How bounced light is computed; the dataset must have this solution.
     pub solution: Solution,
-    /// Most nodes of the illumination cut, for [`BrdfSampling::Once`].
+    /// Most nodes of the illumination cut, for sampling without lit cuts.
     pub illum_cut: u32,
-    /// Largest share of a vertex's light that a node of its lit cut moves, for [`BrdfSampling::Refine`]; 0 leaves the stored
-    /// cuts as they are.
+    /// Largest share of a vertex's light that a node of its lit cut moves, for [`BrdfSampling::Lit`]; 0 leaves the stored cuts
+    /// as they are.
     pub tau: f32,
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,

@@ -20,6 +20,7 @@ pub struct MergeVariant {
     /// Whether it renders the first part of the light.
     pub is_first: bool,
     pub refine: bool,
+    pub lit: bool,
     pub has_ggx: bool,
     pub has_ward: bool,
 }
@@ -119,6 +120,7 @@ impl Passes {
                     ("FIELD", f64::from(variant.field)),
                     flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
+                    flag("LIT", variant.lit),
                     flag("HAS_GGX", variant.has_ggx),
                     flag("HAS_WARD", variant.has_ward),
                 ],

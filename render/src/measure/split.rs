@@ -325,7 +325,7 @@ impl FieldJob for MeanBrdf<'_> {
 
     fn run<F: NodeField + Sync>(self, field: F) -> Option<Image> {
         let Self { chain, number } = self;
-        chain.picture(number, || NodesByLeaves::new(Shader::of_stored(field, chain.cuts, chain.job.sampling), field))
+        chain.picture(number, || NodesByLeaves::new(Shader::new(field, chain.cuts, chain.job.sampling), field))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The merge at one pixel (paper, 4.2): three cuts, interpolated and multiplied by light and BRDF.
 //!
-//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. As in the paper, stored cuts are merged with an
-//! illumination cut, and the BRDF is sampled once per node. With refinement the lit cuts are merged, which know the light
-//! already; where the pixel's lobe looks, the merge goes down into the stored cuts below them and on into the light tree.
+//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. The paper merges the stored cuts with an illumination
+//! cut, and samples the BRDF once per node or, refined, more finely. Lit cuts know the light already and need no illumination
+//! cut: where the pixel's lobe looks, the merge goes down into the stored cuts below them and on into the light tree.
 //! Nodes without visibility are dropped before the BRDF is evaluated; the others are evaluated eight at a time. One
 //! traversal serves the environment and the surface sources, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the
 //! same terms in the same order.
@@ -25,15 +25,17 @@ use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign};
 use wide::f32x8;
 
-/// How the BRDF is sampled on the nodes of the merged cut.
+/// Which cuts are merged, and how the BRDF is sampled on the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrdfSampling {
-    /// Once per node at its direction, as in the paper (Eq. 6).
+    /// Stored cuts and the illumination cut; the BRDF once per node at its direction, as in the paper (Eq. 6).
     Once,
-    /// Lit cuts are merged. Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
-    #[default]
+    /// The same cuts. Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
     Refine,
+    /// Lit cuts, and where nodes are too wide for the lobe the stored cuts below them; then as [`Self::Refine`].
+    #[default]
+    Lit,
 }
 
 /// Work done for one pixel or many.
@@ -109,8 +111,6 @@ pub struct Shader<'a, F> {
     cuts: &'a PackedCuts,
     height: u32,
     sampling: BrdfSampling,
-    /// Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
-    merges_lit: bool,
     /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
     knows_horizon: bool,
     terms: Vec<Term>,
@@ -119,20 +119,15 @@ pub struct Shader<'a, F> {
 }
 
 impl<'a, F: NodeField> Shader<'a, F> {
-    /// For visibility `cuts` over the tree of `field`, as pictures are rendered: refinement starts at the lit cuts.
+    /// For visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
-        Self { merges_lit: sampling == BrdfSampling::Refine, ..Self::of_stored(field, cuts, sampling) }
-    }
-
-    /// The same for the stored cuts, merged with the illumination cut.
-    pub fn of_stored(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
         let (height, work) = (field.height(), Work::default());
-        Self { field, cuts, height, sampling, merges_lit: false, knows_horizon: true, terms: Vec::new(), work }
+        Self { field, cuts, height, sampling, knows_horizon: true, terms: Vec::new(), work }
     }
 
     /// For `cuts` without any occlusion, not even by the surface itself.
     pub fn unoccluded(field: F, cuts: &'a PackedCuts) -> Self {
-        Self { knows_horizon: false, ..Self::of_stored(field, cuts, BrdfSampling::Refine) }
+        Self { knows_horizon: false, ..Self::new(field, cuts, BrdfSampling::Refine) }
     }
 
     /// Reflected radiance toward the eye.
@@ -149,7 +144,10 @@ impl<'a, F: NodeField> Shader<'a, F> {
         let mut terms = std::mem::take(&mut self.terms);
         terms.clear();
         let merged = Merged::new(self, point);
-        self.work.merged_nodes += if self.merges_lit { merged.lit(&mut terms, dark) } else { merged.stored(&mut terms, dark) };
+        self.work.merged_nodes += match self.sampling {
+            BrdfSampling::Lit => merged.lit(&mut terms, dark),
+            BrdfSampling::Once | BrdfSampling::Refine => merged.stored(&mut terms, dark),
+        };
         self.work.brdf_evaluations += terms.len() as u64;
         self.evaluate(point, &mut terms, visit);
         self.terms = terms;
@@ -167,7 +165,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
             let direction = self.field.directions(index, point.position);
             let inv_kappa = match self.sampling {
                 BrdfSampling::Once => f32x8::ZERO,
-                BrdfSampling::Refine => self.field.inv_kappas(index, point.position),
+                BrdfSampling::Refine | BrdfSampling::Lit => self.field.inv_kappas(index, point.position),
             };
             let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
             let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
@@ -197,7 +195,7 @@ struct Merged<'a, 'p, F> {
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
         let &Shader { field, cuts, height, sampling, knows_horizon, .. } = shader;
-        let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling == BrdfSampling::Refine);
+        let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling != BrdfSampling::Once);
         let refinement = lobe.map(|lobe| Refinement::new(lobe, point.wo));
         let local_from_world = point.world_from_local.transpose();
         Self { field, cuts, height, point, local_from_world, refinement, knows_horizon }

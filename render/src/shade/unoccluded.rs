@@ -7,7 +7,7 @@ use crate::{
     appearance::Appearance,
     light::environment::SceneLighting,
     shade::{
-        merge::{BrdfSampling, Shader},
+        merge::Shader,
         surface::{SurfacePlace, SurfacePoint},
     },
 };
