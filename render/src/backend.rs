@@ -165,12 +165,30 @@ pub trait Backend: Send {
     /// A picture larger than the adapter's limits, or a lost device.
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
 
-    /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when it is done.
-    /// All rows of a sample are rendered before those of the next.
+    /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to the pixels of some rows that lack it, and returns
+    /// when it is done. All rows of a sample are rendered before those of the next.
     ///
     /// # Errors
     /// A lost device.
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
+
+    /// Adds the first sample to the pixels of some [`Tiles`] whose column and row are multiples of `stride`, one of
+    /// [`STRIDES`](crate::STRIDES), and returns when it is done. Pixels that have a sample keep it. With a stride of 1 these
+    /// are all pixels, and the sample is that of [`Self::render_rows`].
+    ///
+    /// [`Tiles`]: crate::Tiles
+    ///
+    /// # Errors
+    /// A lost device.
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError>;
+
+    /// Fills the pixels without a sample from those around them, for [`Self::display`]. All tiles must have been sketched.
+    /// A pixel that nothing around it resembles, as on a thin object, is given its first sample if it is one of at most
+    /// `most_shaded`.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError>;
 
     /// The picture so far for a display: sRGB-encoded, not premultiplied, row by row from the top.
     ///

@@ -4,7 +4,7 @@ use crate::{
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
-    cpu::picture::Picture,
+    cpu::{picture::Picture, sketch::Sketch},
     light::{
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
@@ -19,7 +19,7 @@ use crate::{
     },
     view::View,
 };
-use lapidary_core::{image::Image, lights::Light};
+use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
 
 /// Name of the renderer on the cores.
@@ -37,6 +37,7 @@ pub struct CpuBackend {
     /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
+    sketch: Sketch,
     begun: Option<Begun>,
 }
 
@@ -60,10 +61,42 @@ struct Begun {
     picture: Picture,
 }
 
+/// A picture with what samples and paints its pixels.
+struct AtWork<'a> {
+    picture: &'a mut Picture,
+    sketch: &'a mut Sketch,
+    sampler: PixelSampler<'a>,
+    light: PictureLight<'a>,
+    dataset: &'a Dataset,
+    sampling: BrdfSampling,
+}
+
+impl<'a> AtWork<'a> {
+    /// Makes a painter for a thread.
+    fn painter(&self) -> impl Fn() -> Painter<'a> + Sync + Send + use<'a> {
+        let (mode, dataset, light, sampling) = (self.sampler.view.mode, self.dataset, self.light, self.sampling);
+        move || Painter::new(mode, dataset, light, sampling)
+    }
+}
+
 impl CpuBackend {
     /// Without a scene.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The picture that was begun, with what samples and paints its pixels.
+    fn at_work(&mut self) -> Option<AtWork<'_>> {
+        let (renderer, Begun { view, sampling, backdrop, picture }) = (self.renderer.as_ref()?, self.begun.as_mut()?);
+        let environment = self.light.as_ref().filter(|_| self.local.components.environment);
+        let light = PictureLight {
+            environment: environment.map(|(_, lighting)| &**lighting),
+            sources: self.local.shown_indirect().map(|lighting| &**lighting),
+            vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
+            local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
+        };
+        let (sampler, sketch) = (PixelSampler::new(renderer, view, backdrop), &mut self.sketch);
+        Some(AtWork { picture, sketch, sampler, light, dataset: &renderer.dataset, sampling: *sampling })
     }
 
     /// The environment if it is shown.
@@ -81,12 +114,14 @@ impl Backend for CpuBackend {
         self.renderer = Some(Renderer::new(baked.clone()));
         (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
         self.remark = None;
+        self.sketch.forget();
         Ok(())
     }
 
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let Some(renderer) = &mut self.renderer else { return Ok(Vec::new()) };
         let (fitted, remarks) = appearance.fitted(&renderer.dataset.scene.materials);
+        self.sketch.set_appearance(&renderer.appearance, &fitted);
         renderer.set_appearance(fitted);
         Ok(remarks)
     }
@@ -106,24 +141,29 @@ impl Backend for CpuBackend {
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
         let light = self.shown_environment().map(|(light, _)| light.clone());
         let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
-        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view.size) });
+        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view) });
+        self.sketch.begin(&view.camera, view.size);
         Ok(())
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
-        let Some(mut begun) = self.begun.take() else { return Ok(()) };
-        if let Some(renderer) = &self.renderer {
-            let light = PictureLight {
-                environment: self.shown_environment().map(|(_, lighting)| &**lighting),
-                sources: self.local.shown_indirect().map(|lighting| &**lighting),
-                vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
-                local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
-            };
-            let Begun { view, sampling, backdrop, picture } = &mut begun;
-            let painter = || Painter::new(view.mode, &renderer.dataset, light, *sampling);
-            picture.add_rows(&PixelSampler::new(renderer, view, backdrop), painter, sample, rows);
-        }
-        self.begun = Some(begun);
+        let Some(work) = self.at_work() else { return Ok(()) };
+        let painter = work.painter();
+        work.picture.add_rows(&work.sampler, painter, sample, rows);
+        Ok(())
+    }
+
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        let Some(work) = self.at_work() else { return Ok(()) };
+        let painter = work.painter();
+        work.sketch.add_tiles(work.picture, &work.sampler, painter, stride, tiles);
+        Ok(())
+    }
+
+    fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError> {
+        let Some(work) = self.at_work() else { return Ok(()) };
+        let painter = work.painter();
+        work.sketch.fill(work.picture, &work.sampler, painter, most_shaded as usize);
         Ok(())
     }
 

@@ -256,6 +256,14 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
+    fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+        todo!()
+    }
+
+    fn fill(&mut self, _: u32) -> Result<(), BackendError> {
+        todo!()
+    }
+
     fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
         self.write_display(post, samples);
         self.submit(|s, encoder| s.encode_display(encoder, samples))?;

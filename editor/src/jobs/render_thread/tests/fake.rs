@@ -84,6 +84,14 @@ impl Backend for Fake {
         Ok(())
     }
 
+    fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn fill(&mut self, _: u32) -> Result<(), BackendError> {
+        Ok(())
+    }
+
     /// The eye's x in red, the exposure in green.
     fn display(&mut self, post: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
         self.log.lock().unwrap().displays += 1;

@@ -1,0 +1,336 @@
+//! The first sample of a picture on lattices, and the filter between their points: see [`crate::sketch`].
+
+use crate::{
+    appearance::Appearance,
+    cpu::picture::{Picture, Pixel},
+    shade::{
+        merge::Work,
+        painter::Painter,
+        pixel_sampler::PixelSampler,
+        surface::{FirstHit, SurfacePoint},
+    },
+    sketch::{Guide, Mean, Tiles, around, pixel_angle},
+};
+use glam::{IVec2, Vec3};
+use lapidary_core::{camera::Camera, image::Region, ray::Hit};
+use rayon::prelude::*;
+
+/// A pixel that the filter fills.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Filled {
+    /// Radiance, or the quantity of the view's mode.
+    pub value: Vec3,
+    /// Coverage by the lines of a wireframe.
+    pub wire: f32,
+}
+
+/// What pixels see, kept while the camera stays, and how far the lattices of each tile are.
+#[derive(Default)]
+pub(crate) struct Sketch {
+    seen_by: Option<(Camera, [u32; 2])>,
+    /// Those of one tile after another.
+    guides: Vec<Guide>,
+    /// For each tile, the number of the last change of materials that its guides have; `None` before it was looked at.
+    looked: Vec<Option<u64>>,
+    /// For each tile, the finest lattice that all of its pixels have; `None` before the first.
+    strides: Vec<Option<u32>>,
+    /// Number of the last change of materials.
+    changes: u64,
+    /// For each material, the number of its last change.
+    changed: Vec<u64>,
+}
+
+/// A pixel that nothing around it fits.
+struct Hole {
+    pixel: [u32; 2],
+    /// What the filter gives if it looks at materials alone; `None` if no surface is near.
+    guess: Option<Vec3>,
+}
+
+impl Sketch {
+    /// Another scene.
+    pub fn forget(&mut self) {
+        *self = Self { changes: self.changes, ..Self::default() };
+    }
+
+    /// Another appearance after `old`: what the pixels of changed materials look like is looked up again.
+    pub fn set_appearance(&mut self, old: &Appearance, new: &Appearance) {
+        self.changes += 1;
+        let textures = Appearance { materials: Vec::new(), ..old.clone() }
+            .is_same(&Appearance { materials: Vec::new(), ..new.clone() });
+        self.changed.resize(new.materials.len(), 0);
+        for (i, material) in new.materials.iter().enumerate() {
+            if !textures || old.materials.get(i) != Some(material) {
+                self.changed[i] = self.changes;
+            }
+        }
+    }
+
+    /// Another picture; what its pixels see is kept if the camera is the same.
+    pub fn begin(&mut self, camera: &Camera, size: [u32; 2]) {
+        let tiles = Tiles::of(size);
+        let count = tiles.count() as usize;
+        if self.seen_by.as_ref().is_none_or(|(c, s)| c != camera || *s != size) {
+            self.seen_by = Some((camera.clone(), size));
+            self.guides.clear();
+            self.looked = vec![None; count];
+        }
+        self.strides = vec![None; count];
+    }
+
+    fn tiles(&self) -> Tiles {
+        Tiles::of(self.seen_by.as_ref().map_or([0, 0], |(_, size)| *size))
+    }
+
+    fn guide(&self, x: u32, y: u32) -> &Guide {
+        let (tile, place) = self.tiles().place(x, y);
+        &self.guides[tile * Tiles::PIXELS + place]
+    }
+
+    /// Gives the pixels of some tiles on a lattice their first sample, and those without a surface to shade.
+    pub fn add_tiles<'a>(
+        &mut self,
+        picture: &mut Picture,
+        sampler: &PixelSampler<'a>,
+        painter: impl Fn() -> Painter<'a> + Sync + Send,
+        stride: u32,
+        tiles: &[u32],
+    ) {
+        let (all, materials) = (self.tiles(), MaterialChanges { last: self.changes, of: &self.changed });
+        self.guides.resize(all.count() as usize * Tiles::PIXELS, Guide::unlit(Guide::BACKGROUND));
+        let wanted: Vec<bool> = mask(all.count(), tiles);
+        let shade_tile =
+            |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
+                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler };
+                work.look(*looked, &materials);
+                *looked = Some(materials.last);
+                let pixels = work.shade(picture, painter, stride, self.strides[tile].is_none());
+                (pixels, painter.take_work())
+            };
+        let shaded: Vec<(Vec<([u32; 2], Pixel)>, Work)> = self
+            .guides
+            .par_chunks_mut(Tiles::PIXELS)
+            .zip(&mut self.looked)
+            .enumerate()
+            .filter(|(tile, _)| wanted[*tile])
+            .map_init(painter, shade_tile)
+            .collect();
+        for (pixels, work) in shaded {
+            picture.set_pixels(&pixels, work);
+        }
+        tiles.iter().for_each(|&tile| self.strides[tile as usize] = Some(stride));
+    }
+
+    /// Fills the pixels that have no sample yet. At most `most_shaded` of those that nothing around fits are shaded instead,
+    /// first those with no surface around them. All tiles must have a lattice.
+    pub fn fill<'a>(
+        &self,
+        picture: &mut Picture,
+        sampler: &PixelSampler<'a>,
+        painter: impl Fn() -> Painter<'a> + Sync + Send,
+        most_shaded: usize,
+    ) {
+        let Some((camera, size)) = &self.seen_by else { return };
+        let filter = Filter { sketch: self, picture, eye: camera.eye, pixel_angle: pixel_angle(camera, *size) };
+        let mut filled = vec![Filled::default(); size[0] as usize * size[1] as usize];
+        let fill_row = |(y, row): (usize, &mut [Filled])| filter.fill_row(y as u32, row, sampler);
+        let holes: Vec<Hole> =
+            filled.par_chunks_mut(size[0].max(1) as usize).enumerate().flat_map_iter(fill_row).collect();
+        let chosen = chosen(&holes, most_shaded);
+        let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
+            let [x, y] = hole.pixel;
+            (first_sample(sampler, painter, self.guide(x, y), hole.pixel), painter.take_work())
+        };
+        let shaded: Vec<_> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
+        for (pixel, work) in shaded {
+            picture.set_pixels(&[pixel], work);
+        }
+        picture.set_filled(filled);
+    }
+}
+
+/// Which of the tiles are among `tiles`.
+fn mask(count: u32, tiles: &[u32]) -> Vec<bool> {
+    let mut wanted = vec![false; count as usize];
+    tiles.iter().for_each(|&tile| wanted[tile as usize] = true);
+    wanted
+}
+
+/// At most so many holes, spread over the picture; first those without a guess.
+fn chosen(holes: &[Hole], most: usize) -> Vec<&Hole> {
+    let (bare, guessed): (Vec<&Hole>, Vec<&Hole>) = holes.iter().partition(|hole| hole.guess.is_none());
+    let left = most.saturating_sub(bare.len());
+    [spread(bare, most), spread(guessed, left)].concat()
+}
+
+/// At most so many, evenly.
+fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    let step = all.len().div_ceil(most.max(1)).max(1);
+    all.into_iter().step_by(step).take(most).collect()
+}
+
+/// When materials changed.
+struct MaterialChanges<'a> {
+    last: u64,
+    of: &'a [u64],
+}
+
+/// A tile at work.
+struct TileWork<'t, 's, 'a> {
+    tiles: Tiles,
+    region: Region,
+    guides: &'t mut [Guide],
+    sampler: &'s PixelSampler<'a>,
+}
+
+impl TileWork<'_, '_, '_> {
+    /// Finds out what the pixels see, as far as that is not known or its material has changed since.
+    fn look(&mut self, looked: Option<u64>, materials: &MaterialChanges) {
+        if looked == Some(materials.last) {
+            return;
+        }
+        for (x, y) in pixels(self.region) {
+            let guide = &mut self.guides[self.tiles.place(x, y).1];
+            let changed = materials.of.get(guide.material as usize).copied();
+            if looked.is_none() {
+                *guide = looked_up(self.sampler, self.sampler.first_hit(x, y), x, y);
+            } else if changed > looked {
+                *guide = looked_up(self.sampler, hit(guide), x, y);
+            }
+        }
+    }
+
+    /// The first sample of the pixels on a lattice, and with `unlit` of those without a surface to shade.
+    fn shade(&self, picture: &Picture, painter: &mut Painter, stride: u32, unlit: bool) -> Vec<([u32; 2], Pixel)> {
+        let mut shaded = Vec::new();
+        for (x, y) in pixels(self.region) {
+            let on_lattice = x % stride == 0 && y % stride == 0;
+            if !(on_lattice || unlit) || picture.has_samples(x, y) {
+                continue;
+            }
+            let guide = &self.guides[self.tiles.place(x, y).1];
+            if on_lattice || !guide.is_lit() {
+                shaded.push(first_sample(self.sampler, painter, guide, [x, y]));
+            }
+        }
+        shaded
+    }
+}
+
+fn pixels(region: Region) -> impl Iterator<Item = (u32, u32)> {
+    region.rows().flat_map(move |y| region.columns().map(move |x| (x, y)))
+}
+
+/// What steers the filter where the first sample of a pixel meets the mesh at `hit`.
+fn looked_up(sampler: &PixelSampler, hit: Option<Hit>, x: u32, y: u32) -> Guide {
+    match (sampler.first_sight(x, y, hit).seen, hit) {
+        (FirstHit::Surface(point), Some(hit)) => guide_of(sampler.material(hit.triangle), &hit, &point),
+        (_, Some(hit)) => Guide { triangle: coded(&hit), ..Guide::unlit(Guide::BACK) },
+        (_, None) => Guide::unlit(Guide::BACKGROUND),
+    }
+}
+
+fn guide_of(material: u32, hit: &Hit, point: &SurfacePoint) -> Guide {
+    Guide {
+        material,
+        triangle: coded(hit),
+        barycentric: hit.barycentric,
+        position: point.position,
+        smooth_normal: point.smooth_normal,
+        normal: point.world_from_local.z_axis,
+        albedo: Guide::divisor(point.brdf.as_brdf().albedo()),
+    }
+}
+
+fn coded(hit: &Hit) -> u32 {
+    hit.triangle | if hit.back_face { Guide::FROM_BEHIND } else { 0 }
+}
+
+fn hit(guide: &Guide) -> Option<Hit> {
+    let back_face = guide.triangle & Guide::FROM_BEHIND != 0;
+    let hit = Hit {
+        triangle: guide.triangle & !Guide::FROM_BEHIND,
+        distance: 0.0,
+        barycentric: guide.barycentric,
+        back_face,
+    };
+    (guide.material != Guide::BACKGROUND).then_some(hit)
+}
+
+/// The first sample of a pixel without its camera ray.
+fn first_sample(sampler: &PixelSampler, painter: &mut Painter, guide: &Guide, [x, y]: [u32; 2]) -> ([u32; 2], Pixel) {
+    ([x, y], Pixel::first(sampler, painter, [x, y], sampler.first_sight(x, y, hit(guide))))
+}
+
+/// The joint bilateral filter.
+struct Filter<'a> {
+    sketch: &'a Sketch,
+    picture: &'a Picture,
+    eye: Vec3,
+    pixel_angle: f32,
+}
+
+impl Filter<'_> {
+    /// Fills the pixels of a row that have no sample, and returns those that nothing fits.
+    fn fill_row(&self, y: u32, row: &mut [Filled], sampler: &PixelSampler) -> Vec<Hole> {
+        let mut holes = Vec::new();
+        for (x, filled) in row.iter_mut().enumerate() {
+            let pixel = [x as u32, y];
+            if self.picture.has_samples(pixel[0], y) {
+                continue;
+            }
+            let guide = self.sketch.guide(pixel[0], y);
+            let fitting = self.fitting(pixel, guide);
+            if fitting.is_none() {
+                holes.push(Hole { pixel, guess: self.guess(pixel, guide) });
+            }
+            let mean = fitting.or_else(|| holes.last().and_then(|hole| hole.guess));
+            filled.value = mean.unwrap_or_default() * self.divisor(guide);
+            if sampler.view.wireframe {
+                filled.wire = sampler.first_wire(pixel[0], y, guide.triangle & !Guide::FROM_BEHIND);
+            }
+        }
+        holes
+    }
+
+    fn divisor(&self, guide: &Guide) -> Vec3 {
+        if self.picture.is_lit() { guide.albedo } else { Vec3::ONE }
+    }
+
+    /// The mean of the lattice points around a pixel, or of those around these, as far as they fit.
+    fn fitting(&self, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+        let stride = self.stride(pixel);
+        let reach = stride as f32 * self.pixel_angle * guide.position.distance(self.eye);
+        [1, 2]
+            .into_iter()
+            .find_map(|cells| self.mean(pixel, stride, cells, |other| guide.fit(other, reach)).fitting(cells))
+    }
+
+    /// The mean over the nearest surfaces, with those of the same material far ahead.
+    fn guess(&self, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+        const OTHER: f32 = 1e-3;
+        let weight = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
+        self.mean(pixel, self.stride(pixel), 2, weight).any()
+    }
+
+    fn mean(&self, pixel: [u32; 2], stride: u32, cells: i32, fit: impl Fn(&Guide) -> f32) -> Mean {
+        let mut mean = Mean::default();
+        for (IVec2 { x, y }, weight) in around(pixel, stride, cells) {
+            // Negative ones are beyond any size.
+            let Some(value) = self.picture.mean_at(x as u32, y as u32) else { continue };
+            let other = self.sketch.guide(x as u32, y as u32);
+            let weight = if other.is_lit() { weight * fit(other) } else { 0.0 };
+            if weight > 0.0 {
+                mean.add(value / self.divisor(other), weight);
+            }
+        }
+        mean
+    }
+
+    fn stride(&self, [x, y]: [u32; 2]) -> u32 {
+        self.sketch.strides[self.sketch.tiles().place(x, y).0].unwrap_or(1)
+    }
+}
+
+#[cfg(test)]
+mod tests;
