@@ -14,8 +14,9 @@ struct VertexIrradiance {
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(position.xy);
-    let sum = textureLoad(previous_sum, pixel, 0);
+    let texel = vec2<u32>(position.xy);
+    let pixel = texel * frame.stride;
+    let sum = textureLoad(previous_sum, texel, 0);
     let g = textureLoad(geometry, pixel, 0);
     if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
         return sum;

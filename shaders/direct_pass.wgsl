@@ -13,8 +13,9 @@ const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(position.xy);
-    let sum = textureLoad(previous_sum, pixel, 0);
+    let texel = vec2<u32>(position.xy);
+    let pixel = texel * frame.stride;
+    let sum = textureLoad(previous_sum, texel, 0);
     let g = textureLoad(geometry, pixel, 0);
     if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
         return sum;

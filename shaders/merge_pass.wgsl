@@ -18,10 +18,11 @@ struct Sample {
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
-    let pixel = vec2<u32>(position.xy);
+    let texel = vec2<u32>(position.xy);
+    let pixel = texel * frame.stride;
     let sample = shade_pixel(pixel);
-    let sum = textureLoad(previous_sum, pixel, 0);
-    let work = textureLoad(previous_work, pixel, 0);
+    let sum = textureLoad(previous_sum, texel, 0);
+    let work = textureLoad(previous_work, texel, 0);
     return Sample(sum + sample.value, work + sample.work);
 }
 

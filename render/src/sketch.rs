@@ -29,7 +29,7 @@ pub struct Tiles {
 
 impl Tiles {
     /// Pixels of a tile that is not cut off.
-    pub(crate) const PIXELS: usize = (TILE * TILE) as usize;
+    pub const MOST_PIXELS: usize = (TILE * TILE) as usize;
 
     /// Of a picture of `size` pixels.
     pub fn of(size: [u32; 2]) -> Self {
@@ -49,6 +49,13 @@ impl Tiles {
     pub fn region(self, tile: u32) -> Region {
         let [x, y] = [tile % self.columns(), tile / self.columns()].map(|i| i * TILE);
         Region { x, y, width: TILE.min(self.size[0] - x), height: TILE.min(self.size[1] - y) }
+    }
+
+    /// The part of a lattice in a tile, in columns and rows of the lattice.
+    pub(crate) fn on_lattice(self, tile: u32, stride: u32) -> Region {
+        let Region { x, y, width, height } = self.region(tile);
+        let [width, height] = [width, height].map(|side| side.div_ceil(stride));
+        Region { x: x / stride, y: y / stride, width, height }
     }
 
     /// All tiles, those nearest to `place` first: a position in the picture from 0 to 1 in both directions.

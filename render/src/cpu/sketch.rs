@@ -84,7 +84,7 @@ impl Sketch {
 
     fn guide(&self, x: u32, y: u32) -> &Guide {
         let (tile, place) = self.tiles().place(x, y);
-        &self.guides[tile * Tiles::PIXELS + place]
+        &self.guides[tile * Tiles::MOST_PIXELS + place]
     }
 
     /// Gives the pixels of some tiles on a lattice their first sample, and those without a surface to shade.
@@ -97,7 +97,7 @@ impl Sketch {
         tiles: &[u32],
     ) {
         let (all, materials) = (self.tiles(), MaterialChanges { last: self.changes, of: &self.changed });
-        self.guides.resize(all.count() as usize * Tiles::PIXELS, Guide::unlit(Guide::BACKGROUND));
+        self.guides.resize(all.count() as usize * Tiles::MOST_PIXELS, Guide::unlit(Guide::BACKGROUND));
         let wanted: Vec<bool> = mask(all.count(), tiles);
         let shade_tile =
             |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
@@ -109,7 +109,7 @@ impl Sketch {
             };
         let shaded: Vec<(Vec<([u32; 2], Pixel)>, Work)> = self
             .guides
-            .par_chunks_mut(Tiles::PIXELS)
+            .par_chunks_mut(Tiles::MOST_PIXELS)
             .zip(&mut self.looked)
             .enumerate()
             .filter(|(tile, _)| wanted[*tile])

@@ -7,7 +7,7 @@ use super::{
     scene::GpuScene,
     targets::{Target, Targets, format, target},
 };
-use std::ops::Range;
+use lapidary_core::image::Region;
 use wgpu::BindingResource::TextureView as View;
 
 /// Inputs of such passes from a picture, whatever light they add.
@@ -77,8 +77,8 @@ impl Addition {
         }
     }
 
-    /// Adds light to some rows of the sum of all samples so far.
-    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, from: usize, rows: &Range<u32>) {
+    /// Adds light to some parts of the sum of all samples so far.
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, from: usize, parts: &[Region]) {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.label),
@@ -94,7 +94,14 @@ impl Addition {
         for (i, group) in [&self.frame, &self.scene, &self.light, &self.inputs[from]].into_iter().enumerate() {
             pass.set_bind_group(i as u32, group, &[]);
         }
-        pass.set_scissor_rect(0, rows.start, self.sum.texture().width(), rows.end - rows.start);
+        draw_parts(&mut pass, parts);
+    }
+}
+
+/// Draws some parts of the picture.
+pub fn draw_parts(pass: &mut wgpu::RenderPass, parts: &[Region]) {
+    for part in parts {
+        pass.set_scissor_rect(part.x, part.y, part.width, part.height);
         pass.draw(0..3, 0..1);
     }
 }

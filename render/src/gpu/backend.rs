@@ -31,9 +31,14 @@ use crate::{
     measure::compare::map::magma_stops,
     post::Post,
     shade::merge::BrdfSampling,
+    sketch::Tiles,
     view::View,
 };
-use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
+use lapidary_core::{
+    dataset::Dataset,
+    environment::Environment,
+    image::{Image, Region},
+};
 use picture::Picture;
 use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
@@ -241,14 +246,20 @@ impl Backend for GpuBackend {
             return Ok(());
         }
         if rows.start == 0 {
-            self.write_frame(sample);
+            self.write_frame(sample, 1);
         }
+        let size = self.picture().view.size;
+        let part = Region { x: 0, y: rows.start, width: size[0], height: rows.end - rows.start };
         self.submit(|s, encoder| {
             if rows.start == 0 {
+                if sample == 0 {
+                    // A sketch may have been there.
+                    s.clear_sums(encoder);
+                }
                 s.encode_visibility(encoder);
                 s.encode_deferred(encoder);
             }
-            s.encode_merge(encoder, sample, rows.clone());
+            s.encode_merge(encoder, sample, 1, &[part]);
         })?;
         if let Some(picture) = self.picture.as_mut().filter(|p| rows.end == p.view.size[1]) {
             picture.samples = sample + 1;
@@ -256,12 +267,31 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
-        todo!()
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        let Picture { view, lattices, .. } = self.picture();
+        let (all, is_first) = (Tiles::of(view.size), lattices.making.is_none());
+        let parts: Vec<Region> = tiles.iter().map(|&tile| all.on_lattice(tile, stride)).collect();
+        self.write_frame(0, stride);
+        self.submit(|s, encoder| {
+            s.clear_sums(encoder);
+            if is_first {
+                s.encode_visibility(encoder);
+                s.encode_deferred(encoder);
+            }
+            s.encode_merge(encoder, 0, stride, &parts);
+        })?;
+        if let Some(picture) = &mut self.picture {
+            picture.lattices.add(stride, tiles.len() as u32, all.count());
+            picture.samples = u32::from(picture.lattices.complete == Some(1));
+        }
+        Ok(())
     }
 
-    fn fill(&mut self, _: u32) -> Result<(), BackendError> {
-        todo!()
+    /// Fills from the finest lattice that all tiles have, and shades no pixel itself: the next lattice comes sooner.
+    fn fill(&mut self, _most_shaded: u32) -> Result<(), BackendError> {
+        let Some(stride) = self.picture().lattices.complete else { return Ok(()) };
+        self.write_frame(0, stride);
+        self.submit(|s, encoder| s.encode_sketch(encoder, stride))
     }
 
     fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {

@@ -25,6 +25,9 @@ pub struct FrameUniforms {
     pub view_mode: u32,
     pub wireframe: u32,
     pub source_tree_height: u32,
+    /// Columns and rows of pixels from texel to texel of the passes that shade.
+    pub stride: [u32; 2],
+    pub padding: [u32; 2],
 }
 
 /// `Vertex` of `scene.wgsl`.

@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     direct::DirectPasses,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, MERGE, PARAMETERS, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -30,6 +30,7 @@ pub struct Passes {
     pub surface: wgpu::RenderPipeline,
     pub parameters: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
+    pub sketch: wgpu::RenderPipeline,
     pub direct: DirectPasses,
     pub bounce: BouncePass,
     merge_module: wgpu::ShaderModule,
@@ -76,11 +77,17 @@ impl Passes {
         };
         let display =
             Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
+        let sketch = Pipeline {
+            layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
+            targets: &[format::FLOATS, format::FLOATS],
+            ..Pipeline::new(load(&SKETCH)?, "sketch")
+        };
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
             parameters: parameters.build(gpu),
             display: display.build(gpu),
+            sketch: sketch.build(gpu),
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
             merge_module: load(&MERGE)?,

@@ -31,6 +31,7 @@ parts!(
     "shadow",
     "shadow_filter",
     "shadow_pass",
+    "sketch_pass",
     "surface",
     "surface_pass",
     "tonemap",
@@ -105,9 +106,26 @@ pub const BOUNCE: Program = Program {
 /// The post pass.
 pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
 
+/// The filter between the pixels of a lattice.
+pub const SKETCH: Program = Program {
+    name: "sketch_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "shading_point",
+        "environment",
+        "wireframe",
+        "sketch_pass",
+    ],
+};
+
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 8] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE];
+pub const PROGRAMS: [Program; 9] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, SKETCH];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

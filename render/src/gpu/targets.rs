@@ -33,6 +33,8 @@ pub struct Targets {
     pub complete: [Sums; 2],
     /// A sample between its passes, in turns.
     pub partial: [Sums; 2],
+    /// Lattices of a first sample, in turns: for a stride of 2 or 8, and of 4.
+    pub lattices: [Sums; 2],
     pub shown: Target,
 }
 
@@ -49,6 +51,11 @@ impl Targets {
     pub fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
         let target = |label, format| target(gpu, label, format, size);
         let sums = |value, work| Sums { value: target(value, format::FLOATS), work: target(work, format::FLOATS) };
+        let lattice = |stride: u32, value, work| {
+            let [value, work] = [value, work]
+                .map(|label| self::target(gpu, label, format::FLOATS, size.map(|side| side.div_ceil(stride))));
+            Sums { value, work }
+        };
         Self {
             size,
             depth: target("depth", format::DEPTH),
@@ -59,6 +66,7 @@ impl Targets {
             others: target("other parameters", format::FLOATS),
             complete: [sums("sum 0", "work 0"), sums("sum 1", "work 1")],
             partial: [sums("partial sum 0", "partial work 0"), sums("partial sum 1", "partial work 1")],
+            lattices: [lattice(2, "lattice 0", "work of lattice 0"), lattice(4, "lattice 1", "work of lattice 1")],
             shown: target("shown", format::SHOWN),
         }
     }

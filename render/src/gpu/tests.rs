@@ -3,5 +3,6 @@
 mod bounce;
 mod direct;
 mod reflection;
+mod sketch;
 mod twin;
 mod vertex_bounce;

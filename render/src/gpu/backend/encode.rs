@@ -3,6 +3,7 @@
 use super::GpuBackend;
 use crate::{
     gpu::{
+        addition::draw_parts,
         frame::frame,
         layout::{
             self,
@@ -15,14 +16,14 @@ use crate::{
     shade::merge::BrdfSampling,
     view::Background,
 };
-use std::ops::Range;
+use lapidary_core::image::Region;
 
 impl GpuBackend {
-    pub(super) fn write_frame(&self, sample: u32) {
+    pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.picture();
         let offset = picture.offsets[sample as usize % picture.offsets.len()];
         let light = self.shown_environment().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, offset, &self.loaded().scene, light);
+        let uniforms = frame(&picture.view, offset, &self.loaded().scene, light, stride);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 
@@ -74,11 +75,17 @@ impl GpuBackend {
     }
 
     /// The additions before the merges of a sample, and all merges, one after another: each adds to the output of the
-    /// one before it.
-    pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
+    /// one before it. `parts` are texels: with a `stride` above 1 those of the first sample's lattice.
+    pub(super) fn encode_merge(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        sample: u32,
+        stride: u32,
+        parts: &[Region],
+    ) {
         let fields = self.fields();
         let complete = (sample & 1) as usize;
-        self.picture().additions.iter().for_each(|addition| addition.encode(encoder, complete, &rows));
+        self.picture().additions.iter().for_each(|addition| addition.encode(encoder, complete, parts));
         for (i, &field) in fields.iter().enumerate() {
             let variant = self.merge_variant(field, i == 0);
             let pipeline = self.passes.merge(&self.gpu, variant).clone();
@@ -86,11 +93,15 @@ impl GpuBackend {
             let from = if i == 0 { &groups.merge_complete[complete] } else { &groups.merge_partial[(i - 1) & 1] };
             let is_last = i + 1 == fields.len();
             let targets = self.targets();
-            let to = if is_last { &targets.complete[1 - complete] } else { &targets.partial[i & 1] };
+            let to = match lattice(stride) {
+                _ if !is_last => &targets.partial[i & 1],
+                None => &targets.complete[1 - complete],
+                Some(lattice) => &targets.lattices[lattice],
+            };
             let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
             let Some(light) = light else { continue };
             let bound = [&groups.frame, &groups.scene, light, from];
-            self.encode_rows(encoder, "merge", &pipeline, &bound, to, &rows);
+            self.encode_parts(encoder, "merge", &pipeline, &bound, to, parts);
         }
     }
 
@@ -102,14 +113,14 @@ impl GpuBackend {
         [Some(first), sources].into_iter().flatten().collect()
     }
 
-    fn encode_rows(
+    fn encode_parts(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         label: &str,
         pipeline: &wgpu::RenderPipeline,
         groups: &[&wgpu::BindGroup],
         to: &Sums,
-        rows: &Range<u32>,
+        parts: &[Region],
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(label),
@@ -120,8 +131,16 @@ impl GpuBackend {
         for (i, group) in groups.iter().enumerate() {
             pass.set_bind_group(i as u32, *group, &[]);
         }
-        pass.set_scissor_rect(0, rows.start, self.picture().view.size[0], rows.end - rows.start);
-        pass.draw(0..3, 0..1);
+        draw_parts(&mut pass, parts);
+    }
+
+    /// Fills the picture between the pixels of the lattice with a stride.
+    pub(super) fn encode_sketch(&self, encoder: &mut wgpu::CommandEncoder, stride: u32) {
+        let (groups, targets) = (&self.picture().groups, self.targets());
+        let Some(from) = lattice(stride) else { return };
+        let bound = [&groups.frame, &groups.scene, &groups.light, &groups.sketch[from]];
+        let whole = [Region::whole(targets.size)];
+        self.encode_parts(encoder, "sketch", &self.passes.sketch, &bound, &targets.complete[0], &whole);
     }
 
     pub(super) fn encode_display(&self, encoder: &mut wgpu::CommandEncoder, samples: u32) {
@@ -147,6 +166,15 @@ impl GpuBackend {
             color_attachments: &[cleared(&targets.complete[0].value), cleared(&targets.complete[0].work)],
             ..Default::default()
         });
+    }
+}
+
+/// Where a lattice lies, if it is not the whole sample.
+fn lattice(stride: u32) -> Option<usize> {
+    match stride {
+        1 => None,
+        4 => Some(1),
+        _ => Some(0),
     }
 }
 

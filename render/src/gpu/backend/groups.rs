@@ -21,6 +21,8 @@ pub struct Groups {
     /// Indexed by which of the sums is read.
     pub merge_complete: [wgpu::BindGroup; 2],
     pub merge_partial: [wgpu::BindGroup; 2],
+    /// Indexed as the lattices.
+    pub sketch: [wgpu::BindGroup; 2],
     pub display: [wgpu::BindGroup; 2],
 }
 
@@ -79,6 +81,7 @@ impl GpuBackend {
             }),
             merge_complete: [0, 1].map(|i| merge(&targets.complete[i], last.map(|addition| &addition.sum))),
             merge_partial: [0, 1].map(|i| merge(&targets.partial[i], None)),
+            sketch: [0, 1].map(|i| merge(&targets.lattices[i], None)),
             display: [display(&targets.complete[0]), display(&targets.complete[1])],
         }
     }

@@ -28,6 +28,27 @@ pub struct Picture {
     pub additions: Vec<Addition>,
     /// How many samples are complete.
     pub samples: u32,
+    pub lattices: Lattices,
+}
+
+/// How far the lattices of the first sample are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lattices {
+    /// Stride of the finest one that is complete.
+    pub complete: Option<u32>,
+    /// Stride of the one in the making, and its tiles that are done.
+    pub making: Option<(u32, u32)>,
+}
+
+impl Lattices {
+    /// Counts tiles of a lattice; `all` of them complete it.
+    pub fn add(&mut self, stride: u32, tiles: u32, all: u32) {
+        let before = self.making.filter(|(making, _)| *making == stride).map_or(0, |(_, tiles)| tiles);
+        self.making = Some((stride, before + tiles));
+        if before + tiles >= all {
+            self.complete = Some(stride);
+        }
+    }
 }
 
 impl GpuBackend {
@@ -63,7 +84,16 @@ impl GpuBackend {
         let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
         let count_top = view.mode.count_top(illum_cut);
         let offsets = view.pixel_offsets();
-        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions, samples: 0 }
+        Picture {
+            view: view.clone(),
+            sampling,
+            offsets,
+            count_top,
+            groups,
+            additions,
+            samples: 0,
+            lattices: Lattices::default(),
+        }
     }
 
     /// The environment if it is shown.

@@ -2,6 +2,7 @@
 
 use super::GpuBackend;
 use crate::{backend::BackendError, post::Post};
+use lapidary_core::image::Region;
 use std::time::{Duration, Instant};
 
 /// Wall-clock time of each pass of one sample.
@@ -26,14 +27,14 @@ impl GpuBackend {
     /// # Panics
     /// Before [`crate::Backend::begin`].
     pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
-        let height = self.picture().view.size[1];
-        self.write_frame(sample);
+        let whole = Region::whole(self.picture().view.size);
+        self.write_frame(sample, 1);
         self.gpu.wait()?;
         self.write_display(post, sample + 1);
         Ok(PassTimes {
             visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
             deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
-            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?,
+            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 1, &[whole]))?,
             display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
         })
     }
