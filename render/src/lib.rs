@@ -29,6 +29,7 @@ mod remedy;
 mod renderer;
 mod shade;
 mod sketch;
+mod stale;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_looks;
 #[cfg(test)]
@@ -37,7 +38,7 @@ mod view;
 mod view_mode;
 
 pub use appearance::Appearance;
-pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats};
+pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples};
 pub use baked::Baked;
 pub use cpu::{
     backend::{CPU, CpuBackend},
@@ -74,5 +75,6 @@ pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
 pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use sketch::{STRIDES, Tiles, share_of_lattice};
+pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

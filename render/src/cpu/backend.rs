@@ -6,6 +6,7 @@ use crate::{
     baked::Baked,
     cpu::{picture::Picture, sketch::Sketch},
     light::{
+        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
     },
@@ -17,7 +18,9 @@ use crate::{
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
     },
+    stale::{DirectStep, Part, Pixels, Stale, SummedLights},
     view::View,
+    view_mode::ViewMode,
 };
 use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
@@ -59,6 +62,49 @@ struct Begun {
     sampling: BrdfSampling,
     backdrop: Backdrop,
     picture: Picture,
+    /// The local lights in its sums.
+    lights: SummedLights,
+    /// Samples that all pixels have of every part.
+    complete: u32,
+}
+
+impl Begun {
+    /// Whether an edit leaves nothing of the picture. The other modes do not show the parts of the light one by one.
+    fn is_lost(&self, stale: &Stale) -> bool {
+        self.view.mode != ViewMode::Shaded && stale.any()
+    }
+
+    /// Drops what edits have changed.
+    fn forget(&mut self, stale: &Stale, step: DirectStep) {
+        let picture = &mut self.picture;
+        match step {
+            DirectStep::Keep => {}
+            DirectStep::Add => picture.forget(Part::Added, Pixels::All),
+            DirectStep::MergeAndAdd => picture.merge_added(),
+            DirectStep::Anew => {
+                [Part::Direct, Part::Added].into_iter().for_each(|part| picture.forget(part, Pixels::All))
+            }
+        }
+        Part::ALL.into_iter().for_each(|part| picture.forget(part, stale.pixels(part)));
+    }
+}
+
+/// The light of a picture that sums these local lights.
+fn light_of<'a>(
+    renderer: Option<&'a Renderer>,
+    environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
+    local: &'a LocalLighting,
+    lights: &'a SummedLights,
+) -> PictureLight<'a> {
+    let intersector = renderer.map(|renderer| &*renderer.intersector);
+    let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
+    PictureLight {
+        environment: environment.map(|(_, lighting)| &**lighting),
+        sources: local.shown_indirect().map(|lighting| &**lighting),
+        vertex_irradiance: local.shown_vertex_irradiance().map(|vertices| &**vertices),
+        local: shown(&lights.direct),
+        added: shown(&lights.added),
+    }
 }
 
 /// A picture with what samples and paints its pixels.
@@ -66,6 +112,9 @@ struct AtWork<'a> {
     picture: &'a mut Picture,
     sketch: &'a mut Sketch,
     sampler: PixelSampler<'a>,
+    patches: Option<Arc<[u8]>>,
+    /// Samples that all pixels have of every part.
+    complete: &'a mut u32,
     light: PictureLight<'a>,
     dataset: &'a Dataset,
     sampling: BrdfSampling,
@@ -87,16 +136,15 @@ impl CpuBackend {
 
     /// The picture that was begun, with what samples and paints its pixels.
     fn at_work(&mut self) -> Option<AtWork<'_>> {
-        let (renderer, Begun { view, sampling, backdrop, picture }) = (self.renderer.as_ref()?, self.begun.as_mut()?);
+        let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
+        let Begun { view, sampling, backdrop, picture, lights, complete } = begun;
         let environment = self.light.as_ref().filter(|_| self.local.components.environment);
-        let light = PictureLight {
-            environment: environment.map(|(_, lighting)| &**lighting),
-            sources: self.local.shown_indirect().map(|lighting| &**lighting),
-            vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
-            local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
-        };
-        let (sampler, sketch) = (PixelSampler::new(renderer, view, backdrop), &mut self.sketch);
-        Some(AtWork { picture, sketch, sampler, light, dataset: &renderer.dataset, sampling: *sampling })
+        let light = light_of(Some(renderer), environment, &self.local, lights);
+        let sampler = PixelSampler::new(renderer, view, backdrop);
+        // Without bounces no edit changes the light of other surfaces.
+        let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
+        let (sketch, dataset, sampling) = (&mut self.sketch, &renderer.dataset, *sampling);
+        Some(AtWork { picture, sketch, sampler, patches, complete, light, dataset, sampling })
     }
 
     /// The environment if it is shown.
@@ -139,9 +187,29 @@ impl Backend for CpuBackend {
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        self.begun = None;
+        self.resume(view, sampling, &Stale::ALL)
+    }
+
+    fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
+        let keeps = |begun: &Begun| (&begun.view, begun.sampling) == (view, sampling) && !begun.is_lost(stale);
+        let kept = self.begun.take().filter(keeps);
         let light = self.shown_environment().map(|(light, _)| light.clone());
         let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
-        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view) });
+        let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
+        let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
+        let step = lights.update(self.local.shown_lights().unwrap_or_default(), complete);
+        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
+        let parts = shown.parts(view.mode);
+        let picture = match kept {
+            None => Picture::new(view.size, parts),
+            Some(mut begun) => {
+                begun.forget(stale, step);
+                begun.picture.resume(parts);
+                begun.picture
+            }
+        };
+        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture, lights, complete: 0 });
         self.sketch.begin(&view.camera, view.size);
         Ok(())
     }
@@ -149,21 +217,27 @@ impl Backend for CpuBackend {
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
         let Some(work) = self.at_work() else { return Ok(()) };
         let painter = work.painter();
-        work.picture.add_rows(&work.sampler, painter, sample, rows);
+        if rows.end >= work.sampler.view.size[1] {
+            *work.complete = sample + 1;
+        }
+        work.picture.add_rows(&work.sampler, painter, work.patches.as_deref(), sample, rows);
         Ok(())
     }
 
     fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
         let Some(work) = self.at_work() else { return Ok(()) };
-        let painter = work.painter();
-        work.sketch.add_tiles(work.picture, &work.sampler, painter, stride, tiles);
+        let (painter, patches) = (work.painter(), work.patches.as_deref());
+        work.sketch.add_tiles(work.picture, &work.sampler, painter, patches, stride, tiles);
+        if work.sketch.is_complete() {
+            *work.complete = 1;
+        }
         Ok(())
     }
 
     fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError> {
         let Some(work) = self.at_work() else { return Ok(()) };
-        let painter = work.painter();
-        work.sketch.fill(work.picture, &work.sampler, painter, most_shaded as usize);
+        let (painter, patches) = (work.painter(), work.patches.as_deref());
+        work.sketch.fill(work.picture, &work.sampler, painter, patches, most_shaded as usize);
         Ok(())
     }
 

@@ -2,14 +2,14 @@
 
 use crate::{
     appearance::Appearance,
-    cpu::picture::{Picture, Pixel},
+    cpu::picture::{FirstSample, Lacking, Picture},
     shade::{
-        merge::Work,
         painter::Painter,
         pixel_sampler::PixelSampler,
         surface::{FirstHit, SurfacePoint},
     },
     sketch::{Guide, Mean, Tiles, around, pixel_angle},
+    view_mode::ViewMode,
 };
 use glam::{IVec2, Vec3};
 use lapidary_core::{camera::Camera, image::Region, ray::Hit};
@@ -56,14 +56,8 @@ impl Sketch {
     /// Another appearance after `old`: what the pixels of changed materials look like is looked up again.
     pub fn set_appearance(&mut self, old: &Appearance, new: &Appearance) {
         self.changes += 1;
-        let textures = Appearance { materials: Vec::new(), ..old.clone() }
-            .is_same(&Appearance { materials: Vec::new(), ..new.clone() });
         self.changed.resize(new.materials.len(), 0);
-        for (i, material) in new.materials.iter().enumerate() {
-            if !textures || old.materials.get(i) != Some(material) {
-                self.changed[i] = self.changes;
-            }
-        }
+        old.changed_materials(new).into_iter().for_each(|material| self.changed[material] = self.changes);
     }
 
     /// Another picture; what its pixels see is kept if the camera is the same.
@@ -76,6 +70,11 @@ impl Sketch {
             self.looked = vec![None; count];
         }
         self.strides = vec![None; count];
+    }
+
+    /// Whether all tiles have all lattices.
+    pub fn is_complete(&self) -> bool {
+        self.strides.iter().all(|&stride| stride == Some(1))
     }
 
     fn tiles(&self) -> Tiles {
@@ -93,6 +92,7 @@ impl Sketch {
         picture: &mut Picture,
         sampler: &PixelSampler<'a>,
         painter: impl Fn() -> Painter<'a> + Sync + Send,
+        patches: Option<&[u8]>,
         stride: u32,
         tiles: &[u32],
     ) {
@@ -101,13 +101,12 @@ impl Sketch {
         let wanted: Vec<bool> = mask(all.count(), tiles);
         let shade_tile =
             |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
-                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler };
+                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler, patches };
                 work.look(*looked, &materials);
                 *looked = Some(materials.last);
-                let pixels = work.shade(picture, painter, stride, self.strides[tile].is_none());
-                (pixels, painter.take_work())
+                work.shade(picture, painter, stride, self.strides[tile].is_none())
             };
-        let shaded: Vec<(Vec<([u32; 2], Pixel)>, Work)> = self
+        let shaded: Vec<Vec<FirstSample>> = self
             .guides
             .par_chunks_mut(Tiles::MOST_PIXELS)
             .zip(&mut self.looked)
@@ -115,9 +114,7 @@ impl Sketch {
             .filter(|(tile, _)| wanted[*tile])
             .map_init(painter, shade_tile)
             .collect();
-        for (pixels, work) in shaded {
-            picture.set_pixels(&pixels, work);
-        }
+        shaded.into_iter().for_each(|samples| picture.set_first(samples));
         tiles.iter().for_each(|&tile| self.strides[tile as usize] = Some(stride));
     }
 
@@ -128,23 +125,24 @@ impl Sketch {
         picture: &mut Picture,
         sampler: &PixelSampler<'a>,
         painter: impl Fn() -> Painter<'a> + Sync + Send,
+        patches: Option<&[u8]>,
         most_shaded: usize,
     ) {
         let Some((camera, size)) = &self.seen_by else { return };
-        let filter = Filter { sketch: self, picture, eye: camera.eye, pixel_angle: pixel_angle(camera, *size) };
+        let is_lit = sampler.view.mode == ViewMode::Shaded;
+        let filter = Filter { sketch: self, picture, eye: camera.eye, pixel_angle: pixel_angle(camera, *size), is_lit };
         let mut filled = vec![Filled::default(); size[0] as usize * size[1] as usize];
         let fill_row = |(y, row): (usize, &mut [Filled])| filter.fill_row(y as u32, row, sampler);
         let holes: Vec<Hole> =
             filled.par_chunks_mut(size[0].max(1) as usize).enumerate().flat_map_iter(fill_row).collect();
         let chosen = chosen(&holes, most_shaded);
+        let view = &*picture;
         let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
             let [x, y] = hole.pixel;
-            (first_sample(sampler, painter, self.guide(x, y), hole.pixel), painter.take_work())
+            first_sample(view, (sampler, painter), patches, self.guide(x, y), hole.pixel)
         };
-        let shaded: Vec<_> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
-        for (pixel, work) in shaded {
-            picture.set_pixels(&[pixel], work);
-        }
+        let shaded: Vec<FirstSample> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
+        picture.set_first(shaded);
         picture.set_filled(filled);
     }
 }
@@ -181,6 +179,7 @@ struct TileWork<'t, 's, 'a> {
     region: Region,
     guides: &'t mut [Guide],
     sampler: &'s PixelSampler<'a>,
+    patches: Option<&'s [u8]>,
 }
 
 impl TileWork<'_, '_, '_> {
@@ -201,16 +200,16 @@ impl TileWork<'_, '_, '_> {
     }
 
     /// The first sample of the pixels on a lattice, and with `unlit` of those without a surface to shade.
-    fn shade(&self, picture: &Picture, painter: &mut Painter, stride: u32, unlit: bool) -> Vec<([u32; 2], Pixel)> {
+    fn shade(&self, picture: &Picture, painter: &mut Painter, stride: u32, unlit: bool) -> Vec<FirstSample> {
         let mut shaded = Vec::new();
         for (x, y) in pixels(self.region) {
             let on_lattice = x % stride == 0 && y % stride == 0;
-            if !(on_lattice || unlit) || picture.has_samples(x, y) {
+            if !(on_lattice || unlit) || picture.lacking(x, y).is_none() {
                 continue;
             }
             let guide = &self.guides[self.tiles.place(x, y).1];
             if on_lattice || !guide.is_lit() {
-                shaded.push(first_sample(self.sampler, painter, guide, [x, y]));
+                shaded.push(first_sample(picture, (self.sampler, &mut *painter), self.patches, guide, [x, y]));
             }
         }
         shaded
@@ -257,9 +256,15 @@ fn hit(guide: &Guide) -> Option<Hit> {
     (guide.material != Guide::BACKGROUND).then_some(hit)
 }
 
-/// The first sample of a pixel without its camera ray.
-fn first_sample(sampler: &PixelSampler, painter: &mut Painter, guide: &Guide, [x, y]: [u32; 2]) -> ([u32; 2], Pixel) {
-    ([x, y], Pixel::first(sampler, painter, [x, y], sampler.first_sight(x, y, hit(guide))))
+/// What a pixel lacks of its first sample, without its camera ray.
+fn first_sample(
+    picture: &Picture,
+    (sampler, painter): (&PixelSampler, &mut Painter),
+    patches: Option<&[u8]>,
+    guide: &Guide,
+    [x, y]: [u32; 2],
+) -> FirstSample {
+    FirstSample::new(picture, (sampler, painter), patches, [x, y], &sampler.first_sight(x, y, hit(guide)))
 }
 
 /// The joint bilateral filter.
@@ -268,6 +273,8 @@ struct Filter<'a> {
     picture: &'a Picture,
     eye: Vec3,
     pixel_angle: f32,
+    /// Whether the pixels show radiance.
+    is_lit: bool,
 }
 
 impl Filter<'_> {
@@ -276,16 +283,15 @@ impl Filter<'_> {
         let mut holes = Vec::new();
         for (x, filled) in row.iter_mut().enumerate() {
             let pixel = [x as u32, y];
-            if self.picture.has_samples(pixel[0], y) {
-                continue;
-            }
+            let Some(lacking) = self.picture.lacking(pixel[0], y) else { continue };
             let guide = self.sketch.guide(pixel[0], y);
-            let fitting = self.fitting(pixel, guide);
+            let fitting = self.fitting(pixel, guide, lacking);
             if fitting.is_none() {
-                holes.push(Hole { pixel, guess: self.guess(pixel, guide) });
+                holes.push(Hole { pixel, guess: self.guess(pixel, guide, lacking) });
             }
             let mean = fitting.or_else(|| holes.last().and_then(|hole| hole.guess));
-            filled.value = mean.unwrap_or_default() * self.divisor(guide);
+            filled.value =
+                mean.unwrap_or_default() * self.divisor(guide) + self.picture.mean_of_rest(pixel[0], y, lacking);
             if sampler.view.wireframe {
                 filled.wire = sampler.first_wire(pixel[0], y, guide.triangle & !Guide::FROM_BEHIND);
             }
@@ -294,30 +300,36 @@ impl Filter<'_> {
     }
 
     fn divisor(&self, guide: &Guide) -> Vec3 {
-        if self.picture.is_lit() { guide.albedo } else { Vec3::ONE }
+        if self.is_lit { guide.albedo } else { Vec3::ONE }
     }
 
     /// The mean of the lattice points around a pixel, or of those around these, as far as they fit.
-    fn fitting(&self, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+    fn fitting(&self, pixel: [u32; 2], guide: &Guide, lacking: Lacking) -> Option<Vec3> {
         let stride = self.stride(pixel);
         let reach = stride as f32 * self.pixel_angle * guide.position.distance(self.eye);
-        [1, 2]
-            .into_iter()
-            .find_map(|cells| self.mean(pixel, stride, cells, |other| guide.fit(other, reach)).fitting(cells))
+        [1, 2].into_iter().find_map(|cells| {
+            self.mean((pixel, lacking), stride, cells, |other| guide.fit(other, reach)).fitting(cells)
+        })
     }
 
     /// The mean over the nearest surfaces, with those of the same material far ahead.
-    fn guess(&self, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+    fn guess(&self, pixel: [u32; 2], guide: &Guide, lacking: Lacking) -> Option<Vec3> {
         const OTHER: f32 = 1e-3;
         let weight = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
-        self.mean(pixel, self.stride(pixel), 2, weight).any()
+        self.mean((pixel, lacking), self.stride(pixel), 2, weight).any()
     }
 
-    fn mean(&self, pixel: [u32; 2], stride: u32, cells: i32, fit: impl Fn(&Guide) -> f32) -> Mean {
+    fn mean(
+        &self,
+        (pixel, lacking): ([u32; 2], Lacking),
+        stride: u32,
+        cells: i32,
+        fit: impl Fn(&Guide) -> f32,
+    ) -> Mean {
         let mut mean = Mean::default();
         for (IVec2 { x, y }, weight) in around(pixel, stride, cells) {
             // Negative ones are beyond any size.
-            let Some(value) = self.picture.mean_at(x as u32, y as u32) else { continue };
+            let Some(value) = self.picture.mean_of(x as u32, y as u32, lacking) else { continue };
             let other = self.sketch.guide(x as u32, y as u32);
             let weight = if other.is_lit() { weight * fit(other) } else { 0.0 };
             if weight > 0.0 {
