@@ -130,7 +130,8 @@ impl Sketch {
     ) {
         let Some((camera, size)) = &self.seen_by else { return };
         let is_lit = sampler.view.mode == ViewMode::Shaded;
-        let filter = Filter { sketch: self, picture, eye: camera.eye, pixel_angle: pixel_angle(camera, *size), is_lit };
+        let (eye, pixel_angle) = (camera.eye, pixel_angle(camera, *size));
+        let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
         let mut filled = vec![Filled::default(); size[0] as usize * size[1] as usize];
         let fill_row = |(y, row): (usize, &mut [Filled])| filter.fill_row(y as u32, row, sampler);
         let holes: Vec<Hole> =
@@ -142,7 +143,17 @@ impl Sketch {
             first_sample(view, (sampler, painter), patches, self.guide(x, y), hole.pixel)
         };
         let shaded: Vec<FirstSample> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
+        let any_shaded = !shaded.is_empty();
         picture.set_first(shaded);
+        if any_shaded {
+            let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
+            let near = |hole: &Hole| filter.near(hole.pixel);
+            let values: Vec<Option<Vec3>> = holes.par_iter().map(near).collect();
+            for (Hole { pixel: [x, y], .. }, value) in holes.iter().zip(values) {
+                let filled = &mut filled[*y as usize * size[0] as usize + *x as usize];
+                filled.value = value.unwrap_or(filled.value);
+            }
+        }
         picture.set_filled(filled);
     }
 }
@@ -290,13 +301,33 @@ impl Filter<'_> {
                 holes.push(Hole { pixel, guess: self.guess(pixel, guide, lacking) });
             }
             let mean = fitting.or_else(|| holes.last().and_then(|hole| hole.guess));
-            filled.value =
-                mean.unwrap_or_default() * self.divisor(guide) + self.picture.mean_of_rest(pixel[0], y, lacking);
+            filled.value = self.multiplied(mean.unwrap_or_default(), pixel, lacking);
             if sampler.view.wireframe {
                 filled.wire = sampler.first_wire(pixel[0], y, guide.triangle & !Guide::FROM_BEHIND);
             }
         }
         holes
+    }
+
+    /// The value of a hole beside holes that were shaded: thin things are shaded in part.
+    fn near(&self, pixel: [u32; 2]) -> Option<Vec3> {
+        /// Pixels on each side of it, along which several holes lie that one shaded pixel stands for.
+        const PIXELS: i32 = 3;
+        let lacking = self.picture.lacking(pixel[0], pixel[1])?;
+        let guide = self.sketch.guide(pixel[0], pixel[1]);
+        let reach = self.reach(guide, PIXELS as u32);
+        let mean = self.mean((pixel, lacking), 1, PIXELS, |other| guide.fit(other, reach)).any()?;
+        Some(self.multiplied(mean, pixel, lacking))
+    }
+
+    /// Radiance over albedo as what a pixel shows, with the light that it does not lack.
+    fn multiplied(&self, mean: Vec3, [x, y]: [u32; 2], lacking: Lacking) -> Vec3 {
+        mean * self.divisor(self.sketch.guide(x, y)) + self.picture.mean_of_rest(x, y, lacking)
+    }
+
+    /// Distance of a lattice in metres at a pixel.
+    fn reach(&self, guide: &Guide, stride: u32) -> f32 {
+        stride as f32 * self.pixel_angle * guide.position.distance(self.eye)
     }
 
     fn divisor(&self, guide: &Guide) -> Vec3 {
@@ -306,7 +337,7 @@ impl Filter<'_> {
     /// The mean of the lattice points around a pixel, or of those around these, as far as they fit.
     fn fitting(&self, pixel: [u32; 2], guide: &Guide, lacking: Lacking) -> Option<Vec3> {
         let stride = self.stride(pixel);
-        let reach = stride as f32 * self.pixel_angle * guide.position.distance(self.eye);
+        let reach = self.reach(guide, stride);
         [1, 2].into_iter().find_map(|cells| {
             self.mean((pixel, lacking), stride, cells, |other| guide.fit(other, reach)).fitting(cells)
         })
