@@ -217,11 +217,11 @@ pub trait Backend: Send {
 
     /// Fills the pixels without a sample from those around them, for [`Self::display`]. All tiles must have been sketched.
     /// A pixel that nothing around it resembles, as on a thin object, is given its first sample if it is one of at most
-    /// `most_shaded`.
+    /// `most_shaded`. Returns how many were.
     ///
     /// # Errors
     /// A lost device.
-    fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError>;
+    fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError>;
 
     /// The picture so far for a display: sRGB-encoded, not premultiplied, row by row from the top.
     ///

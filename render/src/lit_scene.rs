@@ -287,7 +287,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     ///
     /// # Errors
     /// A lost device.
-    pub fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError> {
+    pub fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError> {
         self.backend.fill(most_shaded)
     }
 
@@ -485,8 +485,8 @@ mod tests {
             Ok(())
         }
 
-        fn fill(&mut self, _: u32) -> Result<(), BackendError> {
-            Ok(())
+        fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+            Ok(0)
         }
 
         fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {

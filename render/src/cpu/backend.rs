@@ -234,11 +234,10 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
-    fn fill(&mut self, most_shaded: u32) -> Result<(), BackendError> {
-        let Some(work) = self.at_work() else { return Ok(()) };
+    fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError> {
+        let Some(work) = self.at_work() else { return Ok(0) };
         let (painter, patches) = (work.painter(), work.patches.as_deref());
-        work.sketch.fill(work.picture, &work.sampler, painter, patches, most_shaded as usize);
-        Ok(())
+        Ok(work.sketch.fill(work.picture, &work.sampler, painter, patches, most_shaded))
     }
 
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {

@@ -12,7 +12,11 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{IVec2, Vec3};
-use lapidary_core::{camera::Camera, image::Region, ray::Hit};
+use lapidary_core::{
+    camera::Camera,
+    image::Region,
+    ray::{Hit, SeenFrom},
+};
 use rayon::prelude::*;
 
 /// A pixel that the filter fills.
@@ -28,6 +32,8 @@ pub(crate) struct Filled {
 #[derive(Default)]
 pub(crate) struct Sketch {
     seen_by: Option<(Camera, [u32; 2])>,
+    /// For the camera's rays, while there are pixels without one.
+    rays: Option<SeenFrom>,
     /// Those of one tile after another.
     guides: Vec<Guide>,
     /// For each tile, the number of the last change of materials that its guides have; `None` before it was looked at.
@@ -67,6 +73,7 @@ impl Sketch {
         if self.seen_by.as_ref().is_none_or(|(c, s)| c != camera || *s != size) {
             self.seen_by = Some((camera.clone(), size));
             self.guides.clear();
+            self.rays = None;
             self.looked = vec![None; count];
         }
         self.strides = vec![None; count];
@@ -99,9 +106,18 @@ impl Sketch {
         let (all, materials) = (self.tiles(), MaterialChanges { last: self.changes, of: &self.changed });
         self.guides.resize(all.count() as usize * Tiles::MOST_PIXELS, Guide::unlit(Guide::BACKGROUND));
         let wanted: Vec<bool> = mask(all.count(), tiles);
+        let needs_rays = tiles.iter().any(|&tile| self.looked[tile as usize].is_none());
+        let rays = self.rays.take().or_else(|| needs_rays.then(|| sampler.seen_from_eye()));
         let shade_tile =
             |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
-                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler, patches };
+                let mut work = TileWork {
+                    tiles: all,
+                    region: all.region(tile as u32),
+                    guides,
+                    sampler,
+                    patches,
+                    rays: rays.as_ref(),
+                };
                 work.look(*looked, &materials);
                 *looked = Some(materials.last);
                 work.shade(picture, painter, stride, self.strides[tile].is_none())
@@ -115,20 +131,21 @@ impl Sketch {
             .map_init(painter, shade_tile)
             .collect();
         shaded.into_iter().for_each(|samples| picture.set_first(samples));
+        self.rays = rays.filter(|_| self.looked.contains(&None));
         tiles.iter().for_each(|&tile| self.strides[tile as usize] = Some(stride));
     }
 
     /// Fills the pixels that have no sample yet. At most `most_shaded` of those that nothing around fits are shaded instead,
-    /// first those with no surface around them. All tiles must have a lattice.
+    /// first those with no surface around them. All tiles must have a lattice. Returns how many were shaded.
     pub fn fill<'a>(
         &self,
         picture: &mut Picture,
         sampler: &PixelSampler<'a>,
         painter: impl Fn() -> Painter<'a> + Sync + Send,
         patches: Option<&[u8]>,
-        most_shaded: usize,
-    ) {
-        let Some((camera, size)) = &self.seen_by else { return };
+        most_shaded: u32,
+    ) -> u32 {
+        let Some((camera, size)) = &self.seen_by else { return 0 };
         let is_lit = sampler.view.mode == ViewMode::Shaded;
         let (eye, pixel_angle) = (camera.eye, pixel_angle(camera, *size));
         let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
@@ -136,16 +153,16 @@ impl Sketch {
         let fill_row = |(y, row): (usize, &mut [Filled])| filter.fill_row(y as u32, row, sampler);
         let holes: Vec<Hole> =
             filled.par_chunks_mut(size[0].max(1) as usize).enumerate().flat_map_iter(fill_row).collect();
-        let chosen = chosen(&holes, most_shaded);
+        let chosen = chosen(&holes, most_shaded as usize);
         let view = &*picture;
         let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
             let [x, y] = hole.pixel;
             first_sample(view, (sampler, painter), patches, self.guide(x, y), hole.pixel)
         };
         let shaded: Vec<FirstSample> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
-        let any_shaded = !shaded.is_empty();
+        let count = shaded.len();
         picture.set_first(shaded);
-        if any_shaded {
+        if count > 0 {
             let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
             let near = |hole: &Hole| filter.near(hole.pixel);
             let values: Vec<Option<Vec3>> = holes.par_iter().map(near).collect();
@@ -155,6 +172,7 @@ impl Sketch {
             }
         }
         picture.set_filled(filled);
+        count as u32
     }
 }
 
@@ -191,6 +209,8 @@ struct TileWork<'t, 's, 'a> {
     guides: &'t mut [Guide],
     sampler: &'s PixelSampler<'a>,
     patches: Option<&'s [u8]>,
+    /// There where pixels were not looked at.
+    rays: Option<&'s SeenFrom>,
 }
 
 impl TileWork<'_, '_, '_> {
@@ -203,7 +223,8 @@ impl TileWork<'_, '_, '_> {
             let guide = &mut self.guides[self.tiles.place(x, y).1];
             let changed = materials.of.get(guide.material as usize).copied();
             if looked.is_none() {
-                *guide = looked_up(self.sampler, self.sampler.first_hit(x, y), x, y);
+                let hit = self.rays.and_then(|rays| self.sampler.first_hit(rays, x, y));
+                *guide = looked_up(self.sampler, hit, x, y);
             } else if changed > looked {
                 *guide = looked_up(self.sampler, hit(guide), x, y);
             }

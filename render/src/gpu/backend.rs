@@ -288,10 +288,11 @@ impl Backend for GpuBackend {
     }
 
     /// Fills from the finest lattice that all tiles have, and shades no pixel itself: the next lattice comes sooner.
-    fn fill(&mut self, _most_shaded: u32) -> Result<(), BackendError> {
-        let Some(stride) = self.picture().lattices.complete else { return Ok(()) };
+    fn fill(&mut self, _most_shaded: u32) -> Result<u32, BackendError> {
+        let Some(stride) = self.picture().lattices.complete else { return Ok(0) };
         self.write_frame(0, stride);
-        self.submit(|s, encoder| s.encode_sketch(encoder, stride))
+        self.submit(|s, encoder| s.encode_sketch(encoder, stride))?;
+        Ok(0)
     }
 
     fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {

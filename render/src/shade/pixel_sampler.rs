@@ -10,13 +10,17 @@ use crate::{
     view::View,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::ray::Hit;
+use lapidary_core::{
+    camera::Lens,
+    ray::{Hit, SeenFrom},
+};
 use std::ops::Range;
 
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     screen: Screen,
+    lens: Lens,
     backdrop: &'a Backdrop,
     surfaces: Surfaces<'a>,
     offsets: Vec<Vec2>,
@@ -35,7 +39,8 @@ pub(crate) struct Sight {
 impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let screen = Screen::new(&view.camera, view.size);
-        Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+        let lens = view.camera.lens(view.size);
+        Self { view, screen, lens, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
     }
 
     /// The pixels of a row that are wanted.
@@ -60,13 +65,18 @@ impl<'a> PixelSampler<'a> {
 
     fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, Vec3) {
         let position = Vec2::new(x as f32, y as f32) + in_pixel;
-        (position, self.view.camera.direction_through(position, self.view.size))
+        (position, self.lens.direction_through(position))
+    }
+
+    /// Prepares the camera rays of many pixels.
+    pub fn seen_from_eye(&self) -> SeenFrom {
+        self.surfaces.seen_from(self.view.camera.eye)
     }
 
     /// Where the camera ray through a pixel's first sample meets the mesh.
-    pub fn first_hit(&self, x: u32, y: u32) -> Option<Hit> {
+    pub fn first_hit(&self, seen: &SeenFrom, x: u32, y: u32) -> Option<Hit> {
         let (_, direction) = self.toward(x, y, self.offsets[0]);
-        self.surfaces.hit_along(self.view.camera.eye, direction)
+        self.surfaces.hit_from(seen, direction)
     }
 
     /// The view along a pixel's first sample, whose hit is known.

@@ -6,7 +6,7 @@ use lapidary_core::{
     brdf::SurfaceBrdf,
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
-    ray::{Hit, Intersector, offset},
+    ray::{Hit, Intersector, SeenFrom, offset},
     simd::Vec3x8,
 };
 use wide::f32x8;
@@ -169,6 +169,16 @@ impl<'a> Surfaces<'a> {
     /// The first hit of a ray.
     pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
         self.seen_at(self.hit_along(origin, direction), direction)
+    }
+
+    /// Prepares many rays from one origin.
+    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
+        self.intersector.seen_from(origin)
+    }
+
+    /// Where a ray from a prepared origin first meets the mesh.
+    pub fn hit_from(&self, seen: &SeenFrom, direction: Vec3) -> Option<Hit> {
+        self.intersector.closest_hit_from(seen, direction)
     }
 
     /// Where a ray first meets the mesh.

@@ -20,9 +20,10 @@ pub struct SketchPace {
 }
 
 impl SketchPace {
-    /// Records that it took `millis` milliseconds to show a sketch of `pixels` pixels.
-    pub fn shown(&mut self, pixels: u64, millis: f64) {
-        self.show.measured(pixels, millis);
+    /// Records that it took `millis` milliseconds to show a sketch of `pixels` pixels, of which `shaded` were shaded for it.
+    pub fn shown(&mut self, pixels: u64, shaded: u32, millis: f64) {
+        let shading = self.finer.millis(shaded.into()).unwrap_or(0.0);
+        self.show.measured(pixels, (millis - shading).max(0.0));
     }
 
     /// The largest picture whose coarsest lattice is shown in `budget_ms`.
@@ -170,7 +171,7 @@ mod tests {
         assert!(!sketching.is_due(&pace, 0.0), "nothing to show");
         sketching.advance(1, &mut pace, 1.0);
         assert!(sketching.is_due(&pace, 0.0) && !sketching.is_due(&pace, 1e6));
-        pace.shown(3600, 2e6);
+        pace.shown(3600, 0, 2e6);
         assert!(sketching.is_due(&pace, 1e6), "the time to show it counts");
         sketching.set_shown();
         assert!(!sketching.is_due(&pace, 0.0) && sketching.stride() == Some(8));

@@ -26,7 +26,7 @@ const HELD_WAIT: Duration = Duration::from_millis(100);
 
 /// Share of the frame time for what a picture needs at least: the coarsest lattice and its display. The rest is for finer
 /// ones.
-const FIRST_SHARE: f32 = 0.7;
+const FIRST_SHARE: f32 = 0.9;
 
 /// Share of the frame time for pixels that nothing on the lattice resembles.
 const HOLES_SHARE: f32 = 0.1;
@@ -41,6 +41,8 @@ struct Begun {
     millis: f64,
     /// Its first sample.
     sketching: Sketching,
+    /// Pixels that were shaded when it was last filled.
+    holes: u32,
 }
 
 impl Begun {
@@ -290,7 +292,7 @@ impl Worker {
         let start = Instant::now();
         self.publish(request)?;
         let Some(begun) = &mut self.begun else { return Ok(()) };
-        self.sketch_pace.shown(begun.sketching.pixels(), millis_since(start));
+        self.sketch_pace.shown(begun.sketching.pixels(), begun.holes, millis_since(start));
         begun.sketching.set_shown();
         if !begun.full_size {
             self.stage = PictureStage::Settle { since: Instant::now() };
@@ -356,7 +358,7 @@ impl Worker {
         let Some(scene) = &mut self.scene else { return Ok(()) };
         scene.resume(&view, request.look.sampling)?;
         let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
-        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching });
+        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
         self.stage = PictureStage::Sketch;
         Ok(())
     }
@@ -388,13 +390,13 @@ impl Worker {
 
     /// Shows the picture as it is.
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
-        let (Some(begun), Some(scene)) = (&self.begun, &mut self.scene) else { return Ok(()) };
+        let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
         let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
         let is_sketch = begun.complete == 0;
         if is_sketch {
             let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * request.frame_budget_ms));
-            scene.fill(shaded)?;
+            begun.holes = scene.fill(shaded)?;
         }
         let backend = scene.backend();
         let frame = RenderedFrame {

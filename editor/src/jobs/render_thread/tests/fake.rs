@@ -104,8 +104,8 @@ impl Backend for Fake {
         self.render(pixels as u64, |log| log.sketched.extend(tiles.iter().map(|&tile| (stride, tile))))
     }
 
-    fn fill(&mut self, _: u32) -> Result<(), BackendError> {
-        Ok(())
+    fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+        Ok(0)
     }
 
     /// The eye's x in red, the exposure in green.
