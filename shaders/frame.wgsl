@@ -19,9 +19,11 @@ struct FrameUniforms {
     view_mode: u32,
     wireframe: u32,
     source_tree_height: u32,
+    // Number of the sample that is rendered.
+    sample: u32,
+    padding: u32,
     // Columns and rows of pixels from texel to texel of the passes that shade: 1, or the stride of a lattice.
     stride: vec2<u32>,
-    padding: vec2<u32>,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

@@ -1,7 +1,10 @@
 // The filter between the pixels of a lattice: a joint bilateral one, of radiance over albedo. Twin of the filter in
 // render/src/cpu/sketch.rs, but that it shades no pixel itself. Texel (i, j) of the lattice is pixel (i, j) * stride.
 
-@group(3) @binding(4) var lattice_sum: texture_2d<f32>;
+// A pass fills one part of the light, where it lacks its first sample.
+
+@group(2) @binding(0) var lattice_value: texture_2d<f32>;
+@group(2) @binding(1) var lattice_work: texture_2d<u32>;
 
 // Least albedo that radiance is divided by.
 const LEAST_ALBEDO: f32 = 1.0 / 512.0;
@@ -11,27 +14,26 @@ const LEAST_SHARE: f32 = 1.0 / 16.0;
 const OTHER: f32 = 1e-3;
 const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
 
-struct Sample {
-    // Value of the view mode, and coverage.
-    @location(0) value: vec4<f32>,
-    // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
-    @location(1) work: vec4<f32>,
-}
+// Whether it fills the first part of the light, which also has the background and the lines of a wireframe.
+override IS_FIRST: bool = true;
 
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy);
-    let g = textureLoad(geometry, pixel, 0);
-    if g.x == 0u {
-        let shown = select(vec3(0.0), background_radiance(ray_direction(pixel)), frame.view_mode == VIEW_SHADED);
-        return Sample(vec4(shown, 0.0), vec4(0.0));
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
     }
-    if (g.w & FLAG_BLACK) != 0u {
-        return Sample(vec4(0.0, 0.0, 0.0, 1.0), vec4(0.0));
+    let g = textureLoad(geometry, pixel, 0);
+    if !is_surface(g) {
+        let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
+        let shown = select(vec3(0.0), background_radiance(ray_direction(pixel)), shows);
+        return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
     }
     let here = guide(g, pixel);
-    let wire = select(0.0, wireframe_coverage(pixel, triangles[g.x - 1u].vertices), frame.wireframe != 0u);
-    return Sample(vec4(filtered(pixel, here) * here.divisor, 1.0), vec4(0.0, 0.0, wire, 1.0));
+    let has_lines = IS_FIRST && frame.wireframe != 0u;
+    let wire = select(0.0, wireframe_coverage(pixel, triangles[g.x - 1u].vertices), has_lines);
+    return with_sample(sums, g, vec4(filtered(pixel, here) * here.divisor, wire), 0u, 0u);
 }
 
 struct Guide {
@@ -81,13 +83,15 @@ fn weighted_sum(pixel: vec2<u32>, here: Guide, cells: i32, fits: bool) -> vec4<f
         let away = abs(vec2<f32>(other - vec2<i32>(pixel))) / f32(cells * stride);
         let tent = max(1.0 - away, vec2(0.0));
         let g = textureLoad(geometry, other, 0);
-        if !(tent.x * tent.y > 0.0) || g.x == 0u || (g.w & FLAG_BLACK) != 0u {
+        if !(tent.x * tent.y > 0.0) || !is_surface(g) {
             continue;
         }
         let there = guide(g, vec2<u32>(other));
         let loose = select(OTHER, 1.0, there.material == here.material);
         let weight = tent.x * tent.y * select(loose, fit(here, there), fits);
-        sum += vec4(textureLoad(lattice_sum, texel, 0).xyz / there.divisor, 1.0) * weight;
+        let samples = f32(max(sample_count(textureLoad(lattice_work, texel, 0)), 1u));
+        let value = textureLoad(lattice_value, texel, 0).xyz / samples;
+        sum += vec4(value / there.divisor, 1.0) * weight;
     }
     return sum;
 }

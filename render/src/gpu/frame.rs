@@ -11,9 +11,10 @@ use super::{
 use crate::view::{Background, View};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-/// Uniforms of one jittered sample, of which every `stride`th pixel of every `stride`th row is shaded.
+/// Uniforms of one jittered sample, which is at `offset` in its pixel, for every `stride`th pixel of every `stride`th row.
 pub fn frame(
     view: &View,
+    sample: u32,
     offset: Vec2,
     scene: &GpuScene,
     light: Option<&GpuLight>,
@@ -43,8 +44,9 @@ pub fn frame(
         view_mode: view.mode as u32,
         wireframe: u32::from(view.wireframe),
         source_tree_height: scene.sources.as_ref().map_or(0, |s| s.tree_height),
+        sample,
+        padding: 0,
         stride: [stride; 2],
-        padding: [0; 2],
     }
 }
 

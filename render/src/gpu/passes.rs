@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     direct::DirectPasses,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -16,7 +16,7 @@ use std::collections::HashMap;
 pub struct MergeVariant {
     /// Which tree of lights is merged, one of the constants `FIELD_...`.
     pub field: u32,
-    /// Whether it is the first pass of a sample.
+    /// Whether it renders the first part of the light.
     pub is_first: bool,
     pub refine: bool,
     pub has_ggx: bool,
@@ -29,8 +29,11 @@ pub struct Passes {
     pub visibility: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub parameters: wgpu::RenderPipeline,
+    pub marks: wgpu::RenderPipeline,
+    pub keep: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
-    pub sketch: wgpu::RenderPipeline,
+    /// For the first part of the light and the others.
+    pub sketch: [wgpu::RenderPipeline; 2],
     pub direct: DirectPasses,
     pub bounce: BouncePass,
     merge_module: wgpu::ShaderModule,
@@ -75,19 +78,32 @@ impl Passes {
             targets: &[format::FLOATS, format::FLOATS],
             ..Pipeline::new(load(&PARAMETERS)?, "parameters")
         };
+        let marks = Pipeline {
+            layouts: &[&l.frame, &l.scene, &l.patches, &l.marks],
+            targets: &[format::MARKS],
+            ..Pipeline::new(load(&MARKS)?, "marks")
+        };
+        let keep = Pipeline { layouts: &[&l.keep], targets: &format::SUMS, ..Pipeline::new(load(&KEEP)?, "kept sums") };
         let display =
             Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
-        let sketch = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
-            targets: &[format::FLOATS, format::FLOATS],
-            ..Pipeline::new(load(&SKETCH)?, "sketch")
-        };
+        let sketch_module = load(&SKETCH)?;
+        let sketch = [1.0, 0.0].map(|is_first| {
+            let pipeline = Pipeline {
+                layouts: &[&l.frame, &l.scene, &l.lattice, &l.merge],
+                targets: &format::SUMS,
+                constants: &[("IS_FIRST", is_first)],
+                ..Pipeline::new(sketch_module.clone(), "sketch")
+            };
+            pipeline.build(gpu)
+        });
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
             parameters: parameters.build(gpu),
+            marks: marks.build(gpu),
+            keep: keep.build(gpu),
             display: display.build(gpu),
-            sketch: sketch.build(gpu),
+            sketch,
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
             merge_module: load(&MERGE)?,
@@ -108,7 +124,7 @@ impl Passes {
             let flag = |name, on| (name, f64::from(u8::from(on)));
             let pipeline = Pipeline {
                 layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
-                targets: &[format::FLOATS, format::FLOATS],
+                targets: &format::SUMS,
                 constants: &[
                     ("FIELD", f64::from(variant.field)),
                     flag("IS_FIRST", variant.is_first),

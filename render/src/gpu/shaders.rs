@@ -22,6 +22,8 @@ parts!(
     "frame",
     "fullscreen",
     "geometry",
+    "keep_pass",
+    "marks_pass",
     "materials",
     "merge_pass",
     "parameters_pass",
@@ -32,6 +34,7 @@ parts!(
     "shadow_filter",
     "shadow_pass",
     "sketch_pass",
+    "sums",
     "surface",
     "surface_pass",
     "tonemap",
@@ -70,6 +73,7 @@ pub const MERGE: Program = Program {
         "surface",
         "geometry",
         "brdf",
+        "sums",
         "shading_point",
         "tree",
         "cut",
@@ -91,6 +95,7 @@ pub const DIRECT: Program = Program {
         "surface",
         "geometry",
         "brdf",
+        "sums",
         "shading_point",
         "shadow",
         "shadow_filter",
@@ -101,10 +106,15 @@ pub const DIRECT: Program = Program {
 /// Bounced light at the vertices.
 pub const BOUNCE: Program = Program {
     name: "bounce_pass",
-    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "shading_point", "bounce_pass"],
+    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "sums", "shading_point", "bounce_pass"],
 };
 /// The post pass.
-pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
+pub const DISPLAY: Program =
+    Program { name: "display_pass", parts: &["fullscreen", "tonemap", "sums", "display_pass"] };
+/// What the pixels show.
+pub const MARKS: Program = Program { name: "marks_pass", parts: &["fullscreen", "scene", "marks_pass"] };
+/// What an edit leaves of the pixels.
+pub const KEEP: Program = Program { name: "keep_pass", parts: &["fullscreen", "sums", "keep_pass"] };
 
 /// The filter between the pixels of a lattice.
 pub const SKETCH: Program = Program {
@@ -116,6 +126,7 @@ pub const SKETCH: Program = Program {
         "surface",
         "geometry",
         "brdf",
+        "sums",
         "shading_point",
         "environment",
         "wireframe",
@@ -125,7 +136,8 @@ pub const SKETCH: Program = Program {
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 9] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, SKETCH];
+pub const PROGRAMS: [Program; 11] =
+    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

@@ -2,6 +2,7 @@
 
 mod bounce;
 mod direct;
+mod kept;
 mod reflection;
 mod sketch;
 mod twin;

@@ -12,7 +12,7 @@ pub struct PassTimes {
     pub visibility: Duration,
     /// Barycentric weights, frames and BRDF parameters.
     pub deferred: Duration,
-    /// Local lights, bounced light at the vertices, and the merge.
+    /// Local lights, bounced light, and the merge.
     pub merge: Duration,
     /// The post pass.
     pub display: Duration,
@@ -30,12 +30,15 @@ impl GpuBackend {
         let whole = Region::whole(self.picture().view.size);
         self.write_frame(sample, 1);
         self.gpu.wait()?;
-        self.write_display(post, sample + 1);
+        self.write_display(post);
         Ok(PassTimes {
             visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
             deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
-            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 1, &[whole]))?,
-            display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
+            merge: self.timed(|s, encoder| {
+                s.encode_parts(encoder, 1, &[whole]);
+                s.sample_done(sample);
+            })?,
+            display: self.timed(|s, encoder| s.encode_display(encoder))?,
         })
     }
 

@@ -97,7 +97,10 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 tree_height,
                 view_mode,
                 wireframe,
-                source_tree_height
+                source_tree_height,
+                sample,
+                padding,
+                more_padding
             ),
         ),
         (
@@ -168,10 +171,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             ),
         ),
         ("VertexIrradiance", shape!(layout::VertexIrradiance, vector)),
-        (
-            "Display",
-            shape!(layout::Display, exposure, inv_samples, count_top, tone_map, view_mode, transparent, padding),
-        ),
+        ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
+        ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent)),
     ]
 }
 
