@@ -5,10 +5,10 @@ use crate::{
     Appearance, Backend, Baked, Components, LitScene, Look, Renderer, ShadedSamples, View,
     shade::surface::FirstHit,
     test_looks::look,
-    test_scenes::{floor_and_wall, illumination, point_light},
+    test_scenes::{floor_and_wall, illumination, light, point_light},
 };
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::Dataset, image::Image, scene::Mesh};
+use lapidary_core::{camera::Camera, dataset::Dataset, image::Image, lights::Emission, scene::Mesh};
 
 /// Samples a pixel.
 const AA: u32 = 3;
@@ -104,7 +104,9 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
         assert!(floor > all / 5 && floor < all / 2);
         let bounce = if components.indirect { all } else { 0 };
         let of = |environment, bounce, direct, added| ShadedSamples { environment, bounce, direct, added };
-        let lamp = || point_light(Vec3::new(-1.0, 1.5, -0.5), 3.0);
+        // Spots have one shadow map each, so that a third leaves all maps as large as they are.
+        let cone = Emission::Spot { cone_degrees: 50.0, penumbra_degrees: 10.0 };
+        let lamp = || light(cone, Vec3::new(-1.0, 1.5, -0.5), Vec3::new(-0.5, 0.0, 0.0), 3.0);
         let lights = |look: &mut Look, change: &dyn Fn(&mut Vec<_>)| {
             let mut lights = look.lights.to_vec();
             change(&mut lights);
