@@ -276,8 +276,11 @@ fn a_picture_that_fits_the_budget_is_full_at_once_and_not_made_twice() {
     log.lock().unwrap().begun.clear();
     moved.look.view.camera.eye.x = 5.0;
     thread.request(moved);
-    assert!(wait_for("a picture", || thread.frames()).full_size);
-    complete(&mut thread);
+    wait_for("the full picture", || {
+        let frame = thread.frames()?;
+        assert!(frame.full_size);
+        (frame.samples == 2).then_some(())
+    });
     assert_eq!(log.lock().unwrap().begun, [([64, 48], 2)]);
 }
 
