@@ -91,7 +91,12 @@ pub fn are_strips(ctx: &Context) -> bool {
 /// Shows the panel at an edge in a window that has room for it.
 pub fn column<R>(ui: &mut Ui, edge: Edge, panels: &SidePanels, room: f32, contents: impl FnOnce(&mut Ui) -> R) -> Rect {
     let width = panels.fitted(room)[edge as usize];
-    edge.panel(width).show(ui, contents).response.rect
+    let fixed = |ui: &mut Ui| {
+        // What is wider than the panel would move its edges, if the panel heard of it.
+        let inside = ui.max_rect();
+        contents(&mut ui.new_child(UiBuilder::new().max_rect(inside)))
+    };
+    edge.panel(width).show(ui, fixed).response.rect
 }
 
 /// Lets the user drag the edge of a panel that lies in `rect`. Returns whether a drag has ended. To be called after what is
@@ -147,7 +152,7 @@ pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, c
     if !panels.open[edge as usize] {
         return;
     }
-    let width = panels.widths[edge as usize].min(0.9 * picture.width());
+    let width = panels.fitted(picture.width())[edge as usize];
     let rect = match edge {
         Edge::Left => picture.with_max_x(picture.left() + width),
         Edge::Right => picture.with_min_x(picture.right() - width),

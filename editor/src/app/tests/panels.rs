@@ -115,7 +115,7 @@ fn in_a_narrow_window_panels_are_icons_that_open_over_the_picture() {
     assert!(viewport.width() > 880.0, "{viewport}");
     assert!(window.0.query_by_label("Roughness value").is_none());
     for tab in Inspector::ALL.map(Inspector::label).into_iter().chain(Side::ALL.map(Side::label)) {
-        assert!(window.0.query_by_label(tab).is_some(), "{tab}");
+        assert!(window.0.query_all_by_label(tab).next().is_some(), "{tab}");
     }
     window.click("Material");
     window.type_roughness("0.3");
@@ -142,7 +142,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     let tabs: [(Inspector, &[&str]); 3] = [
         (Inspector::Material, &["Roughness", "Metalness", "Specular", "IOR", "Anisotropy"]),
         (Inspector::Environment, &["Rotation", "Intensity"]),
-        (Inspector::View, &["Exposure", "Light cut", "Samples", "Frame budget", "Field of view", "Focal length"]),
+        (Inspector::View, &["Light cut", "Samples", "Frame budget", "Field of view", "Focal length"]),
     ];
     let mut columns = Vec::new();
     for (tab, rows) in tabs {
