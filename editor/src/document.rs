@@ -20,6 +20,7 @@ pub use relative::{absolute, folder_of};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
+    cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
     lights::Light,
     material::Material,

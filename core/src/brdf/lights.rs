@@ -126,7 +126,11 @@ mod tests {
                 let found_share = f64::from(cosines.share_above().to_array()[0]);
                 let received = f64::from(cosines.above_horizon().to_array()[0]) * found_share;
                 // Against a light that faces the surface, whose cosine is the resultant.
-                assert!((received - expected * share).abs() < 0.02, "{inv_kappa} {cosine}: {received}, {}", expected * share);
+                assert!(
+                    (received - expected * share).abs() < 0.02,
+                    "{inv_kappa} {cosine}: {received}, {}",
+                    expected * share
+                );
                 assert!((found_share - share).abs() < 0.07, "{inv_kappa} {cosine}: {found_share}, {share}");
                 let of_centre = f64::from(cosine.max(0.0) as f32);
                 if inv_kappa > 0.2 {

@@ -240,4 +240,3 @@ impl Cursor for LitCursor<'_> {
         self.end += self.size();
     }
 }
-

@@ -1,8 +1,8 @@
 //! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
 //! recomputes.
 
-use glam::Vec3;
 use crate::light::brightness;
+use glam::Vec3;
 use lapidary_core::{
     color::luminance,
     cut::{
