@@ -12,7 +12,8 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
-    material::{BrdfParameters, MapKind, Material},
+    material::{BrdfModel, BrdfParameters, MapKind, Material},
+    scene::Mesh,
     texture::{Texels, Texture, TextureSlot},
 };
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -83,6 +84,12 @@ fn a_picture_is_right_between_two_bands() {
     assert!(between.iter().zip(&first).all(|(a, b)| near(a, b)), "no row is twice as bright");
 }
 
+fn microfacets(mesh: Mesh, parameters: BrdfParameters) -> Arc<Dataset> {
+    let mut dataset = dataset(mesh, parameters);
+    dataset.scene.materials[0].model = BrdfModel::Ggx;
+    dataset.into()
+}
+
 /// A picture with lit cuts.
 fn lit_picture(
     dataset: &Arc<Dataset>,
@@ -102,7 +109,7 @@ fn lit_picture(
 #[test]
 fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_ones_nearly() {
     for parameters in [white(), glossy(0.4)] {
-        let dataset = dataset(mesh(8, true), parameters).into();
+        let dataset = microfacets(mesh(8, true), parameters);
         let light = illumination([64, 32], |x, y| Vec3::splat(if x == 20 && y < 8 { 300.0 } else { 0.02 * x as f32 }));
         let (stored, stored_stats) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Refine);
         let (same, _) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Lit);
@@ -117,7 +124,7 @@ fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_one
 
 #[test]
 fn lit_cuts_survive_any_light() {
-    let dataset = dataset(mesh(4, true), glossy(0.4)).into();
+    let dataset = microfacets(mesh(4, true), glossy(0.4));
     let lights: [&dyn Fn(u32, u32) -> f32; 4] =
         [&|_, _| 0.0, &|x, y| if (x, y) == (9, 3) { 1e9 } else { 0.0 }, &|_, _| 1e30, &|_, _| 1e-30];
     for (i, radiance) in lights.into_iter().enumerate() {
