@@ -5,7 +5,6 @@
 //! stores no values: the merge reads radiance from the tree, at the node where it arrives.
 
 use super::packed::pack_node;
-use crate::{color::luminance, light_tree::Lighting};
 use std::{cmp::Reverse, collections::BinaryHeap};
 
 /// How fine an illumination cut is.
@@ -26,13 +25,8 @@ impl IlluminationCriterion {
     }
 }
 
-/// Packed nodes of the illumination cut, left to right; their values are zero.
-pub fn illumination_cut(lighting: &Lighting, criterion: IlluminationCriterion) -> Vec<u16> {
-    let means: Vec<f32> = lighting.radiance.iter().map(|&l| luminance(l)).collect();
-    intensity_cut(&means, &lighting.luminance_sq, criterion)
-}
-
-/// The illumination cut of a tree whose nodes have `means` and mean squares `means_sq` of their leaves' intensities.
+/// The illumination cut of a tree whose nodes have `means` and mean squares `means_sq` of their leaves' intensities: packed
+/// nodes, left to right, whose values are zero.
 pub fn intensity_cut(means: &[f32], means_sq: &[f32], criterion: IlluminationCriterion) -> Vec<u16> {
     let leaves = means.len() / 2;
     let budget = (criterion.max_nodes as usize).clamp(1, leaves);
@@ -92,21 +86,22 @@ mod tests {
     use super::*;
     use crate::{
         cut::packed::{cut_len, depth},
-        light_tree::LightTree,
+        light_tree::means_up_the_tree,
     };
-    use glam::Vec3;
 
-    fn lighting(bright: usize) -> Lighting {
-        let tree = LightTree::geometric(256).unwrap();
-        let mut leaves = vec![Vec3::splat(0.1); 256];
-        leaves[bright] = Vec3::splat(500.0);
-        Lighting::new(&tree, &leaves)
+    /// The cut of 256 leaves, of which the leaf 77 is bright.
+    fn cut_with(budget: u32) -> Vec<u16> {
+        let mut leaves = vec![0.1_f32; 256];
+        leaves[77] = 500.0;
+        let squares: Vec<f32> = leaves.iter().map(|l| l * l).collect();
+        let criterion = IlluminationCriterion::with_budget(budget);
+        intensity_cut(&means_up_the_tree(&leaves), &means_up_the_tree(&squares), criterion)
     }
 
     #[test]
     fn the_budget_is_used_and_never_exceeded() {
         for budget in [1, 2, 17, 256, 9999] {
-            let cut = illumination_cut(&lighting(77), IlluminationCriterion::with_budget(budget));
+            let cut = cut_with(budget);
             assert_eq!(cut.len(), (budget as usize).min(256));
             assert_eq!(cut_len(8, &cut), Ok(cut.len()));
         }
@@ -114,14 +109,14 @@ mod tests {
 
     #[test]
     fn a_bright_leaf_is_isolated_first() {
-        let cut = illumination_cut(&lighting(77), IlluminationCriterion::with_budget(12));
+        let cut = cut_with(12);
         let mut first = 0;
         let of_bright = cut.iter().find(|&&n| {
             first += 256 >> depth(n);
             first > 77
         });
         assert_eq!(of_bright.map(|&n| depth(n)), Some(8));
-        let too_small = illumination_cut(&lighting(77), IlluminationCriterion::with_budget(4));
+        let too_small = cut_with(4);
         assert!(too_small.iter().all(|&n| depth(n) < 8), "negative control: four nodes cannot reach a leaf");
     }
 }
