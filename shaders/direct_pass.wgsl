@@ -11,7 +11,7 @@ const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy);
+    let pixel = vec2<u32>(position.xy) * frame.stride;
     let sums = previous_sums(pixel);
     if !lacks_sample(sums) {
         return sums;

@@ -275,6 +275,22 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.backend.render_rows(sample, rows)
     }
 
+    /// Adds the first sample to pixels of some tiles; see [`Backend::sketch`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        self.backend.sketch(stride, tiles)
+    }
+
+    /// Fills the pixels without a sample; see [`Backend::fill`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError> {
+        self.backend.fill(most_shaded)
+    }
+
     /// Renders all samples of all rows. Returns whether `go_on` always answered yes.
     fn render_samples(&mut self, view: &View, go_on: &mut dyn FnMut() -> bool) -> Result<bool, BackendError> {
         let height = view.size[1];
@@ -463,6 +479,14 @@ mod tests {
         fn render_rows(&mut self, _: u32, _: Range<u32>) -> Result<(), BackendError> {
             self.bands += 1;
             Ok(())
+        }
+
+        fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+            Ok(0)
         }
 
         fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {

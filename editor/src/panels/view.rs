@@ -103,7 +103,7 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     });
     let samples = Decades::count("Samples", "Jittered frames that are averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
     edit_row(actions, "Samples", view, Edit::View, |v| decades_row(ui, &samples, &mut v.aa));
-    let help = "Milliseconds that a picture may take while something moves; resolution adapts to it.";
+    let help = "Milliseconds until a change is seen; how finely light is computed adapts to it.";
     let budget = Decades { unit: " ms", ..Decades::count("Frame budget", help, 5.0..=2000.0, 100.0) };
     edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
 }

@@ -27,7 +27,8 @@ pub struct FrameUniforms {
     pub source_tree_height: u32,
     pub sample: u32,
     pub padding: u32,
-    pub more_padding: [u32; 2],
+    /// Columns and rows of pixels from texel to texel of the passes that shade.
+    pub stride: [u32; 2],
 }
 
 /// `Vertex` of `scene.wgsl`.

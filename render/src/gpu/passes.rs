@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     direct::DirectPasses,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -32,6 +32,8 @@ pub struct Passes {
     pub marks: wgpu::RenderPipeline,
     pub keep: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
+    /// For the first part of the light and the others.
+    pub sketch: [wgpu::RenderPipeline; 2],
     pub direct: DirectPasses,
     pub bounce: BouncePass,
     merge_module: wgpu::ShaderModule,
@@ -84,6 +86,16 @@ impl Passes {
         let keep = Pipeline { layouts: &[&l.keep], targets: &format::SUMS, ..Pipeline::new(load(&KEEP)?, "kept sums") };
         let display =
             Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
+        let sketch_module = load(&SKETCH)?;
+        let sketch = [1.0, 0.0].map(|is_first| {
+            let pipeline = Pipeline {
+                layouts: &[&l.frame, &l.scene, &l.lattice, &l.merge],
+                targets: &format::SUMS,
+                constants: &[("IS_FIRST", is_first)],
+                ..Pipeline::new(sketch_module.clone(), "sketch")
+            };
+            pipeline.build(gpu)
+        });
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
@@ -91,6 +103,7 @@ impl Passes {
             marks: marks.build(gpu),
             keep: keep.build(gpu),
             display: display.build(gpu),
+            sketch,
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
             merge_module: load(&MERGE)?,

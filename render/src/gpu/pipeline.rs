@@ -20,6 +20,8 @@ pub struct Layouts {
     /// The other passes that add to sums.
     pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
+    /// The sums of a lattice.
+    pub lattice: BindGroupLayout,
     pub patches: BindGroupLayout,
     pub marks: BindGroupLayout,
     pub keep: BindGroupLayout,
@@ -115,6 +117,7 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
         addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
+        lattice: layout("lattice", &[Float, Uint]),
         patches: layout("patches", &[Storage]),
         marks: layout("marks", &[Uint, Uint]),
         keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),

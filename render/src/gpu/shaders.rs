@@ -33,6 +33,7 @@ parts!(
     "shadow",
     "shadow_filter",
     "shadow_pass",
+    "sketch_pass",
     "sums",
     "surface",
     "surface_pass",
@@ -115,10 +116,28 @@ pub const MARKS: Program = Program { name: "marks_pass", parts: &["fullscreen", 
 /// What an edit leaves of the pixels.
 pub const KEEP: Program = Program { name: "keep_pass", parts: &["fullscreen", "sums", "keep_pass"] };
 
+/// The filter between the pixels of a lattice.
+pub const SKETCH: Program = Program {
+    name: "sketch_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "sums",
+        "shading_point",
+        "environment",
+        "wireframe",
+        "sketch_pass",
+    ],
+};
+
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 10] =
-    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP];
+pub const PROGRAMS: [Program; 11] =
+    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

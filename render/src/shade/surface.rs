@@ -6,7 +6,7 @@ use lapidary_core::{
     brdf::SurfaceBrdf,
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
-    ray::{Hit, Intersector, offset},
+    ray::{Hit, Intersector, SeenFrom, offset},
     simd::Vec3x8,
 };
 use wide::f32x8;
@@ -168,11 +168,41 @@ impl<'a> Surfaces<'a> {
 
     /// The first hit of a ray.
     pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
-        match self.intersector.closest_hit(origin, direction) {
+        self.seen_at(self.hit_along(origin, direction), direction)
+    }
+
+    /// Prepares many rays from one origin.
+    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
+        self.intersector.seen_from(origin)
+    }
+
+    /// Where a ray from a prepared origin first meets the mesh.
+    pub fn hit_from(&self, seen: &SeenFrom, direction: Vec3) -> Option<Hit> {
+        self.intersector.closest_hit_from(seen, direction)
+    }
+
+    /// Where a ray first meets the mesh.
+    pub fn hit_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.intersector.closest_hit(origin, direction)
+    }
+
+    /// What is seen along `direction` where a ray in that direction met the mesh. The distance of the hit is not read.
+    pub fn seen_at(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
+        match hit {
             None => FirstHit::Background,
             Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => FirstHit::Back,
             Some(hit) => FirstHit::Surface(Box::new(self.point(&hit, -direction))),
         }
+    }
+
+    /// Index of a triangle's material.
+    pub fn material(&self, triangle: u32) -> u32 {
+        self.dataset.scene.mesh.triangle_material[triangle as usize]
+    }
+
+    /// Where the corners of a triangle are.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.dataset.scene.mesh.corners(triangle as usize)
     }
 
     /// The surface at the hit of a ray from direction `wo`.

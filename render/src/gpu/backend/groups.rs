@@ -25,6 +25,9 @@ pub struct Groups {
     pub merge: [Option<[wgpu::BindGroup; 2]>; 2],
     /// Indexed by which of the sums is read.
     pub display: [wgpu::BindGroup; 2],
+    /// Sums of all parts that the light has, indexed as [`Self::merge`]; and their lattices.
+    pub filled: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
+    pub lattices: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
 }
 
 impl GpuBackend {
@@ -58,6 +61,8 @@ impl GpuBackend {
             let uniforms = [self.display.as_entire_binding(), self.magma.as_entire_binding()];
             group("display", &layouts.display, &uniforms.into_iter().chain(sums).collect::<Vec<_>>())
         };
+        let lattice =
+            |sums: &Sums| group("lattice", &layouts.lattice, &[View(&sums.value.view), View(&sums.work.view)]);
         let marks = |from: usize| {
             group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
@@ -88,6 +93,8 @@ impl GpuBackend {
             merge: [Part::Environment, Part::Bounce]
                 .map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
             display: [0, 1].map(display),
+            filled: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
+            lattices: Part::ALL.map(|part| targets.lattices[part as usize].as_ref().map(|l| l.each_ref().map(lattice))),
         }
     }
 }

@@ -27,6 +27,35 @@ pub struct Picture {
     pub groups: Groups,
     /// Passes beside the merges.
     pub additions: Vec<Addition>,
+    pub lattices: Lattices,
+}
+
+/// How far the lattices of the first sample are.
+#[derive(Clone, Debug, Default)]
+pub struct Lattices {
+    /// Stride of the finest one that is complete.
+    pub complete: Option<u32>,
+    /// Stride of the one in the making, and its tiles that are done.
+    pub making: Option<(u32, Vec<u32>)>,
+    /// Whether what is shown is filled between them.
+    pub filled: bool,
+}
+
+impl Lattices {
+    /// Notes tiles of a lattice; `all` of them complete it.
+    pub fn add(&mut self, stride: u32, tiles: &[u32], all: u32) {
+        let mut done = self.making.take().filter(|(making, _)| *making == stride).map_or(Vec::new(), |(_, done)| done);
+        done.extend(tiles);
+        if done.len() >= all as usize {
+            self.complete = Some(stride);
+        }
+        (self.making, self.filled) = (Some((stride, done)), false);
+    }
+
+    /// Whether a tile has its first sample.
+    pub fn has_sample(&self, tile: u32) -> bool {
+        self.making.as_ref().is_some_and(|(stride, done)| *stride == 1 && done.contains(&tile))
+    }
 }
 
 impl GpuBackend {
@@ -66,7 +95,7 @@ impl GpuBackend {
         let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
         let count_top = view.mode.count_top(illum_cut);
         let offsets = view.pixel_offsets();
-        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions }
+        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions, lattices: Lattices::default() }
     }
 
     /// The parts of the light. Counts of merged nodes have one for each tree.

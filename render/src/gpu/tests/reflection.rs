@@ -100,7 +100,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 source_tree_height,
                 sample,
                 padding,
-                more_padding
+                stride
             ),
         ),
         (
