@@ -5,11 +5,13 @@
 
 mod ggx;
 mod lambert;
+mod lights;
 mod microfacet;
 mod ward;
 
 pub use ggx::Ggx;
 pub use lambert::Lambert;
+pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
 pub use microfacet::{LOBE_LOSS, LobeWidth, MIN_ALPHA};
 pub use ward::Ward;
 
@@ -22,11 +24,18 @@ use wide::f32x8;
 
 /// A reflectance model with its parameters.
 pub trait Brdf {
-    /// `f_r(wi, wo) cos θi` per colour for eight light directions `wi`; zero below the horizon.
+    /// `f_r(wi, wo) cos θi` per colour for eight lights.
     ///
-    /// `inv_kappa` widens the lobe: the value is then close to the mean over the light directions of a von Mises-Fisher
-    /// lobe of that inverse concentration. Zero gives the BRDF itself.
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
+    /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. Its cosine
+    /// is that of the diffuse part.
+    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8;
+
+    /// [`Self::reflect_x8`] for lights at the directions `wi`, with their cosines; zero below the horizon. A spread of
+    /// zero gives the BRDF itself.
+    #[inline]
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.reflect_x8(&LightsX8::at(wi, inv_kappa), wo)
+    }
 
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;

@@ -206,7 +206,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Lights the environment's tree.
     fn light_environment(&mut self, look: &Look) -> Result<Arc<SceneLighting>, BackendError> {
-        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut));
+        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau));
         let remarks = self.backend.set_light(&look.light, &lighting)?;
         self.remarks.replace(1, remarks);
         self.light_revision += 1;
@@ -222,6 +222,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     ) -> Result<LocalLighting, BackendError> {
         self.local_rig.set_environment(Some(environment));
         self.local_rig.set_lights(&look.lights);
+        self.local_rig.set_tau(look.tau);
         let local = self.local_rig.lighting(look.components, look.solution, look.illum_cut);
         if !known.is_some_and(|known| known.is_same(&local)) {
             let remarks = self.backend.set_local_lighting(&local)?;

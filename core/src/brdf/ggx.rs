@@ -5,8 +5,8 @@
 //! Accurate Spherical Gaussian Lighting*): in projected slope space the widths of lobe and light add up.
 
 use super::{
-    Brdf, LobeWidth,
-    microfacet::{HalfVectors, Reflectance, Sym2x8, above_horizon},
+    Brdf, LightsX8, LobeWidth,
+    microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
 };
 use crate::{color::luminance, material::BrdfParameters, simd::Vec3x8, sphere::cosine_direction};
 use glam::Vec3;
@@ -94,7 +94,8 @@ impl Ggx {
 
 impl Brdf for Ggx {
     #[inline]
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8 {
+        let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
         let half = HalfVectors::new(wi, wo);
         let m = self.filtered_alpha_sq(&half, wi, inv_kappa);
         let determinant = m.determinant().max(f32x8::splat(1e-14));
@@ -109,8 +110,8 @@ impl Brdf for Ggx {
         let shadowed = f32x8::HALF * cos_i / (cos_i * root_o + cos_o * root_i).max(f32x8::splat(1e-9));
         let fresnel = self.reflectance.fresnel(half.wi_dot_h);
         let diffuse = Vec3x8::splat(self.reflectance.diffuse * FRAC_1_PI);
-        let base = (diffuse - diffuse.scale(fresnel)) * cos_i;
-        (base + fresnel * (d * shadowed)) * above_horizon(wi, wo)
+        let base = (diffuse - diffuse.scale(fresnel)) * cosine;
+        (base + fresnel * (d * shadowed * above)) * is_seen(wo)
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

@@ -1,10 +1,9 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
-use super::{Brdf, LobeWidth};
+use super::{Brdf, LightsX8, LobeWidth, microfacet::is_seen};
 use crate::{simd::Vec3x8, sphere::cosine_direction};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
-use wide::f32x8;
 
 /// Ideal diffuse reflection.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +20,8 @@ impl Lambert {
 
 impl Brdf for Lambert {
     #[inline]
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, _inv_kappa: f32x8) -> Vec3x8 {
-        let facing = f32::from(u8::from(wo.z > 0.0));
-        Vec3x8::splat(self.albedo * (FRAC_1_PI * facing)) * wi.z.max(f32x8::ZERO)
+    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8 {
+        Vec3x8::splat(self.albedo * FRAC_1_PI) * (lights.cosine * is_seen(wo))
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

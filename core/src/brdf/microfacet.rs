@@ -136,9 +136,8 @@ impl Reflectance {
     }
 }
 
-/// 1 where both directions are above the horizon, else 0.
+/// 1 if the surface faces the eye, else 0.
 #[inline(always)]
-pub(super) fn above_horizon(wi: Vec3x8, wo: Vec3) -> f32x8 {
-    let facing = if wo.z > 0.0 { f32x8::ONE } else { f32x8::ZERO };
-    wi.z.simd_gt(f32x8::ZERO) & facing
+pub(super) fn is_seen(wo: Vec3) -> f32x8 {
+    if wo.z > 0.0 { f32x8::ONE } else { f32x8::ZERO }
 }

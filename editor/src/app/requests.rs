@@ -45,6 +45,7 @@ impl EditorState {
             components: shown_components(document, baked),
             solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
+            tau: document.view.tau,
             sampling: document.view.sampling,
             view: view_of(document, size),
             post: document.view.post,

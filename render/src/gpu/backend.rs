@@ -300,8 +300,10 @@ impl Backend for GpuBackend {
 
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         let known = self.light.as_ref().is_some_and(|(_, e)| Arc::ptr_eq(e, &light.environment));
-        self.light = Some((GpuLight::new(&self.gpu, light, lighting), light.environment.clone()));
         self.picture = None;
+        let Some(Loaded { scene, .. }) = &self.scene else { return Ok(Vec::new()) };
+        let lit = GpuLight::new(&self.gpu, &self.passes.lit, scene, light, lighting)?;
+        self.light = Some((lit, light.environment.clone()));
         self.gpu.check()?;
         let message = scaled_map(&light.environment, self.gpu.limits.max_texture_dimension_2d);
         Ok(message.filter(|_| !known).into_iter().collect())
@@ -324,7 +326,7 @@ impl Backend for GpuBackend {
         self.check_size(view.size)?;
         let mut lights = SummedLights::default();
         self.step_lights(&mut lights, None);
-        self.picture = Some(self.prepared(view, sampling));
+        self.picture = Some(self.prepared(view, sampling)?);
         let (view, plan) = (view.clone(), self.local_lights.plan().clone());
         let (complete, front, marked, marks_front) = (0, 0, 0, 0);
         self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
@@ -339,7 +341,7 @@ impl Backend for GpuBackend {
         self.picture = None;
         let before = (&state.plan, state.complete >= view.aa.max(1));
         let step = self.step_lights(&mut state.lights, Some(before));
-        self.picture = Some(self.prepared(view, sampling));
+        self.picture = Some(self.prepared(view, sampling)?);
         (state.plan, state.complete) = (self.local_lights.plan().clone(), 0);
         self.state = Some(state);
         let pixels = |part| stale.pixels(part).and(Pixels::all_if(step.forgets(part)));

@@ -104,6 +104,14 @@ pub struct Node {
     pub radius: f32,
 }
 
+/// `LitUniforms` of `lit_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LitUniforms {
+    pub cuts: u32,
+    pub tau: f32,
+}
+
 /// `Display` of `display_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

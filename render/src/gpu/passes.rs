@@ -4,6 +4,7 @@ use super::{
     bounce::BouncePass,
     device::GpuDevice,
     direct::DirectPasses,
+    lit::LitPass,
     pipeline::{Layouts, Pipeline, layouts, module},
     shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
@@ -19,6 +20,7 @@ pub struct MergeVariant {
     /// Whether it renders the first part of the light.
     pub is_first: bool,
     pub refine: bool,
+    pub lit: bool,
     pub has_ggx: bool,
     pub has_ward: bool,
 }
@@ -36,6 +38,7 @@ pub struct Passes {
     pub sketch: [wgpu::RenderPipeline; 2],
     pub direct: DirectPasses,
     pub bounce: BouncePass,
+    pub lit: LitPass,
     merge_module: wgpu::ShaderModule,
     merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
 }
@@ -106,6 +109,7 @@ impl Passes {
             sketch,
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
+            lit: LitPass::new(gpu, source)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),
             layouts,
@@ -129,6 +133,7 @@ impl Passes {
                     ("FIELD", f64::from(variant.field)),
                     flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
+                    flag("LIT", variant.lit),
                     flag("HAS_GGX", variant.has_ggx),
                     flag("HAS_WARD", variant.has_ward),
                 ],

@@ -24,9 +24,12 @@ parts!(
     "geometry",
     "keep_pass",
     "marks_pass",
+    "lit_cut",
+    "lit_pass",
     "materials",
     "merge_pass",
     "parameters_pass",
+    "receiver",
     "refine",
     "scene",
     "shading_point",
@@ -75,14 +78,18 @@ pub const MERGE: Program = Program {
         "brdf",
         "sums",
         "shading_point",
+        "receiver",
         "tree",
         "cut",
+        "lit_cut",
         "refine",
         "environment",
         "wireframe",
         "merge_pass",
     ],
 };
+/// Lit cuts.
+pub const LIT: Program = Program { name: "lit_pass", parts: &["frame", "tree", "cut", "lit_pass"] };
 /// Depth from a light.
 pub const SHADOW: Program = Program { name: "shadow_pass", parts: &["scene", "shadow", "shadow_pass"] };
 /// Local lights.
@@ -136,8 +143,8 @@ pub const SKETCH: Program = Program {
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 11] =
-    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH];
+pub const PROGRAMS: [Program; 12] =
+    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, LIT];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

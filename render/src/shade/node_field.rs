@@ -4,10 +4,9 @@
 use crate::light::{bounce::SourceLighting, environment::SceneLighting};
 use glam::Vec3;
 use lapidary_core::{
-    cut::{packed::VALUE_MAX, solid_angle},
+    cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
     simd::Vec3x8,
 };
-use std::sync::LazyLock;
 use wide::f32x8;
 
 /// A light tree under one illumination. Nodes are heap indices.
@@ -16,6 +15,10 @@ pub(crate) trait NodeField: Copy {
     fn height(&self) -> u32;
     /// Packed illumination cut.
     fn illumination_cut(&self) -> &[u16];
+    /// The vertices' lit cuts.
+    fn lit_cuts(&self) -> &LitCuts;
+    /// How bright a node is somewhere, see [`brightness`](crate::light::brightness).
+    fn brightness(&self, node: usize) -> f32;
     /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
@@ -40,8 +43,6 @@ pub(crate) struct Cone {
     pub direction: Vec3,
     /// Half-angle in radians.
     pub radius: f32,
-    /// Tangent of half of it.
-    pub tan_half_radius: f32,
 }
 
 impl NodeField for &SceneLighting {
@@ -56,6 +57,16 @@ impl NodeField for &SceneLighting {
     }
 
     #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lit
+    }
+
+    #[inline(always)]
+    fn brightness(&self, node: usize) -> f32 {
+        self.brightness[node]
+    }
+
+    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         f32::from(code) * (1.0 / VALUE_MAX as f32)
     }
@@ -67,8 +78,7 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn cone(&self, node: usize, _from: Vec3) -> Cone {
-        let (radius, tan_half_radius) = (self.cones.radius[node], self.cones.tan_half_radius[node]);
-        Cone { direction: self.nodes.direction[node], radius, tan_half_radius }
+        Cone { direction: self.nodes.direction[node], radius: self.radii[node] }
     }
 
     #[inline(always)]
@@ -101,15 +111,14 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Solid angle of every code: a table is faster than a power.
-    solid_angles: &'static [f32],
+    /// Solid angle of every code.
+    solid_angles: &'static [f32; 4096],
 }
 
 impl<'a> SourceField<'a> {
     /// For sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
-        static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
-        Self { lighting, solid_angles: &SOLID_ANGLES }
+        Self { lighting, solid_angles: solid_angles() }
     }
 }
 
@@ -128,6 +137,16 @@ impl NodeField for SourceField<'_> {
     }
 
     #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lighting.lit
+    }
+
+    #[inline(always)]
+    fn brightness(&self, node: usize) -> f32 {
+        self.lighting.brightness[node]
+    }
+
+    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         self.solid_angles[usize::from(code)]
     }
@@ -142,9 +161,9 @@ impl NodeField for SourceField<'_> {
         let to_center = self.lighting.nodes.center[node] - from;
         let distance = to_center.length().max(LEAST_DISTANCE);
         let tan = self.lighting.tree.radii()[node] / distance;
-        let tan_half_radius = tan / (1.0 + (1.0 + tan * tan).sqrt());
-        // Twice the tangent of a half is the angle itself up to the widest that is not split in any case.
-        Cone { direction: to_center / distance, radius: 2.0 * tan_half_radius, tan_half_radius }
+        // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
+        let radius = 2.0 * tan / (1.0 + (1.0 + tan * tan).sqrt());
+        Cone { direction: to_center / distance, radius }
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::SurfaceBrdf,
+    brdf::{LightsX8, LobeMomentsX8, SurfaceBrdf},
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
     ray::{Hit, Intersector, SeenFrom, offset},
@@ -110,6 +110,8 @@ impl SurfacePlace {
 pub struct ReceiverX8 {
     axes: [Vec3x8; 3],
     smooth_normal: Vec3x8,
+    /// Whether the shading normal is another than the smooth one.
+    is_bent: bool,
 }
 
 impl ReceiverX8 {
@@ -117,7 +119,8 @@ impl ReceiverX8 {
     #[inline(always)]
     pub fn new(point: &SurfacePoint) -> Self {
         let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
-        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal) }
+        let is_bent = point.world_from_local.z_axis != point.smooth_normal;
+        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal), is_bent }
     }
 
     /// Directions in the local frame.
@@ -125,6 +128,31 @@ impl ReceiverX8 {
     pub fn local(&self, direction: Vec3x8) -> Vec3x8 {
         let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
         Vec3x8 { x, y, z }
+    }
+
+    /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
+    /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
+    #[inline(always)]
+    pub fn lights(&self, direction: Vec3x8, inv_kappa: f32x8) -> LightsX8 {
+        let (wi, moments) = (self.local(direction), LobeMomentsX8::new(inv_kappa));
+        let shading = moments.cosines(wi.z);
+        let (mut cosine, mut above) = (shading.above_horizon(), wi.z.simd_gt(f32x8::ZERO) & f32x8::ONE);
+        if self.is_bent {
+            let to_smooth = direction.dot(self.smooth_normal);
+            let seen = moments.cosines(to_smooth).share_above();
+            let share = shading.share_above() / seen.max(f32x8::splat(1e-6));
+            cosine *= share.min(f32x8::ONE) & seen.simd_gt(f32x8::ZERO);
+            above &= to_smooth.simd_gt(f32x8::ZERO);
+        }
+        LightsX8 { wi, inv_kappa, cosine, above }
+    }
+
+    /// Lights whose cosines are those of their centres; zero below the horizons.
+    #[inline(always)]
+    pub fn lights_at_centers(&self, direction: Vec3x8, inv_kappa: f32x8) -> LightsX8 {
+        let lights = LightsX8::at(self.local(direction), inv_kappa);
+        let seen = self.receives(direction);
+        LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
     }
 
     /// A mask of the directions that are above the smooth normal's horizon.

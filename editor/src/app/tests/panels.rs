@@ -143,7 +143,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     let tabs: [(Inspector, &[&str]); 3] = [
         (Inspector::Material, &["Roughness", "Metalness", "Specular", "IOR", "Anisotropy"]),
         (Inspector::Environment, &["Rotation", "Intensity"]),
-        (Inspector::View, &["Light cut", "Samples", "Frame budget", "Field of view", "Focal length"]),
+        (Inspector::View, &["Light moved", "Samples", "Frame budget", "Field of view", "Focal length"]),
     ];
     let mut columns = Vec::new();
     for (tab, rows) in tabs {

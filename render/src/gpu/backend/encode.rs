@@ -170,7 +170,8 @@ impl GpuBackend {
         MergeVariant {
             field,
             is_first,
-            refine: self.picture().sampling == BrdfSampling::Refine,
+            refine: self.picture().sampling != BrdfSampling::Once,
+            lit: self.picture().sampling == BrdfSampling::Lit,
             has_ggx: materials.has_ggx,
             has_ward: materials.has_ward,
         }

@@ -71,9 +71,11 @@ impl GpuBackend {
         let look = [materials.buffer.as_entire_binding(), pool, materials.linear_from_srgb.as_entire_binding()];
         let lit = [
             light.nodes.as_entire_binding(),
-            light.tan_half_radius.as_entire_binding(),
-            View(&scene.cuts),
+            light.brightness.as_entire_binding(),
+            View(&scene.cuts.view),
             View(&light.cut),
+            light.lit.nodes.as_entire_binding(),
+            light.lit.offsets.as_entire_binding(),
         ];
         Groups {
             frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
@@ -83,9 +85,14 @@ impl GpuBackend {
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
             geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
             sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
-                // Radii of sources are seen from each point: there is no table of them.
-                let tan_half_radius = light.tan_half_radius.as_entire_binding();
-                let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
+                let sent = [
+                    lit.nodes.as_entire_binding(),
+                    lit.brightness.as_entire_binding(),
+                    View(&baked.cuts.view),
+                    View(&lit.cut),
+                    lit.lit.nodes.as_entire_binding(),
+                    lit.lit.offsets.as_entire_binding(),
+                ];
                 group("sources", &layouts.light, &sent)
             }),
             patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
