@@ -15,7 +15,7 @@ pub use ward::Ward;
 
 use crate::{
     material::{BrdfModel, BrdfParameters},
-    simd::Vec3x8,
+    simd::{Lanes, Vec3x8},
 };
 use glam::Vec3;
 use wide::f32x8;
@@ -27,6 +27,11 @@ pub trait Brdf {
     /// `inv_kappa` widens the lobe: the value is then close to the mean over the light directions of a von Mises-Fisher
     /// lobe of that inverse concentration. Zero gives the BRDF itself.
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
+
+    /// The same in the lanes of any instruction set; for a [`Kernel`](crate::simd::Kernel), so it is inlined always.
+    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, inv_kappa: L) -> Vec3x8<L>
+    where
+        Self: Sized;
 
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;

@@ -1,7 +1,10 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
 use super::{Brdf, LobeWidth};
-use crate::{simd::Vec3x8, sphere::cosine_direction};
+use crate::{
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
@@ -20,10 +23,14 @@ impl Lambert {
 }
 
 impl Brdf for Lambert {
-    #[inline]
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, _inv_kappa: f32x8) -> Vec3x8 {
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.brdf_cos_lanes(wi, wo, inv_kappa)
+    }
+
+    #[inline(always)]
+    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, _inv_kappa: L) -> Vec3x8<L> {
         let facing = f32::from(u8::from(wo.z > 0.0));
-        Vec3x8::splat(self.albedo * (FRAC_1_PI * facing)) * wi.z.max(f32x8::ZERO)
+        Vec3x8::splat(self.albedo * (FRAC_1_PI * facing)) * wi.z.at_least(0.0)
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

@@ -11,11 +11,12 @@ use crate::shade::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    brdf::{Brdf, SurfaceBrdf},
     cut::{
         merge::{Interval, merge},
         packed::{PackedCursor, PackedCuts},
     },
-    simd::Vec3x8,
+    simd::{InstructionSet, Kernel, Lanes, Vec3x8},
 };
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign};
@@ -71,22 +72,22 @@ pub(crate) struct Term {
 }
 
 /// Eight terms of the sum, evaluated.
-pub(crate) struct EightTerms<'t> {
+pub(crate) struct EightTerms<'t, L = f32x8> {
     pub terms: &'t [Term],
     /// Unit directions to the nodes in world space.
-    pub direction: Vec3x8,
+    pub direction: Vec3x8<L>,
     /// Mean radiance of the nodes.
-    pub radiance: Vec3x8,
+    pub radiance: Vec3x8<L>,
     /// BRDF times cosine at their directions.
-    pub brdf_cos: Vec3x8,
+    pub brdf_cos: Vec3x8<L>,
     /// Visibility times number of leaves; zero where the direction is below the smooth normal's horizon.
-    pub weight: f32x8,
+    pub weight: L,
 }
 
-impl EightTerms<'_> {
+impl<L: Lanes> EightTerms<'_, L> {
     /// Light reflected from the nodes, without the factor of a leaf's solid angle.
     #[inline(always)]
-    pub fn reflected(&self) -> Vec3x8 {
+    pub fn reflected(&self) -> Vec3x8<L> {
         self.brdf_cos.scale(self.radiance) * self.weight
     }
 }
@@ -105,6 +106,7 @@ pub struct Shader<'a, F> {
     sampling: BrdfSampling,
     merged: Vec<Term>,
     terms: Vec<Term>,
+    instructions: InstructionSet,
     /// Work done so far.
     pub work: Work,
 }
@@ -113,20 +115,24 @@ impl<'a, F: NodeField> Shader<'a, F> {
     /// For visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
         let (height, work) = (field.height(), Work::default());
-        Self { field, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), work }
+        let instructions = InstructionSet::widest();
+        Self { field, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), instructions, work }
     }
 
     /// Reflected radiance toward the eye.
     pub fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
-        let mut sum = Vec3x8::splat(Vec3::ZERO);
-        self.traverse(point, |_| (), |eight| sum = sum + eight.reflected());
-        sum.reduce_add() * self.field.solid_angle()
+        self.instructions.run(Shade { shader: self, point })
     }
 
     /// Visits the terms that [`Self::shade`] sums, left to right, and before them the nodes of the merged cut without
     /// visible light.
     #[inline(always)]
-    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(Interval), visit: impl FnMut(&EightTerms)) {
+    pub fn traverse<L: Lanes>(
+        &mut self,
+        point: &SurfacePoint,
+        dark: impl FnMut(Interval),
+        visit: impl FnMut(&EightTerms<L>),
+    ) {
         self.merge_cuts(point, dark);
         match self.sampling {
             BrdfSampling::Once => std::mem::swap(&mut self.merged, &mut self.terms),
@@ -185,25 +191,50 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// Evaluates the terms, eight at a time.
     #[inline(always)]
-    fn evaluate(&mut self, point: &SurfacePoint, mut visit: impl FnMut(&EightTerms)) {
+    fn evaluate<L: Lanes>(&mut self, point: &SurfacePoint, visit: impl FnMut(&EightTerms<L>)) {
         // Padding repeats the root without visibility.
         self.terms.resize(self.terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
-        let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
-        for terms in self.terms.chunks_exact(8) {
-            let index: [usize; 8] = std::array::from_fn(|i| terms[i].node as usize);
-            let direction = self.field.directions(index, point.position);
-            let inv_kappa = match self.sampling {
-                BrdfSampling::Once => f32x8::ZERO,
-                BrdfSampling::Refine => self.field.inv_kappas(index, point.position),
-            };
-            let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
-            let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
-            let weight = receiver.receives(direction) & weight;
-            let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
-            let brdf_cos = brdf.brdf_cos_x8(receiver.local(direction), point.wo, inv_kappa);
-            visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
+        match &point.brdf {
+            SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, visit),
+            SurfaceBrdf::Ggx(brdf) => self.evaluate_with(brdf, point, visit),
+            SurfaceBrdf::Ward(brdf) => self.evaluate_with(brdf, point, visit),
         }
+    }
+
+    #[inline(always)]
+    fn evaluate_with<L: Lanes>(&self, brdf: &impl Brdf, point: &SurfacePoint, mut visit: impl FnMut(&EightTerms<L>)) {
+        let receiver = ReceiverX8::<L>::new(point);
+        let spread = self.sampling == BrdfSampling::Refine;
+        for terms in self.terms.as_chunks::<8>().0 {
+            let light = self.field.light::<L>(std::array::from_fn(|i| terms[i].node as usize), point.position, spread);
+            let weight = receiver.receives(light.direction) & self.weight(terms);
+            let brdf_cos = brdf.brdf_cos_lanes(receiver.local(light.direction), point.wo, light.inv_kappa);
+            visit(&EightTerms { terms, direction: light.direction, radiance: light.radiance, brdf_cos, weight });
+        }
+    }
+
+    /// Visibility times number of leaves.
+    #[inline(always)]
+    fn weight<L: Lanes>(&self, terms: &[Term; 8]) -> L {
+        let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
+        L::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])))
+    }
+}
+
+/// [`Shader::shade`] in the instructions of the machine.
+struct Shade<'s, 'a, 'p, F> {
+    shader: &'s mut Shader<'a, F>,
+    point: &'p SurfacePoint,
+}
+
+impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
+    type Output = Vec3;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec3 {
+        let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
+        self.shader.traverse::<L>(self.point, |_| (), |eight| sum = sum + eight.reflected());
+        sum.reduce_add() * self.shader.field.solid_angle()
     }
 }
 

@@ -5,7 +5,7 @@ use crate::light::{bounce::SourceLighting, environment::SceneLighting};
 use glam::Vec3;
 use lapidary_core::{
     cut::{packed::VALUE_MAX, solid_angle},
-    simd::Vec3x8,
+    simd::{Lanes, NodeRow, Vec3x8},
 };
 use std::sync::LazyLock;
 use wide::f32x8;
@@ -22,6 +22,8 @@ pub(crate) trait NodeField: Copy {
     fn solid_angle(&self) -> f32;
     /// The node as seen from a point, for the decision on refinement.
     fn cone(&self, node: usize, from: Vec3) -> Cone;
+    /// The light of eight nodes at a point. With `spread`, that of each node; else none.
+    fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L>;
     /// Unit directions to eight nodes from a point.
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
     /// Angular spread of the light from eight nodes: inverse concentrations as von Mises-Fisher lobes.
@@ -32,6 +34,16 @@ pub(crate) trait NodeField: Copy {
     fn radiance(&self, node: usize) -> Vec3;
     /// Centre of a node's light, if it is not infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
+}
+
+/// Light that arrives from eight nodes.
+pub(crate) struct EightLights<L> {
+    /// Unit directions to them.
+    pub direction: Vec3x8<L>,
+    /// Angular spread: inverse concentrations as von Mises-Fisher lobes.
+    pub inv_kappa: L,
+    /// Mean radiance.
+    pub radiance: Vec3x8<L>,
 }
 
 /// The directions in which a node lies.
@@ -69,6 +81,13 @@ impl NodeField for &SceneLighting {
     fn cone(&self, node: usize, _from: Vec3) -> Cone {
         let (radius, tan_half_radius) = (self.cones.radius[node], self.cones.tan_half_radius[node]);
         Cone { direction: self.nodes.direction[node], radius, tan_half_radius }
+    }
+
+    #[inline(always)]
+    fn light<L: Lanes>(&self, nodes: [usize; 8], _from: Vec3, spread: bool) -> EightLights<L> {
+        let nodes = NodeRow::eight(&self.nodes.rows, nodes);
+        let inv_kappa = if spread { nodes.spread } else { L::splat(0.0) };
+        EightLights { direction: nodes.place, inv_kappa, radiance: nodes.radiance }
     }
 
     #[inline(always)]
@@ -148,21 +167,22 @@ impl NodeField for SourceField<'_> {
     }
 
     #[inline(always)]
+    fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L> {
+        let nodes = NodeRow::eight(&self.lighting.nodes.rows, nodes);
+        let to_center = nodes.place - Vec3x8::splat(from);
+        let inv_kappa = if spread { cap_inv_kappa(to_center, nodes.spread) } else { L::splat(0.0) };
+        EightLights { direction: normalized(to_center), inv_kappa, radiance: nodes.radiance }
+    }
+
+    #[inline(always)]
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
-        let to_center = self.toward_centers(nodes, from);
-        to_center * (f32x8::ONE / to_center.dot(to_center).sqrt().max(f32x8::splat(LEAST_DISTANCE)))
+        normalized(self.toward_centers(nodes, from))
     }
 
     #[inline(always)]
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8 {
-        let to_center = self.toward_centers(nodes, from);
-        let distance_sq = to_center.dot(to_center).max(f32x8::splat(LEAST_DISTANCE * LEAST_DISTANCE));
         let spread = f32x8::new(nodes.map(|n| self.lighting.nodes.spread[n]));
-        // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
-        let cos = f32x8::ONE / (f32x8::ONE + spread * spread / distance_sq).sqrt();
-        let resultant = f32x8::HALF * (f32x8::ONE + cos);
-        let resultant_sq = resultant * resultant;
-        (f32x8::ONE - resultant_sq) / (resultant * (f32x8::splat(3.0) - resultant_sq))
+        cap_inv_kappa(self.toward_centers(nodes, from), spread)
     }
 
     /// A source is a disc.
@@ -186,4 +206,21 @@ impl SourceField<'_> {
     fn toward_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
         Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.center[n])) - Vec3x8::splat(from)
     }
+}
+
+#[inline(always)]
+fn normalized<L: Lanes>(to_center: Vec3x8<L>) -> Vec3x8<L> {
+    to_center * (L::splat(1.0) / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE))
+}
+
+/// Inverse concentrations of discs of radius `spread` in metres, seen face on.
+#[inline(always)]
+fn cap_inv_kappa<L: Lanes>(to_center: Vec3x8<L>, spread: L) -> L {
+    let one = L::splat(1.0);
+    let distance_sq = to_center.dot(to_center).at_least(LEAST_DISTANCE * LEAST_DISTANCE);
+    // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
+    let cos = one / (one + spread * spread / distance_sq).sqrt();
+    let resultant = L::splat(0.5) * (one + cos);
+    let resultant_sq = resultant * resultant;
+    (one - resultant_sq) / (resultant * (L::splat(3.0) - resultant_sq))
 }

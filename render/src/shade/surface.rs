@@ -7,7 +7,7 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
     ray::{Hit, Intersector, offset},
-    simd::Vec3x8,
+    simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
 
@@ -105,12 +105,12 @@ impl SurfacePlace {
 }
 
 /// The frame of a point, for eight directions of light at once.
-pub struct ReceiverX8 {
-    axes: [Vec3x8; 3],
-    smooth_normal: Vec3x8,
+pub struct ReceiverX8<L = f32x8> {
+    axes: [Vec3x8<L>; 3],
+    smooth_normal: Vec3x8<L>,
 }
 
-impl ReceiverX8 {
+impl<L: Lanes> ReceiverX8<L> {
     /// Of `point`.
     #[inline(always)]
     pub fn new(point: &SurfacePoint) -> Self {
@@ -120,15 +120,15 @@ impl ReceiverX8 {
 
     /// Directions in the local frame.
     #[inline(always)]
-    pub fn local(&self, direction: Vec3x8) -> Vec3x8 {
+    pub fn local(&self, direction: Vec3x8<L>) -> Vec3x8<L> {
         let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
         Vec3x8 { x, y, z }
     }
 
     /// A mask of the directions that are above the smooth normal's horizon.
     #[inline(always)]
-    pub fn receives(&self, direction: Vec3x8) -> f32x8 {
-        direction.dot(self.smooth_normal).simd_gt(f32x8::ZERO)
+    pub fn receives(&self, direction: Vec3x8<L>) -> L {
+        direction.dot(self.smooth_normal).simd_gt(L::splat(0.0))
     }
 }
 

@@ -1,0 +1,89 @@
+//! Which instructions a kernel runs in.
+
+use super::Lanes;
+#[cfg(target_arch = "x86_64")]
+use super::avx2::Avx2;
+use wide::f32x8;
+
+/// Work that is worth a path for each instruction set.
+pub trait Kernel {
+    /// Its result.
+    type Output;
+
+    /// Does the work. This and what it calls must be `#[inline(always)]`: what is not inlined runs in the instructions of
+    /// the plain build, and each operator of [`Lanes`] becomes a call.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Instructions that this machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionSet(Known);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    /// Those of the build.
+    Portable,
+    /// Registers of 256 bits.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// 32 registers of 256 bits, and masks in registers of their own.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// Those of the build, which every machine has.
+    pub const PORTABLE: Self = Self(Known::Portable);
+
+    /// All that this machine has, the widest last.
+    pub fn available() -> impl Iterator<Item = Self> {
+        #[cfg(target_arch = "x86_64")]
+        let known = {
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            let avx512 = avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512cd")
+                && is_x86_feature_detected!("avx512dq");
+            [Some(Known::Portable), avx2.then_some(Known::Avx2), avx512.then_some(Known::Avx512)]
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let known = [Some(Known::Portable)];
+        known.into_iter().flatten().map(Self)
+    }
+
+    /// The widest that this machine has.
+    pub fn widest() -> Self {
+        Self::available().last().unwrap_or(Self::PORTABLE)
+    }
+
+    /// Runs `kernel` in these instructions.
+    #[inline(always)]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Known::Portable => kernel.run::<f32x8>(),
+            // SAFETY: only `available` makes these values, and it asks the machine first.
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx2 => unsafe { in_avx2(kernel) },
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx512 => unsafe { in_avx512(kernel) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn in_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Avx2>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512bw,avx512cd,avx512dq")]
+fn in_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Avx2>()
+}
