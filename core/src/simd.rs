@@ -193,7 +193,11 @@ impl<L: Lanes> Vec3x8<L> {
     /// Eight vectors.
     #[inline(always)]
     pub fn from_array(v: [Vec3; 8]) -> Self {
-        Self { x: L::new(v.map(|v| v.x)), y: L::new(v.map(|v| v.y)), z: L::new(v.map(|v| v.z)) }
+        let [mut x, mut y, mut z] = [[0.0; 8]; 3];
+        for (i, v) in v.iter().enumerate() {
+            (x[i], y[i], z[i]) = (v.x, v.y, v.z);
+        }
+        Self { x: L::new(x), y: L::new(y), z: L::new(z) }
     }
 
     /// The same vectors, from memory that all instruction sets share.

@@ -74,29 +74,11 @@ impl Lanes for Avx2 {
         v
     }
 
-    /// Halves of rows 0 and 4, 1 and 5 and so on share a register, so that no value crosses between halves again.
     #[inline(always)]
     fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8] {
-        // SAFETY: as for the operators; loads of four begin at the first or at the fifth of eight.
-        unsafe {
-            let half = |row: usize, from: usize| {
-                let at = |row: usize| _mm_loadu_ps(rows[row][from..from + 4].as_ptr());
-                _mm256_set_m128(at(row + 4), at(row))
-            };
-            let four = |from: usize| {
-                let [r0, r1, r2, r3] = [half(0, from), half(1, from), half(2, from), half(3, from)];
-                let (a, b) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
-                let (c, d) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
-                [
-                    _mm256_shuffle_ps::<0b01_00_01_00>(a, c),
-                    _mm256_shuffle_ps::<0b11_10_11_10>(a, c),
-                    _mm256_shuffle_ps::<0b01_00_01_00>(b, d),
-                    _mm256_shuffle_ps::<0b11_10_11_10>(b, d),
-                ]
-            };
-            let ([a, b, c, d], [e, f, g, h]) = (four(0), four(4));
-            [Self(a), Self(b), Self(c), Self(d), Self(e), Self(f), Self(g), Self(h)]
-        }
+        let [a, b, c, d] = four_columns::<0>(rows);
+        let [e, f, g, h] = four_columns::<4>(rows);
+        [a, b, c, d, e, f, g, h]
     }
 
     #[inline(always)]
@@ -143,5 +125,37 @@ impl Lanes for Avx2 {
     fn to_bitmask(self) -> u32 {
         // SAFETY: as for the operators.
         unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+}
+
+/// Columns `FIRST` to `FIRST + 3`. Rows 0 and 4, 1 and 5 and so on share a register, so that no number crosses between
+/// its halves.
+#[inline(always)]
+fn four_columns<const FIRST: usize>(rows: [&[f32; 8]; 8]) -> [Avx2; 4] {
+    // SAFETY: as for the operators.
+    unsafe {
+        let r0 = two_rows::<FIRST>(rows[0], rows[4]);
+        let r1 = two_rows::<FIRST>(rows[1], rows[5]);
+        let r2 = two_rows::<FIRST>(rows[2], rows[6]);
+        let r3 = two_rows::<FIRST>(rows[3], rows[7]);
+        let (a, b) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+        let (c, d) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+        [
+            Avx2(_mm256_shuffle_ps::<0b01_00_01_00>(a, c)),
+            Avx2(_mm256_shuffle_ps::<0b11_10_11_10>(a, c)),
+            Avx2(_mm256_shuffle_ps::<0b01_00_01_00>(b, d)),
+            Avx2(_mm256_shuffle_ps::<0b11_10_11_10>(b, d)),
+        ]
+    }
+}
+
+/// Four numbers of each row from `FIRST`, which is 0 or 4.
+#[inline(always)]
+fn two_rows<const FIRST: usize>(low: &[f32; 8], high: &[f32; 8]) -> __m256 {
+    const { assert!(FIRST + 4 <= 8) };
+    // SAFETY: as for the operators; four numbers are loaded of the eight, from the first or the fifth.
+    unsafe {
+        let low = _mm256_castps128_ps256(_mm_loadu_ps(low.as_ptr().add(FIRST)));
+        _mm256_insertf128_ps::<1>(low, _mm_loadu_ps(high.as_ptr().add(FIRST)))
     }
 }

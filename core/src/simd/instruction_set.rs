@@ -10,8 +10,9 @@ pub trait Kernel {
     /// Its result.
     type Output;
 
-    /// Does the work. This and what it calls must be `#[inline(always)]`: what is not inlined runs in the instructions of
-    /// the plain build, and each operator of [`Lanes`] becomes a call.
+    /// Does the work. This and all that it calls with [`Lanes`], closures too, must be `#[inline(always)]`: in what is not
+    /// inlined each operator is a call of a function, and the whole is slower than the plain build. For the same reason
+    /// `Lanes` go through no `map` and no `from_fn`.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 

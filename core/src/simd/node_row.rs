@@ -42,9 +42,11 @@ impl NodeRow {
     /// Eight of `rows`.
     #[inline(always)]
     pub fn eight<L: Lanes>(rows: &[Self], nodes: [usize; 8]) -> EightNodes<L> {
-        let row = |i: usize| bytemuck::cast_ref(&rows[nodes[i]]);
-        let [px, py, pz, spread, rx, ry, rz, _] =
-            L::transposed([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
+        let mut eight = [&[0.0; 8]; 8];
+        for (row, node) in eight.iter_mut().zip(nodes) {
+            *row = bytemuck::cast_ref(&rows[node]);
+        }
+        let [px, py, pz, spread, rx, ry, rz, _] = L::transposed(eight);
         EightNodes { place: Vec3x8 { x: px, y: py, z: pz }, spread, radiance: Vec3x8 { x: rx, y: ry, z: rz } }
     }
 }

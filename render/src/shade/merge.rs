@@ -206,7 +206,11 @@ impl<'a, F: NodeField> Shader<'a, F> {
         let receiver = ReceiverX8::<L>::new(point);
         let spread = self.sampling == BrdfSampling::Refine;
         for terms in self.terms.as_chunks::<8>().0 {
-            let light = self.field.light::<L>(std::array::from_fn(|i| terms[i].node as usize), point.position, spread);
+            let mut nodes = [0; 8];
+            for (node, term) in nodes.iter_mut().zip(terms) {
+                *node = term.node as usize;
+            }
+            let light = self.field.light::<L>(nodes, point.position, spread);
             let weight = receiver.receives(light.direction) & self.weight(terms);
             let brdf_cos = brdf.brdf_cos_lanes(receiver.local(light.direction), point.wo, light.inv_kappa);
             visit(&EightTerms { terms, direction: light.direction, radiance: light.radiance, brdf_cos, weight });
@@ -216,8 +220,11 @@ impl<'a, F: NodeField> Shader<'a, F> {
     /// Visibility times number of leaves.
     #[inline(always)]
     fn weight<L: Lanes>(&self, terms: &[Term; 8]) -> L {
-        let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
-        L::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])))
+        let mut weight = [0.0; 8];
+        for (weight, term) in weight.iter_mut().zip(terms) {
+            *weight = term.visibility * (1_u32 << (self.height - term.node.ilog2())) as f32;
+        }
+        L::new(weight)
     }
 }
 
@@ -233,7 +240,12 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec3 {
         let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
-        self.shader.traverse::<L>(self.point, |_| (), |eight| sum = sum + eight.reflected());
+        self.shader.traverse::<L>(
+            self.point,
+            |_| (),
+            #[inline(always)]
+            |eight| sum = sum + eight.reflected(),
+        );
         sum.reduce_add() * self.shader.field.solid_angle()
     }
 }

@@ -114,15 +114,16 @@ impl<L: Lanes> ReceiverX8<L> {
     /// Of `point`.
     #[inline(always)]
     pub fn new(point: &SurfacePoint) -> Self {
-        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
+        let Mat3 { x_axis, y_axis, z_axis } = point.world_from_local;
+        let axes = [Vec3x8::splat(x_axis), Vec3x8::splat(y_axis), Vec3x8::splat(z_axis)];
         Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal) }
     }
 
     /// Directions in the local frame.
     #[inline(always)]
     pub fn local(&self, direction: Vec3x8<L>) -> Vec3x8<L> {
-        let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
-        Vec3x8 { x, y, z }
+        let [x, y, z] = self.axes;
+        Vec3x8 { x: direction.dot(x), y: direction.dot(y), z: direction.dot(z) }
     }
 
     /// A mask of the directions that are above the smooth normal's horizon.
