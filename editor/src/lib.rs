@@ -15,6 +15,7 @@ mod paths;
 mod preferences;
 #[cfg(test)]
 mod test_support;
+mod typing;
 mod viewport;
 
 pub use check::{Checked, check};

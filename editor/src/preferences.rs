@@ -148,6 +148,11 @@ impl Default for Preferences {
     }
 }
 
+/// Least and greatest width of the left side in points.
+pub const SIDE_WIDTHS: [f32; 2] = [160.0, 480.0];
+/// Least and greatest width of the inspector in points: its rows need the least.
+pub const INSPECTOR_WIDTHS: [f32; 2] = [280.0, 640.0];
+
 /// Name of the file in the configuration folder.
 const FILE: &str = "preferences.json";
 
@@ -189,17 +194,17 @@ impl Preferences {
     /// With a scale and sizes at which the interface can be used.
     pub fn clamped(self) -> Self {
         let usual = Self::default();
-        let clamp = |x: f32, low: f32, high: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
+        let clamp = |x: f32, [low, high]: [f32; 2], default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
         let [width, height] = self.window_size;
         Self {
             theme: self.theme,
-            ui_scale: clamp(self.ui_scale, 0.5, 3.0, usual.ui_scale),
+            ui_scale: clamp(self.ui_scale, [0.5, 3.0], usual.ui_scale),
             window_size: [
-                clamp(width, 800.0, 16_384.0, usual.window_size[0]),
-                clamp(height, 500.0, 16_384.0, usual.window_size[1]),
+                clamp(width, [800.0, 16_384.0], usual.window_size[0]),
+                clamp(height, [500.0, 16_384.0], usual.window_size[1]),
             ],
-            side_width: clamp(self.side_width, 160.0, 480.0, usual.side_width),
-            inspector_width: clamp(self.inspector_width, 280.0, 640.0, usual.inspector_width),
+            side_width: clamp(self.side_width, SIDE_WIDTHS, usual.side_width),
+            inspector_width: clamp(self.inspector_width, INSPECTOR_WIDTHS, usual.inspector_width),
             folders: self.folders,
             outside: self.outside,
         }

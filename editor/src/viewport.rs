@@ -9,10 +9,8 @@
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
 //! | drag of a handle of the selected light | move it (Escape: put it back) |
-//! | F, A | frame the selection, everything |
-//! | Home | put the camera back to the first view |
-//! | Ctrl+1, Ctrl+3, Ctrl+7 | view from the front, right, top |
-//! | Ctrl+Shift+C, Ctrl+Shift+V | copy, paste the camera |
+//!
+//! Keys that are pressed once are commands of the window: see `app/keys.rs`.
 
 pub mod camera_text;
 mod clusters;
@@ -24,6 +22,8 @@ pub mod navigation;
 mod outline;
 mod paint;
 pub mod pick;
+
+pub use input::turn_environment;
 
 use crate::{actions::Action, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};

@@ -33,6 +33,17 @@ impl Appearance {
             && self.textures.iter().zip(&other.textures).all(same_texture)
     }
 
+    /// Materials that do not look the same in `other`, which has as many, by index.
+    pub(crate) fn changed_materials(&self, other: &Self) -> Vec<usize> {
+        let same_texture = |index: u32| match [self, other].map(|looks| looks.textures.get(index as usize)) {
+            [Some(a), Some(b)] => Arc::ptr_eq(a, b),
+            [a, b] => a.is_none() && b.is_none(),
+        };
+        let same = |a: &Material, b: &Material| a == b && a.maps.slots().all(|slot| same_texture(slot.texture));
+        let pairs = self.materials.iter().zip(&other.materials).enumerate();
+        pairs.filter(|(_, (a, b))| !same(a, b)).map(|(index, _)| index).collect()
+    }
+
     /// A material's values after its maps, clamped to their ranges here and nowhere later. Twin of
     /// `shaders/parameters_pass.wgsl`.
     pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {

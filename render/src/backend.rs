@@ -14,6 +14,7 @@ use crate::{
     post::Post,
     remedy::{Remedy, Wording},
     shade::merge::BrdfSampling,
+    stale::{Part, Stale},
     view::View,
 };
 use lapidary_core::image::Image;
@@ -82,7 +83,7 @@ impl fmt::Display for BackendError {
 
 impl Error for BackendError {}
 
-/// Work done for the picture so far.
+/// Work in the picture so far, that of kept samples included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureStats {
     /// Samples of pixels that show a surface.
@@ -91,6 +92,28 @@ pub struct PictureStats {
     pub mean_merged_nodes: f64,
     /// BRDF evaluations, averaged over them.
     pub mean_brdf_evaluations: f64,
+    /// Samples that were shaded for it since [`Backend::begin`] or [`Backend::resume`].
+    pub shaded: ShadedSamples,
+}
+
+/// Samples of pixels that show a surface, by the part of the light that was computed for them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShadedSamples {
+    /// Direct light of the environment, or what a view mode without light shows.
+    pub environment: u64,
+    /// Bounced light.
+    pub bounce: u64,
+    /// Direct light of local lights.
+    pub direct: u64,
+    /// Direct light of local lights that were added.
+    pub added: u64,
+}
+
+impl ShadedSamples {
+    /// Counts by [`Part`].
+    pub(crate) fn of([environment, bounce, direct, added]: [u64; Part::COUNT]) -> Self {
+        Self { environment, bounce, direct, added }
+    }
 }
 
 /// How a picture was made.
@@ -113,7 +136,7 @@ pub struct RenderStats {
 impl From<&RenderStats> for PictureStats {
     fn from(stats: &RenderStats) -> Self {
         let &RenderStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, .. } = stats;
-        Self { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations }
+        Self { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, shaded: ShadedSamples::default() }
     }
 }
 
@@ -165,8 +188,18 @@ pub trait Backend: Send {
     /// A picture larger than the adapter's limits, or a lost device.
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
 
+    /// Begins a picture that keeps what the last one has, unless it is of another view or `stale`: edits since the last
+    /// one was begun or resumed. All samples are then rendered by [`Self::render_rows`] from the first on.
+    ///
+    /// # Errors
+    /// As [`Self::begin`].
+    fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
+        let _ = stale;
+        self.begin(view, sampling)
+    }
+
     /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when it is done.
-    /// All rows of a sample are rendered before those of the next.
+    /// All rows of a sample are rendered before those of the next. Pixels that have the sample already stay as they are.
     ///
     /// # Errors
     /// A lost device.
@@ -187,7 +220,7 @@ pub trait Backend: Send {
     /// A lost device.
     fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError>;
 
-    /// Work done for the picture so far.
+    /// Work in the picture so far, that of kept samples included.
     ///
     /// # Errors
     /// A lost device.

@@ -1,6 +1,8 @@
 //! A dataset with its ray hierarchy: made once, shared by the CPU renderer, the references and picking.
 
+use glam::Vec3;
 use lapidary_core::{dataset::Dataset, ray::Intersector};
+use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
 /// A dataset that is ready to be shown. Copying it is cheap.
@@ -9,6 +11,7 @@ pub struct Baked {
     /// The dataset.
     pub dataset: Arc<Dataset>,
     intersector: Arc<OnceLock<Arc<Intersector>>>,
+    patches: Arc<OnceLock<Arc<[u8]>>>,
 }
 
 impl std::fmt::Debug for Baked {
@@ -19,7 +22,7 @@ impl std::fmt::Debug for Baked {
 
 impl<D: Into<Arc<Dataset>>> From<D> for Baked {
     fn from(dataset: D) -> Self {
-        Self { dataset: dataset.into(), intersector: Arc::default() }
+        Self { dataset: dataset.into(), intersector: Arc::default(), patches: Arc::default() }
     }
 }
 
@@ -43,6 +46,11 @@ impl Baked {
         self.intersector.get().map(|built| &**built)
     }
 
+    /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.
+    pub fn patches(&self) -> Arc<[u8]> {
+        self.patches.get_or_init(|| patches(&self.dataset.scene.mesh.positions).into()).clone()
+    }
+
     /// Whether both are one dataset, or none.
     pub fn are_same(a: Option<&Self>, b: Option<&Self>) -> bool {
         match (a, b) {
@@ -54,5 +62,41 @@ impl Baked {
     /// Whether both are the same dataset, not only equal ones.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.dataset, &other.dataset)
+    }
+}
+
+/// Equal parts of the positions along a Z curve (Morton 1966).
+fn patches(positions: &[Vec3]) -> Vec<u8> {
+    let (least, most) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), &p| (a.min(p), b.max(p)));
+    let cells = |p: Vec3| ((p - least) / (most - least).max_element().max(f32::MIN_POSITIVE) * 1023.0).as_uvec3();
+    let code = |p: Vec3| {
+        let cell = cells(p).to_array();
+        (0..30).fold(0_u32, |code, bit| code | (cell[bit % 3] >> (bit / 3) & 1) << bit)
+    };
+    let mut order: Vec<(u32, u32)> = positions.iter().zip(0..).map(|(&p, vertex)| (code(p), vertex)).collect();
+    order.par_sort_unstable();
+    let mut patches = vec![0; positions.len()];
+    for (place, (_, vertex)) in order.into_iter().enumerate() {
+        patches[vertex as usize] = (place * 64 / positions.len()) as u8;
+    }
+    patches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_are_equally_many_vertices_close_to_each_other() {
+        let at = |i: usize| Vec3::new((i * 37 % 64) as f32, 2.0, (i / 64) as f32);
+        let positions: Vec<Vec3> = (0..64 * 64).map(at).collect();
+        let patches = patches(&positions);
+        for patch in 0..64 {
+            let own: Vec<Vec3> = (0..positions.len()).filter(|&i| patches[i] == patch).map(|i| positions[i]).collect();
+            assert_eq!(own.len(), 64);
+            assert!(own.iter().all(|p| p.distance(own[0]) < 23.0), "in a quarter of the width");
+        }
+        assert!(super::patches(&[]).is_empty());
+        assert_eq!(super::patches(&[Vec3::ONE]), [0], "without extent");
     }
 }

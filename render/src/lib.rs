@@ -28,6 +28,7 @@ mod reference;
 mod remedy;
 mod renderer;
 mod shade;
+mod stale;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_looks;
 #[cfg(test)]
@@ -36,7 +37,7 @@ mod view;
 mod view_mode;
 
 pub use appearance::Appearance;
-pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats};
+pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples};
 pub use baked::Baked;
 pub use cpu::{
     backend::{CPU, CpuBackend},
@@ -72,5 +73,6 @@ pub use reference::{
 pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
 pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
+pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

@@ -1,8 +1,8 @@
 //! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
 use crate::{
-    Backend, BackendError, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Post, Redo, RenderStats,
-    Renderer, SceneLighting, SurfaceLayers, View,
+    Backend, BackendError, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks, Pixels, Post,
+    Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, View, light::bounce::Drift,
 };
 use lapidary_core::image::Image;
 use std::{ops::Range, sync::Arc, time::Instant};
@@ -24,6 +24,12 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     finished: bool,
     /// Whether the next look is lit again, even by the same light.
     relight: bool,
+    /// What of the renderer's picture does not hold any more.
+    stale: Stale,
+    /// Of the bounced light, since it was shaded.
+    drift: Drift,
+    /// Whether pixels keep bounced light that a changed material moves by less than can be seen.
+    keeps_unseen: bool,
     remarks: Remarks,
     backend: Box<B>,
 }
@@ -77,9 +83,19 @@ impl<B: Backend + ?Sized> LitScene<B> {
             light_revision: 0,
             finished: false,
             relight: false,
+            stale: Stale::ALL,
+            drift: Drift::default(),
+            keeps_unseen: false,
             remarks: Remarks::default(),
             backend,
         })
+    }
+
+    /// Lets pixels keep bounced light that a changed material moves by less than half a step of 8 bits. Pictures then
+    /// depend, as little, on those before them.
+    pub fn keep_unseen_changes(mut self) -> Self {
+        self.keeps_unseen = true;
+        self
     }
 
     /// Gives the renderer a scene unless it has it already. Returns whether the scene is another one.
@@ -92,7 +108,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
         self.baked = baked.clone();
-        (self.lit, self.finished) = (None, false);
+        (self.lit, self.finished, self.stale) = (None, false, Stale::ALL);
+        self.drift.reset();
         Ok(true)
     }
 
@@ -109,7 +126,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let start = Instant::now();
         self.light(look)?;
         if !self.finished {
-            self.begin(&look.view, look.sampling)?;
+            self.resume(&look.view, look.sampling)?;
             if !self.render_samples(&look.view, go_on)? {
                 return Ok(None);
             }
@@ -149,7 +166,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
             Some(lit) => Redo::between(&lit.look, look),
             None => Redo::ALL,
         };
-        self.finished &= !redo.pixels;
+        self.finished &= !redo.pixels.any();
+        let before = known.as_ref().map(|lit| lit.local.clone());
         if redo.appearance {
             let remarks = self.backend.set_appearance(&look.appearance)?;
             self.remarks.replace(0, remarks);
@@ -167,8 +185,23 @@ impl<B: Backend + ?Sized> LitScene<B> {
             Some(local) if !redo.local => local,
             known => self.light_locally(&look, &environment, known)?,
         };
+        self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
         self.lit = Some(Lit { look, environment, local });
         Ok(())
+    }
+
+    /// The pixels to redo, with those that the bounced light of changed materials reaches.
+    fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
+        let mut stale = redo.pixels;
+        if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
+            let patches = before.filter(|_| self.keeps_unseen).and_then(|b| self.drift.add(&self.baked, b, now));
+            let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
+            stale.bounce = stale.bounce.and(reached);
+        }
+        if stale.bounce == Pixels::All {
+            self.drift.reset();
+        }
+        stale
     }
 
     /// Lights the environment's tree.
@@ -200,22 +233,38 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials
     /// stay.
     pub fn forget_light(&mut self) {
-        (self.relight, self.finished) = (true, false);
+        (self.relight, self.finished, self.stale) = (true, false, Stale::ALL);
     }
 
     /// Makes the next look be rendered again, even if it is the same, to measure how long that takes. Materials and light
     /// stay.
     pub fn forget_picture(&mut self) {
-        self.finished = false;
+        (self.finished, self.stale) = (false, Stale::ALL);
     }
 
-    /// Begins a picture of the scene under its current light, which [`Self::render_rows`] renders step by step.
+    /// Begins a picture of the scene under its current light without samples, which [`Self::render_rows`] renders step by step.
     ///
     /// # Errors
     /// A picture larger than the adapter's limits, or a lost device.
     pub fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
         self.finished = false;
-        self.backend.begin(view, sampling)
+        self.stale = Stale::ALL;
+        self.backend.begin(view, sampling)?;
+        self.stale = Stale::NOTHING;
+        Ok(())
+    }
+
+    /// [`Self::begin`] with the samples of the last picture that no edit has made stale. All samples of all rows are to be
+    /// rendered, which takes no time where they are kept.
+    ///
+    /// # Errors
+    /// As [`Self::begin`].
+    pub fn resume(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        self.finished = false;
+        let stale = std::mem::replace(&mut self.stale, Stale::ALL);
+        self.backend.resume(view, sampling, &stale)?;
+        self.stale = Stale::NOTHING;
+        Ok(())
     }
 
     /// Adds one sample per pixel to some rows; see [`Backend::render_rows`].
@@ -301,6 +350,9 @@ fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig
     })?;
     Ok((environment, LocalRig::new(baked)))
 }
+
+#[cfg(test)]
+pub(crate) mod edits;
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,6 @@
 //! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
-use crate::{Appearance, BrdfSampling, Components, Illumination, Post, Solution, View};
+use crate::{Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View};
 use lapidary_core::{lights::Light, scene::Scene};
 use std::sync::Arc;
 
@@ -53,18 +53,18 @@ pub struct Redo {
     pub environment: bool,
     /// Local lights and bounced light: shadow rays of changed lights, the solution, and the components shown.
     pub local: bool,
-    /// The pixels: deferred pass and merge.
-    pub pixels: bool,
+    /// The pixels: deferred pass and merge, by what they show and by the part of their light.
+    pub pixels: Stale,
     /// Exposure and tone curve over the finished pixels.
     pub display: bool,
 }
 
 impl Redo {
     /// Everything, as after a scene was opened.
-    pub const ALL: Self = Self { appearance: true, environment: true, local: true, pixels: true, display: true };
+    pub const ALL: Self = Self { appearance: true, environment: true, local: true, pixels: Stale::ALL, display: true };
     /// Nothing.
     pub const NOTHING: Self =
-        Self { appearance: false, environment: false, local: false, pixels: false, display: false };
+        Self { appearance: false, environment: false, local: false, pixels: Stale::NOTHING, display: false };
 
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
@@ -76,8 +76,34 @@ impl Redo {
             || environment
             || *lights != new.lights
             || (*components, *solution) != (new.components, new.solution);
-        let pixels = local || *sampling != new.sampling || *view != new.view;
-        Self { appearance, environment, local, pixels, display: pixels || *post != new.post }
+        let pixels = if *sampling != new.sampling || *view != new.view { Stale::ALL } else { Self::stale(old, new) };
+        Self { appearance, environment, local, pixels, display: pixels.any() || *post != new.post }
+    }
+
+    /// Samples of the same view that do not hold any more.
+    fn stale(old: &Look, new: &Look) -> Stale {
+        let Components { environment, direct, indirect } = new.components;
+        let looks = Self::changed_looks(old, new);
+        let sky = !old.light.is_same(&new.light) || old.illum_cut != new.illum_cut;
+        let lights = old.lights != new.lights;
+        let bounced = sky || lights || old.solution != new.solution;
+        Stale {
+            environment: looks.and(Pixels::all_if(environment != old.components.environment || environment && sky)),
+            // `LitScene` adds those that the light of a changed material reaches.
+            bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && bounced)),
+            direct: looks.and(Pixels::all_if(direct != old.components.direct)),
+            lights: direct && lights,
+        }
+    }
+
+    /// Pixels that show a material that has changed.
+    fn changed_looks(old: &Look, new: &Look) -> Pixels {
+        let [before, after] = [&old.appearance, &new.appearance];
+        if before.materials.len() != after.materials.len() {
+            return Pixels::All;
+        }
+        let changed = before.changed_materials(after);
+        if changed.is_empty() { Pixels::Nothing } else { Pixels::Showing(Marks::of_materials(changed)) }
     }
 }
 
@@ -85,6 +111,7 @@ impl Redo {
 mod tests {
     use super::*;
     use crate::{Background, test_looks::look};
+    use lapidary_core::texture::{Texels, Texture};
     use std::sync::Arc;
 
     /// Steps that an edit of a look redoes.
@@ -98,23 +125,48 @@ mod tests {
     #[test]
     fn an_edit_redoes_what_depends_on_it_and_nothing_else() {
         const DISPLAY: Redo = Redo { display: true, ..Redo::NOTHING };
-        const PIXELS: Redo = Redo { pixels: true, ..DISPLAY };
-        const LOCAL: Redo = Redo { local: true, ..PIXELS };
-        const ENVIRONMENT: Redo = Redo { environment: true, ..LOCAL };
-        const APPEARANCE: Redo = Redo { appearance: true, ..LOCAL };
+        const PIXELS: Redo = Redo { pixels: Stale::ALL, ..DISPLAY };
+        let local = |pixels| Redo { local: true, pixels, ..DISPLAY };
+        let all = |environment, bounce, direct| {
+            let [environment, bounce, direct] = [environment, bounce, direct].map(Pixels::all_if);
+            Stale { environment, bounce, direct, lights: false }
+        };
+        let sky = Redo { environment: true, ..local(all(true, true, false)) };
         assert_eq!(redone(|_| ()), Redo::NOTHING);
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
         assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), PIXELS);
         assert_eq!(redone(|look| look.view.aa = 4), PIXELS);
         assert_eq!(redone(|look| look.view.background = Background::Transparent), PIXELS);
         assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), PIXELS);
-        assert_eq!(redone(|look| look.components.direct = false), LOCAL);
-        assert_eq!(redone(|look| look.solution = Solution::Meshless), LOCAL);
-        assert_eq!(redone(|look| look.lights = Arc::default()), LOCAL);
-        assert_eq!(redone(|look| look.light.rotation += 0.1), ENVIRONMENT);
-        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), ENVIRONMENT);
-        assert_eq!(redone(|look| look.illum_cut = 7), ENVIRONMENT);
-        assert_eq!(redone(|look| look.appearance.materials[1].parameters.roughness = 0.1), APPEARANCE);
+        assert_eq!(redone(|look| look.components.environment = false), local(all(true, false, false)));
+        assert_eq!(redone(|look| look.components.indirect = false), local(all(false, true, false)));
+        assert_eq!(redone(|look| look.components.direct = false), local(all(false, false, true)));
+        assert_eq!(redone(|look| look.solution = Solution::Meshless), local(all(false, true, false)));
+        let lights = Stale { lights: true, ..all(false, true, false) };
+        assert_eq!(redone(|look| look.lights = Arc::default()), local(lights));
+        assert_eq!(redone(|look| look.light.rotation += 0.1), sky);
+        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), sky);
+        assert_eq!(redone(|look| look.illum_cut = 7), sky);
+    }
+
+    #[test]
+    fn a_material_concerns_the_pixels_that_show_it() {
+        let showing = |materials: &[usize]| {
+            let pixels = Pixels::Showing(Marks::of_materials(materials.iter().copied()));
+            Stale { environment: pixels, bounce: pixels, direct: pixels, lights: false }
+        };
+        let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, environment: false };
+        let rough = redone(|look| look.appearance.materials[1].parameters.roughness = 0.1);
+        assert_eq!(rough, appearance(showing(&[1])));
+        // Both have maps that had no picture.
+        let texture =
+            Texture { name: "t".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
+        let mapped = redone(|look| look.appearance.textures = vec![Arc::new(texture)]);
+        assert_eq!(mapped, appearance(showing(&[0, 1])));
+        assert_eq!(
+            redone(|look| look.appearance.materials.truncate(1)),
+            appearance(Stale { lights: false, ..Stale::ALL })
+        );
     }
 
     #[test]

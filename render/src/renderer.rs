@@ -18,6 +18,7 @@ pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
     pub(crate) appearance: Appearance,
     pub(crate) intersector: Arc<Intersector>,
+    baked: Baked,
     /// Distance in metres that shadow rays start off a surface, at most.
     largest_offset: f32,
     /// Made at the first use: the references by paths do without.
@@ -30,10 +31,10 @@ impl Renderer {
     pub fn new(baked: impl Into<Baked>) -> Self {
         let baked = baked.into();
         let intersector = baked.intersector();
-        let dataset = baked.dataset;
+        let dataset = baked.dataset.clone();
         let appearance = Appearance::of(&dataset.scene);
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
-        Self { dataset, appearance, intersector, largest_offset, rig: OnceLock::new() }
+        Self { dataset, appearance, intersector, baked, largest_offset, rig: OnceLock::new() }
     }
 
     /// For a scene with the materials of a look; missing materials and maps are replaced.
@@ -61,6 +62,11 @@ impl Renderer {
     /// Casts rays on the mesh.
     pub fn intersector(&self) -> &Arc<Intersector> {
         &self.intersector
+    }
+
+    /// The patch of each vertex, see [`Baked::patches`].
+    pub(crate) fn patches(&self) -> Arc<[u8]> {
+        self.baked.patches()
     }
 
     /// Looks up points of the scene as it looks now.

@@ -368,11 +368,11 @@ impl Renderer {
         let sampler = PixelSampler::new(self, view, &backdrop);
         let light = PictureLight { environment: Some(lighting), ..Default::default() };
         let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
-        let mut picture = Picture::new(view.size);
+        let mut picture = Picture::new(view.size, light.parts(view.mode));
         for sample in 0..view.aa.max(1) {
-            picture.add_rows(&sampler, painter, sample, 0..view.size[1]);
+            picture.add_rows(&sampler, painter, None, sample, 0..view.size[1]);
         }
-        let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations } = picture.stats();
+        let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, .. } = picture.stats();
         let seconds = start.elapsed().as_secs_f64();
         let stats = RenderStats {
             backend: "cpu".into(),

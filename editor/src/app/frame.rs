@@ -1,12 +1,12 @@
 //! A frame of the window: results of jobs, the interface, and its requests. It also runs without a window, in tests.
 
 use super::{
-    layout, prompts,
+    dismissal, keys, layout, prompts,
     state::{AUTOSAVE_INTERVAL, EditorState},
     theme,
 };
-use crate::actions::Action;
-use egui::{Event, Ui, ViewportCommand};
+use crate::{actions::Action, typing::keys_are_commands, viewport};
+use egui::{Event, Key, Ui, ViewportCommand};
 use std::time::Instant;
 
 impl EditorState {
@@ -29,7 +29,7 @@ impl EditorState {
         self.show_explanation(&ctx);
         prompts::show(&ctx, self, &mut actions);
         self.show_sequence_dialog(&ctx, &mut actions);
-        self.messages.show(&ctx, laid.status_height);
+        self.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
             // What is on the screen is from before the actions.
@@ -38,10 +38,54 @@ impl EditorState {
         for action in actions {
             self.perform(&ctx, action);
         }
+        self.take_keys(&ctx);
+        dismissal::shield(&ctx, laid.menus);
         self.load_environment();
         self.request_picture(&ctx, laid.viewport);
         self.compare();
         self.keep_safe(&ctx);
+    }
+
+    /// Does what the keys ask for that are not for a text field. Each does what it does before the next, so that two
+    /// presses are two steps even in one frame.
+    fn take_keys(&mut self, ctx: &egui::Context) {
+        let are_commands = keys_are_commands(ctx) && !self.is_asking();
+        self.flicker(ctx, are_commands);
+        if !are_commands {
+            return;
+        }
+        let mut actions = Vec::new();
+        if self.scene.shown().is_some() {
+            viewport::turn_environment(ctx, &self.document, &mut actions);
+        }
+        let commands = keys::pressed(ctx);
+        if !commands.is_empty() || !actions.is_empty() {
+            ctx.request_repaint();
+        }
+        actions.into_iter().for_each(|action| self.perform(ctx, action));
+        for command in commands {
+            let mut actions = Vec::new();
+            self.command(command, &mut actions);
+            actions.into_iter().for_each(|action| self.perform(ctx, action));
+        }
+    }
+
+    /// Whether a dialog or a question is open, or opens in the next frame.
+    fn is_asking(&self) -> bool {
+        let has_dialog = self.dialogs.is_open() || self.exporting.dialog.is_some();
+        has_dialog || self.interface.keys_open || !self.prompts.is_empty()
+    }
+
+    /// Shows the reference as long as R is held, if its press was for that.
+    fn flicker(&mut self, ctx: &egui::Context, are_commands: bool) {
+        let is_press = |event: &Event| matches!(event, Event::Key { key: Key::R, pressed: true, modifiers, .. } if modifiers.is_none());
+        let (is_held, is_pressed) = ctx.input(|i| (i.key_down(Key::R), i.events.iter().any(is_press)));
+        let panel = &mut self.interface.comparison;
+        let flickers = panel.open && is_held && (panel.flicker || is_pressed && are_commands);
+        if flickers != panel.flicker {
+            panel.flicker = flickers;
+            ctx.request_repaint();
+        }
     }
 
     /// Remembers how large the window is, for the next start.
@@ -143,9 +187,6 @@ impl EditorState {
     /// The window closes with nothing left to lose.
     pub fn finish(&mut self) {
         self.forget_autosave();
-        if let Some([side, inspector]) = self.interface.panel_widths {
-            (self.preferences.side_width, self.preferences.inspector_width) = (side, inspector);
-        }
         if let Some(size) = self.window_size {
             self.preferences.window_size = size;
         }

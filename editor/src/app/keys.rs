@@ -1,6 +1,7 @@
 //! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
 
-use egui::{Context, Event, Grid, Id, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
+use crate::viewport::navigation::AxisView;
+use egui::{Context, Event, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 
 /// Commands of menus and keys.
@@ -26,6 +27,8 @@ pub enum Command {
     FrameAll,
     /// Go back to the first view.
     ResetCamera,
+    /// View along an axis.
+    Along(AxisView),
     /// Put the camera on the clipboard.
     CopyCamera,
     /// Take it from there.
@@ -54,13 +57,16 @@ pub enum Command {
     Keys,
 }
 
-/// Who acts on a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum By {
-    /// The window, wherever the pointer is.
-    Window,
-    /// The viewport: listed here so that it is found.
-    Viewport,
+impl Command {
+    /// Whether it is done again and again while its key is held.
+    fn repeats(self) -> bool {
+        matches!(self, Self::Undo | Self::Redo | Self::LargerInterface | Self::SmallerInterface)
+    }
+
+    /// Whether it opens a dialog or a question, for which keys pressed after it are meant.
+    fn asks(self) -> bool {
+        matches!(self, Self::Open | Self::Save | Self::SaveAs | Self::ExportPicture | Self::Quit | Self::Keys)
+    }
 }
 
 /// A command, what it is called and its keys.
@@ -72,54 +78,52 @@ pub struct Binding {
     pub label: &'static str,
     group: &'static str,
     keys: &'static [(Modifiers, Key)],
-    by: By,
 }
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 const NONE: Modifiers = Modifiers::NONE;
 
-const fn window(
+const fn binds(
     group: &'static str,
     command: Command,
     label: &'static str,
     keys: &'static [(Modifiers, Key)],
 ) -> Binding {
-    Binding { command, label, group, keys, by: By::Window }
-}
-
-const fn viewport(command: Command, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
-    Binding { command, label, group: "View", keys, by: By::Viewport }
+    Binding { command, label, group, keys }
 }
 
 const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
-    window("What the pixels show", Command::Mode(mode), label, keys)
+    binds("What the pixels show", Command::Mode(mode), label, keys)
 }
 
-/// All commands. A key with more modifiers stands before the same key with fewer.
-pub const BINDINGS: [Binding; 30] = [
-    window("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
-    window("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
-    window("File", Command::Save, "Save", &[(CTRL, Key::S)]),
-    window("File", Command::ExportPicture, "Export picture...", &[(CTRL, Key::E)]),
-    window("File", Command::Quit, "Quit", &[(CTRL, Key::Q)]),
-    window("Edit", Command::Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)]),
-    window("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
-    window("Edit", Command::DuplicateLight, "Duplicate light", &[(CTRL, Key::D)]),
-    window("Edit", Command::DeleteLight, "Delete light", &[(NONE, Key::Delete), (NONE, Key::Backspace)]),
-    viewport(Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
-    viewport(Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
-    viewport(Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
-    viewport(Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
-    viewport(Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
-    window("View", Command::Wireframe, "Wireframe", &[(NONE, Key::W)]),
-    window("View", Command::TogglePanels, "Hide panels", &[(NONE, Key::Tab)]),
-    window("Window", Command::LargerInterface, "Larger interface", &[(NONE, Key::Plus), (NONE, Key::Equals)]),
-    window("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),
-    window("Window", Command::DefaultInterface, "Default interface size", &[(CTRL, Key::Num0)]),
-    window("Window", Command::Keys, "Keyboard map", &[(NONE, Key::F1), (NONE, Key::Questionmark)]),
-    window("View", Command::Compare, "Compare with a reference", &[(NONE, Key::C)]),
-    window("Bake", Command::Bake, "Bake", &[(NONE, Key::B)]),
+/// All commands.
+pub const BINDINGS: [Binding; 33] = [
+    binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
+    binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
+    binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
+    binds("File", Command::ExportPicture, "Export picture...", &[(CTRL, Key::E)]),
+    binds("File", Command::Quit, "Quit", &[(CTRL, Key::Q)]),
+    binds("Edit", Command::Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)]),
+    binds("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
+    binds("Edit", Command::DuplicateLight, "Duplicate light", &[(CTRL, Key::D)]),
+    binds("Edit", Command::DeleteLight, "Delete light", &[(NONE, Key::Delete), (NONE, Key::Backspace)]),
+    binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
+    binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
+    binds("View", Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
+    binds("View", Command::Along(AxisView::Front), "View from the front", &[(CTRL, Key::Num1)]),
+    binds("View", Command::Along(AxisView::Right), "View from the right", &[(CTRL, Key::Num3)]),
+    binds("View", Command::Along(AxisView::Top), "View from the top", &[(CTRL, Key::Num7)]),
+    binds("View", Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
+    binds("View", Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
+    binds("View", Command::Wireframe, "Wireframe", &[(NONE, Key::W)]),
+    binds("View", Command::TogglePanels, "Hide panels", &[(NONE, Key::Tab)]),
+    binds("Window", Command::LargerInterface, "Larger interface", &[(NONE, Key::Plus), (NONE, Key::Equals)]),
+    binds("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),
+    binds("Window", Command::DefaultInterface, "Default interface size", &[(CTRL, Key::Num0)]),
+    binds("Window", Command::Keys, "Keyboard map", &[(NONE, Key::F1), (NONE, Key::Questionmark)]),
+    binds("View", Command::Compare, "Compare with a reference", &[(NONE, Key::C)]),
+    binds("Bake", Command::Bake, "Bake", &[(NONE, Key::B)]),
     mode(ViewMode::Shaded, "Shaded", &[(NONE, Key::Num1)]),
     mode(ViewMode::Normals, "Normals", &[(NONE, Key::Num2)]),
     mode(ViewMode::Albedo, "Albedo", &[(NONE, Key::Num3)]),
@@ -127,14 +131,14 @@ pub const BINDINGS: [Binding; 30] = [
     mode(ViewMode::VisibilityCut, "Visibility cut size", &[(NONE, Key::Num5)]),
     mode(ViewMode::MergedCut, "Merged cut size", &[(NONE, Key::Num6)]),
     mode(ViewMode::BrdfEvaluations, "BRDF evaluations", &[(NONE, Key::Num7)]),
-    window("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
+    binds("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
 ];
 
 /// Width of the keyboard map in points.
 const WIDTH: f32 = 960.0;
 
 /// Pointer gestures, for the keyboard map.
-const POINTER: [(&str, &str); 14] = [
+const POINTER: [(&str, &str); 13] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -144,7 +148,6 @@ const POINTER: [(&str, &str); 14] = [
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
     ("Drag a handle", "Move the selected light (Esc: put it back)"),
-    ("Ctrl + 1, 3, 7", "View from the front, the right, the top"),
     ("Shift + slider", "Fine steps"),
     ("Hold R", "See the reference, while comparing"),
     ("Double click label", "Default value"),
@@ -162,66 +165,57 @@ pub fn text(ctx: &Context, command: Command) -> String {
     binding(command).keys.first().map(|&(modifiers, key)| written(ctx, modifiers, key)).unwrap_or_default()
 }
 
-/// Returns the commands whose keys were pressed, and removes them from the input. There are none while text is edited
-/// or a question waits. There are none without a modifier while the right button is held, because those keys fly then.
+/// The commands whose keys were pressed in this frame: one for each press, in their order. The presses are taken out of
+/// the input. To be called when [`keys_are_commands`](crate::typing::keys_are_commands).
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    if was_shut_out(ctx) {
+    // Keys fly then.
+    if ctx.input(|i| i.pointer.secondary_down()) {
         return Vec::new();
     }
-    let flying = ctx.input(|i| i.pointer.secondary_down());
-    // On a slow frame a click into a field and the text typed there arrive together.
-    let clicked = ctx.input(|i| i.events.iter().any(|e| matches!(e, Event::PointerButton { .. })));
-    let mut commands = Vec::new();
-    for binding in BINDINGS.iter().filter(|b| b.by == By::Window) {
-        for &(modifiers, key) in binding.keys {
-            let blocked = ((flying || clicked) && modifiers.is_none()) || key == Key::Tab;
-            if !blocked && take(ctx, modifiers, key) {
-                commands.push(binding.command);
-            }
-        }
-    }
+    let (mut commands, mut has_clicked, mut is_over) = (Vec::new(), false, false);
+    ctx.input_mut(|i| {
+        i.events.retain(|event| {
+            // What was clicked may become a text field in the next frame, for which plain keys after it are meant.
+            has_clicked |= matches!(event, Event::PointerButton { .. });
+            let command = command_of(event).filter(|_| !is_over && !(has_clicked && is_plain(event)));
+            is_over |= command.is_some_and(Command::asks);
+            commands.extend(command);
+            command.is_none()
+        });
+    });
     commands
 }
 
-/// Whether text is edited, or was in the last frame: in a slow frame, typed text and the Enter that leaves the field
-/// arrive together.
-fn was_shut_out(ctx: &Context) -> bool {
-    let (id, now) = (Id::unique("keys were shut out"), is_shut_out(ctx));
-    let before: Option<bool> = ctx.data_mut(|data| data.get_temp(id));
-    ctx.data_mut(|data| data.insert_temp(id, now));
-    now || before == Some(true)
+/// The command of a press, but for Tab, which is for [`tab_pressed`].
+fn command_of(event: &Event) -> Option<Command> {
+    let &Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return None };
+    let is_it = |&(wanted, wanted_key): &(Modifiers, Key)| key == wanted_key && are(modifiers, key, wanted);
+    let binding = BINDINGS.iter().find(|b| b.keys.iter().any(is_it))?;
+    (key != Key::Tab && (!repeat || binding.command.repeats())).then_some(binding.command)
+}
+
+/// Whether the modifiers of a press are those wanted. Letters and digits need exactly these; signs may need Shift on some
+/// keyboards. They are those of the press: on a slow machine they are released again when the frame is drawn.
+fn are(held: Modifiers, key: Key, wanted: Modifiers) -> bool {
+    let is_sign = matches!(key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
+    Modifiers { shift: held.shift && !is_sign, ..held }.matches_exact(wanted)
+}
+
+fn is_plain(event: &Event) -> bool {
+    matches!(event, Event::Key { modifiers, .. } if !modifiers.command && !modifiers.alt)
 }
 
 /// Whether Tab hides everything but the picture. It steps through the controls unless the pointer is over the picture
 /// and no control has the focus. Must be called before any control of the frame, which would take the focus.
 pub fn tab_pressed(ctx: &Context, over_viewport: bool) -> bool {
-    let is_free = over_viewport && !is_shut_out(ctx) && ctx.memory(|m| m.focused().is_none());
-    let pressed = is_free && take(ctx, NONE, Key::Tab);
-    if pressed {
-        ctx.memory_mut(|m| m.move_focus(egui::FocusDirection::None));
+    let is_free = ctx.memory(|m| m.focused().is_none() && m.top_modal_layer().is_none());
+    let is_tab = |event: &Event| matches!(event, Event::Key { key: Key::Tab, pressed: true, repeat: false, modifiers, .. } if modifiers.is_none());
+    if !over_viewport || !is_free || !ctx.input(|i| i.events.iter().any(is_tab)) {
+        return false;
     }
-    pressed
-}
-
-fn is_shut_out(ctx: &Context) -> bool {
-    ctx.text_edit_focused() || ctx.memory(|m| m.top_modal_layer().is_some())
-}
-
-/// Takes one press of a key. Letters and digits need exactly these modifiers; signs may need Shift on some keyboards.
-/// The modifiers are those of the press: on a slow machine they are released again when the frame is drawn.
-fn take(ctx: &Context, wanted: Modifiers, wanted_key: Key) -> bool {
-    let sign = matches!(wanted_key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
-    let is_it = |event: &Event| match event {
-        Event::Key { key, pressed: true, modifiers, .. } => {
-            let held = Modifiers { shift: modifiers.shift && !sign, ..*modifiers };
-            *key == wanted_key && held.matches_exact(wanted)
-        }
-        _ => false,
-    };
-    ctx.input_mut(|i| {
-        let place = i.events.iter().position(is_it);
-        place.map(|place| i.events.remove(place)).is_some()
-    })
+    let presses = ctx.input_mut(|i| i.events.extract_if(.., |event| is_tab(event)).count());
+    ctx.memory_mut(|m| m.move_focus(egui::FocusDirection::None));
+    presses % 2 == 1
 }
 
 /// Keys as they are written on them.
@@ -282,11 +276,14 @@ fn table(ui: &mut Ui, title: &str, rows: impl IntoIterator<Item = (String, &'sta
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::typing::keys_are_commands;
     use egui_kittest::{Harness, kittest::Queryable};
 
+    #[derive(Default)]
     struct State {
         pressed: Vec<Command>,
         text: String,
+        number: f32,
         tabs: u32,
         over_viewport: bool,
     }
@@ -294,10 +291,13 @@ mod tests {
     fn harness() -> Harness<'static, State> {
         let ui = |ui: &mut Ui, state: &mut State| {
             state.tabs += u32::from(tab_pressed(ui.ctx(), state.over_viewport));
-            state.pressed.extend(pressed(ui.ctx()));
             ui.text_edit_singleline(&mut state.text).accessible_name("Text");
+            ui.add(egui::DragValue::new(&mut state.number)).accessible_name("Number");
+            if keys_are_commands(ui.ctx()) {
+                state.pressed.extend(pressed(ui.ctx()));
+            }
         };
-        Harness::new_ui_state(ui, State { pressed: Vec::new(), text: String::new(), tabs: 0, over_viewport: false })
+        Harness::new_ui_state(ui, State::default())
     }
 
     fn after(modifiers: Modifiers, key: Key) -> Vec<Command> {
@@ -335,11 +335,24 @@ mod tests {
     #[test]
     fn modifiers_that_are_up_again_count_as_they_were() {
         let mut harness = harness();
-        let press =
-            |pressed, modifiers| Event::Key { key: Key::O, physical_key: None, pressed, repeat: false, modifiers };
-        harness.input_mut().events.extend([press(true, CTRL), press(false, NONE)]);
+        let up = Event::Key { key: Key::O, physical_key: None, pressed: false, repeat: false, modifiers: NONE };
+        harness.input_mut().events.extend([press(CTRL, Key::O), up]);
         harness.run_steps(2);
         assert_eq!(harness.state().pressed, [Command::Open]);
+    }
+
+    fn press(modifiers: Modifiers, key: Key) -> Event {
+        Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
+    }
+
+    fn click(position: egui::Pos2) -> [Event; 3] {
+        let button = |pressed| Event::PointerButton {
+            pos: position,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: NONE,
+        };
+        [Event::PointerMoved(position), button(true), button(false)]
     }
 
     #[test]
@@ -351,6 +364,73 @@ mod tests {
         harness.key_press_modifiers(CTRL, Key::Z);
         harness.run_steps(2);
         assert_eq!(harness.state().pressed, []);
+    }
+
+    #[test]
+    fn fast_typing_does_nothing_else_however_it_falls_into_frames() {
+        let typed = || [Key::F, Key::A, Key::B, Key::Num3].map(|key| press(NONE, key));
+        for field in ["Text", "Number"] {
+            for leave in [Key::Enter, Key::Tab, Key::Escape] {
+                let mut harness = harness();
+                let at = harness.get_by_label(field).rect().center();
+                // A click with the first keys, keys, and keys around the one that leaves the field: a frame each.
+                harness.input_mut().events.extend(click(at).into_iter().chain(typed()));
+                harness.step();
+                harness.input_mut().events.extend(typed());
+                harness.step();
+                assert!(harness.get_by_label(field).is_focused());
+                harness.input_mut().events.extend(typed().into_iter().chain([press(NONE, leave)]).chain(typed()));
+                harness.step();
+                assert_eq!(harness.state().pressed, [], "{field}, left by {leave:?}");
+            }
+        }
+        let mut harness = harness();
+        harness.input_mut().events.extend(typed());
+        harness.step();
+        assert_eq!(harness.state().pressed.len(), 4, "negative control: no field has the focus");
+    }
+
+    #[test]
+    fn each_press_counts_and_a_held_key_repeats_only_what_may_be_repeated() {
+        let mut harness = harness();
+        let undo = press(CTRL, Key::Z);
+        harness.input_mut().events.extend(vec![undo; 10]);
+        harness.step();
+        assert_eq!(harness.state().pressed, [Command::Undo; 10]);
+        let mut held = |modifiers, key| {
+            harness.state_mut().pressed.clear();
+            let repeat = Event::Key { key, physical_key: None, pressed: true, repeat: true, modifiers };
+            harness.input_mut().events.extend([press(modifiers, key), repeat]);
+            harness.step();
+            harness.state().pressed.len()
+        };
+        assert_eq!([held(CTRL, Key::Y), held(NONE, Key::Delete), held(NONE, Key::W)], [2, 1, 1]);
+    }
+
+    #[test]
+    fn keys_after_one_that_opens_a_dialog_are_for_the_dialog() {
+        let mut harness = harness();
+        harness.input_mut().events.extend([press(NONE, Key::W), press(CTRL, Key::O), press(NONE, Key::B)]);
+        harness.step();
+        assert_eq!(harness.state().pressed, [Command::Wireframe, Command::Open]);
+    }
+
+    #[test]
+    fn the_keys_of_flight_are_no_commands() {
+        let mut harness = harness();
+        let secondary = |pressed| Event::PointerButton {
+            pos: egui::pos2(300.0, 300.0),
+            button: egui::PointerButton::Secondary,
+            pressed,
+            modifiers: NONE,
+        };
+        for (is_down, commands) in [(true, 0), (false, 1)] {
+            harness.event(secondary(is_down));
+            harness.step();
+            harness.key_press(Key::W);
+            harness.step();
+            assert_eq!(harness.state().pressed.len(), commands);
+        }
     }
 
     #[test]

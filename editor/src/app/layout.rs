@@ -4,10 +4,11 @@
 use super::{
     keys::{self, Command},
     menus, notice,
+    side_panels::{self, Edge},
     state::{
         EditorState, OpenScene,
         environments::Environments,
-        interface::{Inspector, Side},
+        interface::{Inspector, Interface, Side},
         pictures::Pictures,
     },
     status, theme, toolbar,
@@ -25,9 +26,10 @@ use crate::{
         scene::{self, SceneContext},
         view::{self, ViewContext},
     },
+    preferences::Preferences,
     viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
 };
-use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_render::{Baked, Bounces, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
@@ -37,43 +39,79 @@ const STRIP: f32 = 104.0;
 pub struct Laid {
     /// The viewport.
     pub viewport: ViewportResponse,
-    /// Height of the status line in points.
-    pub status_height: f32,
+    /// The menu bar, if one of its menus is open.
+    pub menus: Option<Rect>,
 }
 
-/// Shows everything, and takes the keys that nothing else has taken.
+/// Shows everything.
 pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> Laid {
     let viewport_rect = state.interface.viewport_rect;
     let over_viewport = ui.input(|i| i.pointer.latest_pos().is_some_and(|p| viewport_rect.contains(p)));
     if keys::tab_pressed(ui.ctx(), over_viewport) {
         state.command(Command::TogglePanels, actions);
     }
-    Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
-    let status_height = Panel::bottom("status").show(ui, |ui| status::show(ui, state)).response.rect.height();
-    if !state.interface.panels_hidden {
+    let menus = Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
+    let menus = menus.inner.then_some(menus.response.rect);
+    Panel::bottom("status").show(ui, |ui| status::show(ui, state));
+    let sides = if state.interface.panels_hidden {
+        None
+    } else {
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
-        let side = Panel::left("side").resizable(true).default_size(state.preferences.side_width);
-        let side = side.size_range(160.0..=480.0).show(ui, |ui| show_side(ui, state, actions));
-        let inspector = Panel::right("inspector").resizable(true).default_size(state.preferences.inspector_width);
-        let inspector = inspector.size_range(280.0..=640.0).show(ui, |ui| show_inspector(ui, state, actions));
-        state.interface.panel_widths = Some([side.response.rect.width(), inspector.response.rect.width()]);
-    }
+        Some(if side_panels::are_strips(ui.ctx()) { show_strips(ui, state) } else { show_columns(ui, state, actions) })
+    };
     if state.interface.comparison.open {
         // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
         strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
     }
     let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
-    let viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
-    state.interface.viewport_size = viewport.size_px;
+    let mut viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
     state.interface.viewport_rect = viewport.rect;
-    for command in keys::pressed(ui.ctx()) {
-        state.command(command, actions);
+    state.interface.sides.is_dragged = false;
+    match sides {
+        Some(_) if side_panels::are_strips(ui.ctx()) => show_unfolded(ui, viewport.rect, state, actions),
+        Some(rects) => drag_edges(ui, rects, state, actions),
+        None => {}
     }
+    viewport.size_px = state.interface.settled_size(ui.ctx(), viewport.size_px);
+    state.interface.viewport_size = viewport.size_px;
     if state.interface.keys_open {
         state.interface.keys_open = keys::show_map(ui.ctx());
     }
-    Laid { viewport, status_height }
+    Laid { viewport, menus }
+}
+
+/// Shows both panels beside the picture, and returns where.
+fn show_columns(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> [Rect; 2] {
+    let (panels, room) = (state.interface.sides, ui.available_width());
+    let side = side_panels::column(ui, Edge::Left, &panels, room, |ui| show_side(ui, state, actions));
+    [side, side_panels::column(ui, Edge::Right, &panels, room, |ui| show_inspector(ui, state, actions))]
+}
+
+/// Lets the user drag the inner edges of both panels. Their widths are kept at the end of a drag.
+fn drag_edges(ui: &Ui, rects: [Rect; 2], state: &mut EditorState, actions: &mut Vec<Action>) {
+    let panels = &mut state.interface.sides;
+    let ended = Edge::BOTH.map(|edge| side_panels::drag_edge(ui, edge, panels, rects[edge as usize]));
+    if ended.contains(&true) {
+        let [side_width, inspector_width] = panels.widths;
+        actions.push(Action::Preferences(Preferences { side_width, inspector_width, ..state.preferences.clone() }));
+    }
+}
+
+/// Shows the strips of icons that stand for both panels in a narrow window.
+fn show_strips(ui: &mut Ui, state: &mut EditorState) -> [Rect; 2] {
+    let Interface { sides, side, inspector, .. } = &mut state.interface;
+    let tabs = Side::ALL.map(|tab| (tab, tab.label(), tab.icon()));
+    let left = side_panels::strip(ui, Edge::Left, sides, side, &tabs);
+    let tabs = Inspector::ALL.map(|tab| (tab, tab.label(), tab.icon()));
+    [left, side_panels::strip(ui, Edge::Right, sides, inspector, &tabs)]
+}
+
+/// Shows the panels that are opened over the picture.
+fn show_unfolded(ui: &Ui, picture: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let panels = state.interface.sides;
+    side_panels::unfolded(ui.ctx(), Edge::Left, &panels, picture, |ui| show_side(ui, state, actions));
+    side_panels::unfolded(ui.ctx(), Edge::Right, &panels, picture, |ui| show_inspector(ui, state, actions));
 }
 
 fn tabs<T: Copy + PartialEq>(ui: &mut Ui, chosen: &mut T, all: &[(T, &str)]) {
@@ -94,7 +132,7 @@ fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    tabs(ui, &mut state.interface.side, &[(Side::Scene, "Scene"), (Side::Library, "Library")]);
+    tabs(ui, &mut state.interface.side, &Side::ALL.map(|tab| (tab, tab.label())));
     match state.interface.side {
         Side::Scene => {
             let context = SceneContext {
@@ -258,7 +296,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         actions.extend(asked.map(|share| Action::ExplainPixel(pixel_at(share, response.size_px))));
     }
     if let Some(unlit) = unlit(state) {
-        notice::show_unlit(ui, response.rect, unlit, &mut state.interface.inspector, actions);
+        notice::show_unlit(ui, response.rect, unlit, &mut state.interface, actions);
     }
     if state.scene.shown().is_none() {
         notice::show(ui, response.rect, state, actions);

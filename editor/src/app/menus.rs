@@ -16,22 +16,26 @@ use std::path::Path;
 /// Widths of menus in points, so that shortcuts have room.
 const WIDTH: f32 = 210.0;
 
-/// Shows the bar.
-pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    MenuBar::new().ui(ui, |ui| {
-        menu(ui, "File", |ui| file(ui, state, actions));
-        menu(ui, "Edit", |ui| edit(ui, state, actions));
-        menu(ui, "View", |ui| view(ui, state, actions));
-        menu(ui, "Bake", |ui| bake(ui, state, actions));
-        menu(ui, "Help", |ui| help(ui, state, actions));
+/// Shows the bar. Returns whether one of its menus is open.
+pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
+    let bar = MenuBar::new().ui(ui, |ui| {
+        [
+            menu(ui, "File", |ui| file(ui, state, actions)),
+            menu(ui, "Edit", |ui| edit(ui, state, actions)),
+            menu(ui, "View", |ui| view(ui, state, actions)),
+            menu(ui, "Bake", |ui| bake(ui, state, actions)),
+            menu(ui, "Help", |ui| help(ui, state, actions)),
+        ]
     });
+    bar.inner.contains(&true)
 }
 
-fn menu(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.menu_button(title, |ui| {
+fn menu(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) -> bool {
+    let menu = ui.menu_button(title, |ui| {
         ui.set_min_width(WIDTH);
         contents(ui);
     });
+    menu.inner.is_some()
 }
 
 /// An entry for a command, with its keys.
@@ -201,8 +205,7 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         ui.close();
     }
     if ui.button("Bake settings").clicked() {
-        state.interface.inspector = Inspector::Bake;
-        state.interface.panels_hidden = false;
+        state.interface.show_inspector(Inspector::Bake);
         ui.close();
     }
 }

@@ -1,7 +1,10 @@
 //! Messages to the user: notes at the lower right that disappear after reading time, errors that stay until they are
 //! dismissed, and a log that keeps all of them with the time.
 
-use egui::{Align, Align2, Area, Button, Context, Frame, Id, Layout, Order, RichText, ScrollArea, Ui, Window, vec2};
+use crate::panels::widgets::copyable;
+use egui::{
+    Align, Align2, Area, Button, Context, Frame, Id, Layout, Order, Rect, RichText, ScrollArea, Ui, Window, vec2,
+};
 use std::time::{Duration, Instant};
 
 /// Messages shown at once; older ones are in the log.
@@ -141,14 +144,18 @@ impl Messages {
         }
     }
 
-    /// Paints the messages in the lower right corner, `bottom` points above the window's edge, and the log if it is open.
-    pub fn show(&mut self, ctx: &Context, bottom: f32) {
+    /// Paints the messages in the lower right corner of the picture, so that none comes to lie over a control, and the log
+    /// if it is open.
+    pub fn show(&mut self, ctx: &Context, picture: Rect) {
         self.expire(ctx);
         let shown: Vec<usize> = self.shown().collect();
         if !shown.is_empty() {
             Area::new(Id::unique("messages"))
                 .order(Order::Foreground)
-                .anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -bottom - 12.0))
+                .anchor(
+                    Align2::RIGHT_BOTTOM,
+                    picture.right_bottom() - ctx.content_rect().right_bottom() - vec2(12.0, 12.0),
+                )
                 .show(ctx, |ui| self.show_shown(ui, &shown));
         }
         if self.log_open {
@@ -242,7 +249,7 @@ fn toast(ui: &mut Ui, entry: &Entry) -> ToastResponse {
                 if entry.severity != Severity::Note {
                     ui.label(RichText::new(name(entry.severity)).color(color(ui, entry.severity)).strong());
                 }
-                ui.label(&entry.text);
+                copyable(ui, &entry.text);
             });
             close.clicked()
         })
@@ -256,7 +263,7 @@ fn log_line(ui: &mut Ui, entry: &Entry, since_start: Duration) {
         ui.label(RichText::new(clock(since_start)).monospace().weak()).on_hover_text("Time since the program started");
         let times = if entry.times > 1 { format!(" ({} times)", entry.times) } else { String::new() };
         let text = RichText::new(format!("{}{times}", entry.text));
-        ui.label(if entry.severity == Severity::Note { text } else { text.color(color(ui, entry.severity)) });
+        copyable(ui, if entry.severity == Severity::Note { text } else { text.color(color(ui, entry.severity)) });
     });
 }
 
@@ -288,7 +295,7 @@ mod tests {
     use egui_kittest::{Harness, kittest::Queryable};
 
     fn harness(messages: Messages) -> Harness<'static, Messages> {
-        Harness::new_ui_state(|ui, messages: &mut Messages| messages.show(ui.ctx(), 0.0), messages)
+        Harness::new_ui_state(|ui, messages: &mut Messages| messages.show(ui.ctx(), ui.ctx().content_rect()), messages)
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Text in the viewport without a picture, or with an empty one: the present activity, or the next step.
 
-use super::state::{EditorState, interface::Inspector};
+use super::state::{
+    EditorState,
+    interface::{Inspector, Interface},
+};
 use crate::{actions::Action, document::Unlit, panels::lights::add_menu};
 use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
 
@@ -16,7 +19,7 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
 }
 
 /// Says in the lower part of `rect` why the picture in it is black, and leads to light.
-pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, inspector: &mut Inspector, actions: &mut Vec<Action>) {
+pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, interface: &mut Interface, actions: &mut Vec<Action>) {
     let size = vec2(WIDTH.min(rect.width() - 20.0).max(40.0), 90.0);
     let place = Align2::CENTER_BOTTOM.align_size_within_rect(size, rect.shrink2(vec2(0.0, 40.0)));
     let layout = Layout::top_down(Align::Center);
@@ -31,7 +34,7 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, inspector: &mut Inspect
                 ui.label(RichText::new("All light is switched off").strong());
                 ui.label("The Lights tab has switches for each light and for each part of the light.");
                 if ui.button("Open the Lights tab").clicked() {
-                    *inspector = Inspector::Lights;
+                    interface.show_inspector(Inspector::Lights);
                 }
             }
         });
@@ -67,9 +70,12 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     // What it is for, and what it does.
     line.split(": ").for_each(|part| drop(ui.weak(part)));
     ui.add_space(6.0);
-    if ui.button("Cancel").clicked() {
-        actions.push(Action::CancelBake);
-    }
+    // Not in the middle, where a second click on the button that began the bake would find it.
+    ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+        if ui.button("Cancel").clicked() {
+            actions.push(Action::CancelBake);
+        }
+    });
 }
 
 fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Action>) {

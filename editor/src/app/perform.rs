@@ -11,6 +11,7 @@ use crate::{
     document::{Edit, ViewSettings, folder_of, session},
     jobs::load::{Source, Topic},
     preferences::{FileUse, Preferences},
+    viewport::navigation::axis_view,
 };
 use egui::{Context, ViewportCommand};
 use lapidary_core::{
@@ -98,7 +99,7 @@ impl EditorState {
     }
 
     fn choose_bake(&mut self, mode: BakeParts) {
-        self.interface.inspector = Inspector::Bake;
+        self.interface.show_inspector(Inspector::Bake);
         self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
     }
 
@@ -139,6 +140,7 @@ impl EditorState {
             Command::FrameSelection => Action::FrameSelection,
             Command::FrameAll => Action::FrameAll,
             Command::ResetCamera => Action::ResetCamera,
+            Command::Along(axis) => Action::Camera(axis_view(&self.document.camera, axis)),
             Command::CopyCamera => Action::CopyCamera,
             Command::PasteCamera => Action::PasteCamera,
             Command::DuplicateLight | Command::DeleteLight => {

@@ -11,6 +11,7 @@ use super::{
 use crate::{
     actions::Action,
     document::{autosave::Recovery, session::LoadedSession},
+    panels::widgets::copyable,
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
 use std::{path::Path, time::SystemTime};
@@ -83,7 +84,7 @@ fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
         for file in &loaded.missing {
             ui.horizontal_wrapped(|ui| {
                 ui.label(file.what);
-                ui.label(RichText::new(file.path.display().to_string()).weak());
+                copyable(ui, RichText::new(file.path.display().to_string()).weak());
             });
         }
     });
@@ -102,7 +103,7 @@ fn outside(ui: &mut Ui, file: &Path, names: &[String], then: &Again) -> Option<A
     ));
     ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
         for name in names {
-            ui.label(RichText::new(name).weak());
+            copyable(ui, RichText::new(name).weak());
         }
     });
     match then {

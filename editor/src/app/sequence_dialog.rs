@@ -1,6 +1,6 @@
 //! The dialog for an image sequence: what rotates, which parameter is swept, how many frames, and the output folder.
 
-use crate::panels::widgets::check_box;
+use crate::panels::widgets::{check_box, copyable};
 use anyhow::{Result, bail};
 use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
 use glam::Vec3;
@@ -111,7 +111,7 @@ impl SequenceDialog {
             ui.add_space(6.0);
             ui.weak(self.estimate(pixel_secs));
             if let Some(problem) = &self.problem {
-                ui.label(RichText::new(problem).color(ui.visuals().error_fg_color));
+                copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
             }
             buttons(ui).or(chosen.inner)
         });

@@ -206,7 +206,7 @@ impl EditorState {
             scene: OpenScene::default(),
             selection: Selection::default(),
             bounds: ShownBounds::default(),
-            interface: Interface::default(),
+            interface: Interface::new([preferences.side_width, preferences.inspector_width]),
             messages,
             dialogs: FileDialogs::new(wake.clone(), system_dialogs),
             prompts,

@@ -4,7 +4,7 @@ use super::{
     messages::{self, Severity},
     state::EditorState,
 };
-use crate::jobs::render_thread::RenderedFrame;
+use crate::{jobs::render_thread::RenderedFrame, panels::widgets::copyable};
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows the line.
@@ -40,7 +40,7 @@ fn message(ui: &mut Ui, state: &EditorState) {
             None => RichText::new("F1 shows the keys").weak(),
         },
     };
-    ui.add(Label::new(text).truncate());
+    ui.add(Label::new(text).truncate().selectable(true));
 }
 
 /// From right to left, so that they stay at the edge while their figures change.
@@ -61,7 +61,7 @@ fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
 }
 
 fn figure(ui: &mut Ui, text: String, what: &str) {
-    ui.label(RichText::new(text).monospace().weak()).on_hover_text(what);
+    copyable(ui, RichText::new(text).monospace().weak()).on_hover_text(what);
     ui.add_space(8.0);
 }
 

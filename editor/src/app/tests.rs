@@ -5,8 +5,10 @@ mod bounces;
 mod comparison;
 mod documents;
 mod export;
+mod hands;
 mod kept;
 mod lights;
+mod panels;
 
 use super::{
     opening::Target,
@@ -318,8 +320,8 @@ fn what_is_typed_into_a_field_is_no_command_even_if_enter_comes_in_the_same_fram
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.click("Base color hex");
-    let key = |key| egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: NONE };
-    let keys = || [key(Key::Num5), egui::Event::Text("5".into()), key(Key::Enter)];
+    let key = |key, pressed| egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: NONE };
+    let keys = || [key(Key::Num5, true), egui::Event::Text("5".into()), key(Key::Num5, false), key(Key::Enter, true)];
     window.0.input_mut().events.extend(keys());
     window.0.run_steps(2);
     assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Shaded);

@@ -17,7 +17,7 @@ pub use progress::line;
 pub use setting_names::{control_name, remedy_control};
 pub use stale::stale_reasons;
 
-use super::widgets::section;
+use super::widgets::{copyable, section};
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
@@ -149,7 +149,9 @@ fn notice(ui: &mut Ui, status: &BakeStatus) {
             }
             Leftover::Nothing => "The bake was stopped before there was work to keep.",
         }),
-        BakeStatus::Failed { message, .. } => ui.label(RichText::new(message).color(ui.visuals().error_fg_color)),
+        BakeStatus::Failed { message, .. } => {
+            copyable(ui, RichText::new(message).color(ui.visuals().error_fg_color))
+        }
         BakeStatus::Running { .. } => return,
     };
 }

@@ -4,8 +4,8 @@ mod figures;
 #[cfg(test)]
 mod tests;
 
-use crate::actions::Action;
-use egui::{Button, ComboBox, DragValue, ProgressBar, Ui, vec2};
+use crate::{actions::Action, panels::widgets::copyable};
+use egui::{Align2, Button, ComboBox, DragValue, ProgressBar, RichText, Ui, UiBuilder, vec2};
 use lapidary_core::image::Region;
 use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
 use lapidary_studies::jobs::{
@@ -20,6 +20,8 @@ const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 si
 const GRID: u32 = 4;
 /// Width in points of the button that pauses tracing and goes on.
 const PAUSE_WIDTH: f32 = 50.0;
+/// Width in points of the button that ends the comparison.
+const CLOSE: f32 = 22.0;
 
 /// Which reference, apart from the figures that go with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -213,7 +215,9 @@ pub struct ComparisonContext<'a> {
 /// Shows the strip.
 pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContext, actions: &mut Vec<Action>) {
     ui.add_space(2.0);
+    close(ui, panel);
     ui.horizontal_wrapped(|ui| {
+        ui.set_max_width(ui.available_width() - CLOSE - ui.spacing().item_spacing.x);
         reference(ui, panel, actions);
         if panel.kind != KindChoice::File {
             tracing(ui, context, actions);
@@ -230,16 +234,26 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
             panel.tool = if asking { None } else { Some(Tool::Why) };
         }
-        if ui.button("×").on_hover_text("End the comparison (C)").clicked() {
-            (panel.open, panel.tool) = (false, None);
-        }
     });
     figures::show(ui, panel, context.measured, |ui, panel| match context.problem {
-        Some(problem) => drop(ui.colored_label(ui.visuals().error_fg_color, problem)),
+        Some(problem) => {
+            drop(copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color)));
+        }
         None if context.measured.is_none() => drop(ui.weak(waiting(panel))),
         None => {}
     });
     ui.add_space(2.0);
+}
+
+/// The button that ends the comparison, in the corner: nothing that changes its width pushes it under the pointer.
+fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
+    let size = vec2(CLOSE, ui.spacing().interact_size.y);
+    let corner = Align2::RIGHT_TOP.align_size_within_rect(size, ui.available_rect_before_wrap());
+    let button = Button::new("×").frame(false);
+    let mut corner = ui.new_child(UiBuilder::new().max_rect(corner).id_salt("close"));
+    if corner.add_sized(size, button).on_hover_text("End the comparison (C)").clicked() {
+        (panel.open, panel.tool) = (false, None);
+    }
 }
 
 fn waiting(panel: &ComparisonPanel) -> &'static str {

@@ -1,14 +1,9 @@
 //! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
-use super::widgets::{Edited, RowName, check_box, row};
-use egui::{ComboBox, DragValue, Response, RichText, Slider, TextStyle, Ui, emath::Numeric, vec2};
+use super::widgets::{Edited, RowName, check_box, note, number_size, row, slider_width};
+use egui::{ComboBox, DragValue, Response, Slider, TextStyle, Ui, emath::Numeric};
 use glam::Vec3;
 use std::ops::RangeInclusive;
-
-/// Points of a number entry.
-const NUMBER_WIDTH: f32 = 62.0;
-/// Points of a note beside it.
-const NOTE_WIDTH: f32 = 64.0;
 
 /// A number whose slider is logarithmic: a whole one if it has no decimals.
 #[derive(Clone, Debug)]
@@ -25,7 +20,7 @@ pub struct Decades<'a> {
     pub unit: &'a str,
     /// Digits after the point.
     pub decimals: usize,
-    /// The value in other words, shown beside it.
+    /// The value in other words, shown under it.
     pub note: Option<String>,
 }
 
@@ -43,7 +38,7 @@ impl<'a> Decades<'a> {
             .speed(if self.decimals == 0 { 1.0 } else { 0.02 })
             .fixed_decimals(self.decimals)
             .suffix(self.unit)
-            .min_size(vec2(NUMBER_WIDTH, ui.spacing().interact_size.y))
+            .min_size(number_size(ui))
             .update_while_editing(false);
         ui.add(entry).accessible_name(format!("{} value", name.full))
     }
@@ -66,17 +61,15 @@ pub fn decades_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut T) ->
             return Edited::at_once(true);
         }
         let before = number;
-        let gap = ui.spacing().item_spacing.x;
-        let note_width = decades.note.as_ref().map_or(0.0, |_| NOTE_WIDTH + gap);
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDTH - gap - note_width).max(24.0);
+        ui.spacing_mut().slider_width = slider_width(ui);
         let slider = name.of(decades.slider(ui, &mut number));
         let entry = decades.entry(ui, name, &mut number);
-        if let Some(note) = &decades.note {
-            ui.add(egui::Label::new(RichText::new(note).weak()).truncate());
-        }
         let ended = Edited::by(ui, &slider).ended | Edited::by(ui, &entry).ended;
         Edited { changed: number != before, ended }
     });
+    if let Some(text) = &decades.note {
+        note(ui, text);
+    }
     if edited.changed {
         *value = T::from_f64(number);
     }
@@ -95,6 +88,7 @@ pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<
             ui.weak("no limit");
             return Edited::at_once(ticked);
         };
+        ui.add_space(slider_width(ui));
         let (mut number, before) = (limit.to_f64(), limit.to_f64());
         let entry = decades.entry(ui, name, &mut number);
         *limit = T::from_f64(number);

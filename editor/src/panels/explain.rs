@@ -8,7 +8,7 @@ mod split;
 mod tests;
 
 use super::units::grouped;
-use crate::panels::widgets::section;
+use crate::panels::widgets::{copyable, section};
 use egui::{Grid, RichText, Ui};
 use lapidary_render::{CutMap, ErrorSplit, PixelExplanation, TreeOf};
 use std::sync::Arc;
@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> 
     let [x, y] = explanation.pixel;
     ui.label(RichText::new(format!("Pixel {x}, {y}")).strong());
     if let Some(message) = context.message {
-        ui.colored_label(ui.visuals().error_fg_color, message);
+        copyable(ui, RichText::new(message).color(ui.visuals().error_fg_color));
     }
     let again = context.outdated && outdated(ui);
     // Above the many nodes, for it is what one asks first.
@@ -118,7 +118,7 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     Grid::new("explained cuts").num_columns(2).show(ui, |ui| {
         for (name, value) in rows {
             ui.label(RichText::new(name).weak());
-            ui.label(RichText::new(value).monospace());
+            copyable(ui, RichText::new(value).monospace());
             ui.end_row();
         }
     });

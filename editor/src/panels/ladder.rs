@@ -1,7 +1,7 @@
 //! The size of the illumination cut that suffices for this shot: pictures of growing sizes beside the reference, each
 //! with its error and time, both curves, and a sentence.
 
-use crate::actions::Action;
+use crate::{actions::Action, panels::widgets::copyable};
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
 use lapidary_studies::jobs::ladder::StepFigures;
@@ -63,7 +63,7 @@ pub struct LadderResult {
 /// Shows all of it. `current` is the size in use.
 pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
     if let Some(problem) = &result.problem {
-        ui.colored_label(ui.visuals().error_fg_color, problem);
+        copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
     }
     if let Some(progress) = result.progress {
         let text = format!("Tracing the reference, {:.0} %", 100.0 * progress);
@@ -73,7 +73,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
     let complete = result.progress.is_none() && result.problem.is_none();
     if let Some(verdict) = verdict(&figures).filter(|_| figures.len() == SIZES.len()) {
         if complete {
-            ui.label(RichText::new(verdict).strong());
+            copyable(ui, RichText::new(verdict).strong());
         } else {
             ui.label(format!("So far: {verdict}"));
         }
@@ -162,7 +162,7 @@ fn show_tile(ui: &mut Ui, of: &LadderTile, current: bool, actions: &mut Vec<Acti
             let time = time_text(f.seconds);
             format!("error {error:.2} %, FLIP {:.3}\n{time}, merged cut of {merged:.0} nodes", f.metrics.flip)
         });
-        ui.label(RichText::new(text).small());
+        copyable(ui, RichText::new(text).small());
     });
 }
 

@@ -32,8 +32,10 @@ pub struct ViewContext<'a> {
 /// Shows the panel. It keeps nothing between frames.
 pub fn show(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
     let view = &context.document.view;
-    section(ui, "Display", true, |ui| display(ui, view, actions));
-    section(ui, "Background", true, |ui| background(ui, view, actions));
+    section(ui, "Display", true, |ui| {
+        display(ui, view, actions);
+        background(ui, view, actions);
+    });
     section(ui, "Picture", true, |ui| picture(ui, view, actions));
     section(ui, "Camera", true, |ui| camera(ui, &context.document.camera, actions));
 }

@@ -1,4 +1,6 @@
-//! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default.
+//! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default. They
+//! stand in columns of fixed widths: labels, sliders, numbers, buttons that restore. Only that of sliders is as wide as
+//! there is room, so that it grows with the panel.
 //!
 //! Every row reports whether its value changed and whether the gesture that changes it has ended, because a drag over
 //! many frames is one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
@@ -8,8 +10,8 @@ mod color;
 pub use color::color_row;
 
 use egui::{
-    Align, CollapsingHeader, DragValue, Id, Label, Layout, Response, RichText, Sense, Slider, Stroke, TextStyle, Ui,
-    UiBuilder, UiStackInfo, vec2,
+    Align, CollapsingHeader, DragValue, Id, InnerResponse, Label, Layout, Response, RichText, Sense, Slider, Stroke,
+    TextStyle, Ui, UiBuilder, UiStackInfo, Vec2, WidgetText, vec2,
 };
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
@@ -17,7 +19,7 @@ use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 const LABEL_WIDTH: f32 = 84.0;
 /// Points for the reset button, kept free where there is none.
 const RESET_WIDTH: f32 = 20.0;
-/// Points of a number entry.
+/// Points of the column of numbers, at the right of what a row edits.
 const NUMBER_WIDTH: f32 = 72.0;
 /// How much slower a slider moves while Shift is held.
 const FINE: f32 = 0.1;
@@ -142,8 +144,7 @@ pub fn slider_row(ui: &mut Ui, number: &Number, value: &mut f32) -> Edited {
                 *value = number.default;
                 return Edited::at_once(true);
             }
-            let width = (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(24.0);
-            ui.spacing_mut().slider_width = width;
+            ui.spacing_mut().slider_width = slider_width(ui);
             let slider = name.of(fine_slider(ui, number, value));
             let slid = Edited::by(ui, &slider);
             let entry = number_entry(ui, number, value).accessible_name(format!("{} value", name.full));
@@ -181,9 +182,44 @@ fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
         .speed(span / 300.0)
         .fixed_decimals(number.decimals)
         .suffix(number.unit)
-        .min_size(vec2(NUMBER_WIDTH, ui.spacing().interact_size.y))
+        .min_size(number_size(ui))
         .update_while_editing(false);
     ui.add(entry)
+}
+
+/// Width in points of the column of sliders: all that the column of numbers leaves.
+pub fn slider_width(ui: &Ui) -> f32 {
+    (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(24.0)
+}
+
+/// Size in points of what stands in the column of numbers.
+pub fn number_size(ui: &Ui) -> Vec2 {
+    vec2(NUMBER_WIDTH, ui.spacing().interact_size.y)
+}
+
+/// Small text under a row, where its slider begins.
+pub fn note(ui: &mut Ui, text: &str) {
+    ui.horizontal(|ui| {
+        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+        ui.add(Label::new(RichText::new(text).weak().small()).wrap());
+    });
+}
+
+/// A row that has no label of its own: `name` takes the columns of labels and sliders, `action` that of numbers, and
+/// `remove` that of the buttons that reset.
+pub fn wide_row<R>(
+    ui: &mut Ui,
+    height: f32,
+    name: impl FnOnce(&mut Ui),
+    action: impl FnOnce(&mut Ui),
+    remove: impl FnOnce(&mut Ui) -> R,
+) -> InnerResponse<R> {
+    ui.horizontal(|ui| {
+        let taken = NUMBER_WIDTH + RESET_WIDTH + 2.0 * ui.spacing().item_spacing.x;
+        cell(ui, (ui.available_width() - taken).max(40.0), height, name);
+        cell(ui, NUMBER_WIDTH, height, action);
+        cell(ui, RESET_WIDTH, height, remove)
+    })
 }
 
 /// One row with a few choices side by side: each a value, its name and what it means.
@@ -202,6 +238,11 @@ pub fn choice_row<T: PartialEq + Copy>(
         }
         Edited::at_once(*value != before)
     })
+}
+
+/// Text that can be selected and copied, as other labels cannot: an error, a path, a figure.
+pub fn copyable(ui: &mut Ui, text: impl Into<WidgetText>) -> Response {
+    ui.add(Label::new(text).selectable(true))
 }
 
 /// A check box with an outline: its fill alone hardly differs from the panel.

@@ -167,7 +167,6 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 /// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`. Returns a pixel that is to be
 /// explained, in shares of the viewport.
 pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
-    panel.flicker = ui.input(|i| i.key_down(Key::R) && i.modifiers.is_none()) && !ui.ctx().text_edit_focused();
     match (panel.tool, panel.shown_view()) {
         (Some(_), CompareView::SideBySide) => panel.view = CompareView::Swipe,
         (Some(Tool::Region(drawn)), _) => draw_region(ui, rect, panel, drawn),

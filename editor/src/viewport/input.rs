@@ -2,6 +2,8 @@
 
 mod keys;
 
+pub use keys::turn_environment;
+
 use super::{
     ViewportContext, ViewportState, gizmo, navigation,
     pick::{self, Picked},
@@ -10,7 +12,7 @@ use crate::{
     actions::Action,
     document::{Edit, EnvironmentSettings},
 };
-use egui::{CursorIcon, Event, InputState, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Response, Ui};
+use egui::{CursorIcon, Event, InputState, Modifiers, MouseWheelUnit, PointerButton, Pos2, Response, Ui};
 use glam::Vec2;
 use lapidary_core::camera::Camera;
 use std::f32::consts::PI;
@@ -106,7 +108,6 @@ pub(super) fn handle(
         pass.clicks();
     }
     pass.scrolls();
-    keys::handle(&mut pass);
     if pass.camera != context.document.camera {
         pass.actions.push(Action::Camera(pass.camera));
     }
@@ -254,8 +255,7 @@ impl Pass<'_> {
 
     /// Turns the environment counter-clockwise seen from above.
     fn turn_environment(&mut self, degrees: f32) {
-        let edit = Edit::Environment(turned(&self.context.document.environment, degrees));
-        self.actions.push(Action::Edit { edit, label: "Rotate environment" });
+        self.actions.push(turn(&self.context.document.environment, degrees));
     }
 
     fn picked(&self, pointer: Pos2) -> Option<Picked> {
@@ -284,6 +284,10 @@ impl Pass<'_> {
     }
 }
 
+fn turn(environment: &EnvironmentSettings, degrees: f32) -> Action {
+    Action::Edit { edit: Edit::Environment(turned(environment, degrees)), label: "Rotate environment" }
+}
+
 /// The environment turned by some degrees, kept between -180 and 180.
 fn turned(environment: &EnvironmentSettings, degrees: f32) -> EnvironmentSettings {
     let rotation = (environment.rotation_degrees + degrees + 180.0).rem_euclid(360.0) - 180.0;
@@ -298,10 +302,4 @@ fn scrolled(input: &InputState) -> Vec2 {
         _ => Vec2::ZERO,
     };
     input.events.iter().map(points).sum()
-}
-
-/// Whether any of `keys` was pressed with at least these modifiers, and with Ctrl only if it is one of them. The
-/// presses are used up.
-fn pressed(input: &mut InputState, modifiers: Modifiers, keys: &[Key]) -> bool {
-    keys.iter().filter(|&&key| input.count_and_consume_key(modifiers, key) > 0).count() > 0
 }

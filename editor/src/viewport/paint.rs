@@ -23,17 +23,22 @@ pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &Viewpor
         let uv = Rect::from_min_size(pos2(0.0, 0.0), rect.size() / (2.0 * SQUARE));
         painter.image(checker.id(), rect, uv, Color32::WHITE);
     }
-    painter.image(picture, rect, cover(context.picture_size, rect.size()), Color32::WHITE);
+    let (place, part) = placed(context.picture_size, rect);
+    painter.image(picture, place, part, Color32::WHITE);
 }
 
-/// The part of a picture that fills a rectangle without being stretched, in texture coordinates. The two differ in
-/// shape only for the frames after the window changed size, and by the rounding of a coarser picture.
-fn cover(picture: [u32; 2], rect: Vec2) -> Rect {
-    let picture = vec2(picture[0] as f32, picture[1] as f32);
-    let scale = (rect.x / picture.x).max(rect.y / picture.y);
-    let share = rect / (scale * picture);
+/// Where a picture lies in a viewport that may have got another shape since, and the part of it that is seen, in texture
+/// coordinates. A camera's field of view is that of the height: so the picture is as high as the viewport, and all in it
+/// lies where it will lie in the next one. Where it is too narrow, the ground is seen beside it.
+fn placed(picture: [u32; 2], rect: Rect) -> (Rect, Rect) {
+    let size = vec2(picture[0] as f32, picture[1] as f32);
+    let scale = rect.height() / size.y;
+    // A coarser picture is too narrow by less than a texel, by rounding. That is no gap.
+    let is_narrow = (size.x + 1.0) * scale < rect.width();
+    let place = if is_narrow { Rect::from_center_size(rect.center(), scale * size) } else { rect };
+    let share = place.size() / (scale.max(place.width() / size.x) * size);
     let share = if share.is_finite() { share } else { Vec2::splat(1.0) };
-    Rect::from_center_size(pos2(0.5, 0.5), share)
+    (place, Rect::from_center_size(pos2(0.5, 0.5), share))
 }
 
 fn checker_texture(ui: &Ui) -> TextureHandle {
@@ -84,22 +89,31 @@ pub fn drop_hint(ui: &mut Ui, rect: Rect, accent: Color32) {
 mod tests {
     use super::*;
 
+    const ALL: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+
     /// Width by height of a texel on the screen.
-    fn texel_aspect(picture: [u32; 2], rect: Vec2) -> f32 {
-        let uv = cover(picture, rect);
-        (rect.x / (uv.width() * picture[0] as f32)) / (rect.y / (uv.height() * picture[1] as f32))
+    fn texel_aspect(picture: [u32; 2], rect: Rect) -> f32 {
+        let (place, uv) = placed(picture, rect);
+        (place.width() / (uv.width() * picture[0] as f32)) / (place.height() / (uv.height() * picture[1] as f32))
     }
 
     #[test]
-    fn a_picture_fills_the_rectangle_and_is_never_stretched() {
-        let rect = vec2(800.0, 600.0);
-        assert_eq!(cover([800, 600], rect), Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)));
-        for picture in [[400, 300], [800, 100], [33, 600], [267, 200], [1, 1]] {
+    fn a_picture_is_as_high_as_the_viewport_and_never_stretched() {
+        let rect = Rect::from_min_size(pos2(20.0, 10.0), vec2(800.0, 600.0));
+        assert_eq!(placed([800, 600], rect), (rect, ALL));
+        for picture in [[400, 300], [800, 100], [33, 600], [266, 200], [1, 1]] {
             assert!((texel_aspect(picture, rect) - 1.0).abs() < 1e-4, "{picture:?}");
-            let uv = cover(picture, rect);
-            assert!(uv.min.x >= -1e-6 && uv.min.y >= -1e-6 && uv.max.x <= 1.0 + 1e-6 && uv.max.y <= 1.0 + 1e-6);
+            let (place, uv) = placed(picture, rect);
+            assert!(rect.contains_rect(place) && ALL.expand(1e-6).contains_rect(uv), "{picture:?}: {place} {uv}");
         }
-        assert_eq!(cover([1600, 600], rect).width(), 0.5, "wider: cut at the sides");
-        assert!(cover([0, 0], rect).is_finite() && cover([4, 4], Vec2::ZERO).is_finite());
+        let (place, uv) = placed([1600, 600], rect);
+        assert!(place == rect && uv.width() == 0.5 && uv.height() == 1.0, "wider: cut at the sides");
+        let (place, uv) = placed([400, 600], rect);
+        assert!(place.width() == 400.0 && place.center() == rect.center() && uv == ALL, "narrower: ground beside it");
+        assert_eq!(placed([266, 200], rect).0, rect, "narrower by rounding: no gap");
+        assert!(
+            placed([0, 0], rect).1.is_finite()
+                && placed([4, 4], Rect::from_min_size(rect.min, Vec2::ZERO)).1.is_finite()
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! A viewport without a screen around a made-up scene, and hands that use it.
 
 use super::*;
-use crate::test_support::two_squares;
+use crate::{test_support::two_squares, typing::keys_are_commands};
 use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, TextEdit, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
@@ -77,6 +77,9 @@ impl App {
         let response = show(ui, &mut state, &self.context(), &mut actions);
         self.state = state;
         self.last = Some(response);
+        if keys_are_commands(ui.ctx()) && self.placeholder.is_none() {
+            turn_environment(ui.ctx(), &self.document, &mut actions);
+        }
         for action in actions {
             self.apply(&action, response);
             self.log.push(action);

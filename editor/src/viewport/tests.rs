@@ -68,7 +68,7 @@ fn typing_in_a_text_field_does_not_move_anything() {
     let mut harness = harness();
     harness.get_by_role(Role::TextInput).click();
     harness.step();
-    let keys = [Key::F, Key::A, Key::Home, Key::CloseBracket, Key::W];
+    let keys = [Key::OpenBracket, Key::CloseBracket, Key::W];
     for key in keys {
         harness.key_press(key);
     }
@@ -82,7 +82,7 @@ fn typing_in_a_text_field_does_not_move_anything() {
         harness.key_press(key);
     }
     harness.step();
-    assert!(harness.state().log.len() >= 4);
+    assert!(!harness.state().log.is_empty());
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn nothing_acts_while_nothing_is_open() {
     let mut harness = harness();
     harness.state_mut().placeholder = Some("Open a scene, or drop one here");
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, vec2(100.0, 0.0));
-    harness.key_press(Key::F);
+    harness.key_press(Key::CloseBracket);
     harness.step();
     assert!(harness.state().log.is_empty());
     harness.get_by_label("Open a scene, or drop one here");

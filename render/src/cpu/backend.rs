@@ -6,6 +6,7 @@ use crate::{
     baked::Baked,
     cpu::picture::Picture,
     light::{
+        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
     },
@@ -17,7 +18,9 @@ use crate::{
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
     },
+    stale::{DirectStep, Part, Pixels, Stale, SummedLights},
     view::View,
+    view_mode::ViewMode,
 };
 use lapidary_core::{image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
@@ -58,12 +61,50 @@ struct Begun {
     sampling: BrdfSampling,
     backdrop: Backdrop,
     picture: Picture,
+    /// The local lights in its sums.
+    lights: SummedLights,
+    /// Samples that all pixels have of every part.
+    complete: u32,
+}
+
+impl Begun {
+    /// Whether an edit leaves nothing of the picture. The other modes do not show the parts of the light one by one.
+    fn is_lost(&self, stale: &Stale) -> bool {
+        self.view.mode != ViewMode::Shaded && stale.any()
+    }
+
+    /// Drops what edits have changed.
+    fn forget(&mut self, stale: &Stale, step: DirectStep) {
+        let picture = &mut self.picture;
+        match step {
+            DirectStep::Keep => {}
+            DirectStep::Add => picture.forget(Part::Added, Pixels::All),
+            DirectStep::MergeAndAdd => picture.merge_added(),
+            DirectStep::Anew => {
+                [Part::Direct, Part::Added].into_iter().for_each(|part| picture.forget(part, Pixels::All))
+            }
+        }
+        Part::ALL.into_iter().for_each(|part| picture.forget(part, stale.pixels(part)));
+    }
 }
 
 impl CpuBackend {
     /// Without a scene.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The light of a picture that sums these local lights.
+    fn light<'a>(&'a self, lights: &'a SummedLights) -> PictureLight<'a> {
+        let intersector = self.renderer.as_ref().map(|renderer| &*renderer.intersector);
+        let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
+        PictureLight {
+            environment: self.shown_environment().map(|(_, lighting)| &**lighting),
+            sources: self.local.shown_indirect().map(|lighting| &**lighting),
+            vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
+            local: shown(&lights.direct),
+            added: shown(&lights.added),
+        }
     }
 
     /// The environment if it is shown.
@@ -104,24 +145,44 @@ impl Backend for CpuBackend {
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        self.begun = None;
+        self.resume(view, sampling, &Stale::ALL)
+    }
+
+    fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
+        let keeps = |begun: &Begun| (&begun.view, begun.sampling) == (view, sampling) && !begun.is_lost(stale);
+        let kept = self.begun.take().filter(keeps);
         let light = self.shown_environment().map(|(light, _)| light.clone());
         let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
-        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture: Picture::new(view.size) });
+        let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
+        let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
+        let step = lights.update(self.local.shown_lights().unwrap_or_default(), complete);
+        let parts = self.light(&lights).parts(view.mode);
+        let picture = match kept {
+            None => Picture::new(view.size, parts),
+            Some(mut begun) => {
+                begun.forget(stale, step);
+                begun.picture.resume(parts);
+                begun.picture
+            }
+        };
+        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture, lights, complete: 0 });
         Ok(())
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
         let Some(mut begun) = self.begun.take() else { return Ok(()) };
         if let Some(renderer) = &self.renderer {
-            let light = PictureLight {
-                environment: self.shown_environment().map(|(_, lighting)| &**lighting),
-                sources: self.local.shown_indirect().map(|lighting| &**lighting),
-                vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
-                local: self.local.shown_lights().map(|lights| (lights, &*renderer.intersector)),
-            };
-            let Begun { view, sampling, backdrop, picture } = &mut begun;
+            let Begun { view, sampling, backdrop, picture, lights, complete } = &mut begun;
+            let light = self.light(lights);
             let painter = || Painter::new(view.mode, &renderer.dataset, light, *sampling);
-            picture.add_rows(&PixelSampler::new(renderer, view, backdrop), painter, sample, rows);
+            // Without bounces no edit changes the light of other surfaces.
+            let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
+            let sampler = PixelSampler::new(renderer, view, backdrop);
+            if rows.end >= view.size[1] {
+                *complete = sample + 1;
+            }
+            picture.add_rows(&sampler, painter, patches.as_deref(), sample, rows);
         }
         self.begun = Some(begun);
         Ok(())

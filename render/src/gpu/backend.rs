@@ -278,6 +278,7 @@ impl Backend for GpuBackend {
             pixels_shaded: shaded as u64,
             mean_merged_nodes: sum(0) / shaded.max(1.0),
             mean_brdf_evaluations: sum(1) / shaded.max(1.0),
+            shaded: Default::default(),
         })
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
 
+mod drift;
 mod irradiance;
 mod light_groups;
 mod lit_points;
@@ -24,6 +25,8 @@ use lit_points::LitPoints;
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
+pub(crate) use drift::Drift;
+pub(crate) use light_groups::{LightKey, light_key};
 pub use meshless::MeshlessRig;
 pub use vertices::VertexIrradiance;
 

@@ -42,6 +42,11 @@ impl LocalLighting {
         Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
     }
 
+    /// Whether any bounced light is shown.
+    pub(crate) fn shows_bounces(&self) -> bool {
+        self.shown_indirect().is_some() || self.shown_vertex_irradiance().is_some()
+    }
+
     /// Bounced light at the vertices if it is shown.
     pub(crate) fn shown_vertex_irradiance(&self) -> Option<&Arc<VertexIrradiance>> {
         self.vertex_irradiance.as_ref().filter(|_| self.components.indirect)

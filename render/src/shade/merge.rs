@@ -40,8 +40,6 @@ pub struct Work {
     pub merged_nodes: u64,
     /// BRDF evaluations.
     pub brdf_evaluations: u64,
-    /// Points seen.
-    pub points: u64,
 }
 
 impl Add for Work {
@@ -51,7 +49,6 @@ impl Add for Work {
         Self {
             merged_nodes: self.merged_nodes + other.merged_nodes,
             brdf_evaluations: self.brdf_evaluations + other.brdf_evaluations,
-            points: self.points + other.points,
         }
     }
 }

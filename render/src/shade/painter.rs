@@ -11,6 +11,7 @@ use crate::{
         node_field::SourceField,
         surface::SurfacePoint,
     },
+    stale::Part,
     view_mode::{ViewMode, visibility_cuts},
 };
 use glam::{Vec2, Vec3};
@@ -28,6 +29,21 @@ pub(crate) struct PictureLight<'a> {
     pub vertex_irradiance: Option<&'a VertexIrradiance>,
     /// Local lights whose direct light is shown, and the intersector for their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
+    /// Those among the local lights whose light is summed by itself; [`Self::local`] has the others.
+    pub added: Option<(&'a [Light], &'a Intersector)>,
+}
+
+impl PictureLight<'_> {
+    /// The parts that a picture in a mode has. The first is never missing: it also has what needs no light.
+    pub fn parts(&self, mode: ViewMode) -> [bool; Part::COUNT] {
+        let shaded = mode == ViewMode::Shaded;
+        Part::ALL.map(|part| match part {
+            Part::Environment => true,
+            Part::Bounce => shaded && (self.sources.is_some() || self.vertex_irradiance.is_some()),
+            Part::Direct => shaded && self.local.is_some(),
+            Part::Added => shaded && self.added.is_some(),
+        })
+    }
 }
 
 /// Computes values of surface points; keeps its buffers between them.
@@ -39,7 +55,7 @@ pub(crate) struct Painter<'a> {
     sources: Option<Shader<'a, SourceField<'a>>>,
     vertex_irradiance: Option<&'a VertexIrradiance>,
     local: Option<(&'a [Light], &'a Intersector)>,
-    points: u64,
+    added: Option<(&'a [Light], &'a Intersector)>,
     /// Work that was shown and has not been taken.
     shown: Work,
 }
@@ -56,17 +72,26 @@ impl<'a> Painter<'a> {
             sources,
             vertex_irradiance: light.vertex_irradiance,
             local: light.local,
-            points: 0,
+            added: light.added,
             shown: Work::default(),
         }
     }
 
-    /// Scene-linear radiance or albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights
-    /// with an extent, see [`crate::light::direct::pixel_shift`].
-    pub fn value(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-        self.points += 1;
+    /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
+    /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
+    /// [`crate::light::direct::pixel_shift`].
+    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        match part {
+            Part::Environment => self.mode_value(point),
+            Part::Bounce => self.bounced(point),
+            Part::Direct => direct(self.local, point, shift),
+            Part::Added => direct(self.added, point, shift),
+        }
+    }
+
+    fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
         match self.mode {
-            ViewMode::Shaded => self.gathered(point) + self.interpolated(point) + self.direct(point, shift),
+            ViewMode::Shaded => self.reflected(point),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.parameters.base_color,
             ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
@@ -76,9 +101,14 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// Direct light of the environment.
+    fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
+        self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default()
+    }
+
     /// Work since the last call.
     pub fn take_work(&mut self) -> Work {
-        Work { points: std::mem::take(&mut self.points), ..self.take_shading() + std::mem::take(&mut self.shown) }
+        self.take_shading() + std::mem::take(&mut self.shown)
     }
 
     fn take_shading(&mut self) -> Work {
@@ -87,8 +117,10 @@ impl<'a> Painter<'a> {
         environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
-    fn direct(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-        self.local.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
+    /// Bounced light, gathered from the sources or interpolated between the vertices.
+    fn bounced(&mut self, point: &SurfacePoint) -> Vec3 {
+        let gathered = self.sources.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
+        gathered + self.interpolated(point)
     }
 
     /// Light that a diffuse surface of the same albedo reflects of the vertices' irradiance.
@@ -99,15 +131,9 @@ impl<'a> Painter<'a> {
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
 
-    /// Radiance from the merges.
-    fn gathered(&mut self, point: &SurfacePoint) -> Vec3 {
-        let environment = self.environment.as_mut().map(|shader| shader.shade(point));
-        let sources = self.sources.as_mut().map(|shader| shader.shade(point));
-        environment.unwrap_or_default() + sources.unwrap_or_default()
-    }
-
     fn work_at(&mut self, point: &SurfacePoint) -> Work {
-        self.gathered(point);
+        self.reflected(point);
+        self.bounced(point);
         let work = self.take_shading();
         self.shown += work;
         work
@@ -119,4 +145,8 @@ impl<'a> Painter<'a> {
         let nodes = |vertex: u32| cuts.cut(height, vertex).len() as f32;
         point.vertices.iter().zip(point.weights).map(|(&vertex, weight)| weight * nodes(vertex)).sum()
     }
+}
+
+fn direct(lights: Option<(&[Light], &Intersector)>, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+    lights.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
 }

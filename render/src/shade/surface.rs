@@ -14,6 +14,8 @@ use wide::f32x8;
 /// A point of a surface as seen along one ray.
 #[derive(Clone, Debug)]
 pub struct SurfacePoint {
+    /// Index of its material.
+    pub material: u32,
     /// The vertices of its triangle.
     pub vertices: [u32; 3],
     /// Where they are.
@@ -188,7 +190,8 @@ impl<'a> Surfaces<'a> {
         let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.uvs[v as usize] * w).sum::<Vec2>();
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
-        let material = &self.appearance.materials[mesh.triangle_material[triangle] as usize];
+        let material_index = mesh.triangle_material[triangle];
+        let material = &self.appearance.materials[material_index as usize];
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
@@ -197,6 +200,7 @@ impl<'a> Surfaces<'a> {
         let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
         let looks = place.under(self.appearance, material, wo);
         SurfacePoint {
+            material: material_index,
             vertices,
             corners: [p0, p1, p2],
             weights: self.dataset.interpolation_weights(vertices, hit.barycentric),

@@ -45,6 +45,7 @@ impl<'a> UnoccludedShader<'a> {
     pub fn shade(&mut self, place: &SurfacePlace, material: usize, wo: Vec3) -> Vec3 {
         let looks = place.under(self.appearance, &self.appearance.materials[material], wo);
         self.shader.shade(&SurfacePoint {
+            material: material as u32,
             vertices: [0; 3],
             corners: [place.position; 3],
             weights: [1.0, 0.0, 0.0],

@@ -151,9 +151,12 @@ impl<'a> Measurement<'a> {
         let run = |&illum_cut: &u32| {
             let look = Look { illum_cut, ..self.look.clone() };
             scene.light(&look)?;
-            scene.begin(&look.view, look.sampling)?;
-            frame(&mut scene)?;
-            let times = (0..self.args.frames).map(|_| frame(&mut scene)).collect::<Result<Vec<_>, _>>()?;
+            let mut anew = || {
+                scene.begin(&look.view, look.sampling)?;
+                frame(&mut scene)
+            };
+            anew()?;
+            let times = (0..self.args.frames).map(|_| anew()).collect::<Result<Vec<_>, _>>()?;
             scene.begin(&look.view, look.sampling)?;
             scene.render_rows(0, 0..look.view.size[1])?;
             let stats = scene.backend().stats()?;

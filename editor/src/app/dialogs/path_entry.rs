@@ -1,9 +1,9 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
-use crate::document::absolute;
+use crate::{document::absolute, panels::widgets::copyable};
 use egui::{
-    Align, Context, Key, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
+    Align, Context, Key, Label, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
     text::{CCursor, CCursorRange},
 };
 use std::path::{Path, PathBuf};
@@ -63,21 +63,31 @@ impl PathEntry {
             if ui.button("Up").on_hover_text("The folder above").clicked() {
                 self.enter_parent();
             }
-            ui.add(egui::Label::new(RichText::new(self.folder.display().to_string()).weak()).truncate());
+            ui.add(Label::new(RichText::new(self.folder.display().to_string()).weak()).truncate().selectable(true));
         });
         let picked = self.list(ui);
         let typed = self.text_field(ui);
         if let Some(problem) = &self.problem {
-            ui.label(RichText::new(problem).color(ui.visuals().error_fg_color));
+            copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
         }
         ui.add_space(4.0);
-        let button = if self.replacing.is_some() { "Replace" } else { self.purpose.button };
-        let buttons = ui.horizontal(|ui| (ui.button(button).clicked(), ui.button("Cancel").clicked()));
-        let (accepted, cancelled) = buttons.inner;
+        let (accepted, cancelled) = self.buttons(ui);
         if cancelled {
             return Some(None);
         }
         if picked || typed || accepted { self.accept().map(Some) } else { None }
+    }
+
+    /// Returns whether the path was accepted or the dialog cancelled. What replaces a file is not where the first click on
+    /// the way there was.
+    fn buttons(&self, ui: &mut Ui) -> (bool, bool) {
+        let replaces = self.replacing.is_some();
+        let row = ui.horizontal(|ui| {
+            let accepts = ui.add_enabled(!replaces, egui::Button::new(self.purpose.button)).clicked();
+            let cancels = ui.button("Cancel").clicked();
+            (accepts || replaces && ui.button("Replace").clicked(), cancels)
+        });
+        row.inner
     }
 
     /// Returns whether a file was double-clicked.

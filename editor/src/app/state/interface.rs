@@ -1,13 +1,21 @@
 //! State of the interface between frames.
 
 use crate::{
+    app::{
+        icons::Icon,
+        side_panels::{Edge, SidePanels},
+    },
     panels::{
         comparison::ComparisonPanel, environment::EnvironmentPanel, lights::LightsPanel, material::MaterialPanel,
         scene::ScenePanel,
     },
     viewport::ViewportState,
 };
-use egui::Rect;
+use egui::{Context, Rect, Vec2};
+use std::time::Duration;
+
+/// Seconds after which a window that was resized counts as having its size.
+const WINDOW_REST_SECS: f64 = 0.15;
 
 /// The tab of the inspector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +45,16 @@ impl Inspector {
             Self::Bake => "Bake",
         }
     }
+
+    pub(in crate::app) fn icon(self) -> Icon {
+        match self {
+            Self::Material => Icon::Material,
+            Self::Environment => Icon::Environment,
+            Self::Lights => Icon::Lights,
+            Self::View => Icon::View,
+            Self::Bake => Icon::Bake,
+        }
+    }
 }
 
 /// The tab of the left side.
@@ -47,6 +65,24 @@ pub enum Side {
     Scene,
     /// Environments to choose from.
     Library,
+}
+
+impl Side {
+    pub(in crate::app) const ALL: [Self; 2] = [Self::Scene, Self::Library];
+
+    pub(in crate::app) fn label(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Library => "Library",
+        }
+    }
+
+    pub(in crate::app) fn icon(self) -> Icon {
+        match self {
+            Self::Scene => Icon::Scene,
+            Self::Library => Icon::Library,
+        }
+    }
 }
 
 /// State of the interface between frames.
@@ -65,8 +101,10 @@ pub struct Interface {
     pub viewport_rect: Rect,
     /// Frames in which a text from the clipboard is a camera.
     pub pasting_camera: u8,
-    /// Widths of the left side and of the inspector, once they were shown.
-    pub panel_widths: Option<[f32; 2]>,
+    /// The panels at both sides.
+    pub sides: SidePanels,
+    /// Size of the window in points, and when it changed last, in seconds.
+    pub(in crate::app) window: (Vec2, f64),
     /// The panel of local lights.
     pub lights: LightsPanel,
     /// The panel of materials.
@@ -78,8 +116,9 @@ pub struct Interface {
     pub(in crate::app) scene: ScenePanel,
 }
 
-impl Default for Interface {
-    fn default() -> Self {
+impl Interface {
+    /// As it begins, with panels of these widths in points.
+    pub fn new(widths: [f32; 2]) -> Self {
         Self {
             inspector: Inspector::default(),
             side: Side::default(),
@@ -88,7 +127,8 @@ impl Default for Interface {
             viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
             pasting_camera: 0,
-            panel_widths: None,
+            sides: SidePanels::new(widths),
+            window: (Vec2::ZERO, f64::NEG_INFINITY),
             lights: LightsPanel::default(),
             material: MaterialPanel::default(),
             comparison: ComparisonPanel::default(),
@@ -96,5 +136,27 @@ impl Default for Interface {
             environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
         }
+    }
+
+    /// Brings a tab of the inspector to the front, and shows the inspector if it is hidden.
+    pub fn show_inspector(&mut self, tab: Inspector) {
+        (self.inspector, self.panels_hidden) = (tab, false);
+        self.sides.open[Edge::Right as usize] = true;
+    }
+
+    /// The size in pixels that the picture should have in a viewport of `size`. While the edge of a panel or of the window
+    /// moves, it is as before: the picture is kept then, and made anew once at the end.
+    pub fn settled_size(&mut self, ctx: &Context, size: [u32; 2]) -> [u32; 2] {
+        let (window, now) = (ctx.content_rect().size(), ctx.input(|i| i.time));
+        let (before, changed_at) = self.window;
+        if before != window {
+            let is_first = before == Vec2::ZERO;
+            self.window = (window, if is_first { changed_at } else { now });
+        }
+        let left = self.window.1 + WINDOW_REST_SECS - now;
+        if left > 0.0 {
+            ctx.request_repaint_after(Duration::from_secs_f64(left));
+        }
+        if left > 0.0 || self.sides.is_dragged { self.viewport_size } else { size }
     }
 }

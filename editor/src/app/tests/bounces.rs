@@ -28,7 +28,8 @@ fn opened(place: &Place) -> Window {
     let output = place.path("box.cuts");
     let job = BakeJob::new(resolve(settings).unwrap(), output);
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
-    let mut window = place.window_of(egui::vec2(700.0, 480.0));
+    // A narrow window has no panels beside the picture, which is small.
+    let mut window = place.window_of(egui::vec2(240.0, 480.0));
     window.open(&place.path("box.cuts"));
     window
 }

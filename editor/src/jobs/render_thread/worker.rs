@@ -164,7 +164,7 @@ impl Worker {
     /// Decides what a new request sets going.
     fn accept(&mut self, request: RenderRequest) {
         let redo = self.wanted.as_ref().map_or(Redo::ALL, |wanted| wanted.redo(&request));
-        if redo.pixels {
+        if redo.pixels.any() {
             self.stage = PictureStage::Coarse;
         } else if redo.display {
             self.post_changed();
@@ -231,7 +231,7 @@ impl Worker {
                 }
                 scene
             }
-            None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?),
+            None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?.keep_unseen_changes()),
         };
         scene.light(look)?;
         scene.remarks().into_iter().for_each(|remark| self.outbox.event(RenderEvent::Remark(remark)));
@@ -279,7 +279,7 @@ impl Worker {
         self.begun = None;
         let view = View { size, aa, ..request.look.view.clone() };
         let Some(scene) = &mut self.scene else { return Ok(()) };
-        scene.begin(&view, request.look.sampling)?;
+        scene.resume(&view, request.look.sampling)?;
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0 });
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::{
     actions::Action,
     panels::units::{duration, grouped},
 };
-use egui::{Button, Grid, ProgressBar, RichText, Ui};
+use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
 use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::Phase;
 
@@ -51,10 +51,13 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
         ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
     }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
-    let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
-    if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
-        actions.push(Action::CancelBake);
-    }
+    // At the other side than the button that begins a bake, of which a second click would cancel it.
+    ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+        let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
+        if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
+            actions.push(Action::CancelBake);
+        }
+    });
 }
 
 impl Draft {

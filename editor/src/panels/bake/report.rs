@@ -1,7 +1,10 @@
 //! What the last bake did: a table, the sizes of its cuts, and what it remarked.
 
 use super::progress::described;
-use crate::panels::units::{bytes, duration, grouped};
+use crate::panels::{
+    units::{bytes, duration, grouped},
+    widgets::copyable,
+};
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};
 use lapidary_core::dataset::{BakeReport, BakeRun, BakeSettings, sigma_text};
@@ -15,7 +18,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
     Grid::new("bake report").num_columns(2).striped(true).show(ui, |ui| {
         for (name, value) in rows(report, settings) {
             ui.label(RichText::new(name).weak());
-            ui.label(RichText::new(value).monospace());
+            copyable(ui, RichText::new(value).monospace());
             ui.end_row();
         }
     });
@@ -25,7 +28,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
         histogram(ui, &report.cut_size_histogram);
     }
     for warning in &report.warnings {
-        ui.label(RichText::new(warning).color(ui.visuals().warn_fg_color));
+        copyable(ui, RichText::new(warning).color(ui.visuals().warn_fg_color));
     }
 }
 

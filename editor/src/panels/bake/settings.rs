@@ -13,7 +13,7 @@ use crate::{
         edit_row,
         entries::{Decades, combo_row, limit_row},
         units::{bytes, duration, grouped},
-        widgets::{Edited, Number, slider_row},
+        widgets::{Edited, Number, copyable, slider_row},
     },
 };
 use egui::{Button, Grid, RichText, Ui};
@@ -100,7 +100,7 @@ pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "Sigma", bake, wrap, |b| slider_row(ui, &sigma, &mut b.criterion.sigma));
     limits(ui, bake, actions);
     if let Err(error) = resolve(bake.clone()) {
-        ui.label(RichText::new(error_text(&error)).color(ui.visuals().error_fg_color));
+        copyable(ui, RichText::new(error_text(&error)).color(ui.visuals().error_fg_color));
     }
 }
 

@@ -1,6 +1,7 @@
 //! What both pictures differ by: metrics, and how the errors are distributed.
 
 use super::{ComparisonPanel, Tool};
+use crate::panels::widgets::copyable;
 use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
 use lapidary_render::compare::{Metrics, map::ErrorField};
 use lapidary_studies::jobs::{comparison::TestPicture, measure::Measured};
@@ -29,7 +30,7 @@ pub fn show(
             {
                 ui.vertical(|ui| {
                     ui.weak(RichText::new(name).small()).on_hover_text(help);
-                    ui.label(RichText::new(value).monospace()).on_hover_text(help);
+                    copyable(ui, RichText::new(value).monospace()).on_hover_text(help);
                 });
             }
         }

@@ -1,7 +1,7 @@
 //! The error of a picture by causes, as bars with numbers.
 
 use super::ExplainRequest;
-use egui::{ProgressBar, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align, Layout, ProgressBar, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use lapidary_render::{ErrorSplit, SplitStep};
 
 /// Points that the names of the causes take.
@@ -16,7 +16,9 @@ pub fn show(ui: &mut Ui, split: Option<&ErrorSplit>, progress: Option<f32>) -> O
     }
     if let Some(done) = progress {
         ui.add(ProgressBar::new(done).show_percentage()).accessible_name("Error split progress");
-        return ui.button("Cancel").clicked().then_some(ExplainRequest::CancelSplit);
+        // At the other side than the button that begins.
+        let cancel = ui.with_layout(Layout::right_to_left(Align::Min), |ui| ui.button("Cancel").clicked()).inner;
+        return cancel.then_some(ExplainRequest::CancelSplit);
     }
     let help = "Replaces one factor at a time by its exact value. This traces light paths, and takes a while.";
     let name = if split.is_some() { "Split again" } else { "Split the error" };

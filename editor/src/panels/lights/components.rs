@@ -7,7 +7,7 @@ use crate::{
     panels::{
         edit_row,
         entries::combo_row,
-        widgets::{Edited, check_box, row},
+        widgets::{Edited, check_box, note, row},
     },
 };
 use egui::{Button, RichText, Ui};
@@ -128,7 +128,7 @@ fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<A
     edit_row(actions, "Bounce light by", &now, Edit::Solution, |solution| {
         combo_row(ui, "Bounce by", "How bounced light is computed.", solution, &choices)
     });
-    ui.label(RichText::new(meaning(now)).weak().small());
+    note(ui, meaning(now));
 }
 
 fn name(solution: Solution) -> &'static str {

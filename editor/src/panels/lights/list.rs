@@ -58,6 +58,10 @@ impl Renaming {
 /// Shows the list and what is done with it.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
     let lights = &context.document.lights;
+    // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
+    buttons(ui, context, actions);
+    check_box(ui, &mut state.in_viewport, "Show in the viewport")
+        .on_hover_text("Draws the lights over the picture, to select and move them there");
     if lights.is_empty() {
         ui.weak("No lights yet");
     }
@@ -79,9 +83,6 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
             });
         }
     });
-    buttons(ui, context, actions);
-    check_box(ui, &mut state.in_viewport, "Show in the viewport")
-        .on_hover_text("Draws the lights over the picture, to select and move them there");
 }
 
 fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, index: usize, actions: &mut Vec<Action>) {

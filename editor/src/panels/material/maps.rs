@@ -4,9 +4,9 @@ use super::{Changes, MaterialPanel};
 use crate::{
     actions::Action,
     document::{Document, TextureEntry},
-    panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row},
+    panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
-use egui::{Align, Button, CollapsingHeader, Label, Layout, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Button, CollapsingHeader, Label, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 use lapidary_core::{
     material::MapKind,
     texture::{Channel, ColorSpace, Texels, TextureSlot},
@@ -48,8 +48,8 @@ pub fn slot(
     group(ui, &name, |ui| {
         let entry = changes.material.maps[target.kind].as_ref();
         let entry = entry.and_then(|slot| document.textures.get(slot.texture as usize));
-        let shown = ui.horizontal(|ui| picture_row(ui, state, target, entry, changes, actions));
-        if let Some(path) = dropped_on(ui, shown.response.rect) {
+        let shown = picture_row(ui, state, target, entry, changes, actions);
+        if let Some(path) = dropped_on(ui, shown.rect) {
             load(target, Some(path), actions);
         }
         if changes.material.maps[target.kind].is_some() {
@@ -62,6 +62,7 @@ fn load(target: Target, path: Option<PathBuf>, actions: &mut Vec<Action>) {
     actions.push(Action::LoadTexture { material: target.index, map: target.kind, path });
 }
 
+/// What is loaded and the buttons, each with a place of its own: what removes is never where a click has just loaded.
 fn picture_row(
     ui: &mut Ui,
     state: &mut MaterialPanel,
@@ -69,26 +70,35 @@ fn picture_row(
     entry: Option<&TextureEntry>,
     changes: &mut Changes,
     actions: &mut Vec<Action>,
-) {
+) -> Response {
     let name = target.name();
-    thumbnail(ui, state, entry);
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let slot = &mut changes.material.maps[target.kind];
-        if slot.is_some() && ui.small_button("Remove").accessible_name(format!("Remove {name}")).clicked() {
-            *slot = None;
-            changes.note("Remove map", Edited::at_once(true));
-        }
-        let verb = if changes.material.maps[target.kind].is_some() { "Swap" } else { "Load" };
+    let is_there = changes.material.maps[target.kind].is_some();
+    let picture = |ui: &mut Ui| {
+        thumbnail(ui, state, entry);
+        let (shown, full) = caption(&name, entry);
+        ui.add(Label::new(shown).truncate()).on_hover_text(full);
+    };
+    let choose = |ui: &mut Ui| {
+        let verb = if is_there { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
-        let button = ui.add(Button::new(format!("{verb}…")).small()).on_hover_text(hint);
-        if button.accessible_name(format!("{verb} {name}")).clicked() {
+        let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
+        if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} {name}")).clicked() {
             load(target, None, actions);
         }
-        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            let (shown, full) = caption(&name, entry);
-            ui.add(Label::new(shown).truncate()).on_hover_text(full);
-        });
-    });
+    };
+    let remove = |ui: &mut Ui| {
+        let button = Button::new("×").frame(false);
+        let asked = is_there && {
+            let button = ui.add(button).on_hover_text("Remove this map");
+            button.accessible_name(format!("Remove {name}")).clicked()
+        };
+        if asked {
+            changes.material.maps[target.kind] = None;
+            changes.note("Remove map", Edited::at_once(true));
+        }
+    };
+    let height = if entry.is_some() { THUMBNAIL } else { EMPTY };
+    wide_row(ui, height, picture, choose, remove).response
 }
 
 /// What stands beside a thumbnail, and in its tooltip.

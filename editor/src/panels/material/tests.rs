@@ -291,6 +291,18 @@ fn a_picture_dropped_on_a_row_is_loaded_there() {
 }
 
 #[test]
+fn nothing_removes_a_map_where_the_click_that_loaded_it_was() {
+    let mut harness = harness(|_| {});
+    let loaded_at = harness.get_by_label("Load Roughness map").rect();
+    harness.state_mut().document.materials[0].maps[MapKind::Roughness] = Some(TextureSlot::default());
+    harness.run();
+    let remove = harness.get_by_label("Remove Roughness map").rect();
+    assert!(!remove.expand(2.0).intersects(loaded_at), "{remove:?} {loaded_at:?}");
+    let swap = harness.get_by_label("Swap Roughness map").rect();
+    assert!(swap.contains(loaded_at.center()), "the button that loads stays: {swap:?} {loaded_at:?}");
+}
+
+#[test]
 fn placement_edits_scale_offset_rotation_and_channel() {
     let mut harness = harness(|app| app.document.materials[0].maps[MapKind::Roughness] = Some(TextureSlot::default()));
     let slot = |h: &Harness<App>| h.state().material().maps[MapKind::Roughness].clone().unwrap();

@@ -18,6 +18,12 @@ pub struct Renaming {
 /// Shows the cameras of the scene, then the bookmarks.
 pub fn show(ui: &mut Ui, renaming: &mut Option<Renaming>, context: &SceneContext, actions: &mut Vec<Action>) {
     let document = context.document;
+    // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
+    if ui.button("Add view").on_hover_text("Keeps the view as it is now").clicked() {
+        let camera = Camera { name: free_name(document), ..document.camera.clone() };
+        let bookmarks = document.bookmarks.iter().cloned().chain([camera]).collect();
+        ask(actions, bookmarks, "Add view");
+    }
     let cameras = context.dataset.map_or(&[][..], |d| &d.scene.cameras);
     for (index, camera) in cameras.iter().enumerate().filter(|(_, c)| !document.bookmarks.contains(c)) {
         ui.push_id(("camera", index), |ui| scene_camera(ui, index, camera, actions));
@@ -28,11 +34,6 @@ pub fn show(ui: &mut Ui, renaming: &mut Option<Renaming>, context: &SceneContext
             let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
             ui.allocate_ui_with_layout(size, layout, |ui| bookmark(ui, renaming, document, index, actions));
         });
-    }
-    if ui.button("Add view").on_hover_text("Keeps the view as it is now").clicked() {
-        let camera = Camera { name: free_name(document), ..document.camera.clone() };
-        let bookmarks = document.bookmarks.iter().cloned().chain([camera]).collect();
-        ask(actions, bookmarks, "Add view");
     }
 }
 

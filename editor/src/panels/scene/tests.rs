@@ -94,6 +94,12 @@ fn of_thousands_of_objects_only_those_in_view_are_laid_out() {
 }
 
 #[test]
+fn what_adds_a_view_stands_still_while_the_list_grows() {
+    let place = |bookmarks: &[&str]| panel(named(&["Floor"]), bookmarks).get_by_label("Add view").rect();
+    assert_eq!(place(&[]), place(&["View 1", "View 2"]));
+}
+
+#[test]
 fn a_bookmark_is_gone_to_added_and_deleted() {
     let mut panel = panel(named(&["Floor"]), &["View 1", "Close"]);
     panel.get_by_label("Close").click();

@@ -1,6 +1,6 @@
 //! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
 
-use super::{Edited, outline, row};
+use super::{Edited, number_size, outline, row, slider_width};
 use egui::{FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
 use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
@@ -28,6 +28,8 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
 fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
     ui.scope(|ui| {
         ui.visuals_mut().widgets.inactive.bg_fill = outline(ui).color;
+        // As wide as a slider would be.
+        ui.spacing_mut().interact_size.x = slider_width(ui);
         ui.color_edit_button_rgb(rgb)
     })
     .inner
@@ -38,9 +40,9 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     let id = ui.make_persistent_id(("hex", name));
     let shown = hex_from_linear(*color);
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
-    let entry =
-        TextEdit::singleline(&mut text).id(id).desired_width(76.0).font(FontSelection::from(TextStyle::Monospace));
-    let response = ui.add(entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
+    let entry = TextEdit::singleline(&mut text).id(id).font(FontSelection::from(TextStyle::Monospace));
+    let response =
+        ui.add_sized(number_size(ui), entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, text));
         return Edited::default();

@@ -6,6 +6,7 @@ use crate::{
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
     shade::painter::{Painter, PictureLight},
+    stale::Part,
     test_scenes::{dataset, mesh},
 };
 use glam::{Vec2, Vec3};
@@ -137,7 +138,9 @@ pub(super) fn on_the_cpu(
         let hit = Hit { triangle: id - 1, distance: 0.0, barycentric, back_face };
         let pixel = Vec2::new(x as f32, y as f32) + 0.5;
         let wo = -view.camera.direction_through(pixel, view.size);
-        painter.value(&surfaces.point(&hit, wo), Vec2::ZERO)
+        let point = surfaces.point(&hit, wo);
+        let shown = Part::ALL.into_iter().zip(light.parts(view.mode)).filter(|(_, shown)| *shown);
+        shown.map(|(part, _)| painter.part(part, &point, Vec2::ZERO)).sum()
     })
 }
 

@@ -13,7 +13,7 @@ pub(super) const LIGHT_GROUPS: usize = 64;
 const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
 
 /// Bits of everything that the irradiance of a light depends on.
-type LightKey = [u32; 12];
+pub(crate) type LightKey = [u32; 12];
 
 /// Some lights and their joint irradiance at each point, visibility included.
 pub(super) struct LightGroup {
@@ -36,12 +36,12 @@ impl LightGroups {
             std::mem::take(&mut self.groups).into_iter().partition(|group| wanted.take(&group.lights));
         let lost = !broken.is_empty();
         let known: HashSet<LightKey> = broken.into_iter().flat_map(|group| group.lights).collect();
-        let left = on.into_iter().filter(|light| wanted.take(&[key(light)])).cloned();
-        let (unchanged, edited): (Vec<Light>, Vec<Light>) = left.partition(|light| known.contains(&key(light)));
+        let left = on.into_iter().filter(|light| wanted.take(&[light_key(light)])).cloned();
+        let (unchanged, edited): (Vec<Light>, Vec<Light>) = left.partition(|light| known.contains(&light_key(light)));
         let has_changed = lost || !unchanged.is_empty() || !edited.is_empty();
         let grouped = |lights: &[Light], count: usize| -> Vec<LightGroup> {
             let chunks = lights.chunks(lights.len().div_ceil(count).max(1));
-            chunks.map(|l| LightGroup { lights: l.iter().map(key).collect(), irradiance: cast(l) }).collect()
+            chunks.map(|l| LightGroup { lights: l.iter().map(light_key).collect(), irradiance: cast(l) }).collect()
         };
         self.groups = kept;
         self.groups.extend(grouped(&unchanged, EDITED_GROUPS));
@@ -73,7 +73,7 @@ struct Wanted(HashMap<LightKey, usize>);
 impl Wanted {
     fn new(lights: &[&Light]) -> Self {
         let mut counts = HashMap::new();
-        lights.iter().for_each(|light| *counts.entry(key(light)).or_default() += 1);
+        lights.iter().for_each(|light| *counts.entry(light_key(light)).or_default() += 1);
         Self(counts)
     }
 
@@ -90,7 +90,8 @@ impl Wanted {
     }
 }
 
-fn key(light: &Light) -> LightKey {
+/// Equal for lights that shine alike.
+pub(crate) fn light_key(light: &Light) -> LightKey {
     let [kind, a, b] = match light.emission {
         Emission::Point => [0.0; 3],
         Emission::Spot { cone_degrees, penumbra_degrees } => [1.0, cone_degrees, penumbra_degrees],

@@ -1,0 +1,179 @@
+//! The panels at both sides of the picture. The user alone decides their widths: neither what a panel holds nor which tab it
+//! shows changes them. In a narrow window each is a strip of icons, which open it over the picture.
+
+use super::icons::{self, Icon};
+use crate::preferences::{INSPECTOR_WIDTHS, SIDE_WIDTHS};
+use egui::{
+    Area, Button, Context, CursorIcon, Frame, Id, Margin, Order, Panel, Rangef, Rect, Sense, Stroke, Ui, UiBuilder,
+    vec2,
+};
+
+/// Windows narrower than this many points have strips.
+const NARROW: f32 = 1100.0;
+/// Width of a strip in points, and of its buttons.
+const STRIP: f32 = 40.0;
+const BUTTON: f32 = 30.0;
+/// Points that are left for the picture between both panels, however wide they are.
+const LEAST_PICTURE: f32 = 320.0;
+/// Points on both sides of an edge in which it is taken hold of.
+const GRIP: f32 = 4.0;
+
+/// A side of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// Scene and library.
+    Left,
+    /// The inspector.
+    Right,
+}
+
+impl Edge {
+    /// Both of them.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// Least and greatest width of the panel in points.
+    fn widths(self) -> Rangef {
+        let [min, max] = if self == Self::Left { SIDE_WIDTHS } else { INSPECTOR_WIDTHS };
+        Rangef { min, max }
+    }
+
+    fn id(self) -> Id {
+        Id::unique(self.name())
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Left => "side",
+            Self::Right => "inspector",
+        }
+    }
+
+    fn panel(self, width: f32) -> Panel {
+        let panel = match self {
+            Self::Left => Panel::left(self.name()),
+            Self::Right => Panel::right(self.name()),
+        };
+        panel.resizable(false).exact_size(width)
+    }
+}
+
+/// What is kept of the panels between frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SidePanels {
+    /// Widths in points that the user gave them, left and right.
+    pub widths: [f32; 2],
+    /// Which of them is opened over the picture in a narrow window.
+    pub open: [bool; 2],
+    /// Whether an edge is dragged.
+    pub is_dragged: bool,
+}
+
+impl SidePanels {
+    /// With the widths that they had last.
+    pub fn new(widths: [f32; 2]) -> Self {
+        Self { widths, open: [false; 2], is_dragged: false }
+    }
+
+    /// The widths that there is room for: the inspector gives way first, then the left side.
+    fn fitted(&self, room: f32) -> [f32; 2] {
+        let [left, right] = self.widths;
+        let room = room - LEAST_PICTURE;
+        let right = right.min((room - left).max(Edge::Right.widths().min));
+        [left.min((room - right).max(Edge::Left.widths().min)), right]
+    }
+}
+
+/// Whether the window is too narrow for panels.
+pub fn are_strips(ctx: &Context) -> bool {
+    ctx.content_rect().width() < NARROW
+}
+
+/// Shows the panel at an edge in a window that has room for it.
+pub fn column<R>(ui: &mut Ui, edge: Edge, panels: &SidePanels, room: f32, contents: impl FnOnce(&mut Ui) -> R) -> Rect {
+    let width = panels.fitted(room)[edge as usize];
+    edge.panel(width).show(ui, contents).response.rect
+}
+
+/// Lets the user drag the edge of a panel that lies in `rect`. Returns whether a drag has ended. To be called after what is
+/// beside the panel was shown.
+pub fn drag_edge(ui: &Ui, edge: Edge, panels: &mut SidePanels, rect: Rect) -> bool {
+    let x = if edge == Edge::Left { rect.right() } else { rect.left() };
+    let grip = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, rect.y_range());
+    let grip = ui.interact(grip, edge.id().with("edge"), Sense::drag());
+    let grip = grip.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    if let Some(pointer) = grip.interact_pointer_pos().filter(|_| grip.dragged()) {
+        let width = if edge == Edge::Left { pointer.x - rect.left() } else { rect.right() - pointer.x };
+        panels.widths[edge as usize] = edge.widths().clamp(width.round());
+        ui.ctx().request_repaint();
+    }
+    if grip.hovered() || grip.dragged() {
+        ui.painter().vline(x, rect.y_range(), Stroke::new(2.0, ui.visuals().selection.bg_fill));
+    }
+    panels.is_dragged |= grip.dragged();
+    grip.drag_stopped()
+}
+
+/// Shows the strip of an edge: one button for each tab, which opens the panel there, or closes it if it shows that tab.
+pub fn strip<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    edge: Edge,
+    panels: &mut SidePanels,
+    chosen: &mut T,
+    tabs: &[(T, &str, Icon)],
+) -> Rect {
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(4, 6));
+    let strip = edge.panel(STRIP).frame(frame).show(ui, |ui| {
+        for &(tab, name, icon) in tabs {
+            let open = &mut panels.open[edge as usize];
+            let is_shown = *open && *chosen == tab;
+            let button = Button::selectable(is_shown, "").min_size(vec2(BUTTON, BUTTON));
+            let button = ui.add(button).on_hover_text(name).accessible_name(name);
+            icons::paint(
+                ui.painter(),
+                button.rect,
+                icon,
+                ui.style().interact_selectable(&button, is_shown).text_color(),
+            );
+            if button.clicked() {
+                (*open, *chosen) = (!is_shown, tab);
+            }
+        }
+    });
+    strip.response.rect
+}
+
+/// Shows a panel over the picture, beside its strip, in the room between `picture`'s edges.
+pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, contents: impl FnOnce(&mut Ui)) {
+    if !panels.open[edge as usize] {
+        return;
+    }
+    let width = panels.widths[edge as usize].min(0.9 * picture.width());
+    let rect = match edge {
+        Edge::Left => picture.with_max_x(picture.left() + width),
+        Edge::Right => picture.with_min_x(picture.right() - width),
+    };
+    let area = Area::new(edge.id().with("unfolded")).order(Order::Middle).fixed_pos(rect.min);
+    let area = area.constrain(false).fade_in(false).sense(Sense::click_and_drag()).default_size(rect.size());
+    area.show(ctx, |ui| {
+        ui.allocate_exact_size(rect.size(), Sense::hover());
+        ui.painter().rect(rect, 0.0, ui.visuals().panel_fill, ui.visuals().window_stroke, egui::StrokeKind::Inside);
+        let mut inside = ui.new_child(UiBuilder::new().max_rect(rect.shrink2(vec2(8.0, 4.0))));
+        inside.shrink_clip_rect(rect);
+        contents(&mut inside);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_give_way_to_the_picture_and_no_further_than_they_may() {
+        let panels = SidePanels::new([480.0, 640.0]);
+        assert_eq!(panels.fitted(2000.0), [480.0, 640.0]);
+        assert_eq!(panels.fitted(1300.0), [480.0, 500.0]);
+        assert_eq!(panels.fitted(1060.0), [460.0, 280.0]);
+        assert_eq!(panels.fitted(500.0), [160.0, 280.0]);
+        assert_eq!(SidePanels::new([230.0, 340.0]).fitted(NARROW), [230.0, 340.0], "as they come");
+    }
+}

@@ -1,0 +1,254 @@
+//! Which samples of a picture an edit makes stale. A pixel keeps what it has of each part of the light, until the edit
+//! changes that part at a surface that the pixel shows.
+//!
+//! The invariant that makes this simple: a pixel has the samples 0 to n of a part. A pass over sample `i` adds to
+//! pixels that have exactly `i` samples and leaves those that have more. So a picture after an edit is the picture
+//! rendered from nothing.
+
+use crate::light::bounce::{LightKey, light_key};
+use lapidary_core::lights::Light;
+use std::collections::HashMap;
+
+/// The parts of a picture's light, each with a sum of its own in every pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Direct light of the environment, the background, and what view modes without light show.
+    Environment,
+    /// Bounced light.
+    Bounce,
+    /// Direct light of local lights.
+    Direct,
+    /// Direct light of local lights that were switched on after the pixels had all of [`Self::Direct`].
+    Added,
+}
+
+impl Part {
+    /// Number of parts.
+    pub const COUNT: usize = 4;
+    /// All parts.
+    pub const ALL: [Self; Self::COUNT] = [Self::Environment, Self::Bounce, Self::Direct, Self::Added];
+}
+
+/// What a pixel shows, or what an edit changes: sets of materials and of patches of the mesh, by index modulo 64. Two
+/// sets that meet may have nothing in common, but sets that do not meet have nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// One bit for each material.
+    pub materials: u64,
+    /// One bit for each patch of vertices, see [`crate::Baked::patches`].
+    pub patches: u64,
+}
+
+impl Marks {
+    /// Materials alone, by index.
+    pub fn of_materials(materials: impl IntoIterator<Item = usize>) -> Self {
+        Self { materials: materials.into_iter().fold(0, |bits, material| bits | bit(material)), patches: 0 }
+    }
+
+    /// A material and three vertices' patches.
+    pub(crate) fn of_surface(material: u32, vertices: [u32; 3], patches: Option<&[u8]>) -> Self {
+        let patch = |vertex: u32| patches.map_or(0, |patches| bit(patches[vertex as usize].into()));
+        let patches = vertices.into_iter().fold(0, |bits, vertex| bits | patch(vertex));
+        Self { materials: bit(material as usize), patches }
+    }
+
+    /// What is in either.
+    pub fn union(self, other: Self) -> Self {
+        Self { materials: self.materials | other.materials, patches: self.patches | other.patches }
+    }
+
+    /// Whether anything is in both.
+    pub fn meets(self, other: Self) -> bool {
+        self.materials & other.materials != 0 || self.patches & other.patches != 0
+    }
+}
+
+fn bit(index: usize) -> u64 {
+    1 << (index % 64)
+}
+
+/// Pixels that lose their samples of a part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pixels {
+    /// None.
+    #[default]
+    Nothing,
+    /// Those that show any of these.
+    Showing(Marks),
+    /// All.
+    All,
+}
+
+impl Pixels {
+    /// All if `changed`, else none.
+    pub fn all_if(changed: bool) -> Self {
+        if changed { Self::All } else { Self::Nothing }
+    }
+
+    /// Those of both.
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::All, _) | (_, Self::All) => Self::All,
+            (Self::Nothing, pixels) | (pixels, Self::Nothing) => pixels,
+            (Self::Showing(a), Self::Showing(b)) => Self::Showing(a.union(b)),
+        }
+    }
+
+    /// Whether a pixel that shows `seen` is among them.
+    pub fn contain(self, seen: Marks) -> bool {
+        match self {
+            Self::Nothing => false,
+            Self::Showing(changed) => changed.meets(seen),
+            Self::All => true,
+        }
+    }
+}
+
+/// What edits make of the samples of a picture, by part of the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stale {
+    /// The environment's direct light, and the background.
+    pub environment: Pixels,
+    /// Bounced light.
+    pub bounce: Pixels,
+    /// Direct light of local lights.
+    pub direct: Pixels,
+    /// Other local lights shine: the renderer compares them with those that its sums have.
+    pub lights: bool,
+}
+
+impl Stale {
+    /// No sample is stale.
+    pub const NOTHING: Self =
+        Self { environment: Pixels::Nothing, bounce: Pixels::Nothing, direct: Pixels::Nothing, lights: false };
+    /// All are.
+    pub const ALL: Self = Self { environment: Pixels::All, bounce: Pixels::All, direct: Pixels::All, lights: true };
+
+    /// Whether anything is to be rendered.
+    pub fn any(self) -> bool {
+        self != Self::NOTHING
+    }
+
+    /// After both edits.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            environment: self.environment.and(other.environment),
+            bounce: self.bounce.and(other.bounce),
+            direct: self.direct.and(other.direct),
+            lights: self.lights || other.lights,
+        }
+    }
+
+    /// The pixels that lose their samples of a part.
+    pub(crate) fn pixels(&self, part: Part) -> Pixels {
+        match part {
+            Part::Environment => self.environment,
+            Part::Bounce => self.bounce,
+            Part::Direct | Part::Added => self.direct,
+        }
+    }
+}
+
+/// The local lights whose direct light the sums of a picture have.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SummedLights {
+    /// In [`Part::Direct`].
+    pub direct: Vec<Light>,
+    /// In [`Part::Added`].
+    pub added: Vec<Light>,
+}
+
+/// What becomes of the sums of local lights' direct light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DirectStep {
+    /// Both stay.
+    Keep,
+    /// [`Part::Added`] begins anew.
+    Add,
+    /// [`Part::Added`] is added to [`Part::Direct`], and then begins anew.
+    MergeAndAdd,
+    /// Both begin anew.
+    Anew,
+}
+
+impl SummedLights {
+    /// Replaces the lights by those `wanted`. Lights that were added since stay by themselves until all pixels have all
+    /// samples (`complete`) and others are added.
+    pub fn update(&mut self, wanted: &[Light], complete: bool) -> DirectStep {
+        let wanted: Vec<Light> = wanted.iter().filter(|light| light.shines()).cloned().collect();
+        let Some(rest) = without(&wanted, &self.direct).filter(|_| !self.direct.is_empty()) else {
+            let same = wanted.is_empty() && self.direct.is_empty();
+            *self = Self { direct: wanted, added: Vec::new() };
+            return if same { DirectStep::Keep } else { DirectStep::Anew };
+        };
+        match without(&rest, &self.added) {
+            Some(others) if others.is_empty() => DirectStep::Keep,
+            Some(others) if complete && !self.added.is_empty() => {
+                self.direct.append(&mut self.added);
+                self.added = others;
+                DirectStep::MergeAndAdd
+            }
+            _ => {
+                self.added = rest;
+                DirectStep::Add
+            }
+        }
+    }
+}
+
+/// `lights` without each of `taken`; `None` if one of those is not among them. Names make no difference.
+fn without(lights: &[Light], taken: &[Light]) -> Option<Vec<Light>> {
+    let mut counts: HashMap<LightKey, usize> = HashMap::new();
+    taken.iter().for_each(|light| *counts.entry(light_key(light)).or_default() += 1);
+    let mut rest = Vec::new();
+    for light in lights {
+        match counts.get_mut(&light_key(light)).filter(|count| **count > 0) {
+            Some(count) => *count -= 1,
+            None => rest.push(light.clone()),
+        }
+    }
+    counts.values().all(|&count| count == 0).then_some(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::point_light;
+    use glam::Vec3;
+
+    #[test]
+    fn what_has_something_in_common_meets_and_sums_of_edits_contain_both() {
+        let of = |material| Marks::of_materials([material]);
+        assert!(of(3).meets(of(3)) && of(3).meets(of(67)) && !of(3).meets(of(4)));
+        let patches: Vec<u8> = (0..64).collect();
+        let seen = Marks::of_surface(3, [8, 9, 10], Some(&patches));
+        assert!(seen.meets(Marks { materials: 0, patches: 1 << 9 }) && !seen.meets(Marks { materials: 0, patches: 8 }));
+        assert_eq!(Marks::of_surface(3, [8, 9, 10], None), of(3));
+        let both = Pixels::Showing(of(3)).and(Pixels::Showing(of(5)));
+        assert!(both.contain(of(3)) && both.contain(of(5)) && !both.contain(of(4)));
+        assert!(both.and(Pixels::All).contain(of(4)) && !Pixels::Nothing.contain(of(4)));
+        assert_eq!(Pixels::Nothing.and(both), both);
+    }
+
+    #[test]
+    fn lights_that_are_added_stay_by_themselves_and_others_begin_anew() {
+        let lamp = |x: f32| point_light(Vec3::new(x, 1.0, 0.0), 1.0);
+        let lamps = |xs: &[f32]| xs.iter().map(|&x| lamp(x)).collect::<Vec<_>>();
+        let mut summed = SummedLights::default();
+        let mut step = |xs: &[f32], complete| summed.update(&lamps(xs), complete);
+        assert_eq!(step(&[], true), DirectStep::Keep);
+        assert_eq!(step(&[1.0, 2.0], true), DirectStep::Anew, "there were none");
+        assert_eq!(step(&[2.0, 1.0], true), DirectStep::Keep, "the order makes no difference");
+        assert_eq!(step(&[1.0, 2.0, 3.0], true), DirectStep::Add);
+        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Add, "the added one moves");
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], false), DirectStep::Add, "both again: the first is not complete");
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0, 5.0], true), DirectStep::MergeAndAdd);
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], true), DirectStep::Add, "off again: the added part is empty");
+        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Anew);
+        let mut named = lamps(&[1.0, 2.0, 3.5]);
+        named[1].name = "renamed".into();
+        named.push(Light { enabled: false, ..lamp(7.0) });
+        assert_eq!(summed.update(&named, true), DirectStep::Keep);
+        assert_eq!(summed.update(&lamps(&[1.0]), true), DirectStep::Anew);
+    }
+}
