@@ -250,6 +250,40 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        renderer::Renderer,
+        test_scenes::{dataset, from_the_side, glossy, illumination, mesh, surface_at},
+    };
+    use lapidary_core::material::BrdfModel;
+
+    /// The bits of one point in each instruction set, under each model and sampling.
+    fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
+        let shaded = |instructions: InstructionSet| {
+            let mut bits = Vec::new();
+            for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
+                let point = SurfacePoint { brdf: SurfaceBrdf::new(model, point.parameters), ..point.clone() };
+                for sampling in [BrdfSampling::Once, BrdfSampling::Refine] {
+                    let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };
+                    bits.push(shader.shade(&point).to_array().map(f32::to_bits));
+                }
+            }
+            bits
+        };
+        InstructionSet::available().map(shaded).collect()
+    }
+
+    #[test]
+    fn all_instruction_sets_shade_a_point_to_the_same_bits() {
+        let renderer = Renderer::new(dataset(mesh(16, true), glossy(0.4)));
+        let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
+        let lighting = renderer.lighting(&light, 64);
+        let point = surface_at(&renderer, &from_the_side(24));
+        let far = bits_in_each_set(&lighting, &renderer.dataset.cuts, &point);
+        assert!(far.iter().all(|bits| bits == &far[0]), "{far:?}");
+        // The material has no diffuse part: the first two, of the Lambert model, are dark.
+        assert!(far[0][2..].iter().all(|bits| f32::from_bits(bits[2]) > 0.0), "{far:?}");
+        assert_ne!(far[0][2], far[0][3], "negative control: another sampling is another number");
+    }
 
     #[test]
     fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {
