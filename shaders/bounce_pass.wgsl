@@ -1,5 +1,4 @@
-// Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts and added to the
-// sum of all samples and passes so far. Twin of `Painter::interpolated` in render/src/shade/painter.rs.
+// Bounced light of the meshless basis at the vertices, interpolated with the weights of their cuts. Twin of `Painter::interpolated` in render/src/shade/painter.rs.
 
 struct VertexIrradiance {
     // Vector irradiance in W/m2, one column per colour channel.
@@ -10,19 +9,22 @@ struct VertexIrradiance {
 @group(2) @binding(0) var<storage, read> front_irradiance: array<VertexIrradiance>;
 // For surfaces seen from behind: one per vertex, or a single one if no back receives light.
 @group(2) @binding(1) var<storage, read> back_irradiance: array<VertexIrradiance>;
-@group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy);
-    let sum = textureLoad(previous_sum, pixel, 0);
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
+    }
     let g = textureLoad(geometry, pixel, 0);
-    if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
-        return sum;
+    if !is_surface(g) {
+        return with_sample(sums, g, vec4(0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, ray_direction(pixel));
     let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
-    return sum + vec4(albedo(point.brdf, alpha) * irradiance_at(point, (g.w & FLAG_BACK) != 0u) * FRAC_1_PI, 0.0);
+    let value = albedo(point.brdf, alpha) * irradiance_at(point, (g.w & FLAG_BACK) != 0u) * FRAC_1_PI;
+    return with_sample(sums, g, vec4(value, 0.0), 0u, 0u);
 }
 
 // Irradiance on the surface as bump and normal map have it.

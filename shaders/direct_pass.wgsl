@@ -1,10 +1,8 @@
-// Direct light of local lights, added to the sum of all samples and passes so far; the merge adds to that.
+// Direct light of local lights.
 //
 // A rectangle is a grid of cells. Each cell has shadow maps around its middle and RECTANGLE_DETAIL squared samples of
 // light, which the jitter of the picture moves. A sample beside the middle reads the map where its ray passes the
 // blockers, whose distance is estimated first (after Fernando 2005). So shadows are as soft as from all samples.
-
-@group(3) @binding(4) var previous_sum: texture_2d<f32>;
 
 const RECTANGLE_DETAIL: u32 = 2u;
 // Radius of the search for blockers: a cell and a half finds blockers that are less than three times as far from the
@@ -12,19 +10,22 @@ const RECTANGLE_DETAIL: u32 = 2u;
 const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy);
-    let sum = textureLoad(previous_sum, pixel, 0);
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
+    }
     let g = textureLoad(geometry, pixel, 0);
-    if g.x == 0u || (g.w & FLAG_BLACK) != 0u {
-        return sum;
+    if !is_surface(g) {
+        return with_sample(sums, g, vec4(0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, ray_direction(pixel));
     var received = vec3(0.0);
     for (var i = 0u; i < arrayLength(&local_lights); i++) {
         received += light_from(point, local_lights[i]);
     }
-    return sum + vec4(received, 0.0);
+    return with_sample(sums, g, vec4(received, 0.0), 0u, 0u);
 }
 
 // Radiance that a point reflects of a light toward the eye.

@@ -3,21 +3,26 @@
 struct Display {
     // Radiance is scaled by this.
     exposure: f32,
-    inv_samples: f32,
     // The count at the upper end of the false colours.
     count_top: f32,
     tone_map: u32,
     view_mode: u32,
     // 1: where nothing is covered the picture is transparent.
     transparent: u32,
-    padding: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> display: Display;
 // Every 17th colour of magma, sRGB encoded.
 @group(0) @binding(1) var<uniform> magma_stops: array<vec4<f32>, 16>;
-@group(0) @binding(2) var sum: texture_2d<f32>;
-@group(0) @binding(3) var work: texture_2d<f32>;
+// Sums of the parts of the light; those that a picture lacks are a texel of zeros.
+@group(0) @binding(2) var environment_value: texture_2d<f32>;
+@group(0) @binding(3) var environment_work: texture_2d<u32>;
+@group(0) @binding(4) var bounce_value: texture_2d<f32>;
+@group(0) @binding(5) var bounce_work: texture_2d<u32>;
+@group(0) @binding(6) var direct_value: texture_2d<f32>;
+@group(0) @binding(7) var direct_work: texture_2d<u32>;
+@group(0) @binding(8) var added_value: texture_2d<f32>;
+@group(0) @binding(9) var added_work: texture_2d<u32>;
 
 const MODE_SHADED: u32 = 0u;
 const MODE_ALBEDO: u32 = 2u;
@@ -26,15 +31,28 @@ const MODE_VISIBILITY_CUT: u32 = 4u;
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(position.xy);
-    let total = textureLoad(sum, pixel, 0) * display.inv_samples;
-    let wire = textureLoad(work, pixel, 0).z * display.inv_samples;
-    // The background must not show where a picture has no coverage, so the mean is over the covered samples.
-    let coverage = select(1.0, total.w, display.transparent != 0u);
-    if !(coverage > 0.0) {
+    let value = textureLoad(environment_value, pixel, 0);
+    let work = textureLoad(environment_work, pixel, 0);
+    let transparent = display.transparent != 0u;
+    if transparent && covered_count(work) == 0u {
         return vec4(0.0);
     }
-    let shown = mix(display_value(total.xyz / coverage), LINE_COLOR, LINE_OPACITY * wire / coverage);
-    return vec4(shown, coverage);
+    var total = mean(value, work);
+    total += mean(textureLoad(bounce_value, pixel, 0), textureLoad(bounce_work, pixel, 0));
+    total += mean(textureLoad(direct_value, pixel, 0), textureLoad(direct_work, pixel, 0));
+    total += mean(textureLoad(added_value, pixel, 0), textureLoad(added_work, pixel, 0));
+    let shown = mix(display_value(total), LINE_COLOR, LINE_OPACITY * value.w / weight(work));
+    let coverage = f32(covered_count(work)) / f32(max(sample_count(work), 1u));
+    return vec4(shown, select(1.0, coverage, transparent));
+}
+
+// The background must not show where a picture has no coverage, so the mean is over the covered samples.
+fn weight(work: vec4<u32>) -> f32 {
+    return f32(max(select(sample_count(work), covered_count(work), display.transparent != 0u), 1u));
+}
+
+fn mean(value: vec4<f32>, work: vec4<u32>) -> vec3<f32> {
+    return value.xyz / weight(work);
 }
 
 fn display_value(value: vec3<f32>) -> vec3<f32> {

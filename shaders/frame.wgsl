@@ -19,6 +19,10 @@ struct FrameUniforms {
     view_mode: u32,
     wireframe: u32,
     source_tree_height: u32,
+    // Number of the sample that is rendered.
+    sample: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

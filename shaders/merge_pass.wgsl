@@ -1,65 +1,41 @@
 // The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
 // the BRDF evaluated on each node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
-// environment's and that of the sources on surfaces; each adds to the sum of those before it.
+// environment's and that of the sources on surfaces; each has sums of its own.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
-// The sum of all samples and passes so far.
-@group(3) @binding(4) var previous_sum: texture_2d<f32>;
-@group(3) @binding(5) var previous_work: texture_2d<f32>;
-
-struct Sample {
-    // Value of the view mode, and coverage.
-    @location(0) value: vec4<f32>,
-    // Merged nodes, BRDF evaluations, wireframe coverage, 1 for a surface.
-    @location(1) work: vec4<f32>,
-}
-
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sample {
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy);
-    let sample = shade_pixel(pixel);
-    let sum = textureLoad(previous_sum, pixel, 0);
-    let work = textureLoad(previous_work, pixel, 0);
-    return Sample(sum + sample.value, work + sample.work);
-}
-
-// Adds nothing that an earlier pass has already added for this sample: values without a merge, and coverage.
-override IS_FIRST: bool = true;
-
-fn shade_pixel(pixel: vec2<u32>) -> Sample {
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
+    }
     let g = textureLoad(geometry, pixel, 0);
     let direction = ray_direction(pixel);
-    if !IS_FIRST {
-        return further_light(g, pixel, direction);
-    }
-    if g.x == 0u {
-        let shown = select(vec3(0.0), background_radiance(direction), frame.view_mode == VIEW_SHADED);
-        return Sample(vec4(shown, 0.0), vec4(0.0));
-    }
-    if (g.w & FLAG_BLACK) != 0u {
-        return Sample(vec4(0.0, 0.0, 0.0, 1.0), vec4(0.0));
+    if !is_surface(g) {
+        // The environment is no count, and a back is black.
+        let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
+        let shown = select(vec3(0.0), background_radiance(direction), shows);
+        return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, direction);
     var shaded = Shaded(vec3(0.0), 0u, 0u);
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
+    if !IS_FIRST {
+        let value = select(vec3(0.0), view_value(point, pixel, shaded), needs_merge());
+        return with_sample(sums, g, vec4(value, 0.0), shaded.merged_nodes, shaded.brdf_evaluations);
+    }
     let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
-    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), wire, 1.0);
-    return Sample(vec4(view_value(point, pixel, shaded), 1.0), work);
+    let value = vec4(view_value(point, pixel, shaded), wire);
+    return with_sample(sums, g, value, shaded.merged_nodes, shaded.brdf_evaluations);
 }
 
-fn further_light(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Sample {
-    if g.x == 0u || (g.w & FLAG_BLACK) != 0u || !needs_merge() {
-        return Sample(vec4(0.0), vec4(0.0));
-    }
-    let point = surface_point(g, pixel, direction);
-    let shaded = merge_cuts(point);
-    let work = vec4(f32(shaded.merged_nodes), f32(shaded.brdf_evaluations), 0.0, 0.0);
-    return Sample(vec4(view_value(point, pixel, shaded), 0.0), work);
-}
+// Whether it renders the first part of the light, which also has values without a merge, and the background.
+override IS_FIRST: bool = true;
 
 fn needs_merge() -> bool {
     return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;

@@ -4,6 +4,31 @@
 @group(3) @binding(1) var rotation: texture_2d<f32>;
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
 @group(3) @binding(3) var others: texture_2d<f32>;
+// The sums of the part of the light that is rendered.
+@group(3) @binding(4) var previous_value: texture_2d<f32>;
+@group(3) @binding(5) var previous_work: texture_2d<u32>;
+
+fn previous_sums(pixel: vec2<u32>) -> Sums {
+    return Sums(textureLoad(previous_value, pixel, 0), textureLoad(previous_work, pixel, 0));
+}
+
+// Whether a pixel lacks the sample that is rendered. Others stay as they are.
+fn lacks_sample(sums: Sums) -> bool {
+    return sample_count(sums.work) == frame.sample;
+}
+
+// The sums with one more sample, of the surface `g` or of none.
+fn with_sample(sums: Sums, g: vec4<u32>, value: vec4<f32>, merged_nodes: u32, brdf_evaluations: u32) -> Sums {
+    let covered = select(0u, 1u, g.x != 0u);
+    let surface = select(0u, 1u, is_surface(g));
+    let counts = vec2(1u | (surface << 16u), covered | (surface << 16u));
+    return Sums(sums.value + value, sums.work + vec4(merged_nodes, brdf_evaluations, counts));
+}
+
+// Whether there is anything to shade.
+fn is_surface(g: vec4<u32>) -> bool {
+    return g.x != 0u && (g.w & FLAG_BLACK) == 0u;
+}
 
 // Twin of SurfacePoint in render/src/shade/surface.rs.
 struct SurfacePoint {

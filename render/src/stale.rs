@@ -171,6 +171,17 @@ pub(crate) enum DirectStep {
     Anew,
 }
 
+impl DirectStep {
+    /// Whether a part begins anew.
+    pub fn forgets(self, part: Part) -> bool {
+        match part {
+            Part::Environment | Part::Bounce => false,
+            Part::Direct => self == Self::Anew,
+            Part::Added => self != Self::Keep,
+        }
+    }
+}
+
 impl SummedLights {
     /// Replaces the lights by those `wanted`. Lights that were added since stay by themselves until all pixels have all
     /// samples (`complete`) and others are added.

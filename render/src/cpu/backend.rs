@@ -76,15 +76,12 @@ impl Begun {
     /// Drops what edits have changed.
     fn forget(&mut self, stale: &Stale, step: DirectStep) {
         let picture = &mut self.picture;
-        match step {
-            DirectStep::Keep => {}
-            DirectStep::Add => picture.forget(Part::Added, Pixels::All),
-            DirectStep::MergeAndAdd => picture.merge_added(),
-            DirectStep::Anew => {
-                [Part::Direct, Part::Added].into_iter().for_each(|part| picture.forget(part, Pixels::All))
-            }
+        if step == DirectStep::MergeAndAdd {
+            picture.merge_added();
         }
-        Part::ALL.into_iter().for_each(|part| picture.forget(part, stale.pixels(part)));
+        for part in Part::ALL {
+            picture.forget(part, stale.pixels(part).and(Pixels::all_if(step.forgets(part))));
+        }
     }
 }
 

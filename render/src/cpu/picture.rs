@@ -94,7 +94,6 @@ impl Picture {
     pub fn merge_added(&mut self) {
         let [.., direct, added] = &mut self.parts;
         direct.par_iter_mut().zip(added.par_iter()).for_each(|(sum, added)| sum.value += added.value);
-        added.clear();
     }
 
     /// Adds one sample to those pixels of some rows that lack it. Each thread has a painter of its own. `patches` are

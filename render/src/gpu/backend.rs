@@ -16,23 +16,28 @@ use super::{
     materials::GpuMaterials,
     passes::Passes,
     readback,
-    scene::GpuScene,
+    scene::{GpuScene, storage},
     shaders::ShaderSource,
-    targets::{Target, Targets},
+    shadows::Plan,
+    targets::{Sums, Target, Targets},
 };
 use crate::{
     appearance::Appearance,
-    backend::{Backend, BackendError, PictureStats},
+    backend::{Backend, BackendError, PictureStats, ShadedSamples},
     baked::Baked,
     light::{
+        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
     },
     measure::compare::map::magma_stops,
     post::Post,
     shade::merge::BrdfSampling,
+    stale::{DirectStep, Part, Pixels, Stale, SummedLights},
     view::View,
+    view_mode::ViewMode,
 };
+use glam::Vec3;
 use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
 use picture::Picture;
 use std::{ops::Range, sync::Arc};
@@ -57,12 +62,34 @@ pub struct GpuBackend {
     map: Option<GpuMap>,
     local_lights: DirectLights,
     targets: Option<Targets>,
+    /// What is in the sums of the targets.
+    state: Option<SumState>,
+    /// `None` after any change, until it is begun or resumed.
     picture: Option<Picture>,
+}
+
+/// Which picture the sums have.
+struct SumState {
+    view: View,
+    sampling: BrdfSampling,
+    /// The local lights in them, and their shadow maps.
+    lights: SummedLights,
+    plan: Plan,
+    /// Samples that all pixels have of every part.
+    complete: u32,
+    /// Which of each part's textures holds the sums.
+    front: usize,
+    /// Samples of which the pixels know what they show.
+    marked: u32,
+    /// Which of the textures holds that.
+    marks_front: usize,
 }
 
 /// A scene and how it looks.
 struct Loaded {
     scene: GpuScene,
+    /// The patch of each vertex, or a single one where nothing asks for them.
+    patches: wgpu::Buffer,
     materials: GpuMaterials,
     dataset: Arc<Dataset>,
 }
@@ -119,6 +146,7 @@ impl GpuBackend {
             dark: None,
             map: None,
             targets: None,
+            state: None,
             picture: None,
         })
     }
@@ -134,6 +162,38 @@ impl GpuBackend {
         self.picture.as_ref().expect("a picture is begun before it is rendered")
     }
 
+    fn state(&self) -> &SumState {
+        self.state.as_ref().expect("a picture is begun before it is rendered")
+    }
+
+    /// The other texture of each part has the sums now.
+    fn flip(&mut self) {
+        if let Some(state) = &mut self.state {
+            state.front = 1 - state.front;
+        }
+    }
+
+    /// All rows have a sample.
+    fn sample_done(&mut self, sample: u32) {
+        self.flip();
+        if let Some(state) = &mut self.state {
+            state.complete = sample + 1;
+        }
+    }
+
+    /// Replaces the local lights in the sums by those that shine now.
+    fn step_lights(&mut self, lights: &mut SummedLights, before: Option<(&Plan, bool)>) -> DirectStep {
+        let shown = self.local.shown_lights().unwrap_or_default().to_vec();
+        let step = lights.update(&shown, before.is_some_and(|(_, complete)| complete));
+        if self.local_lights.order(lights, before.map(|(plan, _)| plan)) || step == DirectStep::Anew {
+            return step;
+        }
+        // With other shadow maps, a sum of lights is not what it was.
+        *lights = SummedLights { direct: shown, added: Vec::new() };
+        self.local_lights.order(lights, None);
+        DirectStep::Anew
+    }
+
     fn loaded(&self) -> &Loaded {
         self.scene.as_ref().expect("a picture is begun with a scene")
     }
@@ -142,8 +202,15 @@ impl GpuBackend {
         self.targets.as_ref().expect("a picture is begun with targets")
     }
 
-    fn read_floats(&self, target: &Target) -> Result<Vec<[f32; 4]>, BackendError> {
+    fn read_texels<T: bytemuck::Pod>(&self, target: &Target) -> Result<Vec<[T; 4]>, BackendError> {
         Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
+    }
+
+    /// The sums of each part that the light has.
+    fn sums(&self) -> impl Iterator<Item = (Part, &Sums)> {
+        let front = self.state().front;
+        let parts = Part::ALL.into_iter().zip(&self.targets().parts);
+        parts.filter_map(move |(part, sums)| Some((part, &sums.as_ref()?[front])))
     }
 
     /// Replaces the room for shadow maps, and forgets the lights.
@@ -180,7 +247,7 @@ impl Backend for GpuBackend {
     fn reload(&mut self) -> Result<(), BackendError> {
         self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
         self.local_lights.forget_shadows();
-        self.picture = None;
+        (self.picture, self.state) = (None, None);
         Ok(())
     }
 
@@ -189,10 +256,15 @@ impl Backend for GpuBackend {
         let scene = GpuScene::new(&self.gpu, dataset)?;
         let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
         self.gpu.check()?;
-        self.scene = Some(Loaded { scene, materials, dataset: dataset.clone() });
+        let patches: Vec<u32> = match Bounces::of(dataset).any() {
+            true => baked.patches().iter().map(|&patch| patch.into()).collect(),
+            false => vec![0],
+        };
+        let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
+        self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
-        (self.light, self.dark, self.picture, self.sources) = (None, None, None, None);
+        (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
         (self.local, self.bounce) = (LocalLighting::default(), VertexBounce::default());
         Ok(())
     }
@@ -230,10 +302,30 @@ impl Backend for GpuBackend {
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
-        self.picture = None;
+        (self.picture, self.state) = (None, None);
         self.check_size(view.size)?;
+        let mut lights = SummedLights::default();
+        self.step_lights(&mut lights, None);
         self.picture = Some(self.prepared(view, sampling));
-        self.submit(|s, encoder| s.clear_sums(encoder))
+        let (view, plan) = (view.clone(), self.local_lights.plan().clone());
+        let (complete, front, marked, marks_front) = (0, 0, 0, 0);
+        self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
+        self.submit(|s, encoder| s.clear_all(encoder))
+    }
+
+    fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
+        // Other modes do not show the parts of the light one by one.
+        let is_lost = view.mode != ViewMode::Shaded && stale.any();
+        let kept = self.state.take().filter(|state| (&state.view, state.sampling) == (view, sampling) && !is_lost);
+        let Some(mut state) = kept else { return self.begin(view, sampling) };
+        self.picture = None;
+        let before = (&state.plan, state.complete >= view.aa.max(1));
+        let step = self.step_lights(&mut state.lights, Some(before));
+        self.picture = Some(self.prepared(view, sampling));
+        (state.plan, state.complete) = (self.local_lights.plan().clone(), 0);
+        self.state = Some(state);
+        let pixels = |part| stale.pixels(part).and(Pixels::all_if(step.forgets(part)));
+        self.submit(|s, encoder| s.encode_kept(encoder, pixels, step == DirectStep::MergeAndAdd))
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
@@ -246,39 +338,58 @@ impl Backend for GpuBackend {
         self.submit(|s, encoder| {
             if rows.start == 0 {
                 s.encode_visibility(encoder);
+                s.encode_marks(encoder, sample);
                 s.encode_deferred(encoder);
             }
-            s.encode_merge(encoder, sample, rows.clone());
+            s.encode_parts(encoder, &rows);
         })?;
-        if let Some(picture) = self.picture.as_mut().filter(|p| rows.end == p.view.size[1]) {
-            picture.samples = sample + 1;
+        if rows.end == self.picture().view.size[1] {
+            self.sample_done(sample);
         }
         Ok(())
     }
 
-    fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
-        self.write_display(post, samples);
-        self.submit(|s, encoder| s.encode_display(encoder, samples))?;
+    fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        self.write_display(post);
+        self.submit(|s, encoder| s.encode_display(encoder))?;
         Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, &self.targets().shown)?))
     }
 
-    fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
-        let texels = self.read_floats(&self.targets().complete[(samples & 1) as usize].value)?;
-        let scale = 1.0 / samples.max(1) as f32;
-        let pixels = texels.iter().map(|t| glam::Vec3::new(t[0], t[1], t[2]) * scale).collect();
-        let coverage = texels.iter().map(|t| t[3] * scale).collect();
-        Ok((Image { size: self.targets().size, pixels }, coverage))
+    fn read(&mut self, _samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        let size = self.targets().size;
+        let mut pixels = vec![Vec3::ZERO; size[0] as usize * size[1] as usize];
+        let mut coverage = Vec::new();
+        for (part, sums) in self.sums() {
+            let work = self.read_texels::<u32>(&sums.work)?;
+            let samples = |work: &[u32; 4]| (work[2] & 0xffff).max(1) as f32;
+            for ((pixel, value), work) in pixels.iter_mut().zip(self.read_texels::<f32>(&sums.value)?).zip(&work) {
+                *pixel += Vec3::new(value[0], value[1], value[2]) / samples(work);
+            }
+            if part == Part::Environment {
+                coverage = work.iter().map(|work| (work[3] & 0xffff) as f32 / samples(work)).collect();
+            }
+        }
+        Ok((Image { size, pixels }, coverage))
     }
 
     fn stats(&mut self) -> Result<PictureStats, BackendError> {
-        let texels = self.read_floats(&self.targets().complete[(self.picture().samples & 1) as usize].work)?;
-        let sum = |i: usize| texels.iter().map(|t| f64::from(t[i])).sum::<f64>();
-        let shaded = sum(3);
+        let (mut points, mut nodes, mut evaluations, mut shaded) = (0, 0, 0, [0; Part::COUNT]);
+        for (part, sums) in self.sums() {
+            let work = self.read_texels::<u32>(&sums.work)?;
+            let sum = |of: fn(&[u32; 4]) -> u32| work.iter().map(|work| u64::from(of(work))).sum::<u64>();
+            nodes += sum(|work| work[0]);
+            evaluations += sum(|work| work[1]);
+            shaded[part as usize] = sum(|work| work[3] >> 16);
+            if part == Part::Environment {
+                points = sum(|work| work[2] >> 16);
+            }
+        }
+        let mean = |sum: u64| sum as f64 / points.max(1) as f64;
         Ok(PictureStats {
-            pixels_shaded: shaded as u64,
-            mean_merged_nodes: sum(0) / shaded.max(1.0),
-            mean_brdf_evaluations: sum(1) / shaded.max(1.0),
-            shaded: Default::default(),
+            pixels_shaded: points,
+            mean_merged_nodes: mean(nodes),
+            mean_brdf_evaluations: mean(evaluations),
+            shaded: ShadedSamples::of(shaded),
         })
     }
 }

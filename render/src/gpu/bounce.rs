@@ -1,8 +1,8 @@
 //! Bounced light of the meshless basis at the vertices. A buffer holds vector irradiance for each side; it is uploaded
-//! when the solution changes and not when the camera moves. A pass interpolates it at every pixel before the merge.
+//! when the solution changes and not when the camera moves. A pass interpolates it at every pixel.
 
 use super::{
-    addition::{Addition, PictureInputs, SumTexture},
+    addition::{Addition, PictureInputs},
     device::GpuDevice,
     layout,
     pipeline::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
@@ -10,7 +10,7 @@ use super::{
     shaders::{BOUNCE, ShaderSource},
     targets::format,
 };
-use crate::{backend::BackendError, light::bounce::VertexIrradiance};
+use crate::{backend::BackendError, light::bounce::VertexIrradiance, stale::Part};
 use glam::Mat3A;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ impl BouncePass {
         let irradiance = bind_layout(gpu, "vertex irradiance", &[Binding::Storage, Binding::Storage]);
         let pipeline = Pipeline {
             layouts: &[&layouts.frame, &layouts.scene, &irradiance, &layouts.addition],
-            targets: &[format::FLOATS],
+            targets: &format::SUMS,
             ..Pipeline::new(module(gpu, source, &BOUNCE)?, "bounce")
         };
         Ok(Self { pipeline: pipeline.build(gpu), irradiance })
@@ -40,24 +40,22 @@ impl BouncePass {
 #[derive(Default)]
 pub struct VertexBounce {
     uploaded: Option<(Arc<VertexIrradiance>, [wgpu::Buffer; 2])>,
-    sum: SumTexture,
 }
 
 impl VertexBounce {
-    /// Uploads missing data, and binds the resources of a picture; the pass adds to `previous`.
+    /// Uploads missing data, and binds the resources of a picture.
     pub fn prepare(
         &mut self,
         picture: &PictureInputs,
         pass: &BouncePass,
         vertices: &Arc<VertexIrradiance>,
-        previous: [&wgpu::TextureView; 2],
-    ) -> Addition {
+    ) -> Option<Addition> {
         let known = self.uploaded.take().filter(|(known, _)| Arc::ptr_eq(known, vertices));
         let make = || (vertices.clone(), [&vertices.front, &vertices.back].map(|side| upload(picture.gpu, side)));
         let (_, buffers) = self.uploaded.insert(known.unwrap_or_else(make));
         let sides = buffers.each_ref().map(|side| side.as_entire_binding());
         let light = bind(picture.gpu, "vertex irradiance", &pass.irradiance, &sides);
-        Addition::new(picture, ("bounce", &pass.pipeline), light, previous, &mut self.sum)
+        Addition::new(picture, ("bounce", &pass.pipeline), light, Part::Bounce)
     }
 
     /// Input of the pass, to detect a new upload.

@@ -1,7 +1,7 @@
-//! Direct light of local lights: shadow maps, then a pass over every pixel before the merge.
+//! Direct light of local lights: shadow maps, then a pass over every pixel for each part of them that is summed.
 
 use super::{
-    addition::{Addition, PictureInputs, SumTexture},
+    addition::{Addition, PictureInputs},
     device::GpuDevice,
     layout::{LocalLight, ShadowView, constants},
     pipeline::{Binding, Layouts, Pipeline, bind, layout, module},
@@ -10,7 +10,10 @@ use super::{
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
     targets::format,
 };
-use crate::backend::BackendError;
+use crate::{
+    backend::BackendError,
+    stale::{Part, SummedLights},
+};
 use lapidary_core::lights::{Emission, Light, RectangleShape};
 use wgpu::BindingResource::TextureView as View;
 
@@ -38,7 +41,7 @@ impl DirectPasses {
         };
         let direct = Pipeline {
             layouts: &[&layouts.frame, &layouts.scene, &lights, &layouts.addition],
-            targets: &[format::FLOATS],
+            targets: &format::SUMS,
             ..Pipeline::new(module(gpu, source, &DIRECT)?, "direct")
         };
         Ok(Self { shadow: shadow.build(gpu), direct: direct.build(gpu), views, lights })
@@ -47,13 +50,15 @@ impl DirectPasses {
 
 /// The local lights that shine, and their shadow maps.
 pub struct DirectLights {
+    /// The first of them are summed by themselves, in [`Part::Direct`]; those behind them in [`Part::Added`].
     lights: Vec<Light>,
+    first: usize,
+    radius: f32,
     plan: Plan,
     room: ShadowRoom,
     /// The last remark on lights without shadows.
     remark: Option<String>,
     maps: Option<ShadowMaps>,
-    sum: SumTexture,
 }
 
 impl DirectLights {
@@ -66,11 +71,12 @@ impl DirectLights {
     pub fn within(room: ShadowRoom) -> Self {
         Self {
             lights: Vec::new(),
+            first: 0,
+            radius: 1.0,
             plan: Plan::new(&[], room, 1.0),
             room,
             remark: None,
             maps: None,
-            sum: SumTexture::default(),
         }
     }
 
@@ -78,13 +84,40 @@ impl DirectLights {
     /// those without shadows, unless it was returned before.
     pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();
+        (self.first, self.radius) = (self.lights.len(), radius);
         if self.lights.is_empty() {
-            (self.maps, self.sum) = (None, SumTexture::default());
+            self.maps = None;
         }
         self.plan = Plan::new(&self.lights, self.room, radius);
         let remark = self.plan.remark(&self.lights, self.room);
         let before = std::mem::replace(&mut self.remark, remark.clone());
         remark.filter(|_| before != self.remark)
+    }
+
+    /// Puts the lights in the order of the parts that sum them. Returns whether those of the first part have the same
+    /// layers as before, of the same size, as far as `before` tells.
+    pub fn order(&mut self, summed: &SummedLights, before: Option<&Plan>) -> bool {
+        let shining = |lights: &[Light]| -> Vec<Light> {
+            lights.iter().filter(|light| shadows::shines(light)).cloned().collect()
+        };
+        self.lights = shining(&summed.direct);
+        self.first = self.lights.len();
+        self.lights.extend(shining(&summed.added));
+        self.plan = Plan::new(&self.lights, self.room, self.radius);
+        before.is_none_or(|before| {
+            (before.size, before.grid) == (self.plan.size, self.plan.grid)
+                && before.first.get(..self.first) == self.plan.first.get(..self.first)
+        })
+    }
+
+    /// Whether there are lights in a part.
+    pub fn has(&self, part: Part) -> bool {
+        if part == Part::Direct { self.first > 0 } else { self.lights.len() > self.first }
+    }
+
+    /// Which light has which shadow maps.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// Marks all shadow maps as out of date, after a change of the shader.
@@ -94,19 +127,19 @@ impl DirectLights {
         }
     }
 
-    /// Renders shadow maps that are out of date, and binds the resources of a picture; `None` without lights.
-    pub fn prepare(&mut self, picture: &PictureInputs, passes: &DirectPasses) -> Option<Addition> {
+    /// Renders shadow maps that are out of date, and binds the resources of a picture, for each part of the lights.
+    pub fn prepare(&mut self, picture: &PictureInputs, passes: &DirectPasses) -> Vec<Addition> {
         if self.lights.is_empty() {
-            return None;
+            return Vec::new();
         }
         let PictureInputs { gpu, scene, .. } = *picture;
         let views = self.views(scene);
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
         let views_buffer = storage(gpu, "shadow views", bytemuck::cast_slice(bound));
-        let lights_buffer = storage(gpu, "local lights", bytemuck::cast_slice(&self.packed()));
+        let packed = self.packed();
         self.make_room(gpu);
-        let maps = self.maps.as_mut()?;
+        let Some(maps) = self.maps.as_mut() else { return Vec::new() };
         let group = bind(gpu, "shadow views", &passes.views, &[views_buffer.as_entire_binding()]);
         let (frame, geometry) = (picture.frame_group(), picture.scene_group());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -116,15 +149,21 @@ impl DirectLights {
             maps.encode(&mut encoder, &passes.shadow, groups, 3 * scene.triangle_count, view);
         }
         gpu.queue.submit([encoder.finish()]);
-        let lights = [views_buffer.as_entire_binding(), lights_buffer.as_entire_binding(), View(&maps.array)];
-        let lights = bind(gpu, "local lights", &passes.lights, &lights);
-        Some(Addition::new(picture, ("direct", &passes.direct), lights, picture.sums(), &mut self.sum))
+        let (direct, added) = packed.split_at(self.first);
+        let parts = [(Part::Direct, direct), (Part::Added, added)].into_iter().filter(|(_, lights)| !lights.is_empty());
+        let addition = |(part, lights): (Part, &[LocalLight])| {
+            let lights = storage(gpu, "local lights", bytemuck::cast_slice(lights));
+            let bound = [views_buffer.as_entire_binding(), lights.as_entire_binding(), View(&maps.array)];
+            let lights = bind(gpu, "local lights", &passes.lights, &bound);
+            Addition::new(picture, ("direct", &passes.direct), lights, part)
+        };
+        parts.filter_map(addition).collect()
     }
 
     /// Whether there are textures of lights.
     #[cfg(test)]
     pub fn takes_room(&self) -> bool {
-        self.maps.is_some() || self.sum.takes_room()
+        self.maps.is_some()
     }
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {

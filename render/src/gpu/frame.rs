@@ -11,8 +11,14 @@ use super::{
 use crate::view::{Background, View};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-/// Uniforms of one jittered sample.
-pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLight>) -> layout::FrameUniforms {
+/// Uniforms of one jittered sample, which is at `offset` in its pixel.
+pub fn frame(
+    view: &View,
+    sample: u32,
+    offset: Vec2,
+    scene: &GpuScene,
+    light: Option<&GpuLight>,
+) -> layout::FrameUniforms {
     let world_from_view = view.camera.world_from_view();
     let tan_half_fov = (0.5 * view.camera.fov_y).tan();
     let (sin, cos) = light.map_or(0.0, |l| l.rotation).sin_cos();
@@ -37,6 +43,9 @@ pub fn frame(view: &View, offset: Vec2, scene: &GpuScene, light: Option<&GpuLigh
         view_mode: view.mode as u32,
         wireframe: u32::from(view.wireframe),
         source_tree_height: scene.sources.as_ref().map_or(0, |s| s.tree_height),
+        sample,
+        padding: 0,
+        more_padding: [0; 2],
     }
 }
 

@@ -25,6 +25,9 @@ pub struct FrameUniforms {
     pub view_mode: u32,
     pub wireframe: u32,
     pub source_tree_height: u32,
+    pub sample: u32,
+    pub padding: u32,
+    pub more_padding: [u32; 2],
 }
 
 /// `Vertex` of `scene.wgsl`.
@@ -105,12 +108,18 @@ pub struct Node {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Display {
     pub exposure: f32,
-    pub inv_samples: f32,
     pub count_top: f32,
     pub tone_map: u32,
     pub view_mode: u32,
     pub transparent: u32,
-    pub padding: [u32; 2],
+}
+
+/// `StaleMarks` of `keep_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct StaleMarks {
+    pub materials: [u32; 2],
+    pub patches: [u32; 2],
 }
 
 /// `ShadowView` of `shadow.wgsl`.

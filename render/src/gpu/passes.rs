@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     direct::DirectPasses,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, MERGE, PARAMETERS, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -16,7 +16,7 @@ use std::collections::HashMap;
 pub struct MergeVariant {
     /// Which tree of lights is merged, one of the constants `FIELD_...`.
     pub field: u32,
-    /// Whether it is the first pass of a sample.
+    /// Whether it renders the first part of the light.
     pub is_first: bool,
     pub refine: bool,
     pub has_ggx: bool,
@@ -29,6 +29,8 @@ pub struct Passes {
     pub visibility: wgpu::RenderPipeline,
     pub surface: wgpu::RenderPipeline,
     pub parameters: wgpu::RenderPipeline,
+    pub marks: wgpu::RenderPipeline,
+    pub keep: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
     pub direct: DirectPasses,
     pub bounce: BouncePass,
@@ -74,12 +76,20 @@ impl Passes {
             targets: &[format::FLOATS, format::FLOATS],
             ..Pipeline::new(load(&PARAMETERS)?, "parameters")
         };
+        let marks = Pipeline {
+            layouts: &[&l.frame, &l.scene, &l.patches, &l.marks],
+            targets: &[format::MARKS],
+            ..Pipeline::new(load(&MARKS)?, "marks")
+        };
+        let keep = Pipeline { layouts: &[&l.keep], targets: &format::SUMS, ..Pipeline::new(load(&KEEP)?, "kept sums") };
         let display =
             Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
             parameters: parameters.build(gpu),
+            marks: marks.build(gpu),
+            keep: keep.build(gpu),
             display: display.build(gpu),
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
@@ -101,7 +111,7 @@ impl Passes {
             let flag = |name, on| (name, f64::from(u8::from(on)));
             let pipeline = Pipeline {
                 layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
-                targets: &[format::FLOATS, format::FLOATS],
+                targets: &format::SUMS,
                 constants: &[
                     ("FIELD", f64::from(variant.field)),
                     flag("IS_FIRST", variant.is_first),

@@ -17,9 +17,12 @@ pub struct Layouts {
     /// One texture of unsigned integers.
     pub ids: BindGroupLayout,
     pub merge: BindGroupLayout,
-    /// Passes before the merge.
+    /// The other passes that add to sums.
     pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
+    pub patches: BindGroupLayout,
+    pub marks: BindGroupLayout,
+    pub keep: BindGroupLayout,
 }
 
 /// The compiled text of a program.
@@ -109,9 +112,12 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         materials: layout("materials", &[Storage, Uint, Uniform]),
         light: layout("light", &[Storage, Storage, Uint, Uint]),
         ids: layout("ids", &[Uint]),
-        merge: layout("merge", &[Uint, Float, Float, Float, Float, Float, Float]),
-        addition: layout("addition", &[Uint, Float, Float, Float, Float]),
-        display: layout("display", &[Uniform, Uniform, Float, Float]),
+        merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
+        addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
+        display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
+        patches: layout("patches", &[Storage]),
+        marks: layout("marks", &[Uint, Uint]),
+        keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),
     }
 }
 

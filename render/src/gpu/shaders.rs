@@ -22,6 +22,8 @@ parts!(
     "frame",
     "fullscreen",
     "geometry",
+    "keep_pass",
+    "marks_pass",
     "materials",
     "merge_pass",
     "parameters_pass",
@@ -31,6 +33,7 @@ parts!(
     "shadow",
     "shadow_filter",
     "shadow_pass",
+    "sums",
     "surface",
     "surface_pass",
     "tonemap",
@@ -69,6 +72,7 @@ pub const MERGE: Program = Program {
         "surface",
         "geometry",
         "brdf",
+        "sums",
         "shading_point",
         "tree",
         "cut",
@@ -90,6 +94,7 @@ pub const DIRECT: Program = Program {
         "surface",
         "geometry",
         "brdf",
+        "sums",
         "shading_point",
         "shadow",
         "shadow_filter",
@@ -100,14 +105,20 @@ pub const DIRECT: Program = Program {
 /// Bounced light at the vertices.
 pub const BOUNCE: Program = Program {
     name: "bounce_pass",
-    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "shading_point", "bounce_pass"],
+    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "sums", "shading_point", "bounce_pass"],
 };
 /// The post pass.
-pub const DISPLAY: Program = Program { name: "display_pass", parts: &["fullscreen", "tonemap", "display_pass"] };
+pub const DISPLAY: Program =
+    Program { name: "display_pass", parts: &["fullscreen", "tonemap", "sums", "display_pass"] };
+/// What the pixels show.
+pub const MARKS: Program = Program { name: "marks_pass", parts: &["fullscreen", "scene", "marks_pass"] };
+/// What an edit leaves of the pixels.
+pub const KEEP: Program = Program { name: "keep_pass", parts: &["fullscreen", "sums", "keep_pass"] };
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 8] = [VISIBILITY, SURFACE, PARAMETERS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE];
+pub const PROGRAMS: [Program; 10] =
+    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

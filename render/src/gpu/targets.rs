@@ -1,6 +1,7 @@
 //! The textures of one picture size: what the passes hand to each other.
 
 use super::{device::GpuDevice, scene::extent};
+use crate::stale::Part;
 use wgpu::TextureFormat as Format;
 
 /// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.
@@ -11,6 +12,9 @@ pub mod format {
     pub const TRIANGLE: Format = Format::R32Uint;
     pub const GEOMETRY: Format = Format::Rgba32Uint;
     pub const FLOATS: Format = Format::Rgba32Float;
+    pub const MARKS: Format = Format::Rgba32Uint;
+    /// Values and work of a part of the light.
+    pub const SUMS: [Format; 2] = [FLOATS, Format::Rgba32Uint];
     pub const SHOWN: Format = Format::Rgba8Unorm;
 }
 
@@ -29,26 +33,34 @@ pub struct Targets {
     pub rotation: Target,
     pub color_roughness: Target,
     pub others: Target,
-    /// Complete samples; read from one, written to the other, in turns.
-    pub complete: [Sums; 2],
-    /// A sample between its passes, in turns.
-    pub partial: [Sums; 2],
+    /// What the pixels show; read from one, written to the other, in turns.
+    pub marks: [Target; 2],
+    /// By [`Part`], as far as the light has them; read from one, written to the other, in turns.
+    pub parts: [Option<[Sums; 2]>; Part::COUNT],
+    /// A texel of zeros, in place of parts that the light does not have.
+    pub nothing: Sums,
     pub shown: Target,
 }
 
-/// Sums over the samples.
+/// Sums over the samples of one part of the light, see `sums.wgsl`.
 pub struct Sums {
-    /// Value of the view mode, and coverage.
+    /// Values, and coverage by lines.
     pub value: Target,
-    /// Nodes of the merged cut, BRDF evaluations, wireframe coverage, surfaces.
+    /// Work and numbers of samples.
     pub work: Target,
+}
+
+impl Sums {
+    fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
+        let [value, work] = format::SUMS;
+        Self { value: target(gpu, "sums", value, size), work: target(gpu, "work", work, size) }
+    }
 }
 
 impl Targets {
     /// For pictures of `size` pixels.
     pub fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
         let target = |label, format| target(gpu, label, format, size);
-        let sums = |value, work| Sums { value: target(value, format::FLOATS), work: target(work, format::FLOATS) };
         Self {
             size,
             depth: target("depth", format::DEPTH),
@@ -57,9 +69,18 @@ impl Targets {
             rotation: target("rotation", format::FLOATS),
             color_roughness: target("color and roughness", format::FLOATS),
             others: target("other parameters", format::FLOATS),
-            complete: [sums("sum 0", "work 0"), sums("sum 1", "work 1")],
-            partial: [sums("partial sum 0", "partial work 0"), sums("partial sum 1", "partial work 1")],
+            marks: [0, 1].map(|_| target("marks", format::MARKS)),
+            parts: Default::default(),
+            nothing: Sums::new(gpu, [1, 1]),
             shown: target("shown", format::SHOWN),
+        }
+    }
+
+    /// Makes room for the parts of a light, and frees the others.
+    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; Part::COUNT]) {
+        let size = self.size;
+        for (sums, shown) in self.parts.iter_mut().zip(parts) {
+            *sums = if shown { sums.take().or_else(|| Some([0, 1].map(|_| Sums::new(gpu, size)))) } else { None };
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod bounce;
 mod direct;
+mod kept;
 mod reflection;
 mod twin;
 mod vertex_bounce;

@@ -1,6 +1,6 @@
 //! The passes of a picture as commands.
 
-use super::GpuBackend;
+use super::{GpuBackend, SumState};
 use crate::{
     gpu::{
         frame::frame,
@@ -9,33 +9,34 @@ use crate::{
             constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
         },
         passes::MergeVariant,
+        pipeline::bind,
         targets::{Sums, Target},
     },
     post::Post,
     shade::merge::BrdfSampling,
+    stale::{Marks, Part, Pixels},
     view::Background,
 };
 use std::ops::Range;
+use wgpu::util::DeviceExt;
 
 impl GpuBackend {
     pub(super) fn write_frame(&self, sample: u32) {
         let picture = self.picture();
         let offset = picture.offsets[sample as usize % picture.offsets.len()];
         let light = self.shown_environment().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, offset, &self.loaded().scene, light);
+        let uniforms = frame(&picture.view, sample, offset, &self.loaded().scene, light);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 
-    pub(super) fn write_display(&self, post: &Post, samples: u32) {
+    pub(super) fn write_display(&self, post: &Post) {
         let picture = self.picture();
         let uniforms = layout::Display {
             exposure: post.exposure.exp2(),
-            inv_samples: 1.0 / samples.max(1) as f32,
             count_top: picture.count_top,
             tone_map: post.tone_map as u32,
             view_mode: picture.view.mode as u32,
             transparent: u32::from(picture.view.background == Background::Transparent),
-            padding: [0; 2],
         };
         self.gpu.queue.write_buffer(&self.display, 0, bytemuck::bytes_of(&uniforms));
     }
@@ -73,33 +74,50 @@ impl GpuBackend {
         );
     }
 
-    /// The additions before the merges of a sample, and all merges, one after another: each adds to the output of the
-    /// one before it.
-    pub(super) fn encode_merge(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32, rows: Range<u32>) {
-        let fields = self.fields();
-        let complete = (sample & 1) as usize;
-        self.picture().additions.iter().for_each(|addition| addition.encode(encoder, complete, &rows));
-        for (i, &field) in fields.iter().enumerate() {
-            let variant = self.merge_variant(field, i == 0);
+    /// What the pixels show of a sample, unless it is known.
+    pub(super) fn encode_marks(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32) {
+        let Some(state) = self.state.as_mut().filter(|state| state.marked == sample) else { return };
+        let from = state.marks_front;
+        (state.marked, state.marks_front) = (sample + 1, 1 - from);
+        let groups = &self.picture().groups;
+        let bound = [&groups.frame, &groups.scene, &groups.patches, &groups.marks[from]];
+        full_screen(encoder, "marks", &self.passes.marks, &[&self.targets().marks[1 - from]], &bound);
+    }
+
+    /// All passes that add a sample to the sums of the parts of the light.
+    pub(super) fn encode_parts(&mut self, encoder: &mut wgpu::CommandEncoder, rows: &Range<u32>) {
+        let from = self.state().front;
+        for addition in &self.picture().additions {
+            let Some(sums) = &self.targets().parts[addition.part as usize] else { continue };
+            self.encode_rows(
+                encoder,
+                addition.label,
+                &addition.pipeline,
+                &addition.groups(from),
+                &sums[1 - from],
+                rows,
+            );
+        }
+        for (part, field) in self.fields() {
+            let variant = self.merge_variant(field, part == Part::Environment);
             let pipeline = self.passes.merge(&self.gpu, variant).clone();
             let groups = &self.picture().groups;
-            let from = if i == 0 { &groups.merge_complete[complete] } else { &groups.merge_partial[(i - 1) & 1] };
-            let is_last = i + 1 == fields.len();
-            let targets = self.targets();
-            let to = if is_last { &targets.complete[1 - complete] } else { &targets.partial[i & 1] };
             let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
-            let Some(light) = light else { continue };
-            let bound = [&groups.frame, &groups.scene, light, from];
-            self.encode_rows(encoder, "merge", &pipeline, &bound, to, &rows);
+            let bound = light.zip(groups.merge[part as usize].as_ref());
+            let Some(((light, merge), sums)) = bound.zip(self.targets().parts[part as usize].as_ref()) else {
+                continue;
+            };
+            let bound = [&groups.frame, &groups.scene, light, &merge[from]];
+            self.encode_rows(encoder, "merge", &pipeline, &bound, &sums[1 - from], rows);
         }
     }
 
-    /// The trees of lights that are merged, in order. It is never empty, because the first pass also shows what has no
-    /// light.
-    fn fields(&self) -> Vec<u32> {
+    /// The trees of lights that are merged, by the part of the light. The first part is never missing, because it also
+    /// has what has no light.
+    fn fields(&self) -> Vec<(Part, u32)> {
         let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
-        let sources = self.picture().groups.sources.as_ref().map(|_| FIELD_SOURCES);
-        [Some(first), sources].into_iter().flatten().collect()
+        let sources = self.picture().groups.sources.as_ref().map(|_| (Part::Bounce, FIELD_SOURCES));
+        [Some((Part::Environment, first)), sources].into_iter().flatten().collect()
     }
 
     fn encode_rows(
@@ -124,8 +142,8 @@ impl GpuBackend {
         pass.draw(0..3, 0..1);
     }
 
-    pub(super) fn encode_display(&self, encoder: &mut wgpu::CommandEncoder, samples: u32) {
-        let group = &self.picture().groups.display[(samples & 1) as usize];
+    pub(super) fn encode_display(&self, encoder: &mut wgpu::CommandEncoder) {
+        let group = &self.picture().groups.display[self.state().front];
         full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
     }
 
@@ -140,14 +158,66 @@ impl GpuBackend {
         }
     }
 
-    pub(super) fn clear_sums(&self, encoder: &mut wgpu::CommandEncoder) {
-        let targets = self.targets();
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clear"),
-            color_attachments: &[cleared(&targets.complete[0].value), cleared(&targets.complete[0].work)],
-            ..Default::default()
-        });
+    /// Drops all samples, and what the pixels show.
+    pub(super) fn clear_all(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (targets, state) = (self.targets(), self.state());
+        targets.parts.iter().flatten().for_each(|sums| clear(encoder, &sums[state.front]));
+        clear_targets(encoder, &[&targets.marks[state.marks_front]]);
     }
+
+    /// Moves the sums of all parts to the other of their textures, without what is stale. `added` is the part that is
+    /// added to the direct light.
+    pub(super) fn encode_kept(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pixels: impl Fn(Part) -> Pixels,
+        merges_added: bool,
+    ) {
+        let (targets, &SumState { front, marks_front, .. }) = (self.targets(), self.state());
+        for part in Part::ALL {
+            let Some(sums) = &targets.parts[part as usize] else { continue };
+            let stale = match pixels(part) {
+                Pixels::Nothing => Marks::default(),
+                Pixels::Showing(marks) => marks,
+                Pixels::All => {
+                    clear(encoder, &sums[1 - front]);
+                    continue;
+                }
+            };
+            let added = targets.parts[Part::Added as usize].as_ref().filter(|_| merges_added && part == Part::Direct);
+            let added = added.map_or(&targets.nothing.value, |sums| &sums[front].value);
+            let uniform = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("stale marks"),
+                contents: bytemuck::bytes_of(&stale_marks(stale)),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+            let inputs = [&targets.marks[marks_front], &sums[front].value, &sums[front].work, added];
+            let [marks, value, work, added] = inputs.map(|t| wgpu::BindingResource::TextureView(&t.view));
+            let bound = [uniform.as_entire_binding(), marks, value, work, added];
+            let group = bind(&self.gpu, "kept sums", &self.passes.layouts.keep, &bound);
+            let to = &sums[1 - front];
+            full_screen(encoder, "kept sums", &self.passes.keep, &[&to.value, &to.work], &[&group]);
+        }
+        self.flip();
+    }
+}
+
+fn stale_marks(Marks { materials, patches }: Marks) -> layout::StaleMarks {
+    let words = |bits: u64| [bits as u32, (bits >> 32) as u32];
+    layout::StaleMarks { materials: words(materials), patches: words(patches) }
+}
+
+fn clear(encoder: &mut wgpu::CommandEncoder, sums: &Sums) {
+    clear_targets(encoder, &[&sums.value, &sums.work]);
+}
+
+fn clear_targets(encoder: &mut wgpu::CommandEncoder, targets: &[&Target]) {
+    let attachments: Vec<_> = targets.iter().map(|target| cleared(target)).collect();
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("clear"),
+        color_attachments: &attachments,
+        ..Default::default()
+    });
 }
 
 fn attachment(target: &Target, load: wgpu::LoadOp<wgpu::Color>) -> Option<wgpu::RenderPassColorAttachment<'_>> {

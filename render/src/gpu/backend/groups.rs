@@ -2,11 +2,11 @@
 
 use super::{GpuBackend, Loaded};
 use crate::gpu::{
-    addition::Addition,
     light::GpuLight,
     pipeline::bind,
     targets::{Sums, Targets},
 };
+use crate::stale::Part;
 
 /// Everything the passes of a picture read.
 pub struct Groups {
@@ -18,9 +18,12 @@ pub struct Groups {
     pub geometry: wgpu::BindGroup,
     /// Surface sources, if their light is shown.
     pub sources: Option<wgpu::BindGroup>,
+    pub patches: wgpu::BindGroup,
+    /// Indexed by which of the marks is read.
+    pub marks: [wgpu::BindGroup; 2],
+    /// By part, as far as it is merged and the light has it; indexed by which of the sums is read.
+    pub merge: [Option<[wgpu::BindGroup; 2]>; 2],
     /// Indexed by which of the sums is read.
-    pub merge_complete: [wgpu::BindGroup; 2],
-    pub merge_partial: [wgpu::BindGroup; 2],
     pub display: [wgpu::BindGroup; 2],
 }
 
@@ -32,28 +35,31 @@ impl GpuBackend {
         light: &GpuLight,
         map: &wgpu::TextureView,
         targets: &Targets,
-        last: Option<&Addition>,
     ) -> Groups {
         use wgpu::BindingResource::TextureView as View;
         let layouts = &self.passes.layouts;
         let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
         let (scene, materials) = (&loaded.scene, &loaded.materials);
-        let merge = |from: &Sums, sum: Option<&wgpu::TextureView>| {
+        let merge = |from: &Sums| {
             let inputs = [
                 View(&targets.geometry.view),
                 View(&targets.rotation.view),
                 View(&targets.color_roughness.view),
                 View(&targets.others.view),
-                View(sum.unwrap_or(&from.value.view)),
+                View(&from.value.view),
                 View(&from.work.view),
                 View(map),
             ];
             group("merge", &layouts.merge, &inputs)
         };
-        let display = |from: &Sums| {
-            let (sum, work) = (View(&from.value.view), View(&from.work.view));
-            let inputs = [self.display.as_entire_binding(), self.magma.as_entire_binding(), sum, work];
-            group("display", &layouts.display, &inputs)
+        let display = |front: usize| {
+            let sums = targets.parts.iter().map(|part| part.as_ref().map_or(&targets.nothing, |sums| &sums[front]));
+            let sums = sums.flat_map(|sums| [View(&sums.value.view), View(&sums.work.view)]);
+            let uniforms = [self.display.as_entire_binding(), self.magma.as_entire_binding()];
+            group("display", &layouts.display, &uniforms.into_iter().chain(sums).collect::<Vec<_>>())
+        };
+        let marks = |from: usize| {
+            group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
         let geometry = [scene.vertices.as_entire_binding(), scene.triangles.as_entire_binding()];
         let pool = View(&materials.pool.view);
@@ -77,9 +83,11 @@ impl GpuBackend {
                 let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
                 group("sources", &layouts.light, &sent)
             }),
-            merge_complete: [0, 1].map(|i| merge(&targets.complete[i], last.map(|addition| &addition.sum))),
-            merge_partial: [0, 1].map(|i| merge(&targets.partial[i], None)),
-            display: [display(&targets.complete[0]), display(&targets.complete[1])],
+            patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
+            marks: [0, 1].map(marks),
+            merge: [Part::Environment, Part::Bounce]
+                .map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
+            display: [0, 1].map(display),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::{
     },
     remedy::Remedy,
     shade::merge::BrdfSampling,
+    stale::Part,
     view::{Background, View},
     view_mode::ViewMode,
 };
@@ -24,10 +25,8 @@ pub struct Picture {
     pub offsets: Vec<Vec2>,
     pub count_top: f32,
     pub groups: Groups,
-    /// Passes before the merge, in order.
+    /// Passes beside the merges.
     pub additions: Vec<Addition>,
-    /// How many samples are complete.
-    pub samples: u32,
 }
 
 impl GpuBackend {
@@ -41,7 +40,7 @@ impl GpuBackend {
         self.gpu.within("the pixels of the picture", "bytes", bytes, limit, Remedy::SmallerPicture)
     }
 
-    /// A picture without samples. It reuses the resources of the previous picture where possible.
+    /// Gets a picture ready. It reuses the resources of the previous picture where possible.
     pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Picture {
         if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
             // Freed first: two sets of a large picture may not fit.
@@ -57,13 +56,28 @@ impl GpuBackend {
         };
         self.map = Some(GpuMap::new(&self.gpu, &environment, blur, self.map.take()));
         let map = self.map.as_ref().map(|m| m.view.clone()).expect("it was just made");
+        let parts = self.parts(view.mode);
+        if let Some(targets) = &mut self.targets {
+            targets.set_parts(&self.gpu, parts);
+        }
         let additions = if view.mode == ViewMode::Shaded { self.additions() } else { Vec::new() };
-        let groups = self.groups(self.loaded(), &light, &map, self.targets(), additions.last());
+        let groups = self.groups(self.loaded(), &light, &map, self.targets());
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
         let count_top = view.mode.count_top(illum_cut);
         let offsets = view.pixel_offsets();
-        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions, samples: 0 }
+        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions }
+    }
+
+    /// The parts of the light. Counts of merged nodes have one for each tree.
+    fn parts(&self, mode: ViewMode) -> [bool; Part::COUNT] {
+        let shaded = mode == ViewMode::Shaded;
+        let lights = |part| shaded && self.local_lights.has(part);
+        Part::ALL.map(|part| match part {
+            Part::Environment => true,
+            Part::Bounce => self.sources.is_some() || shaded && self.local.shown_vertex_irradiance().is_some(),
+            Part::Direct | Part::Added => lights(part),
+        })
     }
 
     /// The environment if it is shown.
@@ -89,10 +103,9 @@ impl GpuBackend {
         let (Some(Loaded { scene, .. }), Some(targets)) = (&self.scene, &self.targets) else { return Vec::new() };
         let picture =
             PictureInputs { gpu: &self.gpu, layouts: &self.passes.layouts, scene, frame: &self.frame, targets };
-        let direct = self.local.shown_lights().and_then(|_| self.local_lights.prepare(&picture, &self.passes.direct));
-        let previous = direct.as_ref().map_or(picture.sums(), |direct| [&direct.sum; 2]);
+        let direct = self.local_lights.prepare(&picture, &self.passes.direct);
         let vertices = self.local.shown_vertex_irradiance();
-        let bounce = vertices.map(|vertices| self.bounce.prepare(&picture, &self.passes.bounce, vertices, previous));
+        let bounce = vertices.and_then(|vertices| self.bounce.prepare(&picture, &self.passes.bounce, vertices));
         direct.into_iter().chain(bounce).collect()
     }
 }

@@ -11,7 +11,7 @@ pub struct PassTimes {
     pub visibility: Duration,
     /// Barycentric weights, frames and BRDF parameters.
     pub deferred: Duration,
-    /// Local lights, bounced light at the vertices, and the merge.
+    /// Local lights, bounced light, and the merge.
     pub merge: Duration,
     /// The post pass.
     pub display: Duration,
@@ -29,12 +29,15 @@ impl GpuBackend {
         let height = self.picture().view.size[1];
         self.write_frame(sample);
         self.gpu.wait()?;
-        self.write_display(post, sample + 1);
+        self.write_display(post);
         Ok(PassTimes {
             visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
             deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
-            merge: self.timed(|s, encoder| s.encode_merge(encoder, sample, 0..height))?,
-            display: self.timed(|s, encoder| s.encode_display(encoder, sample + 1))?,
+            merge: self.timed(|s, encoder| {
+                s.encode_parts(encoder, &(0..height));
+                s.sample_done(sample);
+            })?,
+            display: self.timed(|s, encoder| s.encode_display(encoder))?,
         })
     }
 

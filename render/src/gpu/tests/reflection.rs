@@ -2,7 +2,7 @@
 
 use crate::gpu::{
     layout::{self, constants},
-    shaders::{PROGRAMS, ShaderSource},
+    shaders::{DISPLAY, PROGRAMS, ShaderSource},
 };
 use lapidary_core::brdf::{LOBE_LOSS, MIN_ALPHA};
 use naga::{
@@ -37,7 +37,7 @@ fn every_program_is_valid_without_optional_features() {
 
 #[test]
 fn validation_finds_a_broken_program() {
-    let text = ShaderSource::Embedded.text(&PROGRAMS[4]).unwrap().replace("vec4(shown, coverage)", "shown");
+    let text = ShaderSource::Embedded.text(&DISPLAY).unwrap().replace("return vec4(shown, ", "return vec3(shown, ");
     let valid = naga::front::wgsl::parse_str(&text)
         .is_ok_and(|m| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&m).is_ok());
     assert!(!valid);
@@ -97,7 +97,10 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 tree_height,
                 view_mode,
                 wireframe,
-                source_tree_height
+                source_tree_height,
+                sample,
+                padding,
+                more_padding
             ),
         ),
         (
@@ -168,10 +171,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             ),
         ),
         ("VertexIrradiance", shape!(layout::VertexIrradiance, vector)),
-        (
-            "Display",
-            shape!(layout::Display, exposure, inv_samples, count_top, tone_map, view_mode, transparent, padding),
-        ),
+        ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
+        ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent)),
     ]
 }
 
@@ -189,8 +190,8 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
     assert!(shape_in(&modules, "FrameUniforms").iter().all(|shape| *shape != moved));
 }
 
-/// Types of buffers without a struct of their own: radii, stops of a colour scale, the table of sRGB.
-const PLAIN: [&str; 3] = ["array<Float32>", "array<vec4<Float32>, 16>", "array<vec4<Float32>, 64>"];
+/// Types of buffers without a struct of their own: radii, patches, stops of a colour scale, the table of sRGB.
+const PLAIN: [&str; 4] = ["array<Float32>", "array<Uint32>", "array<vec4<Float32>, 16>", "array<vec4<Float32>, 64>"];
 
 /// Names of the structs, and plain types, that a buffer of the shaders holds.
 fn held_by(module: &Module, buffer: naga::Handle<naga::Type>, held: &mut Vec<String>) {
