@@ -12,7 +12,7 @@ struct VertexIrradiance {
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy);
+    let pixel = vec2<u32>(position.xy) * frame.stride;
     let sums = previous_sums(pixel);
     if !lacks_sample(sums) {
         return sums;

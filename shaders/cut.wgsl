@@ -37,7 +37,10 @@ fn cursor_size(texel: vec4<u32>) -> u32 {
 }
 
 fn cursor_value(cursor: Cursor) -> f32 {
-    let code = cursor.texel.x & 4095u;
+    return value_of_code(cursor.texel.x & 4095u);
+}
+
+fn value_of_code(code: u32) -> f32 {
     if FIELD != FIELD_SOURCES {
         return f32(code) * VALUE_SCALE;
     }

@@ -11,7 +11,7 @@ const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy);
+    let pixel = vec2<u32>(position.xy) * frame.stride;
     let sums = previous_sums(pixel);
     if !lacks_sample(sums) {
         return sums;
@@ -113,7 +113,7 @@ fn reflected(point: SurfacePoint, sample: LightSample) -> vec3<f32> {
     if !(dot(sample.direction, point.smooth_normal) > 0.0) {
         return vec3(0.0);
     }
-    return brdf_cos(point.brdf, sample.direction * point.world_from_local, point.wo, 0.0) * sample.irradiance;
+    return brdf_cos(point.brdf, sample.direction * point.world_from_local, point.wo) * sample.irradiance;
 }
 
 fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell: u32) -> f32 {

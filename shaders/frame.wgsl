@@ -22,7 +22,8 @@ struct FrameUniforms {
     // Number of the sample that is rendered.
     sample: u32,
     padding: u32,
-    more_padding: vec2<u32>,
+    // Columns and rows of pixels from texel to texel of the passes that shade: 1, or the stride of a lattice.
+    stride: vec2<u32>,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

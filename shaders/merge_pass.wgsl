@@ -1,5 +1,5 @@
-// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, and the illumination cut in one traversal, with
-// the BRDF evaluated on each node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
+// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, in one traversal, with the BRDF evaluated on each
+// node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
 // environment's and that of the sources on surfaces; each has sums of its own.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
@@ -7,7 +7,7 @@
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy);
+    let pixel = vec2<u32>(position.xy) * frame.stride;
     let sums = previous_sums(pixel);
     if !lacks_sample(sums) {
         return sums;
@@ -65,29 +65,38 @@ struct Shaded {
     brdf_evaluations: u32,
 }
 
+// Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
+override LIT: bool = true;
+
+fn merge_cuts(point: SurfacePoint) -> Shaded {
+    if LIT {
+        return merge_lit(point);
+    }
+    return merge_stored(point);
+}
+
 // Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
 // the others, and the outer one evaluates one node per iteration.
-fn merge_cuts(point: SurfacePoint) -> Shaded {
+fn merge_stored(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = visibility_cursor(cut_offset(point.vertices.x));
     var b = visibility_cursor(cut_offset(point.vertices.y));
     var c = visibility_cursor(cut_offset(point.vertices.z));
     var l = illumination_cursor();
     let w = point.weights;
-    let lobe = select(0.0, max(point.brdf.lobe, NARROWEST), point.brdf.lobe > 0.0);
+    let lobe = lobe_to_follow(point);
+    let mirrored = vec3(-point.wo.xy, point.wo.z);
     var first = 0u;
     var visibility = 0.0;
     // The node of the merged cut, and the part of it that is looked at.
     var root = 0u;
     var node = 0u;
-    var sum = vec3(0.0);
-    var merged = 0u;
-    var evaluations = 0u;
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
     loop {
         while node == 0u && first < leaves {
             let end = min(min(a.end, b.end), min(c.end, l.end));
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
-            merged += 1u;
+            shaded.merged_nodes += 1u;
             if visibility > 0.0 {
                 root = (leaves + first) >> firstTrailingBit(end - first);
                 node = root;
@@ -103,16 +112,109 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
         if node == 0u { break; }
         var cone = cone_of(node, point.position);
         var wi = cone.direction * point.world_from_local;
-        while REFINE && node < leaves && wants_halves(lobe, cone.radius, cone.tan_half_radius, wi, point.wo) {
+        while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
             node = 2u * node;
             cone = cone_of(node, point.position);
             wi = cone.direction * point.world_from_local;
         }
-        evaluations += 1u;
-        sum += evaluate(point, cone, wi, visibility * node_size(node)) * nodes[node].radiance;
+        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
+        shaded.brdf_evaluations += 1u;
         node = next_node(node, root);
     }
-    return Shaded(sum * leaf_solid_angle(), merged, evaluations);
+    shaded.radiance *= leaf_solid_angle();
+    return shaded;
+}
+
+// Width of the lobe that refinement follows; 0 for none.
+fn lobe_to_follow(point: SurfacePoint) -> f32 {
+    return select(0.0, max(point.brdf.lobe, NARROWEST), REFINE && point.brdf.lobe > 0.0);
+}
+
+// The lit cuts, and the stored ones below a node that is too wide for the lobe; then halves of nodes of the tree.
+fn merge_lit(point: SurfacePoint) -> Shaded {
+    let leaves = 1u << tree_height();
+    let offsets = vec3(cut_offset(point.vertices.x), cut_offset(point.vertices.y), cut_offset(point.vertices.z));
+    var a = lit_cursor(offsets.x);
+    var b = lit_cursor(offsets.y);
+    var c = lit_cursor(offsets.z);
+    var stored_a = visibility_cursor(offsets.x);
+    var stored_b = visibility_cursor(offsets.y);
+    var stored_c = visibility_cursor(offsets.z);
+    let w = point.weights;
+    let lobe = lobe_to_follow(point);
+    let mirrored = vec3(-point.wo.xy, point.wo.z);
+    var first = 0u;
+    // Up to this leaf the stored cuts are merged.
+    var stored_end = 0u;
+    // The node of the merged cut, with the lit nodes that contain it, and the part of it that is looked at.
+    var interval = vec2(0u);
+    var is_lit = false;
+    var lit_a = a;
+    var lit_b = b;
+    var lit_c = c;
+    var visibility = 0.0;
+    var root = 0u;
+    var node = 0u;
+    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    loop {
+        while node == 0u && first < leaves {
+            is_lit = first >= stored_end;
+            var end = 0u;
+            if is_lit {
+                end = min(min(a.end, b.end), c.end);
+                visibility = w.x * lit_value(a) + w.y * lit_value(b) + w.z * lit_value(c);
+                lit_a = a;
+                lit_b = b;
+                lit_c = c;
+                if end < leaves {
+                    if a.end == end { advance_lit(&a); }
+                    if b.end == end { advance_lit(&b); }
+                    if c.end == end { advance_lit(&c); }
+                }
+            } else {
+                end = min(min(min(stored_a.end, stored_b.end), stored_c.end), stored_end);
+                visibility = w.x * cursor_value(stored_a) + w.y * cursor_value(stored_b) + w.z * cursor_value(stored_c);
+                if end < stored_end {
+                    if stored_a.end == end { advance_visibility(&stored_a); }
+                    if stored_b.end == end { advance_visibility(&stored_b); }
+                    if stored_c.end == end { advance_visibility(&stored_c); }
+                }
+            }
+            shaded.merged_nodes += 1u;
+            interval = vec2(first, end);
+            first = end;
+            if visibility > 0.0 {
+                root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
+                node = root;
+            }
+        }
+        if node == 0u { break; }
+        var cone = cone_of(node, point.position);
+        var wi = cone.direction * point.world_from_local;
+        if is_lit {
+            if is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+                first = interval.x;
+                stored_end = interval.y;
+                seek_visibility(&stored_a, offsets.x, lit_a, first);
+                seek_visibility(&stored_b, offsets.y, lit_b, first);
+                seek_visibility(&stored_c, offsets.z, lit_c, first);
+                shaded.merged_nodes -= 1u;
+                node = 0u;
+                continue;
+            }
+        } else {
+            while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+                node = 2u * node;
+                cone = cone_of(node, point.position);
+                wi = cone.direction * point.world_from_local;
+            }
+        }
+        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
+        shaded.brdf_evaluations += 1u;
+        node = next_node(node, root);
+    }
+    shaded.radiance *= leaf_solid_angle();
+    return shaded;
 }
 
 // First texel of a vertex's cut over the tree that is merged.
@@ -131,9 +233,8 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// Light that reaches the eye from a node of radiance 1.
-fn evaluate(point: SurfacePoint, cone: Cone, wi: vec3<f32>, weight: f32) -> vec3<f32> {
-    let inv_kappa = select(0.0, cone.inv_kappa, REFINE);
-    let received = select(0.0, weight, dot(cone.direction, point.smooth_normal) > 0.0);
-    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * received;
+// Light that reaches the eye from a node in the local direction `wi`, for leaves of a solid angle of 1.
+fn reflected_light(point: SurfacePoint, cone: Cone, wi: vec3<f32>, node: u32, visibility: f32) -> vec3<f32> {
+    let light = received_light(point, cone.direction, wi, select(0.0, cone.inv_kappa, REFINE));
+    return reflection_of(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
 }

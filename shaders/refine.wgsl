@@ -6,20 +6,20 @@ override REFINE: bool = true;
 const NARROWEST: f32 = 0.01;
 const FINE: f32 = 0.7;
 const NEGLIGIBLE: f32 = 0.02;
-const WIDEST: f32 = 0.35;
 
-// Whether a node of this radius, whose local direction is `wi`, should be halved; `lobe` is 0 without a lobe.
-fn wants_halves(lobe: f32, radius: f32, tan_r: f32, wi: vec3<f32>, wo: vec3<f32>) -> bool {
-    if radius > WIDEST {
-        return wi.z > -radius;
-    }
+// Whether a node of this radius and brightness, whose local direction is `wi`, has too many directions for `lobe`, which is 0
+// without a lobe and has its peak at `mirrored`.
+fn is_too_wide(lobe: f32, mirrored: vec3<f32>, wi: vec3<f32>, radius: f32, brightness: f32) -> bool {
     if !(lobe > 0.0) || radius <= FINE * lobe {
         return false;
     }
-    let half = wi + wo;
-    // Tangent of the angle between normal and half vector, minus half of the node's radius: the best within the node.
-    let tan_h = sqrt(half.x * half.x + half.y * half.y) / max(half.z, 1e-6);
-    let t = max((tan_h - tan_r) / (1.0 + tan_h * tan_r), 0.0);
-    let fall_off = 1.0 + t * t / (lobe * lobe);
-    return min(radius / lobe, 4.0) > NEGLIGIBLE * fall_off * fall_off;
+    // In the space of half vectors distances are half as large: the node is a disc of radius r / 2, whose variance along
+    // an axis widens the lobe.
+    let node_sq = 0.25 * radius * radius;
+    let width_sq = lobe * lobe + 0.25 * node_sq;
+    // The squared tangent of half of the angle to the lobe's peak is (1 - cos) / (1 + cos).
+    let cos = dot(wi, mirrored);
+    let near = 1.0 + cos;
+    let far = width_sq * (1.0 + cos) + (1.0 - cos);
+    return brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far;
 }

@@ -20,8 +20,8 @@ struct Node {
 }
 
 @group(2) @binding(0) var<storage, read> nodes: array<Node>;
-// Distant lights: tangent of half of each node's radius.
-@group(2) @binding(1) var<storage, read> tan_half_radius: array<f32>;
+// How bright each node is somewhere, over the mean of the whole tree; at least 1.
+@group(2) @binding(1) var<storage, read> brightness: array<f32>;
 
 // Distances below this many metres are taken for it.
 const LEAST_DISTANCE: f32 = 1e-6;
@@ -39,9 +39,8 @@ fn leaf_solid_angle() -> f32 {
 struct Cone {
     // Unit direction that stands for them.
     direction: vec3<f32>,
-    // Half-angle in radians, and the tangent of half of it.
+    // Half-angle in radians.
     radius: f32,
-    tan_half_radius: f32,
     // How far light spreads: inverse concentration.
     inv_kappa: f32,
 }
@@ -49,15 +48,15 @@ struct Cone {
 fn cone_of(node: u32, origin: vec3<f32>) -> Cone {
     let n = nodes[node];
     if FIELD != FIELD_SOURCES {
-        return Cone(n.place, n.radius, tan_half_radius[node], n.spread);
+        return Cone(n.place, n.radius, n.spread);
     }
     let to_center = n.place - origin;
     let distance = max(length(to_center), LEAST_DISTANCE);
     let t = n.radius / distance;
-    let tan_half = t / (1.0 + sqrt(1.0 + t * t));
+    let radius = 2.0 * t / (1.0 + sqrt(1.0 + t * t));
     // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
     let s = n.spread / distance;
     let resultant = 0.5 + 0.5 / sqrt(1.0 + s * s);
     let inv_kappa = (1.0 - resultant * resultant) / (resultant * (3.0 - resultant * resultant));
-    return Cone(to_center / distance, 2.0 * tan_half, tan_half, inv_kappa);
+    return Cone(to_center / distance, radius, inv_kappa);
 }

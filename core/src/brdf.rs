@@ -5,11 +5,13 @@
 
 mod ggx;
 mod lambert;
+mod lights;
 mod microfacet;
 mod ward;
 
 pub use ggx::Ggx;
 pub use lambert::Lambert;
+pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
 pub use microfacet::{LOBE_LOSS, LobeWidth, MIN_ALPHA};
 pub use ward::Ward;
 
@@ -22,16 +24,19 @@ use wide::f32x8;
 
 /// A reflectance model with its parameters.
 pub trait Brdf {
-    /// `f_r(wi, wo) cos θi` per colour for eight light directions `wi`; zero below the horizon.
+    /// `f_r(wi, wo) cos θi` per colour for eight lights.
     ///
-    /// `inv_kappa` widens the lobe: the value is then close to the mean over the light directions of a von Mises-Fisher
-    /// lobe of that inverse concentration. Zero gives the BRDF itself.
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
-
-    /// The same in the lanes of any instruction set; for a [`Kernel`](crate::simd::Kernel), so it is inlined always.
-    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, inv_kappa: L) -> Vec3x8<L>
+    /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. Its cosine
+    /// is that of the diffuse part.
+    ///
+    /// In the lanes of any instruction set, for a [`Kernel`](crate::simd::Kernel): so it is inlined always.
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L>
     where
         Self: Sized;
+
+    /// [`Self::reflect`] for lights at the directions `wi`, with their cosines; zero below the horizon. A spread of zero
+    /// gives the BRDF itself.
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
 
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;

@@ -60,10 +60,30 @@ impl Camera {
     /// The unit direction through `pixel`, a position in pixels from the top left corner of a picture of
     /// `size`; the centre of the first pixel is (0.5, 0.5).
     pub fn direction_through(&self, pixel: Vec2, size: [u32; 2]) -> Vec3 {
+        self.lens(size).direction_through(pixel)
+    }
+
+    /// The directions through the pixels of a picture of `size`.
+    pub fn lens(&self, size: [u32; 2]) -> Lens {
         let size = Vec2::new(size[0] as f32, size[1] as f32);
-        let ndc = (2.0 * pixel - size) / size.y;
-        let tan = (0.5 * self.fov_y).tan();
-        (self.world_from_view() * Vec3::new(ndc.x * tan, -ndc.y * tan, -1.0)).normalize()
+        Lens { world_from_view: self.world_from_view(), tan_half_fov: (0.5 * self.fov_y).tan(), size }
+    }
+}
+
+/// A camera with a picture size, for the directions through many pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Lens {
+    world_from_view: Mat3,
+    tan_half_fov: f32,
+    size: Vec2,
+}
+
+impl Lens {
+    /// As [`Camera::direction_through`].
+    pub fn direction_through(&self, pixel: Vec2) -> Vec3 {
+        let ndc = (2.0 * pixel - self.size) / self.size.y;
+        let tan = self.tan_half_fov;
+        (self.world_from_view * Vec3::new(ndc.x * tan, -ndc.y * tan, -1.0)).normalize()
     }
 }
 

@@ -4,13 +4,14 @@
 //! sum, so a node is only *(depth, value)*, in [`packed`] form 16 bits.
 
 pub mod illumination;
+pub mod lit;
 pub mod merge;
 pub mod packed;
 mod solid_angles;
 mod visibility;
 
 pub use solid_angles::{
-    LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code,
+    LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code, solid_angles,
 };
 pub use visibility::{CutCriterion, CutSelector, prune};
 

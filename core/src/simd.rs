@@ -7,10 +7,8 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod instruction_set;
-mod node_row;
 
 pub use instruction_set::{InstructionSet, Kernel};
-pub use node_row::{EightNodes, NodeRow};
 
 use glam::Vec3;
 use std::{

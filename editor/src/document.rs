@@ -20,6 +20,7 @@ pub use relative::{absolute, folder_of};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
+    cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
     lights::Light,
     material::Material,
@@ -156,6 +157,8 @@ pub struct ViewSettings {
     pub background_color: Vec3,
     /// Most nodes of the illumination cut, 1 to 32,768.
     pub illum_cut: u32,
+    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1.
+    pub tau: f32,
     /// How the BRDF is sampled on merged nodes.
     pub sampling: BrdfSampling,
     /// Jittered frames that are averaged at rest, 1 to 256.
@@ -176,6 +179,7 @@ impl Default for ViewSettings {
             blur_degrees: 8.0,
             background_color: Vec3::splat(0.05),
             illum_cut: 256,
+            tau: DEFAULT_TAU,
             sampling: BrdfSampling::default(),
             aa: 16,
             mode: ViewMode::default(),

@@ -26,7 +26,7 @@ pub mod pick;
 pub use input::turn_environment;
 
 use crate::{actions::Action, document::Document, panels::comparison::CompareView};
-use egui::{Color32, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
+use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use lapidary_core::{bounds::Bounds, dataset::BakeParts, ray::Intersector, scene::Mesh};
 use lapidary_render::{SourceLighting, ViewMode};
 use std::{sync::Arc, time::Duration};
@@ -114,6 +114,14 @@ pub struct ViewportResponse {
     pub moving: bool,
     /// Where the viewport lies, for what is laid over it.
     pub rect: Rect,
+}
+
+impl ViewportResponse {
+    /// A position of the window in the picture, 0 to 1 from the upper left corner; `None` outside.
+    pub fn place(&self, at: Pos2) -> Option<glam::Vec2> {
+        let place = (at - self.rect.min) / self.rect.size();
+        self.rect.contains(at).then_some(glam::Vec2::new(place.x, place.y)).filter(|place| place.is_finite())
+    }
 }
 
 /// Seconds after the last turn of the wheel until the camera counts as at rest.

@@ -189,7 +189,7 @@ pub trait Backend: Send {
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
 
     /// Begins a picture that keeps what the last one has, unless it is of another view or `stale`: edits since the last
-    /// one was begun or resumed. All samples are then rendered by [`Self::render_rows`] from the first on.
+    /// one was begun or resumed. All samples are then rendered from the first on.
     ///
     /// # Errors
     /// As [`Self::begin`].
@@ -204,6 +204,24 @@ pub trait Backend: Send {
     /// # Errors
     /// A lost device.
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
+
+    /// Adds the first sample to the pixels of some [`Tiles`] whose column and row are multiples of `stride`, one of
+    /// [`STRIDES`](crate::STRIDES), and returns when it is done. Pixels that have a sample keep it. With a stride of 1 these
+    /// are all pixels, and the sample is that of [`Self::render_rows`].
+    ///
+    /// [`Tiles`]: crate::Tiles
+    ///
+    /// # Errors
+    /// A lost device.
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError>;
+
+    /// Fills the pixels without a sample from those around them, for [`Self::display`]. All tiles must have been sketched.
+    /// A pixel that nothing around it resembles, as on a thin object, is given its first sample if it is one of at most
+    /// `most_shaded`. Returns how many were.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError>;
 
     /// The picture so far for a display: sRGB-encoded, not premultiplied, row by row from the top.
     ///

@@ -3,4 +3,5 @@
 pub(crate) mod backend;
 pub(crate) mod display;
 pub(crate) mod picture;
+pub(crate) mod sketch;
 pub(crate) mod surface_layers;

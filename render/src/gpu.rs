@@ -9,6 +9,7 @@ mod direct;
 mod frame;
 mod layout;
 mod light;
+mod lit;
 mod materials;
 mod passes;
 mod pipeline;

@@ -28,6 +28,7 @@ mod reference;
 mod remedy;
 mod renderer;
 mod shade;
+mod sketch;
 mod stale;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_looks;
@@ -73,6 +74,7 @@ pub use reference::{
 pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
 pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
+pub use sketch::{STRIDES, Tiles, share_of_lattice};
 pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};
 pub use view_mode::{ViewMode, shows_source_cuts};

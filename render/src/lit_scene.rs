@@ -206,7 +206,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Lights the environment's tree.
     fn light_environment(&mut self, look: &Look) -> Result<Arc<SceneLighting>, BackendError> {
-        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut));
+        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau));
         let remarks = self.backend.set_light(&look.light, &lighting)?;
         self.remarks.replace(1, remarks);
         self.light_revision += 1;
@@ -222,6 +222,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     ) -> Result<LocalLighting, BackendError> {
         self.local_rig.set_environment(Some(environment));
         self.local_rig.set_lights(&look.lights);
+        self.local_rig.set_tau(look.tau);
         let local = self.local_rig.lighting(look.components, look.solution, look.illum_cut);
         if !known.is_some_and(|known| known.is_same(&local)) {
             let remarks = self.backend.set_local_lighting(&local)?;
@@ -273,6 +274,22 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// A lost device.
     pub fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
         self.backend.render_rows(sample, rows)
+    }
+
+    /// Adds the first sample to pixels of some tiles; see [`Backend::sketch`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        self.backend.sketch(stride, tiles)
+    }
+
+    /// Fills the pixels without a sample; see [`Backend::fill`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError> {
+        self.backend.fill(most_shaded)
     }
 
     /// Renders all samples of all rows. Returns whether `go_on` always answered yes.
@@ -463,6 +480,14 @@ mod tests {
         fn render_rows(&mut self, _: u32, _: Range<u32>) -> Result<(), BackendError> {
             self.bands += 1;
             Ok(())
+        }
+
+        fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+            Ok(0)
         }
 
         fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {

@@ -1,7 +1,7 @@
 //! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
 use crate::{Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View};
-use lapidary_core::{lights::Light, scene::Scene};
+use lapidary_core::{cut::lit::DEFAULT_TAU, lights::Light, scene::Scene};
 use std::sync::Arc;
 
 /// All that decides a picture of a baked scene. A copy shares texels and maps.
@@ -17,8 +17,11 @@ pub struct Look {
     pub components: Components,
     /// How bounced light is computed; the dataset must have this solution.
     pub solution: Solution,
-    /// Most nodes of the illumination cut.
+    /// Most nodes of the illumination cut, for sampling without lit cuts.
     pub illum_cut: u32,
+    /// Largest share of a vertex's light that a node of its lit cut moves, for [`BrdfSampling::Lit`]; 0 leaves the stored cuts
+    /// as they are.
+    pub tau: f32,
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,
     /// Camera, size, samples per pixel, and the background.
@@ -37,6 +40,7 @@ impl Look {
             components: Components { environment: true, ..Components::NONE },
             solution: Solution::default(),
             illum_cut: 256,
+            tau: DEFAULT_TAU,
             sampling: BrdfSampling::default(),
             view,
             post: Post::default(),
@@ -69,9 +73,9 @@ impl Redo {
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
-        let Look { appearance, light, lights, components, solution, illum_cut, sampling, view, post } = old;
+        let Look { appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
         let appearance = !appearance.is_same(&new.appearance);
-        let environment = !light.is_same(&new.light) || *illum_cut != new.illum_cut;
+        let environment = !light.is_same(&new.light) || (*illum_cut, *tau) != (new.illum_cut, new.tau);
         let local = appearance
             || environment
             || *lights != new.lights
@@ -84,7 +88,7 @@ impl Redo {
     fn stale(old: &Look, new: &Look) -> Stale {
         let Components { environment, direct, indirect } = new.components;
         let looks = Self::changed_looks(old, new);
-        let sky = !old.light.is_same(&new.light) || old.illum_cut != new.illum_cut;
+        let sky = !old.light.is_same(&new.light) || (old.illum_cut, old.tau) != (new.illum_cut, new.tau);
         let lights = old.lights != new.lights;
         let bounced = sky || lights || old.solution != new.solution;
         Stale {
@@ -147,6 +151,7 @@ mod tests {
         assert_eq!(redone(|look| look.light.rotation += 0.1), sky);
         assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), sky);
         assert_eq!(redone(|look| look.illum_cut = 7), sky);
+        assert_eq!(redone(|look| look.tau = 0.5), sky);
     }
 
     #[test]

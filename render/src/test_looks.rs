@@ -4,6 +4,7 @@ use crate::{Appearance, Components, Illumination, Look, View};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
+    cut::lit::DEFAULT_TAU,
     environment::Environment,
     image::Image,
     lights::{Emission, Light},
@@ -31,6 +32,7 @@ pub fn look() -> Look {
         components: Components::ALL,
         solution: Default::default(),
         illum_cut: 256,
+        tau: DEFAULT_TAU,
         sampling: Default::default(),
         view: View::new(Camera::look_at(Vec3::new(0.5, 1.0, 3.0), Vec3::new(0.1, 0.3, 0.0), 40.0), [8, 6]),
         post: Default::default(),
@@ -48,6 +50,7 @@ pub fn plain_look(aa: u32) -> Look {
         components: Components::ALL,
         solution: Default::default(),
         illum_cut: 16,
+        tau: DEFAULT_TAU,
         sampling: Default::default(),
         view: View { aa, ..View::new(camera, [64, 48]) },
         post: Default::default(),

@@ -5,8 +5,8 @@
 //! Accurate Spherical Gaussian Lighting*): in projected slope space the widths of lobe and light add up.
 
 use super::{
-    Brdf, LobeWidth,
-    microfacet::{HalfVectors, Reflectance, Sym2x8, above_horizon},
+    Brdf, LightsX8, LobeWidth,
+    microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
 };
 use crate::{
     color::luminance,
@@ -99,11 +99,12 @@ impl Ggx {
 
 impl Brdf for Ggx {
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
-        self.brdf_cos_lanes(wi, wo, inv_kappa)
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
     }
 
     #[inline(always)]
-    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, inv_kappa: L) -> Vec3x8<L> {
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
+        let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
         let half = HalfVectors::new(wi, wo);
         let m = self.filtered_alpha_sq(&half, wi, inv_kappa);
         let determinant = m.determinant().at_least(1e-14);
@@ -118,8 +119,8 @@ impl Brdf for Ggx {
         let shadowed = L::splat(0.5) * cos_i / (cos_i * root_o + cos_o * root_i).at_least(1e-9);
         let fresnel = self.reflectance.fresnel(half.wi_dot_h);
         let diffuse = Vec3x8::splat(self.reflectance.diffuse * FRAC_1_PI);
-        let base = (diffuse - diffuse.scale(fresnel)) * cos_i;
-        (base + fresnel * (d * shadowed)) * above_horizon(wi, wo)
+        let base = (diffuse - diffuse.scale(fresnel)) * cosine;
+        (base + fresnel * (d * shadowed * above)) * is_seen(wo)
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

@@ -1,6 +1,6 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
-use super::{Brdf, LobeWidth};
+use super::{Brdf, LightsX8, LobeWidth, microfacet::is_seen};
 use crate::{
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
@@ -24,13 +24,12 @@ impl Lambert {
 
 impl Brdf for Lambert {
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
-        self.brdf_cos_lanes(wi, wo, inv_kappa)
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
     }
 
     #[inline(always)]
-    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, _inv_kappa: L) -> Vec3x8<L> {
-        let facing = f32::from(u8::from(wo.z > 0.0));
-        Vec3x8::splat(self.albedo * (FRAC_1_PI * facing)) * wi.z.at_least(0.0)
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
+        Vec3x8::splat(self.albedo * FRAC_1_PI) * (lights.cosine * is_seen(wo))
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

@@ -137,9 +137,8 @@ impl Reflectance {
     }
 }
 
-/// 1 where both directions are above the horizon, else 0.
+/// 1 if the surface faces the eye, else 0.
 #[inline(always)]
-pub(super) fn above_horizon<L: Lanes>(wi: Vec3x8<L>, wo: Vec3) -> L {
-    let facing = if wo.z > 0.0 { 1.0 } else { 0.0 };
-    wi.z.simd_gt(L::splat(0.0)) & L::splat(facing)
+pub(super) fn is_seen<L: Lanes>(wo: Vec3) -> L {
+    L::splat(if wo.z > 0.0 { 1.0 } else { 0.0 })
 }

@@ -4,8 +4,8 @@
 //! model has no Fresnel factor: `s` is the reflectance at normal incidence.
 
 use super::{
-    Brdf, LobeWidth,
-    microfacet::{HalfVectors, Reflectance, Sym2x8, above_horizon},
+    Brdf, LightsX8, LobeWidth,
+    microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
 };
 use crate::{
     color::luminance,
@@ -60,11 +60,12 @@ impl Ward {
 
 impl Brdf for Ward {
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
-        self.brdf_cos_lanes(wi, wo, inv_kappa)
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
     }
 
     #[inline(always)]
-    fn brdf_cos_lanes<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3, inv_kappa: L) -> Vec3x8<L> {
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
+        let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
         let half = HalfVectors::new(wi, wo);
         let spread = half.light_spread(wi, inv_kappa);
         let m = Sym2x8 {
@@ -78,8 +79,8 @@ impl Brdf for Ward {
         let exponent = m.adjugate_quadratic(h.x, h.y) / (determinant * cos_h_sq);
         let peak = L::splat(0.25 * FRAC_1_PI) / (determinant.sqrt() * cos_h_sq * cos_h_sq);
         let lobe = (-exponent).exp() * peak / (half.wi_dot_h * half.wi_dot_h).at_least(1e-4);
-        let value = Vec3x8::splat(self.diffuse * FRAC_1_PI) + Vec3x8::splat(self.specular) * lobe;
-        value * (wi.z.at_least(0.0) * above_horizon(wi, wo))
+        let base = Vec3x8::splat(self.diffuse * FRAC_1_PI) * cosine;
+        (base + Vec3x8::splat(self.specular) * (lobe * wi.z * above)) * is_seen(wo)
     }
 
     fn lobe(&self) -> Option<LobeWidth> {

@@ -41,13 +41,20 @@ pub trait Cursor {
 ///
 /// The visitor computes what it needs there: a product, a sum, an interpolation, or any mixture of them.
 #[inline(always)]
-pub fn merge<C: Cursor>(leaves: u32, cursors: &mut [C], mut visit: impl FnMut(Interval, &[C])) {
-    let mut first = 0;
-    while first < leaves {
-        let end = cursors.iter().fold(leaves, |e, c| e.min(c.end()));
+pub fn merge<C: Cursor>(leaves: u32, cursors: &mut [C], visit: impl FnMut(Interval, &[C])) {
+    merge_within(Interval { first: 0, end: leaves }, cursors, visit);
+}
+
+/// [`merge`] of the leaves of one node alone. The cursors are at the nodes that contain its first leaf, and stay at those
+/// that contain its last.
+#[inline(always)]
+pub fn merge_within<C: Cursor>(within: Interval, cursors: &mut [C], mut visit: impl FnMut(Interval, &[C])) {
+    let mut first = within.first;
+    while first < within.end {
+        let end = cursors.iter().fold(within.end, |e, c| e.min(c.end()));
         visit(Interval { first, end }, cursors);
         first = end;
-        if first < leaves {
+        if first < within.end {
             for cursor in cursors.iter_mut().filter(|c| c.end() == end) {
                 cursor.advance();
             }

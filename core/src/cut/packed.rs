@@ -64,6 +64,18 @@ impl<'a> PackedCursor<'a> {
         Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0])) }
     }
 
+    /// Goes on to the node that contains `leaf`. The node at `position` begins at leaf `first`, at or before it; no step
+    /// leads back.
+    #[inline(always)]
+    pub fn seek(&mut self, position: usize, first: u32, leaf: u32) {
+        if position > self.position {
+            (self.position, self.end) = (position, first + (1 << (self.height - depth(self.nodes[position]))));
+        }
+        while self.end <= leaf {
+            self.advance();
+        }
+    }
+
     /// Value of the current node.
     #[inline(always)]
     pub fn value(&self) -> f32 {

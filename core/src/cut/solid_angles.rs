@@ -11,7 +11,7 @@ mod prune;
 #[cfg(test)]
 mod test_cuts;
 
-pub use code::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code};
+pub use code::{LARGEST_SOLID_ANGLE, solid_angle, solid_angle_code, solid_angles};
 pub use prune::prune_sources;
 
 use super::{

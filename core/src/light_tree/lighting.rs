@@ -1,7 +1,7 @@
 //! What changes when the light changes: radiance and directions of all nodes of a light tree.
 
 use super::{LightTree, means_up_the_tree};
-use crate::{color::luminance, simd::NodeRow};
+use crate::color::luminance;
 use glam::Vec3;
 
 /// A light tree under one illumination; all arrays by heap index.
@@ -18,8 +18,6 @@ pub struct Lighting {
     pub inv_kappa: Vec<f32>,
     /// Mean squared luminance of the leaves below each node, for the error bound of illumination cuts.
     pub luminance_sq: Vec<f32>,
-    /// Direction, inverse concentration and radiance of each node side by side, for pixels.
-    pub rows: Vec<NodeRow>,
 }
 
 impl Lighting {
@@ -37,11 +35,12 @@ impl Lighting {
             // Dark nodes contribute nothing; any direction inside them will do.
             if weight[i] > 0.0 { weighted[i] / weight[i] } else { plain }
         };
-        let radiance = means_up_the_tree(leaf_radiance);
-        let direction: Vec<Vec3> = nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect();
-        let inv_kappa: Vec<f32> = nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect();
-        let rows = NodeRow::of_all(&direction, &inv_kappa, &radiance);
-        Self { radiance, direction, inv_kappa, luminance_sq: means_up_the_tree(&squares), rows }
+        Self {
+            radiance: means_up_the_tree(leaf_radiance),
+            direction: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
+            inv_kappa: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
+            luminance_sq: means_up_the_tree(&squares),
+        }
     }
 }
 

@@ -42,6 +42,23 @@ fn batches_single_rays_and_brute_force_agree_to_the_bit() {
 }
 
 #[test]
+fn hits_from_a_prepared_origin_are_those_of_single_rays() {
+    let scene = Intersector::new(&soup(5, 700));
+    for origin in [Vec3::ZERO, Vec3::new(0.0, 9.0, 0.0)] {
+        let seen = scene.seen_from(origin);
+        let other = scene.seen_from(origin + 0.5);
+        let (mut hits, mut others) = (0, 0);
+        for d in fibonacci_directions(2000) {
+            let hit = scene.closest_hit(origin, d);
+            assert_eq!(scene.closest_hit_from(&seen, d), hit);
+            hits += usize::from(hit.is_some());
+            others += usize::from(scene.closest_hit_from(&other, d) != hit);
+        }
+        assert!(hits > 100 && others > 0, "negative control");
+    }
+}
+
+#[test]
 fn closest_hits_lie_on_their_triangle_and_nothing_is_nearer() {
     let mesh = soup(7, 900);
     let scene = Intersector::new(&mesh);

@@ -1,7 +1,7 @@
 //! What changes with the light on the sources: radiance and centres of all nodes of a source tree.
 
 use super::tree::{Cloud, SourceTree};
-use crate::{color::luminance, light_tree::means_up_the_tree, simd::NodeRow};
+use crate::{color::luminance, light_tree::means_up_the_tree};
 use glam::Vec3;
 
 /// A source tree under one illumination; all arrays by heap index.
@@ -18,8 +18,6 @@ pub struct SourceRadiance {
     pub power: Vec<f32>,
     /// Mean of its square.
     pub power_sq: Vec<f32>,
-    /// Centre, spread and radiance of each node side by side, for pixels.
-    pub rows: Vec<NodeRow>,
 }
 
 impl SourceRadiance {
@@ -31,12 +29,13 @@ impl SourceRadiance {
         let squares: Vec<f32> = power.iter().map(|p| p * p).collect();
         let discs = tree.sources().iter().zip(&power).map(|(s, &weight)| Cloud::disc(s, weight));
         let clouds = Cloud::up_the_tree(discs.collect());
-        let radiance = means_by_area(tree, leaf_radiance);
-        let center: Vec<Vec3> = clouds.iter().map(|c| c.center).collect();
-        let spread: Vec<f32> = clouds.iter().map(Cloud::radius).collect();
-        let rows = NodeRow::of_all(&center, &spread, &radiance);
-        let (power, power_sq) = (means_up_the_tree(&power), means_up_the_tree(&squares));
-        Self { radiance, center, spread, power, power_sq, rows }
+        Self {
+            radiance: means_by_area(tree, leaf_radiance),
+            center: clouds.iter().map(|c| c.center).collect(),
+            spread: clouds.iter().map(Cloud::radius).collect(),
+            power: means_up_the_tree(&power),
+            power_sq: means_up_the_tree(&squares),
+        }
     }
 }
 

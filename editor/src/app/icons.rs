@@ -1,6 +1,6 @@
 //! The icons of the strips, drawn: the toolkit's font has no such signs.
 
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 /// Side of an icon in points.
 const SIDE: f32 = 18.0;
@@ -131,6 +131,7 @@ impl Pen<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::pos2;
 
     #[test]
     fn icons_stay_in_their_square() {

@@ -177,7 +177,7 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
         i.events.retain(|event| {
             // What was clicked may become a text field in the next frame, for which plain keys after it are meant.
             has_clicked |= matches!(event, Event::PointerButton { .. });
-            let command = command_of(event).filter(|_| !is_over && !(has_clicked && is_plain(event)));
+            let command = command_of(event).filter(|_| !(is_over || has_clicked && is_plain(event)));
             is_over |= command.is_some_and(Command::asks);
             commands.extend(command);
             command.is_none()

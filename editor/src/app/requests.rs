@@ -22,6 +22,7 @@ impl EditorState {
             look,
             moving,
             frame_budget_ms: self.document.view.frame_budget_ms,
+            pointer: ctx.input(|i| i.pointer.latest_pos()).and_then(|at| viewport.place(at)),
         };
         let sent = self.requests.sent.as_ref().filter(|_| !self.requests.is_forgotten);
         if sent.is_some_and(|sent| sent.is_same(&request)) {
@@ -44,6 +45,7 @@ impl EditorState {
             components: shown_components(document, baked),
             solution: bounces.closest_to(document.solution).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
+            tau: document.view.tau,
             sampling: document.view.sampling,
             view: view_of(document, size),
             post: document.view.post,

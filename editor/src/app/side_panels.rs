@@ -15,8 +15,8 @@ const STRIP: f32 = 40.0;
 const BUTTON: f32 = 30.0;
 /// Points that are left for the picture between both panels, however wide they are.
 const LEAST_PICTURE: f32 = 320.0;
-/// Points on both sides of an edge in which it is taken hold of.
-const GRIP: f32 = 4.0;
+/// Points beside an edge in which it is taken hold of: the panel's margin, and little of the picture, which is clicked too.
+const GRIP: [f32; 2] = [7.0, 2.0];
 
 /// A side of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,14 +91,21 @@ pub fn are_strips(ctx: &Context) -> bool {
 /// Shows the panel at an edge in a window that has room for it.
 pub fn column<R>(ui: &mut Ui, edge: Edge, panels: &SidePanels, room: f32, contents: impl FnOnce(&mut Ui) -> R) -> Rect {
     let width = panels.fitted(room)[edge as usize];
-    edge.panel(width).show(ui, contents).response.rect
+    let fixed = |ui: &mut Ui| {
+        // What is wider than the panel would move its edges, if the panel heard of it.
+        let inside = ui.max_rect();
+        contents(&mut ui.new_child(UiBuilder::new().max_rect(inside)))
+    };
+    edge.panel(width).show(ui, fixed).response.rect
 }
 
 /// Lets the user drag the edge of a panel that lies in `rect`. Returns whether a drag has ended. To be called after what is
 /// beside the panel was shown.
 pub fn drag_edge(ui: &Ui, edge: Edge, panels: &mut SidePanels, rect: Rect) -> bool {
     let x = if edge == Edge::Left { rect.right() } else { rect.left() };
-    let grip = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, rect.y_range());
+    let [inward, outward] = GRIP;
+    let grip = if edge == Edge::Left { x - inward..=x + outward } else { x - outward..=x + inward };
+    let grip = Rect::from_x_y_ranges(grip, rect.y_range());
     let grip = ui.interact(grip, edge.id().with("edge"), Sense::drag());
     let grip = grip.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     if let Some(pointer) = grip.interact_pointer_pos().filter(|_| grip.dragged()) {
@@ -147,7 +154,7 @@ pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, c
     if !panels.open[edge as usize] {
         return;
     }
-    let width = panels.widths[edge as usize].min(0.9 * picture.width());
+    let width = panels.fitted(picture.width())[edge as usize];
     let rect = match edge {
         Edge::Left => picture.with_max_x(picture.left() + width),
         Edge::Right => picture.with_min_x(picture.right() - width),

@@ -54,7 +54,7 @@ fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
     figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut per pixel");
     figure(ui, time_text(shown.millis), "Render time of the picture");
     let size = format!("{} x {}", shown.size[0], shown.size[1]);
-    let reduced = if shown.full_size { "" } else { " (preview)" };
+    let reduced = if shown.full_size && shown.samples > 0 { "" } else { " (preview)" };
     let samples = format!("{:>3}/{}", shown.samples, shown.of_samples);
     figure(ui, format!("{size}{reduced}  {samples}"), "Picture size in pixels, and samples per pixel");
     figure(ui, shown.backend.clone(), "What renders");

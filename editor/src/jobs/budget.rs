@@ -38,6 +38,23 @@ impl Pace {
         full.map(|side| (u64::from(side) * u64::from(steps)).div_ceil(STEPS.into()).max(1) as u32)
     }
 
+    /// The speed of doing both for each pixel.
+    pub fn and(self, other: Self) -> Self {
+        let sum = |a: f64| a + other.ms_per_pixel.unwrap_or(0.0);
+        Self { ms_per_pixel: self.ms_per_pixel.map(sum) }
+    }
+
+    /// Milliseconds for some pixels, if that was measured.
+    pub fn millis(&self, pixels: u64) -> Option<f64> {
+        self.ms_per_pixel.map(|ms| ms * pixels as f64)
+    }
+
+    /// How often `pixels` pixels are rendered in some milliseconds, if that was measured.
+    pub fn times_within(&self, millis: f64, pixels: f64) -> Option<usize> {
+        // The cast takes what is negative or not a number to zero, and infinity to the largest.
+        self.ms_per_pixel.map(|ms| (millis / (ms * pixels)) as usize)
+    }
+
     /// Rows of a picture of some width that take the time of a band.
     pub fn band_rows(&self, width: u32) -> u32 {
         self.ms_per_pixel
@@ -84,6 +101,16 @@ mod tests {
         assert_eq!(pace(10.0).band_rows(1000), 1);
         assert!(pace(0.0).band_rows(1000) > 10_000);
         assert_eq!(Pace::default().band_rows(1000), FIRST_BAND);
+    }
+
+    #[test]
+    fn speeds_add_up_and_tell_times() {
+        let both = pace(1e-3).and(pace(3e-3));
+        assert_eq!(both.millis(1000), Some(4.0));
+        assert_eq!(both.times_within(41.0, 1000.0), Some(10));
+        assert_eq!((both.times_within(-1.0, 10.0), pace(0.0).times_within(1.0, 0.0)), (Some(0), Some(usize::MAX)));
+        assert_eq!(pace(1e-3).and(Pace::default()), pace(1e-3));
+        assert_eq!(Pace::default().and(pace(1e-3)).millis(1), None, "an unknown speed stays unknown");
     }
 
     #[test]

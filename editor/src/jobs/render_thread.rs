@@ -1,9 +1,12 @@
-//! The thread that renders the viewport. The latest request wins: first a coarse picture, and at rest the full one,
-//! sample by sample. Nothing is rendered when nothing has changed.
+//! The thread that renders the viewport. The latest request wins. Its picture is shown as soon as the coarsest lattice of its
+//! first sample is there, then with each finer one, and then sample by sample. If the camera moves and the frame time does
+//! not suffice for the rays of all pixels, a smaller picture comes first. Nothing is rendered when nothing has changed.
 
+mod sketching;
 mod stage;
 mod worker;
 
+use glam::Vec2;
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{BackendFactory, Baked, LocalLighting, Look, PictureStats, Redo, SceneLighting};
 use lapidary_studies::jobs::{Wake, spawn};
@@ -24,10 +27,12 @@ pub struct RenderRequest {
     pub baked: Option<Baked>,
     /// What it looks like, in the size of the full picture; its environment is compared by pointer.
     pub look: Look,
-    /// Whether the user is at it, as during a drag: only coarse pictures are made.
+    /// Whether the user is at it, as during a drag: what costs time and is not seen is left out.
     pub moving: bool,
-    /// Milliseconds that a coarse picture may take.
+    /// Milliseconds until something is to be seen of a change.
     pub frame_budget_ms: f32,
+    /// Where the pointer is, 0 to 1 from the upper left corner of the picture: what lies there is refined first.
+    pub pointer: Option<Vec2>,
 }
 
 impl RenderRequest {
@@ -58,7 +63,7 @@ pub struct RenderedFrame {
     pub size: [u32; 2],
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
-    /// Samples per pixel so far.
+    /// Samples per pixel so far; 0 while the first one is filled in between the pixels that have it.
     pub samples: u32,
     /// Samples per pixel when it is done.
     pub of_samples: u32,
@@ -152,7 +157,7 @@ impl RenderThread {
         Self { messages: Some(messages), frame, events, held, thread: Some(thread) }
     }
 
-    /// Gives the cores to other work: only coarse pictures are made meanwhile, and the full one goes on afterwards.
+    /// Gives the cores to other work: only the first coarse picture is made meanwhile, and the full one goes on afterwards.
     pub fn hold(&self, held: bool) {
         self.held.store(held, SeqCst);
     }

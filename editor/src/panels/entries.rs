@@ -5,6 +5,9 @@ use egui::{ComboBox, DragValue, Response, Slider, TextStyle, Ui, emath::Numeric}
 use glam::Vec3;
 use std::ops::RangeInclusive;
 
+/// Numbers from this on are shown without decimals.
+const LARGE: f64 = 1e5;
+
 /// A number whose slider is logarithmic: a whole one if it has no decimals.
 #[derive(Clone, Debug)]
 pub struct Decades<'a> {
@@ -32,11 +35,13 @@ impl<'a> Decades<'a> {
 
     fn entry(&self, ui: &mut Ui, name: &RowName, number: &mut f64) -> Response {
         ui.style_mut().drag_value_text_style = TextStyle::Monospace;
+        // Of large numbers only the whole part fits the column.
+        let decimals = if number.abs() < LARGE { self.decimals } else { 0 };
         let entry = DragValue::new(number)
             .range(self.range.clone())
             .clamp_existing_to_range(false)
             .speed(if self.decimals == 0 { 1.0 } else { 0.02 })
-            .fixed_decimals(self.decimals)
+            .fixed_decimals(decimals)
             .suffix(self.unit)
             .min_size(number_size(ui))
             .update_while_editing(false);

@@ -13,7 +13,7 @@ use crate::{
     document::{BackgroundKind, Document, Edit, ViewSettings},
 };
 use egui::{Button, Ui};
-use lapidary_core::camera::Camera;
+use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};
 use lapidary_render::{BrdfSampling, ToneMap, ViewMode};
 
 /// Half the height of a 36 x 24 mm sensor in millimetres, for focal lengths.
@@ -93,17 +93,31 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "Wireframe", view, Edit::View, |v| {
         check_row(ui, "Wireframe", "Draws the edges of the baked triangles.", &mut v.wireframe)
     });
-    illumination_cut(ui, view, actions);
     let samplings = [
-        (BrdfSampling::Refine, "Refined", "Nodes too wide for the highlight are halved: sharp reflections."),
-        (BrdfSampling::Once, "Once", "Once per node, as in the paper: faster, but highlights may break up."),
+        (BrdfSampling::Lit, "Lit", "Cuts that know the light, halved where the highlight looks: fast and sharp."),
+        (BrdfSampling::Refine, "Refined", "Stored cuts and the light cut, halved where the highlight looks."),
+        (
+            BrdfSampling::Once,
+            "Paper",
+            "Stored cuts and the light cut, one BRDF sample a node: highlights may break up.",
+        ),
     ];
     edit_row(actions, "BRDF sampling", view, Edit::View, |v| {
-        choice_row(ui, "BRDF", "How the BRDF is sampled at the nodes of the merged cut.", &mut v.sampling, &samplings)
+        choice_row(
+            ui,
+            "Cuts",
+            "Which cuts are merged, and how the BRDF is sampled on their nodes.",
+            &mut v.sampling,
+            &samplings,
+        )
     });
+    match view.sampling {
+        BrdfSampling::Lit => lit_cuts(ui, view, actions),
+        BrdfSampling::Refine | BrdfSampling::Once => illumination_cut(ui, view, actions),
+    }
     let samples = Decades::count("Samples", "Jittered frames that are averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
     edit_row(actions, "Samples", view, Edit::View, |v| decades_row(ui, &samples, &mut v.aa));
-    let help = "Milliseconds that a picture may take while something moves; resolution adapts to it.";
+    let help = "Milliseconds until a change is seen; how finely light is computed adapts to it.";
     let budget = Decades { unit: " ms", ..Decades::count("Frame budget", help, 5.0..=2000.0, 100.0) };
     edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
 }
@@ -122,6 +136,14 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
         }
         ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
     }
+}
+
+fn lit_cuts(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let help =
+        "Largest share of a vertex's light that one node of its cut may move, 0.0001 to 1. Less is finer, and slower.";
+    let default = DEFAULT_TAU.into();
+    let tau = Decades { decimals: 4, ..Decades::count("Light moved", help, 1e-4..=1.0, default) };
+    edit_row(actions, "Light moved", view, Edit::View, |v| decades_row(ui, &tau, &mut v.tau));
 }
 
 fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {

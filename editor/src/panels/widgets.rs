@@ -199,8 +199,10 @@ pub fn number_size(ui: &Ui) -> Vec2 {
 
 /// Small text under a row, where its slider begins.
 pub fn note(ui: &mut Ui, text: &str) {
-    ui.horizontal(|ui| {
-        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+    let indent = LABEL_WIDTH + ui.spacing().item_spacing.x;
+    let left = ui.cursor().left() + indent;
+    let place = ui.available_rect_before_wrap().with_min_x(left);
+    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
         ui.add(Label::new(RichText::new(text).weak().small()).wrap());
     });
 }

@@ -4,7 +4,7 @@ use crate::{
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
-    cpu::picture::Picture,
+    cpu::{picture::Picture, sketch::Sketch},
     light::{
         components::Bounces,
         environment::{Illumination, SceneLighting},
@@ -22,7 +22,7 @@ use crate::{
     view::View,
     view_mode::ViewMode,
 };
-use lapidary_core::{image::Image, lights::Light};
+use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
 
 /// Name of the renderer on the cores.
@@ -40,6 +40,7 @@ pub struct CpuBackend {
     /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
+    sketch: Sketch,
     begun: Option<Begun>,
 }
 
@@ -85,23 +86,62 @@ impl Begun {
     }
 }
 
+/// The light of a picture that sums these local lights.
+fn light_of<'a>(
+    renderer: Option<&'a Renderer>,
+    environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
+    local: &'a LocalLighting,
+    lights: &'a SummedLights,
+) -> PictureLight<'a> {
+    let intersector = renderer.map(|renderer| &*renderer.intersector);
+    let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
+    PictureLight {
+        environment: environment.map(|(_, lighting)| &**lighting),
+        sources: local.shown_indirect().map(|lighting| &**lighting),
+        vertex_irradiance: local.shown_vertex_irradiance().map(|vertices| &**vertices),
+        local: shown(&lights.direct),
+        added: shown(&lights.added),
+    }
+}
+
+/// A picture with what samples and paints its pixels.
+struct AtWork<'a> {
+    picture: &'a mut Picture,
+    sketch: &'a mut Sketch,
+    sampler: PixelSampler<'a>,
+    patches: Option<Arc<[u8]>>,
+    /// Samples that all pixels have of every part.
+    complete: &'a mut u32,
+    light: PictureLight<'a>,
+    dataset: &'a Dataset,
+    sampling: BrdfSampling,
+}
+
+impl<'a> AtWork<'a> {
+    /// Makes a painter for a thread.
+    fn painter(&self) -> impl Fn() -> Painter<'a> + Sync + Send + use<'a> {
+        let (mode, dataset, light, sampling) = (self.sampler.view.mode, self.dataset, self.light, self.sampling);
+        move || Painter::new(mode, dataset, light, sampling)
+    }
+}
+
 impl CpuBackend {
     /// Without a scene.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The light of a picture that sums these local lights.
-    fn light<'a>(&'a self, lights: &'a SummedLights) -> PictureLight<'a> {
-        let intersector = self.renderer.as_ref().map(|renderer| &*renderer.intersector);
-        let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
-        PictureLight {
-            environment: self.shown_environment().map(|(_, lighting)| &**lighting),
-            sources: self.local.shown_indirect().map(|lighting| &**lighting),
-            vertex_irradiance: self.local.shown_vertex_irradiance().map(|vertices| &**vertices),
-            local: shown(&lights.direct),
-            added: shown(&lights.added),
-        }
+    /// The picture that was begun, with what samples and paints its pixels.
+    fn at_work(&mut self) -> Option<AtWork<'_>> {
+        let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
+        let Begun { view, sampling, backdrop, picture, lights, complete } = begun;
+        let environment = self.light.as_ref().filter(|_| self.local.components.environment);
+        let light = light_of(Some(renderer), environment, &self.local, lights);
+        let sampler = PixelSampler::new(renderer, view, backdrop);
+        // Without bounces no edit changes the light of other surfaces.
+        let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
+        let (sketch, dataset, sampling) = (&mut self.sketch, &renderer.dataset, *sampling);
+        Some(AtWork { picture, sketch, sampler, patches, complete, light, dataset, sampling })
     }
 
     /// The environment if it is shown.
@@ -119,12 +159,14 @@ impl Backend for CpuBackend {
         self.renderer = Some(Renderer::new(baked.clone()));
         (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
         self.remark = None;
+        self.sketch.forget();
         Ok(())
     }
 
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let Some(renderer) = &mut self.renderer else { return Ok(Vec::new()) };
         let (fitted, remarks) = appearance.fitted(&renderer.dataset.scene.materials);
+        self.sketch.set_appearance(&renderer.appearance, &fitted);
         renderer.set_appearance(fitted);
         Ok(remarks)
     }
@@ -154,7 +196,8 @@ impl Backend for CpuBackend {
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
         let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
         let step = lights.update(self.local.shown_lights().unwrap_or_default(), complete);
-        let parts = self.light(&lights).parts(view.mode);
+        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
+        let parts = shown.parts(view.mode);
         let picture = match kept {
             None => Picture::new(view.size, parts),
             Some(mut begun) => {
@@ -164,25 +207,34 @@ impl Backend for CpuBackend {
             }
         };
         self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture, lights, complete: 0 });
+        self.sketch.begin(&view.camera, view.size);
         Ok(())
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
-        let Some(mut begun) = self.begun.take() else { return Ok(()) };
-        if let Some(renderer) = &self.renderer {
-            let Begun { view, sampling, backdrop, picture, lights, complete } = &mut begun;
-            let light = self.light(lights);
-            let painter = || Painter::new(view.mode, &renderer.dataset, light, *sampling);
-            // Without bounces no edit changes the light of other surfaces.
-            let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
-            let sampler = PixelSampler::new(renderer, view, backdrop);
-            if rows.end >= view.size[1] {
-                *complete = sample + 1;
-            }
-            picture.add_rows(&sampler, painter, patches.as_deref(), sample, rows);
+        let Some(work) = self.at_work() else { return Ok(()) };
+        let painter = work.painter();
+        if rows.end >= work.sampler.view.size[1] {
+            *work.complete = sample + 1;
         }
-        self.begun = Some(begun);
+        work.picture.add_rows(&work.sampler, painter, work.patches.as_deref(), sample, rows);
         Ok(())
+    }
+
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        let Some(work) = self.at_work() else { return Ok(()) };
+        let (painter, patches) = (work.painter(), work.patches.as_deref());
+        work.sketch.add_tiles(work.picture, &work.sampler, painter, patches, stride, tiles);
+        if work.sketch.is_complete() {
+            *work.complete = 1;
+        }
+        Ok(())
+    }
+
+    fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError> {
+        let Some(work) = self.at_work() else { return Ok(0) };
+        let (painter, patches) = (work.painter(), work.patches.as_deref());
+        Ok(work.sketch.fill(work.picture, &work.sampler, painter, patches, most_shaded))
     }
 
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {

@@ -3,22 +3,27 @@
 
 use crate::{
     backend::{PictureStats, ShadedSamples},
-    cpu::display::display_pixel,
+    cpu::{display::display_pixel, sketch::Filled},
     light::direct::pixel_shift,
     post::Post,
-    shade::{painter::Painter, pixel_sampler::PixelSampler, surface::FirstHit, wireframe},
+    shade::{
+        painter::Painter,
+        pixel_sampler::{PixelSampler, Sight},
+        surface::FirstHit,
+        wireframe,
+    },
     stale::{Marks, Part, Pixels},
     view::{Background, View},
     view_mode::ViewMode,
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::image::Image;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// What the samples of one pixel show, whatever its light.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+pub(super) struct Seen {
     marks: Marks,
     /// Counted per pixel, so that a picture is right between two bands of rows too.
     samples: u32,
@@ -32,7 +37,7 @@ struct Seen {
 
 /// Sum of one part of the light over the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
+pub(super) struct Sum {
     value: Vec3,
     samples: u32,
     /// Samples that met a surface, its back included.
@@ -49,7 +54,22 @@ pub(crate) struct Picture {
     parts: [Vec<Sum>; Part::COUNT],
     /// Samples of surfaces that were shaded, by part, since the picture was begun or resumed.
     shaded: [u64; Part::COUNT],
+    /// Stand-ins for pixels that lack their first sample; empty but for a sketch.
+    filled: Vec<Filled>,
 }
+
+/// The first sample of a pixel, as far as the picture lacks it.
+pub(super) struct FirstSample {
+    pixel: [u32; 2],
+    seen: Option<Seen>,
+    /// By [`Part`].
+    sums: [Option<Sum>; Part::COUNT],
+    shows_surface: bool,
+}
+
+/// The parts of a pixel's light that lack their first sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Lacking([bool; Part::COUNT]);
 
 /// The pixels of a row.
 struct Row<'p> {
@@ -62,7 +82,7 @@ impl Picture {
     /// Without samples, of a light with these parts.
     pub fn new(size: [u32; 2], parts: [bool; Part::COUNT]) -> Self {
         let seen = vec![Seen::default(); size[0] as usize * size[1] as usize];
-        let mut picture = Self { size, seen, parts: Default::default(), shaded: [0; Part::COUNT] };
+        let mut picture = Self { size, seen, parts: Default::default(), shaded: [0; Part::COUNT], filled: Vec::new() };
         picture.resume(parts);
         picture
     }
@@ -74,6 +94,7 @@ impl Picture {
             sums.shrink_to_fit();
         }
         self.shaded = [0; Part::COUNT];
+        self.filled.clear();
     }
 
     /// Drops the samples of a part in some pixels.
@@ -124,10 +145,77 @@ impl Picture {
         rows_of_pixels.filter(|row| rows.contains(&row.y)).collect()
     }
 
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.size[0] as usize + x as usize
+    }
+
+    /// What a pixel lacks of its first sample; `None` if it lacks nothing.
+    pub(super) fn lacking(&self, x: u32, y: u32) -> Option<Lacking> {
+        self.lacking_at(self.index(x, y))
+    }
+
+    fn lacking_at(&self, pixel: usize) -> Option<Lacking> {
+        let lacks = Part::ALL.map(|part| self.parts[part as usize].get(pixel).is_some_and(|sum| sum.samples == 0));
+        lacks.contains(&true).then_some(Lacking(lacks))
+    }
+
+    /// The mean over a pixel's samples of what another pixel lacks; `None` beyond the picture, and if it lacks any of
+    /// that too.
+    pub(super) fn mean_of(&self, x: u32, y: u32, lacking: Lacking) -> Option<Vec3> {
+        if x >= self.size[0] || y >= self.size[1] {
+            return None;
+        }
+        self.sum_of(self.index(x, y), |part| lacking.0[part as usize])
+    }
+
+    /// The mean over a pixel's samples of what it does not lack.
+    pub(super) fn mean_of_rest(&self, x: u32, y: u32, lacking: Lacking) -> Vec3 {
+        self.sum_of(self.index(x, y), |part| !lacking.0[part as usize]).unwrap_or_default()
+    }
+
+    fn sum_of(&self, pixel: usize, wanted: impl Fn(Part) -> bool) -> Option<Vec3> {
+        let mut sum = Vec3::ZERO;
+        for part in Part::ALL.into_iter().filter(|&part| wanted(part)) {
+            let Some(part) = self.parts[part as usize].get(pixel) else { continue };
+            if part.samples == 0 {
+                return None;
+            }
+            sum += part.value / part.samples as f32;
+        }
+        Some(sum)
+    }
+
+    /// Adds first samples, and counts them.
+    pub(super) fn set_first(&mut self, samples: Vec<FirstSample>) {
+        for FirstSample { pixel: [x, y], seen, sums, shows_surface } in samples {
+            let pixel = self.index(x, y);
+            if let Some(seen) = seen {
+                self.seen[pixel] = seen;
+            }
+            for ((sums, sum), shaded) in self.parts.iter_mut().zip(sums).zip(&mut self.shaded) {
+                let Some(sum) = sum else { continue };
+                sums[pixel] = sum;
+                *shaded += u64::from(shows_surface);
+            }
+        }
+    }
+
+    /// Sets what pixels show that lack their first sample.
+    pub fn set_filled(&mut self, filled: Vec<Filled>) {
+        self.filled = filled;
+    }
+
+    /// What stands in for a pixel.
+    fn filled(&self, pixel: usize) -> Option<&Filled> {
+        self.filled.get(pixel).filter(|_| self.lacking_at(pixel).is_some())
+    }
+
     /// Means over the samples, and the covered share of each pixel.
     pub fn read(&self) -> (Image, Vec<f32>) {
-        let pixels = (0..self.seen.len()).map(|pixel| self.mean(pixel, false)).collect();
-        let coverage = self.seen.iter().map(Seen::coverage).collect();
+        let mean = |pixel| self.filled(pixel).map_or_else(|| self.mean(pixel, false), |filled| filled.value);
+        let pixels = (0..self.seen.len()).map(mean).collect();
+        let covered = |pixel| if self.filled(pixel).is_some() { 1.0 } else { self.seen[pixel].coverage() };
+        let coverage = (0..self.seen.len()).map(covered).collect();
         (Image { size: self.size, pixels }, coverage)
     }
 
@@ -145,6 +233,11 @@ impl Picture {
     fn display_pixel(&self, pixel: usize, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
         // The background must not show where the picture has no coverage, so the mean is over the covered samples.
         let transparent = view.background == Background::Transparent;
+        if let Some(filled) = self.filled(pixel) {
+            let [r, g, b] =
+                wireframe::over(display_pixel(view.mode, post, count_top, filled.value), filled.wire).to_array();
+            return [r, g, b, 1.0].map(|v| (255.0 * v + 0.5) as u8);
+        }
         let seen = &self.seen[pixel];
         let weight = if transparent { seen.covered } else { seen.samples };
         if weight == 0 {
@@ -206,38 +299,69 @@ impl Row<'_> {
         if seen.samples == sample {
             seen.add(sampler, sight.position, &sight.seen, patches);
         }
-        let shift = pixel_shift(x as u32, self.y, sample);
+        let pixel = [x as u32, self.y];
         for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
-            let sum = &mut self.parts[part as usize][x];
-            sum.samples += 1;
-            sum.covered += u32::from(!matches!(sight.seen, FirstHit::Background));
-            match &sight.seen {
-                // The other modes show surfaces only: an environment is no count.
-                FirstHit::Background if part == Part::Environment && sampler.view.mode == ViewMode::Shaded => {
-                    sum.value += sampler.behind(sight.direction)
-                }
-                FirstHit::Background | FirstHit::Back => {}
-                FirstHit::Surface(point) => {
-                    sum.value += painter.part(part, point, shift);
-                    let work = painter.take_work();
-                    sum.merged_nodes += work.merged_nodes as u32;
-                    sum.brdf_evaluations += work.brdf_evaluations as u32;
-                }
-            }
+            self.parts[part as usize][x].add(part, (sampler, painter), &sight, pixel_shift(pixel[0], pixel[1], sample));
         }
         matches!(sight.seen, FirstHit::Surface(_))
     }
 }
 
+impl Sum {
+    fn add(&mut self, part: Part, (sampler, painter): (&PixelSampler, &mut Painter), sight: &Sight, shift: Vec2) {
+        self.samples += 1;
+        self.covered += u32::from(!matches!(sight.seen, FirstHit::Background));
+        match &sight.seen {
+            // The other modes show surfaces only: an environment is no count.
+            FirstHit::Background if part == Part::Environment && sampler.view.mode == ViewMode::Shaded => {
+                self.value += sampler.behind(sight.direction)
+            }
+            FirstHit::Background | FirstHit::Back => {}
+            FirstHit::Surface(point) => {
+                self.value += painter.part(part, point, shift);
+                let work = painter.take_work();
+                self.merged_nodes += work.merged_nodes as u32;
+                self.brdf_evaluations += work.brdf_evaluations as u32;
+            }
+        }
+    }
+}
+
+impl FirstSample {
+    /// What a pixel lacks of its first sample, with `sight`.
+    pub fn new(
+        picture: &Picture,
+        (sampler, painter): (&PixelSampler, &mut Painter),
+        patches: Option<&[u8]>,
+        [x, y]: [u32; 2],
+        sight: &Sight,
+    ) -> Self {
+        let lacks = picture.lacking(x, y).map_or([false; Part::COUNT], |lacking| lacking.0);
+        let seen = (picture.seen[picture.index(x, y)].samples == 0).then(|| {
+            let mut seen = Seen::default();
+            seen.add(sampler, sight.position, &sight.seen, patches);
+            seen
+        });
+        let sums = Part::ALL.map(|part| {
+            lacks[part as usize].then(|| {
+                let mut sum = Sum::default();
+                sum.add(part, (sampler, &mut *painter), sight, pixel_shift(x, y, 0));
+                sum
+            })
+        });
+        Self { pixel: [x, y], seen, sums, shows_surface: matches!(sight.seen, FirstHit::Surface(_)) }
+    }
+}
+
 impl Seen {
-    fn add(&mut self, sampler: &PixelSampler, position: glam::Vec2, hit: &FirstHit, patches: Option<&[u8]>) {
+    fn add(&mut self, sampler: &PixelSampler, position: Vec2, hit: &FirstHit, patches: Option<&[u8]>) {
         self.samples += 1;
         self.covered += u32::from(!matches!(hit, FirstHit::Background));
         if let FirstHit::Surface(point) = hit {
             self.surfaces += 1;
             self.marks = self.marks.union(Marks::of_surface(point.material, point.vertices, patches));
             if sampler.view.wireframe {
-                self.wire += sampler.wire(position, point);
+                self.wire += sampler.wire(position, point.corners);
             }
         }
     }

@@ -33,12 +33,17 @@ use crate::{
     measure::compare::map::magma_stops,
     post::Post,
     shade::merge::BrdfSampling,
+    sketch::Tiles,
     stale::{DirectStep, Part, Pixels, Stale, SummedLights},
     view::View,
     view_mode::ViewMode,
 };
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, environment::Environment, image::Image};
+use lapidary_core::{
+    dataset::Dataset,
+    environment::Environment,
+    image::{Image, Region},
+};
 use picture::Picture;
 use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
@@ -173,6 +178,19 @@ impl GpuBackend {
         }
     }
 
+    /// Which of each part's textures is shown.
+    fn shown(&self) -> usize {
+        let front = self.state().front;
+        if self.picture().lattices.filled { 1 - front } else { front }
+    }
+
+    /// What is rendered next writes over a sketch.
+    fn leave_sketch(&mut self) {
+        if let Some(picture) = &mut self.picture {
+            picture.lattices.filled = false;
+        }
+    }
+
     /// All rows have a sample.
     fn sample_done(&mut self, sample: u32) {
         self.flip();
@@ -208,7 +226,7 @@ impl GpuBackend {
 
     /// The sums of each part that the light has.
     fn sums(&self) -> impl Iterator<Item = (Part, &Sums)> {
-        let front = self.state().front;
+        let front = self.shown();
         let parts = Part::ALL.into_iter().zip(&self.targets().parts);
         parts.filter_map(move |(part, sums)| Some((part, &sums.as_ref()?[front])))
     }
@@ -282,8 +300,10 @@ impl Backend for GpuBackend {
 
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         let known = self.light.as_ref().is_some_and(|(_, e)| Arc::ptr_eq(e, &light.environment));
-        self.light = Some((GpuLight::new(&self.gpu, light, lighting), light.environment.clone()));
         self.picture = None;
+        let Some(Loaded { scene, .. }) = &self.scene else { return Ok(Vec::new()) };
+        let lit = GpuLight::new(&self.gpu, &self.passes.lit, scene, light, lighting)?;
+        self.light = Some((lit, light.environment.clone()));
         self.gpu.check()?;
         let message = scaled_map(&light.environment, self.gpu.limits.max_texture_dimension_2d);
         Ok(message.filter(|_| !known).into_iter().collect())
@@ -306,7 +326,7 @@ impl Backend for GpuBackend {
         self.check_size(view.size)?;
         let mut lights = SummedLights::default();
         self.step_lights(&mut lights, None);
-        self.picture = Some(self.prepared(view, sampling));
+        self.picture = Some(self.prepared(view, sampling)?);
         let (view, plan) = (view.clone(), self.local_lights.plan().clone());
         let (complete, front, marked, marks_front) = (0, 0, 0, 0);
         self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
@@ -321,7 +341,7 @@ impl Backend for GpuBackend {
         self.picture = None;
         let before = (&state.plan, state.complete >= view.aa.max(1));
         let step = self.step_lights(&mut state.lights, Some(before));
-        self.picture = Some(self.prepared(view, sampling));
+        self.picture = Some(self.prepared(view, sampling)?);
         (state.plan, state.complete) = (self.local_lights.plan().clone(), 0);
         self.state = Some(state);
         let pixels = |part| stale.pixels(part).and(Pixels::all_if(step.forgets(part)));
@@ -333,20 +353,59 @@ impl Backend for GpuBackend {
             return Ok(());
         }
         if rows.start == 0 {
-            self.write_frame(sample);
+            self.write_frame(sample, 1);
+            self.leave_sketch();
         }
+        let width = self.picture().view.size[0];
+        let area = Region { x: 0, y: rows.start, width, height: rows.end - rows.start };
         self.submit(|s, encoder| {
             if rows.start == 0 {
                 s.encode_visibility(encoder);
                 s.encode_marks(encoder, sample);
                 s.encode_deferred(encoder);
             }
-            s.encode_parts(encoder, &rows);
+            s.encode_parts(encoder, 1, &[area]);
         })?;
         if rows.end == self.picture().view.size[1] {
             self.sample_done(sample);
         }
         Ok(())
+    }
+
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        let Picture { view, lattices, .. } = self.picture();
+        let (all, is_first) = (Tiles::of(view.size), lattices.making.is_none());
+        let areas: Vec<Region> = tiles.iter().map(|&tile| all.on_lattice(tile, stride)).collect();
+        self.write_frame(0, stride);
+        self.submit(|s, encoder| {
+            if is_first {
+                s.encode_visibility(encoder);
+                s.encode_marks(encoder, 0);
+                s.encode_deferred(encoder);
+            }
+            s.encode_parts(encoder, stride, &areas);
+        })?;
+        let Some(picture) = &mut self.picture else { return Ok(()) };
+        picture.lattices.add(stride, tiles, all.count());
+        if picture.lattices.complete == Some(1) {
+            self.sample_done(0);
+        }
+        Ok(())
+    }
+
+    /// Fills from the finest lattice that all tiles have, and shades no pixel itself: the next lattice comes sooner.
+    fn fill(&mut self, _most_shaded: u32) -> Result<u32, BackendError> {
+        let Picture { view, lattices, .. } = self.picture();
+        let Some(stride) = lattices.complete.filter(|&stride| stride > 1) else { return Ok(0) };
+        let all = Tiles::of(view.size);
+        let areas: Vec<Region> =
+            (0..all.count()).filter(|&tile| !lattices.has_sample(tile)).map(|tile| all.region(tile)).collect();
+        self.write_frame(0, stride);
+        self.submit(|s, encoder| s.encode_sketch(encoder, stride, &areas))?;
+        if let Some(picture) = &mut self.picture {
+            picture.lattices.filled = true;
+        }
+        Ok(0)
     }
 
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {

@@ -11,13 +11,14 @@ use super::{
 use crate::view::{Background, View};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-/// Uniforms of one jittered sample, which is at `offset` in its pixel.
+/// Uniforms of one jittered sample, which is at `offset` in its pixel, for every `stride`th pixel of every `stride`th row.
 pub fn frame(
     view: &View,
     sample: u32,
     offset: Vec2,
     scene: &GpuScene,
     light: Option<&GpuLight>,
+    stride: u32,
 ) -> layout::FrameUniforms {
     let world_from_view = view.camera.world_from_view();
     let tan_half_fov = (0.5 * view.camera.fov_y).tan();
@@ -45,7 +46,7 @@ pub fn frame(
         source_tree_height: scene.sources.as_ref().map_or(0, |s| s.tree_height),
         sample,
         padding: 0,
-        more_padding: [0; 2],
+        stride: [stride; 2],
     }
 }
 

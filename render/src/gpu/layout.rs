@@ -27,7 +27,8 @@ pub struct FrameUniforms {
     pub source_tree_height: u32,
     pub sample: u32,
     pub padding: u32,
-    pub more_padding: [u32; 2],
+    /// Columns and rows of pixels from texel to texel of the passes that shade.
+    pub stride: [u32; 2],
 }
 
 /// `Vertex` of `scene.wgsl`.
@@ -101,6 +102,14 @@ pub struct Node {
     pub spread: f32,
     pub place: [f32; 3],
     pub radius: f32,
+}
+
+/// `LitUniforms` of `lit_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LitUniforms {
+    pub cuts: u32,
+    pub tau: f32,
 }
 
 /// `Display` of `display_pass.wgsl`.

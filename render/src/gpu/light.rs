@@ -4,11 +4,15 @@
 use super::{
     device::GpuDevice,
     layout::Node,
-    scene::{cut_texture, extent, storage, write_rows},
+    lit::{GpuLitCuts, LitField, LitPass},
+    scene::{GpuScene, SourceCuts, cut_texture, extent, storage, write_rows},
 };
-use crate::light::{
-    bounce::SourceLighting,
-    environment::{Illumination, SceneLighting},
+use crate::{
+    backend::BackendError,
+    light::{
+        bounce::SourceLighting,
+        environment::{Illumination, SceneLighting},
+    },
 };
 use glam::Vec3;
 use lapidary_core::{cut::packed::pack_node, environment::Environment, image::Image};
@@ -18,8 +22,9 @@ use std::{borrow::Cow, sync::Arc};
 #[derive(Clone)]
 pub struct GpuLight {
     pub nodes: wgpu::Buffer,
-    pub tan_half_radius: wgpu::Buffer,
+    pub brightness: wgpu::Buffer,
     pub cut: wgpu::TextureView,
+    pub lit: GpuLitCuts,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
     pub rotation: f32,
@@ -27,17 +32,28 @@ pub struct GpuLight {
 }
 
 impl GpuLight {
-    /// Uploads; a few megabytes.
-    pub fn new(gpu: &GpuDevice, light: &Illumination, lighting: &SceneLighting) -> Self {
-        let nodes: Vec<Node> = nodes(lighting);
-        Self {
-            nodes: storage(gpu, "light tree", bytemuck::cast_slice(&nodes)),
-            tan_half_radius: storage(gpu, "light tree radii", bytemuck::cast_slice(&lighting.cones.tan_half_radius)),
+    /// Uploads a few megabytes, and makes the lit cuts of a scene.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn new(
+        gpu: &GpuDevice,
+        pass: &LitPass,
+        scene: &GpuScene,
+        light: &Illumination,
+        lighting: &SceneLighting,
+    ) -> Result<Self, BackendError> {
+        let nodes = storage(gpu, "light tree", bytemuck::cast_slice(&nodes(lighting)));
+        let stored = (&scene.cuts, scene.tree_height);
+        Ok(Self {
+            lit: pass.make(gpu, LitField::Environment, stored, &nodes, &lighting.lit)?,
+            nodes,
+            brightness: storage(gpu, "brightness", bytemuck::cast_slice(&lighting.brightness)),
             cut: cut_texture(gpu, "illumination cut", &lighting.cut),
             max_nodes: lighting.max_nodes,
             rotation: light.rotation,
             intensity: light.intensity,
-        }
+        })
     }
 
     /// No light, for a tree of `height`.
@@ -45,7 +61,8 @@ impl GpuLight {
         let nodes = 2_usize << height;
         Self {
             nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
-            tan_half_radius: storage(gpu, "no light radii", &vec![0; nodes * size_of::<f32>()]),
+            brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
+            lit: GpuLitCuts::none(gpu),
             cut: cut_texture(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
             max_nodes: 0,
             rotation: 0.0,
@@ -60,7 +77,7 @@ fn nodes(lighting: &SceneLighting) -> Vec<Node> {
         radiance: n.radiance[i].to_array(),
         spread: n.inv_kappa[i],
         place: n.direction[i].to_array(),
-        radius: lighting.cones.radius[i],
+        radius: lighting.radii[i],
     };
     (0..n.radiance.len()).map(node).collect()
 }
@@ -68,15 +85,26 @@ fn nodes(lighting: &SceneLighting) -> Vec<Node> {
 /// Surface sources that send light.
 pub struct GpuSources {
     pub nodes: wgpu::Buffer,
+    pub brightness: wgpu::Buffer,
+    pub lit: GpuLitCuts,
     pub cut: wgpu::TextureView,
     lighting: Arc<SourceLighting>,
 }
 
 impl GpuSources {
-    /// Uploads, unless `before` is the same.
-    pub fn new(gpu: &GpuDevice, lighting: &Arc<SourceLighting>, before: Option<Self>) -> Self {
+    /// Uploads, and makes the lit cuts over the sources, unless `before` is the same.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn new(
+        gpu: &GpuDevice,
+        pass: &LitPass,
+        baked: &SourceCuts,
+        lighting: &Arc<SourceLighting>,
+        before: Option<Self>,
+    ) -> Result<Self, BackendError> {
         if let Some(same) = before.filter(|b| Arc::ptr_eq(&b.lighting, lighting)) {
-            return same;
+            return Ok(same);
         }
         let (n, radii) = (&lighting.nodes, lighting.tree.radii());
         let node = |i: usize| Node {
@@ -86,11 +114,15 @@ impl GpuSources {
             radius: radii[i],
         };
         let nodes: Vec<Node> = (0..n.radiance.len()).map(node).collect();
-        Self {
-            nodes: storage(gpu, "source tree", bytemuck::cast_slice(&nodes)),
+        let nodes = storage(gpu, "source tree", bytemuck::cast_slice(&nodes));
+        let stored = (&baked.cuts, baked.tree_height);
+        Ok(Self {
+            lit: pass.make(gpu, LitField::Sources, stored, &nodes, &lighting.lit)?,
+            nodes,
+            brightness: storage(gpu, "brightness of sources", bytemuck::cast_slice(&lighting.brightness)),
             cut: cut_texture(gpu, "illumination cut of sources", &lighting.cut),
             lighting: lighting.clone(),
-        }
+        })
     }
 }
 

@@ -4,8 +4,9 @@ use super::{
     bounce::BouncePass,
     device::GpuDevice,
     direct::DirectPasses,
+    lit::LitPass,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -19,6 +20,7 @@ pub struct MergeVariant {
     /// Whether it renders the first part of the light.
     pub is_first: bool,
     pub refine: bool,
+    pub lit: bool,
     pub has_ggx: bool,
     pub has_ward: bool,
 }
@@ -32,8 +34,11 @@ pub struct Passes {
     pub marks: wgpu::RenderPipeline,
     pub keep: wgpu::RenderPipeline,
     pub display: wgpu::RenderPipeline,
+    /// For the first part of the light and the others.
+    pub sketch: [wgpu::RenderPipeline; 2],
     pub direct: DirectPasses,
     pub bounce: BouncePass,
+    pub lit: LitPass,
     merge_module: wgpu::ShaderModule,
     merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
 }
@@ -84,6 +89,16 @@ impl Passes {
         let keep = Pipeline { layouts: &[&l.keep], targets: &format::SUMS, ..Pipeline::new(load(&KEEP)?, "kept sums") };
         let display =
             Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
+        let sketch_module = load(&SKETCH)?;
+        let sketch = [1.0, 0.0].map(|is_first| {
+            let pipeline = Pipeline {
+                layouts: &[&l.frame, &l.scene, &l.lattice, &l.merge],
+                targets: &format::SUMS,
+                constants: &[("IS_FIRST", is_first)],
+                ..Pipeline::new(sketch_module.clone(), "sketch")
+            };
+            pipeline.build(gpu)
+        });
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
@@ -91,8 +106,10 @@ impl Passes {
             marks: marks.build(gpu),
             keep: keep.build(gpu),
             display: display.build(gpu),
+            sketch,
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
+            lit: LitPass::new(gpu, source)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),
             layouts,
@@ -116,6 +133,7 @@ impl Passes {
                     ("FIELD", f64::from(variant.field)),
                     flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
+                    flag("LIT", variant.lit),
                     flag("HAS_GGX", variant.has_ggx),
                     flag("HAS_WARD", variant.has_ward),
                 ],

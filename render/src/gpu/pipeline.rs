@@ -20,6 +20,8 @@ pub struct Layouts {
     /// The other passes that add to sums.
     pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
+    /// The sums of a lattice.
+    pub lattice: BindGroupLayout,
     pub patches: BindGroupLayout,
     pub marks: BindGroupLayout,
     pub keep: BindGroupLayout,
@@ -97,6 +99,8 @@ impl<'a> Pipeline<'a> {
 pub enum Binding {
     Uniform,
     Storage,
+    /// A buffer that a compute pass writes.
+    Written,
     Uint,
     Float,
     DepthLayers,
@@ -110,11 +114,12 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         frame: layout("frame", &[Uniform]),
         scene: layout("scene", &[Storage, Storage]),
         materials: layout("materials", &[Storage, Uint, Uniform]),
-        light: layout("light", &[Storage, Storage, Uint, Uint]),
+        light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
         merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
         addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
+        lattice: layout("lattice", &[Float, Uint]),
         patches: layout("patches", &[Storage]),
         marks: layout("marks", &[Uint, Uint]),
         keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),
@@ -129,10 +134,14 @@ pub fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLa
     let texture = |sample_type| texture_of(sample_type, wgpu::TextureViewDimension::D2);
     let entry = |(binding, kind): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
         binding: binding as u32,
-        visibility: Stages::VERTEX_FRAGMENT,
+        visibility: match kind {
+            Binding::Written => Stages::COMPUTE,
+            _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
+        },
         ty: match kind {
             Binding::Uniform => buffer(wgpu::BufferBindingType::Uniform),
             Binding::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Binding::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
             Binding::Uint => texture(wgpu::TextureSampleType::Uint),
             Binding::Float => texture(wgpu::TextureSampleType::Float { filterable: false }),
             Binding::DepthLayers => texture_of(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),

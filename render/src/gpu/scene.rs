@@ -17,7 +17,7 @@ pub struct GpuScene {
     pub vertices: wgpu::Buffer,
     pub triangles: wgpu::Buffer,
     pub triangle_count: u32,
-    pub cuts: wgpu::TextureView,
+    pub cuts: GpuCuts,
     /// Vertices' cuts over surface sources, if they were baked.
     pub sources: Option<SourceCuts>,
     pub tree_height: u32,
@@ -28,9 +28,20 @@ pub struct GpuScene {
     pub bounds: Bounds,
 }
 
+/// Stored cuts.
+pub struct GpuCuts {
+    pub view: wgpu::TextureView,
+    /// First texel of each cut; vertices may share one.
+    pub starts: wgpu::Buffer,
+    /// Number of cuts.
+    pub count: u32,
+    /// Number of texels of all cuts.
+    pub texels: u32,
+}
+
 /// Cuts over surface sources.
 pub struct SourceCuts {
-    pub cuts: wgpu::TextureView,
+    pub cuts: GpuCuts,
     pub tree_height: u32,
 }
 
@@ -104,13 +115,24 @@ pub fn storage(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {
     buffer
 }
 
-fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<wgpu::TextureView, BackendError> {
+fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<GpuCuts, BackendError> {
     let texels = cuts.nodes().len() / NODES_PER_TEXEL;
     let rows = texels.div_ceil(TEXTURE_WIDTH).max(1);
     let limit = gpu.limits.max_texture_dimension_2d as u64;
     let remedy = Remedy::SmallerCuts;
     gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, remedy)?;
-    Ok(cut_texture(gpu, "visibility cuts", cuts.nodes()))
+    let mut starts = cuts.offsets().to_vec();
+    starts.sort_unstable();
+    starts.dedup();
+    let count = starts.len() as u32;
+    // Buffers cannot be empty.
+    starts.resize(starts.len().max(1), 0);
+    Ok(GpuCuts {
+        view: cut_texture(gpu, "visibility cuts", cuts.nodes()),
+        starts: storage(gpu, "first texels of cuts", bytemuck::cast_slice(&starts)),
+        count,
+        texels: texels as u32,
+    })
 }
 
 /// Packed nodes as rows of texels.

@@ -24,15 +24,19 @@ parts!(
     "geometry",
     "keep_pass",
     "marks_pass",
+    "lit_cut",
+    "lit_pass",
     "materials",
     "merge_pass",
     "parameters_pass",
+    "receiver",
     "refine",
     "scene",
     "shading_point",
     "shadow",
     "shadow_filter",
     "shadow_pass",
+    "sketch_pass",
     "sums",
     "surface",
     "surface_pass",
@@ -74,14 +78,18 @@ pub const MERGE: Program = Program {
         "brdf",
         "sums",
         "shading_point",
+        "receiver",
         "tree",
         "cut",
+        "lit_cut",
         "refine",
         "environment",
         "wireframe",
         "merge_pass",
     ],
 };
+/// Lit cuts.
+pub const LIT: Program = Program { name: "lit_pass", parts: &["frame", "tree", "cut", "lit_pass"] };
 /// Depth from a light.
 pub const SHADOW: Program = Program { name: "shadow_pass", parts: &["scene", "shadow", "shadow_pass"] };
 /// Local lights.
@@ -115,10 +123,28 @@ pub const MARKS: Program = Program { name: "marks_pass", parts: &["fullscreen", 
 /// What an edit leaves of the pixels.
 pub const KEEP: Program = Program { name: "keep_pass", parts: &["fullscreen", "sums", "keep_pass"] };
 
+/// The filter between the pixels of a lattice.
+pub const SKETCH: Program = Program {
+    name: "sketch_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "sums",
+        "shading_point",
+        "environment",
+        "wireframe",
+        "sketch_pass",
+    ],
+};
+
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 10] =
-    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP];
+pub const PROGRAMS: [Program; 12] =
+    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, LIT];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

@@ -37,6 +37,8 @@ pub struct Targets {
     pub marks: [Target; 2],
     /// By [`Part`], as far as the light has them; read from one, written to the other, in turns.
     pub parts: [Option<[Sums; 2]>; Part::COUNT],
+    /// Lattices of a first sample, by [`Part`]: for strides of 2 and 8, and of 4.
+    pub lattices: [Option<[Sums; 2]>; Part::COUNT],
     /// A texel of zeros, in place of parts that the light does not have.
     pub nothing: Sums,
     pub shown: Target,
@@ -71,6 +73,7 @@ impl Targets {
             others: target("other parameters", format::FLOATS),
             marks: [0, 1].map(|_| target("marks", format::MARKS)),
             parts: Default::default(),
+            lattices: Default::default(),
             nothing: Sums::new(gpu, [1, 1]),
             shown: target("shown", format::SHOWN),
         }
@@ -81,6 +84,10 @@ impl Targets {
         let size = self.size;
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             *sums = if shown { sums.take().or_else(|| Some([0, 1].map(|_| Sums::new(gpu, size)))) } else { None };
+        }
+        let lattice = |stride: u32| Sums::new(gpu, size.map(|side| side.div_ceil(stride)));
+        for (sums, shown) in self.lattices.iter_mut().zip(parts) {
+            *sums = if shown { sums.take().or_else(|| Some([2, 4].map(lattice))) } else { None };
         }
     }
 }

@@ -4,5 +4,6 @@ mod bounce;
 mod direct;
 mod kept;
 mod reflection;
+mod sketch;
 mod twin;
 mod vertex_bounce;

@@ -11,11 +11,20 @@ mod meshless;
 mod source_parts;
 mod vertices;
 
-use crate::{appearance::Appearance, baked::Baked, light::environment::SceneLighting};
+use crate::{
+    appearance::Appearance,
+    baked::Baked,
+    light::{brightness, environment::SceneLighting},
+    shade::node_row::NodeRow,
+};
 use glam::Vec3;
 use irradiance::environment_irradiance;
 use lapidary_core::{
-    cut::illumination::{IlluminationCriterion, intensity_cut},
+    color::luminance,
+    cut::{
+        illumination::{IlluminationCriterion, intensity_cut},
+        lit::{CutValues, DEFAULT_TAU, LitCuts},
+    },
     dataset::Dataset,
     lights::Light,
     ray::offset,
@@ -42,6 +51,12 @@ pub struct SourceLighting {
     pub nodes: SourceRadiance,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
+    /// The vertices' lit cuts.
+    pub lit: LitCuts,
+    /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
+    pub brightness: Vec<f32>,
+    /// Centre, spread, radiance and brightness of each node side by side, for pixels.
+    pub(crate) rows: Vec<NodeRow>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
 }
@@ -53,7 +68,16 @@ impl SourceLighting {
         let nodes = SourceRadiance::new(&tree, leaf_radiance);
         let criterion = IlluminationCriterion::with_budget(illum_cut);
         let cut = intensity_cut(&nodes.power, &nodes.power_sq, criterion);
-        Self { tree, nodes, cut, max_nodes: illum_cut }
+        let luminances = nodes.radiance.iter().map(|&l| luminance(l));
+        let lit = LitCuts::new(CutValues::SolidAngles, luminances, DEFAULT_TAU);
+        let brightness = brightness(&nodes.power, &nodes.power_sq);
+        let rows = NodeRow::of_all(&nodes.center, &nodes.spread, &nodes.radiance, &brightness);
+        Self { tree, nodes, cut, lit, brightness, rows, max_nodes: illum_cut }
+    }
+
+    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
+    pub fn with_tau(self, tau: f32) -> Self {
+        Self { lit: self.lit.with_tau(tau), ..self }
     }
 }
 

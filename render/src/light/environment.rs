@@ -1,9 +1,14 @@
 //! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
 //! recomputes.
 
+use crate::{light::brightness, shade::node_row::NodeRow};
 use glam::Vec3;
 use lapidary_core::{
-    cut::illumination::{IlluminationCriterion, illumination_cut},
+    color::luminance,
+    cut::{
+        illumination::{IlluminationCriterion, intensity_cut},
+        lit::{CutValues, DEFAULT_TAU, LitCuts},
+    },
     environment::Environment,
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
 };
@@ -28,33 +33,21 @@ impl Illumination {
     }
 }
 
-/// Angular radius of the nodes of a tree, by heap index: for the refinement criterion.
-#[derive(Debug)]
-pub struct NodeCones {
-    /// Half-angle in radians of the cone of a node's directions.
-    pub radius: Vec<f32>,
-    /// Tangent of half of it.
-    pub tan_half_radius: Vec<f32>,
-}
-
-impl NodeCones {
-    /// Of all nodes.
-    pub fn new(tree: &LightTree) -> Self {
-        // A node wider than a hemisphere is split whatever the lobe; its tangent only has to be large.
-        let tan_half = |r: &f32| (0.5 * r.min(2.8)).tan();
-        Self { radius: tree.radii().to_vec(), tan_half_radius: tree.radii().iter().map(tan_half).collect() }
-    }
-}
-
 /// A light tree under one illumination.
 #[derive(Clone, Debug)]
 pub struct SceneLighting {
     /// Radiance, directions and spreads by heap index.
     pub nodes: Lighting,
-    /// Properties of the tree that do not depend on the light.
-    pub cones: Arc<NodeCones>,
+    /// Half-angles in radians of the cones of the nodes' directions, by heap index.
+    pub radii: Arc<[f32]>,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
+    /// The vertices' lit cuts.
+    pub lit: LitCuts,
+    /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
+    pub brightness: Vec<f32>,
+    /// Direction, inverse concentration, radiance and brightness of each node side by side, for pixels.
+    pub(crate) rows: Vec<NodeRow>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
@@ -65,20 +58,30 @@ impl SceneLighting {
     /// Computes means up the tree from `leaf_radiance` (one value per leaf in tree order) and an illumination cut of at
     /// most `illum_cut` nodes.
     pub fn new(tree: &LightTree, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
-        Self::with_cones(tree, NodeCones::new(tree).into(), leaf_radiance, illum_cut)
+        Self::with_radii(tree, tree.radii().into(), leaf_radiance, illum_cut)
     }
 
-    fn with_cones(tree: &LightTree, cones: Arc<NodeCones>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
+    fn with_radii(tree: &LightTree, radii: Arc<[f32]>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
         let nodes = Lighting::new(tree, leaf_radiance);
-        let cut = illumination_cut(&nodes, IlluminationCriterion::with_budget(illum_cut));
-        Self { nodes, cones, cut, max_nodes: illum_cut, leaf_solid_angle: tree.leaf_solid_angle() }
+        let means: Vec<f32> = nodes.radiance.iter().map(|&l| luminance(l)).collect();
+        let cut = intensity_cut(&means, &nodes.luminance_sq, IlluminationCriterion::with_budget(illum_cut));
+        let lit = LitCuts::new(CutValues::Visibility, means.iter().copied(), DEFAULT_TAU);
+        let brightness = brightness(&means, &nodes.luminance_sq);
+        let rows = NodeRow::of_all(&nodes.direction, &nodes.inv_kappa, &nodes.radiance, &brightness);
+        let leaf_solid_angle = tree.leaf_solid_angle();
+        Self { nodes, radii, cut, lit, brightness, rows, max_nodes: illum_cut, leaf_solid_angle }
+    }
+
+    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
+    pub fn with_tau(self, tau: f32) -> Self {
+        Self { lit: self.lit.with_tau(tau), ..self }
     }
 }
 
 /// Lights a tree repeatedly, and keeps what does not depend on rotation and intensity.
 pub struct LightRig {
     tree: LightTree,
-    cones: Arc<NodeCones>,
+    radii: Arc<[f32]>,
     sampler: EnvironmentSampler,
     resampled: Option<(Arc<Environment>, GridEnergy)>,
 }
@@ -87,7 +90,7 @@ impl LightRig {
     /// For a tree; some tenths of a second for 32,768 samples.
     pub fn new(tree: &LightTree) -> Self {
         let sampler = EnvironmentSampler::new(tree.len());
-        Self { tree: tree.clone(), cones: NodeCones::new(tree).into(), sampler, resampled: None }
+        Self { tree: tree.clone(), radii: tree.radii().into(), sampler, resampled: None }
     }
 
     /// Lights the tree by `light`, with an illumination cut of at most `illum_cut` nodes.
@@ -96,7 +99,7 @@ impl LightRig {
         let resample = || (light.environment.clone(), self.sampler.grid_energy(&light.environment));
         let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
         let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
-        SceneLighting::with_cones(&self.tree, self.cones.clone(), &leaves, illum_cut)
+        SceneLighting::with_radii(&self.tree, self.radii.clone(), &leaves, illum_cut)
     }
 }
 

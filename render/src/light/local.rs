@@ -10,7 +10,7 @@ use crate::{
     },
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, meshless::BounceEnergy, surfel::Surfel};
+use lapidary_core::{cut::lit::DEFAULT_TAU, lights::Light, meshless::BounceEnergy, surfel::Surfel};
 use std::sync::Arc;
 
 /// The light of a picture beside the environment, and the components that are shown.
@@ -71,6 +71,8 @@ pub struct LocalRig {
     /// The environment that lights the sources, and the senders of the basis.
     on_sources: Option<Arc<SceneLighting>>,
     on_senders: Option<Arc<SceneLighting>>,
+    /// Of the lit cuts over the sources.
+    tau: f32,
     /// The last gathered light, with its solution and size of the illumination cut; `None` after any change.
     gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
     /// The last irradiance at the vertices; `None` after any change.
@@ -93,6 +95,7 @@ impl LocalRig {
             surfels,
             on_sources: None,
             on_senders: None,
+            tau: DEFAULT_TAU,
             gathered: None,
             interpolated: None,
             further: None,
@@ -111,6 +114,13 @@ impl LocalRig {
         if !Arc::ptr_eq(&self.lights, lights) {
             self.lights = lights.clone();
             self.forget();
+        }
+    }
+
+    /// Gives the lit cuts over the sources another `tau`, see [`SourceLighting::with_tau`].
+    pub fn set_tau(&mut self, tau: f32) {
+        if self.tau != tau {
+            (self.tau, self.gathered) = (tau, None);
         }
     }
 
@@ -153,7 +163,7 @@ impl LocalRig {
             self.on_sources = self.environment.clone();
         }
         sources.set_further(further);
-        let lighting = Arc::new(sources.lighting(illum_cut));
+        let lighting = Arc::new(sources.lighting(illum_cut).with_tau(self.tau));
         self.gathered = Some((solution, illum_cut, lighting.clone()));
         Some(lighting)
     }

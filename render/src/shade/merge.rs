@@ -1,19 +1,23 @@
-//! The merge at one pixel (paper, 4.2): three visibility cuts, interpolated and multiplied by light and BRDF.
+//! The merge at one pixel (paper, 4.2): three cuts, interpolated and multiplied by light and BRDF.
 //!
-//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. Nodes without visibility are dropped before
-//! the BRDF is evaluated; the others are evaluated eight at a time. One traversal serves the environment and the
-//! surface sources, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the same terms in the same order.
+//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. The paper merges the stored cuts with an illumination
+//! cut, and samples the BRDF once per node or, refined, more finely. Lit cuts know the light already and need no illumination
+//! cut: where the pixel's lobe looks, the merge goes down into the stored cuts below them and on into the light tree.
+//! Nodes without visibility are dropped before the BRDF is evaluated; the others are evaluated eight at a time. One
+//! traversal serves the environment and the surface sources, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the
+//! same terms in the same order.
 
 use crate::shade::{
-    node_field::NodeField,
+    node_field::{EightLights, NodeField},
     refine::Refinement,
     surface::{ReceiverX8, SurfacePoint},
 };
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use lapidary_core::{
     brdf::{Brdf, SurfaceBrdf},
     cut::{
-        merge::{Interval, merge},
+        lit::LitCursor,
+        merge::{Cursor, Interval, merge, merge_within},
         packed::{PackedCursor, PackedCuts},
     },
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
@@ -22,15 +26,17 @@ use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign};
 use wide::f32x8;
 
-/// How the BRDF is sampled on the nodes of the merged cut.
+/// Which cuts are merged, and how the BRDF is sampled on the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrdfSampling {
-    /// Once per node at its direction, as in the paper (Eq. 6).
+    /// Stored cuts and the illumination cut; the BRDF once per node at its direction, as in the paper (Eq. 6).
     Once,
-    /// Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
-    #[default]
+    /// The same cuts. Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
     Refine,
+    /// Lit cuts, and where nodes are too wide for the lobe the stored cuts below them; then as [`Self::Refine`].
+    #[default]
+    Lit,
 }
 
 /// Work done for one pixel or many.
@@ -58,6 +64,9 @@ impl AddAssign for Work {
         *self = *self + other;
     }
 }
+
+/// Radius in radians above which a node is too wide for one cosine, where its cuts do not know the horizon.
+const WIDEST: f32 = 0.35;
 
 /// A node to evaluate.
 #[derive(Clone, Copy)]
@@ -101,7 +110,8 @@ pub struct Shader<'a, F> {
     cuts: &'a PackedCuts,
     height: u32,
     sampling: BrdfSampling,
-    merged: Vec<Term>,
+    /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
+    knows_horizon: bool,
     terms: Vec<Term>,
     instructions: InstructionSet,
     /// Work done so far.
@@ -111,9 +121,14 @@ pub struct Shader<'a, F> {
 impl<'a, F: NodeField> Shader<'a, F> {
     /// For visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
-        let (height, work) = (field.height(), Work::default());
-        let instructions = InstructionSet::widest();
-        Self { field, cuts, height, sampling, merged: Vec::new(), terms: Vec::new(), instructions, work }
+        let (height, instructions) = (field.height(), InstructionSet::widest());
+        let (terms, work) = (Vec::new(), Work::default());
+        Self { field, cuts, height, sampling, knows_horizon: true, terms, instructions, work }
+    }
+
+    /// For `cuts` without any occlusion, not even by the surface itself.
+    pub fn unoccluded(field: F, cuts: &'a PackedCuts) -> Self {
+        Self { knows_horizon: false, ..Self::new(field, cuts, BrdfSampling::Refine) }
     }
 
     /// Reflected radiance toward the eye.
@@ -130,87 +145,53 @@ impl<'a, F: NodeField> Shader<'a, F> {
         dark: impl FnMut(Interval),
         visit: impl FnMut(&EightTerms<L>),
     ) {
-        self.merge_cuts(point, dark);
-        match self.sampling {
-            BrdfSampling::Once => std::mem::swap(&mut self.merged, &mut self.terms),
-            BrdfSampling::Refine => self.refine(point),
-        }
-        self.work.brdf_evaluations += self.terms.len() as u64;
-        self.evaluate(point, visit);
-    }
-
-    /// Fills `merged` with the nodes of the merged cut that have visible light; the others go to `dark`.
-    #[inline(always)]
-    fn merge_cuts(&mut self, point: &SurfacePoint, mut dark: impl FnMut(Interval)) {
-        let height = self.height;
-        let leaves = 1_u32 << height;
-        let visibility = |v: u32| PackedCursor::new(height, self.cuts.nodes_from(v));
-        let [a, b, c] = point.vertices;
-        let mut cursors =
-            [visibility(a), visibility(b), visibility(c), PackedCursor::new(height, self.field.illumination_cut())];
-        let weights = point.weights;
-        let (merged, mut count) = (&mut self.merged, 0);
-        merged.clear();
-        merge(leaves, &mut cursors, |interval, cursors| {
-            count += 1;
-            let value = |i: usize| weights[i] * self.field.cut_value(cursors[i].stored_value());
-            let visibility = value(0) + value(1) + value(2);
-            if visibility > 0.0 {
-                merged.push(Term { node: interval.heap_index(leaves), visibility });
-            } else {
-                dark(interval);
-            }
-        });
-        self.work.merged_nodes += count;
-    }
-
-    /// Fills `terms` with the nodes of `merged`, halved where the BRDF needs it.
-    fn refine(&mut self, point: &SurfacePoint) {
-        let leaves = 1_u32 << self.height;
-        let refinement = Refinement::new(point.brdf.as_brdf().lobe(), point.wo);
-        let local_from_world = point.world_from_local.transpose();
-        let wants_halves = |node: u32| {
-            let cone = self.field.cone(node as usize, point.position);
-            refinement.is_too_wide(local_from_world * cone.direction, cone.radius, || cone.tan_half_radius)
+        let mut terms = std::mem::take(&mut self.terms);
+        terms.clear();
+        let merged = Merged::new(self, point);
+        self.work.merged_nodes += match self.sampling {
+            BrdfSampling::Lit => merged.lit(&mut terms, dark),
+            BrdfSampling::Once | BrdfSampling::Refine => merged.stored(&mut terms, dark),
         };
-        self.terms.clear();
-        for &root in &self.merged {
-            let mut node = root.node;
-            while node != 0 {
-                while node < leaves && wants_halves(node) {
-                    node *= 2;
-                }
-                self.terms.push(Term { node, ..root });
-                node = next_node(node, root.node);
-            }
-        }
+        self.work.brdf_evaluations += terms.len() as u64;
+        self.evaluate(point, &mut terms, visit);
+        self.terms = terms;
     }
 
     /// Evaluates the terms, eight at a time.
     #[inline(always)]
-    fn evaluate<L: Lanes>(&mut self, point: &SurfacePoint, visit: impl FnMut(&EightTerms<L>)) {
+    fn evaluate<L: Lanes>(&self, point: &SurfacePoint, terms: &mut Vec<Term>, visit: impl FnMut(&EightTerms<L>)) {
         // Padding repeats the root without visibility.
-        self.terms.resize(self.terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
+        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
+        let terms = terms.as_chunks::<8>().0;
         match &point.brdf {
-            SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, visit),
-            SurfaceBrdf::Ggx(brdf) => self.evaluate_with(brdf, point, visit),
-            SurfaceBrdf::Ward(brdf) => self.evaluate_with(brdf, point, visit),
+            SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, terms, visit),
+            SurfaceBrdf::Ggx(brdf) => self.evaluate_with(brdf, point, terms, visit),
+            SurfaceBrdf::Ward(brdf) => self.evaluate_with(brdf, point, terms, visit),
         }
     }
 
     #[inline(always)]
-    fn evaluate_with<L: Lanes>(&self, brdf: &impl Brdf, point: &SurfacePoint, mut visit: impl FnMut(&EightTerms<L>)) {
+    fn evaluate_with<L: Lanes>(
+        &self,
+        brdf: &impl Brdf,
+        point: &SurfacePoint,
+        terms: &[[Term; 8]],
+        mut visit: impl FnMut(&EightTerms<L>),
+    ) {
         let receiver = ReceiverX8::<L>::new(point);
-        let spread = self.sampling == BrdfSampling::Refine;
-        for terms in self.terms.as_chunks::<8>().0 {
+        let spread = self.sampling != BrdfSampling::Once;
+        for terms in terms {
             let mut nodes = [0; 8];
             for (node, term) in nodes.iter_mut().zip(terms) {
                 *node = term.node as usize;
             }
-            let light = self.field.light::<L>(nodes, point.position, spread);
-            let weight = receiver.receives(light.direction) & self.weight(terms);
-            let brdf_cos = brdf.brdf_cos_lanes(receiver.local(light.direction), point.wo, light.inv_kappa);
-            visit(&EightTerms { terms, direction: light.direction, radiance: light.radiance, brdf_cos, weight });
+            let EightLights { direction, inv_kappa, radiance } = self.field.light::<L>(nodes, point.position, spread);
+            let lights = match self.knows_horizon {
+                true => receiver.lights(direction, inv_kappa),
+                false => receiver.lights_at_centers(direction, inv_kappa),
+            };
+            let (brdf_cos, weight) = (brdf.reflect(&lights, point.wo), self.weight(terms));
+            visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
         }
     }
 
@@ -247,6 +228,133 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
     }
 }
 
+/// The nodes of the merged cut of one point.
+struct Merged<'a, 'p, F> {
+    field: F,
+    cuts: &'a PackedCuts,
+    height: u32,
+    point: &'p SurfacePoint,
+    local_from_world: Mat3,
+    /// `None` where the BRDF is sampled once per node, and for BRDFs without a lobe.
+    refinement: Option<Refinement>,
+    knows_horizon: bool,
+}
+
+impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
+    fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
+        let &Shader { field, cuts, height, sampling, knows_horizon, .. } = shader;
+        let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling != BrdfSampling::Once);
+        let refinement = lobe.map(|lobe| Refinement::new(lobe, point.wo));
+        let local_from_world = point.world_from_local.transpose();
+        Self { field, cuts, height, point, local_from_world, refinement, knows_horizon }
+    }
+
+    fn leaves(&self) -> u32 {
+        1 << self.height
+    }
+
+    /// Whether the BRDF needs more directions than that of the node.
+    #[inline(always)]
+    fn is_too_wide(&self, node: u32) -> bool {
+        if self.refinement.is_none() && self.knows_horizon {
+            return false;
+        }
+        let cone = self.field.cone(node as usize, self.point.position);
+        let wi = self.local_from_world * cone.direction;
+        let is_cut_off = !self.knows_horizon && cone.radius > WIDEST && wi.z > -cone.radius;
+        let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, cone.brightness);
+        is_cut_off || self.refinement.as_ref().is_some_and(too_wide)
+    }
+
+    /// Value of the three vertices' nodes, interpolated.
+    #[inline(always)]
+    fn interpolated(&self, codes: impl Fn(usize) -> u16) -> f32 {
+        let value = |i: usize| self.point.weights[i] * self.field.cut_value(codes(i));
+        value(0) + value(1) + value(2)
+    }
+
+    fn stored_cursors(&self) -> [PackedCursor<'a>; 3] {
+        self.point.vertices.map(|v| PackedCursor::new(self.height, self.cuts.nodes_from(v)))
+    }
+
+    /// Merges the stored cuts with the illumination cut. Adds the terms of its nodes with visible light; the others go to
+    /// `dark`. Returns the number of nodes.
+    #[inline(always)]
+    fn stored(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
+        let ([a, b, c], mut count) = (self.stored_cursors(), 0);
+        let mut cursors = [a, b, c, PackedCursor::new(self.height, self.field.illumination_cut())];
+        merge(self.leaves(), &mut cursors, |interval, cursors| {
+            count += 1;
+            let visibility = self.interpolated(|i| cursors[i].stored_value());
+            if visibility > 0.0 {
+                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+            } else {
+                dark(interval);
+            }
+        });
+        count
+    }
+
+    /// Merges the lit cuts, and the stored ones below a node that is too wide. As [`Self::stored`] otherwise.
+    #[inline(always)]
+    fn lit(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
+        let lit = self.field.lit_cuts();
+        let mut cursors = self.point.vertices.map(|v| LitCursor::new(self.height, &lit.of(self.cuts, v).nodes));
+        let (mut stored, mut count) = (self.stored_cursors(), 0);
+        merge(self.leaves(), &mut cursors, |interval, cursors| {
+            count += 1;
+            let visibility = self.interpolated(|i| cursors[i].code());
+            let node = interval.heap_index(self.leaves());
+            if !(visibility > 0.0) {
+                dark(interval);
+            } else if self.is_too_wide(node) {
+                for (stored, cursor) in stored.iter_mut().zip(cursors) {
+                    stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+                }
+                count += self.below(interval, &mut stored, terms, &mut dark) - 1;
+            } else {
+                terms.push(Term { node, visibility });
+            }
+        });
+        count
+    }
+
+    /// Merges the stored cuts of the leaves of one node.
+    #[inline(always)]
+    fn below(
+        &self,
+        within: Interval,
+        stored: &mut [PackedCursor; 3],
+        terms: &mut Vec<Term>,
+        dark: &mut impl FnMut(Interval),
+    ) -> u64 {
+        let mut count = 0;
+        merge_within(within, stored, |interval, cursors| {
+            count += 1;
+            let visibility = self.interpolated(|i| cursors[i].stored_value());
+            if visibility > 0.0 {
+                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+            } else {
+                dark(interval);
+            }
+        });
+        count
+    }
+
+    /// Adds a node as it is, or halved where the BRDF needs it.
+    #[inline(always)]
+    fn halve(&self, root: Term, terms: &mut Vec<Term>) {
+        let mut node = root.node;
+        while node != 0 {
+            while node < self.leaves() && self.is_too_wide(node) {
+                node *= 2;
+            }
+            terms.push(Term { node, ..root });
+            node = next_node(node, root.node);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -254,7 +362,7 @@ mod tests {
         renderer::Renderer,
         test_scenes::{dataset, from_the_side, glossy, illumination, mesh, surface_at},
     };
-    use lapidary_core::material::BrdfModel;
+    use lapidary_core::material::{BrdfModel, BrdfParameters};
 
     /// The bits of one point in each instruction set, under each model and sampling.
     fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
@@ -262,7 +370,7 @@ mod tests {
             let mut bits = Vec::new();
             for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
                 let point = SurfacePoint { brdf: SurfaceBrdf::new(model, point.parameters), ..point.clone() };
-                for sampling in [BrdfSampling::Once, BrdfSampling::Refine] {
+                for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
                     let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };
                     bits.push(shader.shade(&point).to_array().map(f32::to_bits));
                 }
@@ -274,15 +382,15 @@ mod tests {
 
     #[test]
     fn all_instruction_sets_shade_a_point_to_the_same_bits() {
-        let renderer = Renderer::new(dataset(mesh(16, true), glossy(0.4)));
+        let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
+        let renderer = Renderer::new(dataset(mesh(16, true), parameters));
         let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
         let lighting = renderer.lighting(&light, 64);
         let point = surface_at(&renderer, &from_the_side(24));
         let far = bits_in_each_set(&lighting, &renderer.dataset.cuts, &point);
         assert!(far.iter().all(|bits| bits == &far[0]), "{far:?}");
-        // The material has no diffuse part: the first two, of the Lambert model, are dark.
-        assert!(far[0][2..].iter().all(|bits| f32::from_bits(bits[2]) > 0.0), "{far:?}");
-        assert_ne!(far[0][2], far[0][3], "negative control: another sampling is another number");
+        assert!(far[0].iter().all(|bits| f32::from_bits(bits[2]) > 0.0), "{far:?}");
+        assert_ne!(far[0][3], far[0][4], "negative control: another sampling is another number");
     }
 
     #[test]

@@ -1,13 +1,15 @@
 //! The interface of the merge to a tree of lights: distant lights, whose directions are the same everywhere, or surface
 //! sources, whose directions depend on the point.
 
-use crate::light::{bounce::SourceLighting, environment::SceneLighting};
+use crate::{
+    light::{bounce::SourceLighting, environment::SceneLighting},
+    shade::node_row::NodeRow,
+};
 use glam::Vec3;
 use lapidary_core::{
-    cut::{packed::VALUE_MAX, solid_angle},
-    simd::{Lanes, NodeRow, Vec3x8},
+    cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
+    simd::{Lanes, Vec3x8},
 };
-use std::sync::LazyLock;
 use wide::f32x8;
 
 /// A light tree under one illumination. Nodes are heap indices.
@@ -16,6 +18,8 @@ pub(crate) trait NodeField: Copy {
     fn height(&self) -> u32;
     /// Packed illumination cut.
     fn illumination_cut(&self) -> &[u16];
+    /// The vertices' lit cuts.
+    fn lit_cuts(&self) -> &LitCuts;
     /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
@@ -52,8 +56,8 @@ pub(crate) struct Cone {
     pub direction: Vec3,
     /// Half-angle in radians.
     pub radius: f32,
-    /// Tangent of half of it.
-    pub tan_half_radius: f32,
+    /// How bright the node is somewhere, see [`brightness`](crate::light::brightness).
+    pub brightness: f32,
 }
 
 impl NodeField for &SceneLighting {
@@ -68,6 +72,11 @@ impl NodeField for &SceneLighting {
     }
 
     #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lit
+    }
+
+    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         f32::from(code) * (1.0 / VALUE_MAX as f32)
     }
@@ -79,13 +88,13 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn cone(&self, node: usize, _from: Vec3) -> Cone {
-        let (radius, tan_half_radius) = (self.cones.radius[node], self.cones.tan_half_radius[node]);
-        Cone { direction: self.nodes.direction[node], radius, tan_half_radius }
+        let NodeRow { place: direction, brightness, .. } = self.rows[node];
+        Cone { direction, radius: self.radii[node], brightness }
     }
 
     #[inline(always)]
     fn light<L: Lanes>(&self, nodes: [usize; 8], _from: Vec3, spread: bool) -> EightLights<L> {
-        let nodes = NodeRow::eight(&self.nodes.rows, nodes);
+        let nodes = NodeRow::eight(&self.rows, nodes);
         let inv_kappa = if spread { nodes.spread } else { L::splat(0.0) };
         EightLights { direction: nodes.place, inv_kappa, radiance: nodes.radiance }
     }
@@ -120,15 +129,14 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Solid angle of every code: a table is faster than a power.
-    solid_angles: &'static [f32],
+    /// Solid angle of every code.
+    solid_angles: &'static [f32; 4096],
 }
 
 impl<'a> SourceField<'a> {
     /// For sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
-        static SOLID_ANGLES: LazyLock<Vec<f32>> = LazyLock::new(|| (0..=VALUE_MAX).map(solid_angle).collect());
-        Self { lighting, solid_angles: &SOLID_ANGLES }
+        Self { lighting, solid_angles: solid_angles() }
     }
 }
 
@@ -147,6 +155,11 @@ impl NodeField for SourceField<'_> {
     }
 
     #[inline(always)]
+    fn lit_cuts(&self) -> &LitCuts {
+        &self.lighting.lit
+    }
+
+    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         self.solid_angles[usize::from(code)]
     }
@@ -158,17 +171,18 @@ impl NodeField for SourceField<'_> {
 
     #[inline(always)]
     fn cone(&self, node: usize, from: Vec3) -> Cone {
-        let to_center = self.lighting.nodes.center[node] - from;
+        let NodeRow { place, brightness, .. } = self.lighting.rows[node];
+        let to_center = place - from;
         let distance = to_center.length().max(LEAST_DISTANCE);
         let tan = self.lighting.tree.radii()[node] / distance;
-        let tan_half_radius = tan / (1.0 + (1.0 + tan * tan).sqrt());
-        // Twice the tangent of a half is the angle itself up to the widest that is not split in any case.
-        Cone { direction: to_center / distance, radius: 2.0 * tan_half_radius, tan_half_radius }
+        // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
+        let radius = 2.0 * tan / (1.0 + (1.0 + tan * tan).sqrt());
+        Cone { direction: to_center / distance, radius, brightness }
     }
 
     #[inline(always)]
     fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L> {
-        let nodes = NodeRow::eight(&self.lighting.nodes.rows, nodes);
+        let nodes = NodeRow::eight(&self.lighting.rows, nodes);
         let to_center = nodes.place - Vec3x8::splat(from);
         let inv_kappa = if spread { cap_inv_kappa(to_center, nodes.spread) } else { L::splat(0.0) };
         EightLights { direction: normalized(to_center), inv_kappa, radiance: nodes.radiance }

@@ -10,12 +10,17 @@ use crate::{
     view::View,
 };
 use glam::{Vec2, Vec3};
+use lapidary_core::{
+    camera::Lens,
+    ray::{Hit, SeenFrom},
+};
 use std::ops::Range;
 
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     screen: Screen,
+    lens: Lens,
     backdrop: &'a Backdrop,
     surfaces: Surfaces<'a>,
     offsets: Vec<Vec2>,
@@ -34,7 +39,8 @@ pub(crate) struct Sight {
 impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let screen = Screen::new(&view.camera, view.size);
-        Self { view, screen, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+        let lens = view.camera.lens(view.size);
+        Self { view, screen, lens, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
     }
 
     /// The pixels of a row that are wanted.
@@ -53,16 +59,46 @@ impl<'a> PixelSampler<'a> {
 
     /// The view from a position in the pixel's unit square.
     fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
-        let camera = &self.view.camera;
-        let position = Vec2::new(x as f32, y as f32) + in_pixel;
-        let direction = camera.direction_through(position, self.view.size);
-        Sight { position, direction, seen: self.surfaces.seen_along(camera.eye, direction) }
+        let (position, direction) = self.toward(x, y, in_pixel);
+        Sight { position, direction, seen: self.surfaces.seen_along(self.view.camera.eye, direction) }
     }
 
-    /// Coverage of a sample on `point` by the lines of a wireframe.
-    pub fn wire(&self, position: Vec2, point: &SurfacePoint) -> f32 {
-        let corners = point.corners.map(|corner| self.screen.project(corner));
+    fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, Vec3) {
+        let position = Vec2::new(x as f32, y as f32) + in_pixel;
+        (position, self.lens.direction_through(position))
+    }
+
+    /// Prepares the camera rays of many pixels.
+    pub fn seen_from_eye(&self) -> SeenFrom {
+        self.surfaces.seen_from(self.view.camera.eye)
+    }
+
+    /// Where the camera ray through a pixel's first sample meets the mesh.
+    pub fn first_hit(&self, seen: &SeenFrom, x: u32, y: u32) -> Option<Hit> {
+        let (_, direction) = self.toward(x, y, self.offsets[0]);
+        self.surfaces.hit_from(seen, direction)
+    }
+
+    /// The view along a pixel's first sample, whose hit is known.
+    pub fn first_sight(&self, x: u32, y: u32, hit: Option<Hit>) -> Sight {
+        let (position, direction) = self.toward(x, y, self.offsets[0]);
+        Sight { position, direction, seen: self.surfaces.seen_at(hit, direction) }
+    }
+
+    /// Index of a triangle's material.
+    pub fn material(&self, triangle: u32) -> u32 {
+        self.surfaces.material(triangle)
+    }
+
+    /// Coverage of a sample on a triangle by the lines of a wireframe.
+    pub fn wire(&self, position: Vec2, corners: [Vec3; 3]) -> f32 {
+        let corners = corners.map(|corner| self.screen.project(corner));
         wireframe::line_coverage(wireframe::edge_distance(position, corners))
+    }
+
+    /// [`Self::wire`] of a pixel's first sample.
+    pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
+        self.wire(Vec2::new(x as f32, y as f32) + self.offsets[0], self.surfaces.corners(triangle))
     }
 
     /// Background along a direction that hits no surface.

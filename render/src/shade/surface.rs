@@ -3,10 +3,10 @@
 use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::SurfaceBrdf,
+    brdf::{LightsX8, LobeMomentsX8, SurfaceBrdf},
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
-    ray::{Hit, Intersector, offset},
+    ray::{Hit, Intersector, SeenFrom, offset},
     simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
@@ -110,6 +110,8 @@ impl SurfacePlace {
 pub struct ReceiverX8<L = f32x8> {
     axes: [Vec3x8<L>; 3],
     smooth_normal: Vec3x8<L>,
+    /// Whether the shading normal is another than the smooth one.
+    is_bent: bool,
 }
 
 impl<L: Lanes> ReceiverX8<L> {
@@ -118,7 +120,8 @@ impl<L: Lanes> ReceiverX8<L> {
     pub fn new(point: &SurfacePoint) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = point.world_from_local;
         let axes = [Vec3x8::splat(x_axis), Vec3x8::splat(y_axis), Vec3x8::splat(z_axis)];
-        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal) }
+        let is_bent = point.world_from_local.z_axis != point.smooth_normal;
+        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal), is_bent }
     }
 
     /// Directions in the local frame.
@@ -126,6 +129,31 @@ impl<L: Lanes> ReceiverX8<L> {
     pub fn local(&self, direction: Vec3x8<L>) -> Vec3x8<L> {
         let [x, y, z] = self.axes;
         Vec3x8 { x: direction.dot(x), y: direction.dot(y), z: direction.dot(z) }
+    }
+
+    /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
+    /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
+    #[inline(always)]
+    pub fn lights(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
+        let (wi, moments) = (self.local(direction), LobeMomentsX8::new(inv_kappa));
+        let shading = moments.cosines(wi.z);
+        let (mut cosine, mut above) = (shading.above_horizon(), wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0));
+        if self.is_bent {
+            let to_smooth = direction.dot(self.smooth_normal);
+            let seen = moments.cosines(to_smooth).share_above();
+            let share = shading.share_above() / seen.at_least(1e-6);
+            cosine = cosine * (share.fast_min(L::splat(1.0)) & seen.simd_gt(L::splat(0.0)));
+            above = above & to_smooth.simd_gt(L::splat(0.0));
+        }
+        LightsX8 { wi, inv_kappa, cosine, above }
+    }
+
+    /// Lights whose cosines are those of their centres; zero below the horizons.
+    #[inline(always)]
+    pub fn lights_at_centers(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
+        let lights = LightsX8::at(self.local(direction), inv_kappa);
+        let seen = self.receives(direction);
+        LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
     }
 
     /// A mask of the directions that are above the smooth normal's horizon.
@@ -169,11 +197,41 @@ impl<'a> Surfaces<'a> {
 
     /// The first hit of a ray.
     pub fn seen_along(&self, origin: Vec3, direction: Vec3) -> FirstHit {
-        match self.intersector.closest_hit(origin, direction) {
+        self.seen_at(self.hit_along(origin, direction), direction)
+    }
+
+    /// Prepares many rays from one origin.
+    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
+        self.intersector.seen_from(origin)
+    }
+
+    /// Where a ray from a prepared origin first meets the mesh.
+    pub fn hit_from(&self, seen: &SeenFrom, direction: Vec3) -> Option<Hit> {
+        self.intersector.closest_hit_from(seen, direction)
+    }
+
+    /// Where a ray first meets the mesh.
+    pub fn hit_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.intersector.closest_hit(origin, direction)
+    }
+
+    /// What is seen along `direction` where a ray in that direction met the mesh. The distance of the hit is not read.
+    pub fn seen_at(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
+        match hit {
             None => FirstHit::Background,
             Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => FirstHit::Back,
             Some(hit) => FirstHit::Surface(Box::new(self.point(&hit, -direction))),
         }
+    }
+
+    /// Index of a triangle's material.
+    pub fn material(&self, triangle: u32) -> u32 {
+        self.dataset.scene.mesh.triangle_material[triangle as usize]
+    }
+
+    /// Where the corners of a triangle are.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.dataset.scene.mesh.corners(triangle as usize)
     }
 
     /// The surface at the hit of a ray from direction `wo`.

@@ -7,7 +7,7 @@ use crate::{
     appearance::Appearance,
     light::environment::SceneLighting,
     shade::{
-        merge::{BrdfSampling, Shader},
+        merge::Shader,
         surface::{SurfacePlace, SurfacePoint},
     },
 };
@@ -34,7 +34,7 @@ impl<'a> UnoccludedShader<'a> {
     /// For surface positions with the materials of `appearance` under `lighting`. All maps must be present
     /// ([`Appearance::fitted`]).
     pub fn new(appearance: &'a Appearance, lighting: &'a SceneLighting) -> Self {
-        Self { appearance, shader: Shader::new(lighting, &FULL_VISIBILITY, BrdfSampling::Refine) }
+        Self { appearance, shader: Shader::unoccluded(lighting, &FULL_VISIBILITY) }
     }
 
     /// Radiance that a surface position with the material of this index reflects toward `wo`, a unit direction in world

@@ -31,8 +31,9 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
 /// How the BRDF is sampled.
 pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
     choice(&[
-        ("refine", "Split nodes that are too wide for the lobe, during the merge"),
-        ("once", "Once per node of the merged cut, as in the paper"),
+        ("lit", "Merge cuts that know the light; split nodes that are too wide for the lobe, during the merge"),
+        ("refine", "Merge the stored cuts and the illumination cut; split nodes in the same way"),
+        ("once", "Merge the same cuts, and sample the BRDF once per node, as in the paper"),
     ])
 }
 
@@ -167,6 +168,6 @@ mod tests {
     #[test]
     fn a_wrong_choice_is_told_the_right_ones() {
         let error = command(brdf_sampling()).try_get_matches_from(["test", "twice"]).unwrap_err().to_string();
-        assert!(error.contains("possible values: refine, once"), "{error}");
+        assert!(error.contains("possible values: lit, refine, once"), "{error}");
     }
 }

@@ -3,16 +3,21 @@
 use super::{BackendOption, ViewedScene, choices, values};
 use anyhow::Result;
 use clap::Args;
+use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
 
 /// How pictures are made and shown.
 #[derive(Args, Clone, Debug)]
 pub struct PictureArgs {
-    /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer
+    /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer. Only --brdf
+    /// refine and once merge it
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
-    /// How the BRDF is sampled
-    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1; 0 leaves the stored cuts as they are
+    #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
+    lit_cuts: f32,
+    /// Which cuts are merged, and how the BRDF is sampled
+    #[arg(long, default_value = "lit", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
     /// Exposure of png files in stops, -32 to 32; exr and hdr files stay scene-linear
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::exposure, allow_hyphen_values = true)]
@@ -33,6 +38,7 @@ impl PictureArgs {
     pub fn look(&self, viewed: &ViewedScene) -> Result<Look> {
         Ok(Look {
             illum_cut: self.illum_cut,
+            tau: self.lit_cuts,
             sampling: self.brdf,
             post: Post { exposure: self.exposure, tone_map: self.tone_map },
             ..viewed.look()?

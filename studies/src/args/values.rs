@@ -45,6 +45,15 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// A number from 0 to 1.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn share(text: &str) -> Result<f32, String> {
+    let number = finite(text)?;
+    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1".into()) }
+}
+
 /// A position in metres: three numbers separated by commas, none beyond what a scene may hold.
 ///
 /// # Errors

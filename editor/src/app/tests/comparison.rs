@@ -189,7 +189,7 @@ fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_cau
     window.click("Explain again");
     window.wait("the explanation of the new picture", |s| s.explain.has_nodes());
     assert!(!window.shows("The picture has changed since"));
-    click(&mut window, rect.left_top() + vec2(4.0, 4.0));
+    click(&mut window, rect.left_top() + vec2(10.0, 10.0));
     window.wait("the reason", |s| s.explain.message().is_some());
     assert!(window.shows("shows the background"), "there is no cut to explain");
 }

@@ -34,7 +34,7 @@ fn typed(text: &str) -> Vec<Event> {
     text.chars().flat_map(events).collect()
 }
 
-fn click(position: Pos2) -> [Event; 3] {
+pub fn click(position: Pos2) -> [Event; 3] {
     let button = |pressed| {
         let button = PointerButton::Primary;
         Event::PointerButton { pos: position, button, pressed, modifiers: NONE }
@@ -44,7 +44,7 @@ fn click(position: Pos2) -> [Event; 3] {
 
 impl Window {
     /// All that happens in one frame, and the frames after it.
-    fn frame_of(&mut self, events: impl IntoIterator<Item = Event>) {
+    pub fn frame_of(&mut self, events: impl IntoIterator<Item = Event>) {
         self.0.input_mut().events.extend(events);
         self.0.run_steps(3);
     }

@@ -125,6 +125,7 @@ impl Checks<'_> {
             self.range("the background color", &mut view.background_color[i], [0.0, 1e6, fallback]);
         }
         self.range("the illumination cut", &mut view.illum_cut, [1, 32_768, default.illum_cut]);
+        self.range("the share that lit cuts move", &mut view.tau, [0.0, 1.0, default.tau]);
         self.range("the number of samples per pixel", &mut view.aa, [1, 256, default.aa]);
         self.range("the frame budget", &mut view.frame_budget_ms, [1.0, 10_000.0, default.frame_budget_ms]);
     }

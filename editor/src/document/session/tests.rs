@@ -82,6 +82,7 @@ impl Project {
             post: Post { exposure: -0.3, tone_map: ToneMap::AgX },
             background: BackgroundKind::Blurred,
             illum_cut: 400,
+            tau: 0.02,
             ..Default::default()
         };
         let shots = vec![lapidary_core::shot::Shot { camera: document.camera.clone(), aspect: 1.5 }];

@@ -10,14 +10,16 @@ const SETTLE: Duration = Duration::from_millis(120);
 pub enum PictureStage {
     /// The picture is complete, or there is nothing to show.
     Rest,
-    /// A coarse picture is due.
-    Coarse,
-    /// A coarse picture is shown; the full one follows if nothing changes for a while.
+    /// A picture is to be begun.
+    Begin,
+    /// Its first sample is in the making.
+    Sketch,
+    /// A reduced picture is shown; the full one follows if nothing changes for a while.
     Settle {
-        /// When the coarse picture was shown.
+        /// When it was shown.
         since: Instant,
     },
-    /// Rows are added to the full picture.
+    /// Rows of further samples are added to the full picture.
     Full {
         /// The sample that is added.
         sample: u32,
@@ -28,18 +30,17 @@ pub enum PictureStage {
 
 impl PictureStage {
     /// How long to wait for a message before the next step; `None` if only a message can bring one.
-    pub fn patience(self, moving: bool, now: Instant) -> Option<Duration> {
+    pub fn patience(self, now: Instant) -> Option<Duration> {
         match self {
             Self::Rest => None,
-            Self::Settle { .. } if moving => None,
             Self::Settle { since } => Some((since + SETTLE).saturating_duration_since(now)),
-            Self::Coarse | Self::Full { .. } => Some(Duration::ZERO),
+            Self::Begin | Self::Sketch | Self::Full { .. } => Some(Duration::ZERO),
         }
     }
 
     /// Whether the full picture may begin.
-    pub fn settled(self, moving: bool, now: Instant) -> bool {
-        matches!(self, Self::Settle { .. }) && self.patience(moving, now) == Some(Duration::ZERO)
+    pub fn settled(self, now: Instant) -> bool {
+        matches!(self, Self::Settle { .. }) && self.patience(now) == Some(Duration::ZERO)
     }
 }
 
@@ -71,11 +72,10 @@ mod tests {
     fn the_full_picture_waits_for_rest() {
         let since = Instant::now();
         let stage = PictureStage::Settle { since };
-        assert_eq!(stage.patience(false, since), Some(SETTLE));
-        assert_eq!(stage.patience(true, since + SETTLE), None);
-        assert!(stage.settled(false, since + SETTLE) && !stage.settled(false, since + SETTLE / 2));
-        assert!(!stage.settled(true, since + SETTLE) && !PictureStage::Coarse.settled(false, since));
-        assert_eq!(PictureStage::Rest.patience(false, since), None);
+        assert_eq!(stage.patience(since), Some(SETTLE));
+        assert!(stage.settled(since + SETTLE) && !stage.settled(since + SETTLE / 2));
+        assert!(!PictureStage::Begin.settled(since));
+        assert_eq!(PictureStage::Rest.patience(since), None);
     }
 
     #[test]

@@ -2,9 +2,12 @@
 
 use super::{
     LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
+    sketching::{SketchPace, Sketching},
     stage::{PictureStage, Restarts},
 };
 use crate::{jobs::budget::Pace, panels::bake::remedy_control};
+use glam::Vec2;
+use lapidary_core::camera::Camera;
 use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, Remedy, View};
 use lapidary_studies::jobs::panic_text;
 use std::{
@@ -21,6 +24,13 @@ use std::{
 /// How soon the full picture goes on when other work has ended.
 const HELD_WAIT: Duration = Duration::from_millis(100);
 
+/// Share of the frame time for what a picture needs at least: the coarsest lattice and its display. The rest is for finer
+/// ones.
+const FIRST_SHARE: f32 = 0.9;
+
+/// Share of the frame time for pixels that nothing on the lattice resembles.
+const HOLES_SHARE: f32 = 0.1;
+
 /// The picture that the renderer is at.
 struct Begun {
     size: [u32; 2],
@@ -29,6 +39,21 @@ struct Begun {
     /// Samples that all rows have.
     complete: u32,
     millis: f64,
+    /// Its first sample.
+    sketching: Sketching,
+    /// Pixels that were shaded when it was last filled.
+    holes: u32,
+}
+
+impl Begun {
+    /// Distance of a lattice in pixels of the full picture.
+    fn apart(&self, stride: u32, full: [u32; 2]) -> f32 {
+        stride as f32 * full[0] as f32 / self.size[0].max(1) as f32
+    }
+}
+
+fn millis_since(start: Instant) -> f64 {
+    1e3 * start.elapsed().as_secs_f64()
 }
 
 /// The state of the thread.
@@ -45,8 +70,12 @@ pub struct Worker {
     wanted: Option<Arc<RenderRequest>>,
     stage: PictureStage,
     begun: Option<Begun>,
-    /// Speed over whole pictures, for their size.
-    pace: Pace,
+    /// Camera and full size of the last picture that was begun: what pixels see is known then.
+    seen_from: Option<(Camera, [u32; 2])>,
+    /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
+    shown_apart: Option<f32>,
+    /// Speed of first samples.
+    sketch_pace: SketchPace,
     /// Speed of the last bands, for their height: rows of sky are faster than others.
     band_pace: Pace,
     /// The shaders are to be read again.
@@ -75,7 +104,9 @@ impl Worker {
             wanted: None,
             stage: PictureStage::Rest,
             begun: None,
-            pace: Pace::default(),
+            seen_from: None,
+            shown_apart: None,
+            sketch_pace: SketchPace::default(),
             band_pace: Pace::default(),
             reload_wanted: false,
             redisplay: false,
@@ -106,6 +137,9 @@ impl Worker {
 
     /// Takes all messages, waiting for one if there is nothing else to do. Returns whether to go on.
     fn receive(&mut self) -> bool {
+        if self.is_urgent() {
+            return true;
+        }
         let first = match self.patience() {
             None => self.inbox.recv().map_err(RecvTimeoutError::from),
             Some(patience) => self.inbox.recv_timeout(patience),
@@ -134,6 +168,12 @@ impl Worker {
         true
     }
 
+    /// Whether a picture must be shown before newer requests are looked at: while they keep coming, none would be finished
+    /// otherwise.
+    fn is_urgent(&self) -> bool {
+        self.stage == PictureStage::Sketch && self.shown_apart.is_none()
+    }
+
     fn patience(&self) -> Option<Duration> {
         if self.stage == PictureStage::Rest && !self.reads.is_empty() {
             return Some(Duration::ZERO);
@@ -141,12 +181,17 @@ impl Worker {
         if self.waits() {
             return Some(HELD_WAIT);
         }
-        self.stage.patience(self.wanted.as_ref().is_some_and(|w| w.moving), Instant::now())
+        self.stage.patience(Instant::now())
     }
 
     /// Whether the full picture waits for other work.
     fn waits(&self) -> bool {
-        matches!(self.stage, PictureStage::Full { .. }) && self.held.load(SeqCst)
+        let has_shown = match self.stage {
+            PictureStage::Full { .. } | PictureStage::Settle { .. } => true,
+            PictureStage::Sketch => self.shown_apart.is_some(),
+            PictureStage::Rest | PictureStage::Begin => false,
+        };
+        has_shown && self.held.load(SeqCst)
     }
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
@@ -154,7 +199,7 @@ impl Worker {
         // A renderer that is yet to be made reads them when it is.
         let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
         self.begun = None;
-        self.stage = PictureStage::Coarse;
+        self.stage = PictureStage::Begin;
         self.outbox.event(match reloaded {
             Ok(()) => RenderEvent::Remark("the shaders were read again".into()),
             Err(error) => RenderEvent::Remark(format!("the shaders stay as they were: {error}")),
@@ -165,7 +210,7 @@ impl Worker {
     fn accept(&mut self, request: RenderRequest) {
         let redo = self.wanted.as_ref().map_or(Redo::ALL, |wanted| wanted.redo(&request));
         if redo.pixels.any() {
-            self.stage = PictureStage::Coarse;
+            (self.stage, self.shown_apart) = (PictureStage::Begin, None);
         } else if redo.display {
             self.post_changed();
         }
@@ -173,13 +218,9 @@ impl Worker {
     }
 
     fn post_changed(&mut self) {
-        let nothing_complete = self.begun.as_ref().is_some_and(|begun| begun.complete == 0);
-        match self.stage {
-            PictureStage::Coarse => {}
-            // The first sample may take seconds; a coarse picture shows the new curve at once.
-            PictureStage::Full { .. } if nothing_complete => self.stage = PictureStage::Coarse,
-            _ => self.redisplay = self.begun.is_some(),
-        }
+        // What was not shown yet will have the new curve.
+        self.redisplay = self.stage != PictureStage::Begin
+            && self.begun.as_ref().is_some_and(|begun| begun.complete > 0 || begun.sketching.is_shown());
     }
 
     /// One step, not much longer than a band of rows.
@@ -193,32 +234,83 @@ impl Worker {
         }
         match self.stage {
             PictureStage::Rest => self.answer_reads(),
-            PictureStage::Coarse => self.coarse(&request),
-            PictureStage::Settle { .. } if self.stage.settled(request.moving, Instant::now()) => {
-                self.begin_full(&request)
+            PictureStage::Begin => self.begin_any(&request),
+            _ if self.waits() => Ok(()),
+            PictureStage::Settle { .. } if self.stage.settled(Instant::now()) => {
+                self.begin(&request, request.look.view.size)
             }
             PictureStage::Settle { .. } => Ok(()),
-            PictureStage::Full { .. } if self.waits() => Ok(()),
+            PictureStage::Sketch => self.sketch(&request),
             PictureStage::Full { sample, row } => self.band(&request, sample, row),
         }
     }
 
-    /// A picture as large as fits the frame time, which may be the full one.
-    fn coarse(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+    /// Begins a picture: the full one if the pixels are known to see the same as before, or else as large as fits the
+    /// frame time, which may be the full one too.
+    fn begin_any(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
         if let Some(baked) = &request.baked {
             self.light(baked, &request.look)?;
         }
-        if request.baked.is_none() || request.look.view.size.contains(&0) {
+        let full = request.look.view.size;
+        if request.baked.is_none() || full.contains(&0) {
             self.stage = PictureStage::Rest;
             return Ok(());
         }
-        let size = self.pace.reduced_size(request.look.view.size, request.frame_budget_ms);
-        self.begin(request, size)?;
-        let millis = self.render(0, 0..size[1])?;
-        self.pace.measured(u64::from(size[0]) * u64::from(size[1]), millis);
+        let from = (request.look.view.camera.clone(), full);
+        let stays = self.seen_from.replace(from.clone()) == Some(from);
+        let size =
+            if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * request.frame_budget_ms) };
+        self.begin(request, size)
+    }
+
+    /// Some tiles of the first sample, and shows it when that is due.
+    fn sketch(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+        let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
+        let sketching = &mut begun.sketching;
+        let (stride, tiles) = sketching.next(&self.sketch_pace, request.frame_budget_ms);
+        let (count, start) = (tiles.len(), Instant::now());
+        scene.sketch(stride, tiles)?;
+        let millis = millis_since(start);
+        begun.millis += millis;
+        sketching.advance(count, &mut self.sketch_pace, millis);
+        if sketching.is_complete() {
+            return self.sketch_complete(request);
+        }
+        let is_due = sketching.is_due(&self.sketch_pace, request.frame_budget_ms);
+        // Nothing worse is shown than what was shown of the same look.
+        let apart = begun.sketching.stride().map(|stride| begun.apart(stride, request.look.view.size));
+        if is_due && apart.is_some_and(|apart| self.shown_apart.is_none_or(|shown| apart <= shown)) {
+            self.show_sketch(request)?;
+            self.shown_apart = apart;
+        }
+        Ok(())
+    }
+
+    /// Shows the first sample as far as it is.
+    fn show_sketch(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
+        let start = Instant::now();
+        self.publish(request)?;
+        let Some(begun) = &mut self.begun else { return Ok(()) };
+        self.sketch_pace.shown(begun.sketching.pixels(), begun.holes, millis_since(start));
+        begun.sketching.set_shown();
+        if !begun.full_size {
+            self.stage = PictureStage::Settle { since: Instant::now() };
+        }
+        Ok(())
+    }
+
+    fn sketch_complete(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let complete = self.sample_complete(request)?;
-        self.stage = if complete { PictureStage::Rest } else { PictureStage::Settle { since: Instant::now() } };
+        let Some(begun) = &mut self.begun else { return Ok(()) };
+        begun.sketching.set_shown();
+        self.shown_apart = Some(begun.apart(1, request.look.view.size));
+        self.band_pace.measured(begun.sketching.pixels(), begun.millis);
+        self.stage = match begun.full_size {
+            _ if complete => PictureStage::Rest,
+            true => PictureStage::Full { sample: 1, row: 0 },
+            false => PictureStage::Settle { since: Instant::now() },
+        };
         Ok(())
     }
 
@@ -227,7 +319,7 @@ impl Worker {
         let scene = match &mut self.scene {
             Some(scene) => {
                 if scene.set_scene(baked)? {
-                    self.pace = Pace::default();
+                    (self.sketch_pace, self.band_pace, self.seen_from) = Default::default();
                 }
                 scene
             }
@@ -243,17 +335,6 @@ impl Worker {
         self.lights_before += self.scene.take().map_or(0, |scene| scene.light_revision());
     }
 
-    /// Goes on from a coarse picture that has the full size, or begins anew.
-    fn begin_full(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
-        self.band_pace = self.pace;
-        let done = self.begun.as_ref().filter(|begun| begun.full_size).map(|begun| begun.complete);
-        if done.is_none() {
-            self.begin(request, request.look.view.size)?;
-        }
-        self.stage = PictureStage::Full { sample: done.unwrap_or(0), row: 0 };
-        Ok(())
-    }
-
     /// A band of rows of the full picture.
     fn band(&mut self, request: &RenderRequest, sample: u32, row: u32) -> Result<(), BackendError> {
         let [width, height] = request.look.view.size;
@@ -265,10 +346,6 @@ impl Worker {
             return Ok(());
         }
         let complete = self.sample_complete(request)?;
-        if let Some(begun) = &self.begun {
-            let pixels = u64::from(width) * u64::from(height);
-            self.pace.measured(pixels, begun.millis / f64::from(begun.complete));
-        }
         self.stage = if complete { PictureStage::Rest } else { PictureStage::Full { sample: sample + 1, row: 0 } };
         Ok(())
     }
@@ -280,16 +357,18 @@ impl Worker {
         let view = View { size, aa, ..request.look.view.clone() };
         let Some(scene) = &mut self.scene else { return Ok(()) };
         scene.resume(&view, request.look.sampling)?;
-        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0 });
+        let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
+        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
+        self.stage = PictureStage::Sketch;
         Ok(())
     }
 
-    /// Renders rows and returns the milliseconds that it took.
+    /// Renders rows of a sample after the first, and returns the milliseconds that it took.
     fn render(&mut self, sample: u32, rows: Range<u32>) -> Result<f64, BackendError> {
         let start = Instant::now();
         let Some(scene) = &mut self.scene else { return Ok(0.0) };
         scene.render_rows(sample, rows)?;
-        let millis = 1e3 * start.elapsed().as_secs_f64();
+        let millis = millis_since(start);
         if let Some(begun) = &mut self.begun {
             begun.millis += millis;
         }
@@ -311,9 +390,14 @@ impl Worker {
 
     /// Shows the picture as it is.
     fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
-        let (Some(begun), Some(scene)) = (&self.begun, &mut self.scene) else { return Ok(()) };
+        let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
         let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
+        let is_sketch = begun.complete == 0;
+        if is_sketch {
+            let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * request.frame_budget_ms));
+            begun.holes = scene.fill(shaded)?;
+        }
         let backend = scene.backend();
         let frame = RenderedFrame {
             dataset,
@@ -322,7 +406,7 @@ impl Worker {
             full_size: begun.full_size,
             samples: begun.complete,
             of_samples: request.look.view.aa.max(1),
-            stats: if request.moving { self.stats } else { backend.stats()? },
+            stats: if request.moving || is_sketch { self.stats } else { backend.stats()? },
             millis: begun.millis,
             lighting,
             light_revision,
@@ -357,7 +441,7 @@ impl Worker {
         self.begun = None;
         if self.restarts.allow(Instant::now()) {
             self.outbox.event(RenderEvent::Remark(error.text(remedy_control)));
-            self.stage = PictureStage::Coarse;
+            self.stage = PictureStage::Begin;
         } else {
             self.give_up(format!(
                 "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or {}",

@@ -75,7 +75,10 @@ fn lists_choose_tone_map_background_and_mode() {
 
 #[test]
 fn presets_and_counts_set_the_cut_and_the_samples() {
-    let mut panel = panel(Document::empty());
+    let mut document = Document::empty();
+    document.view.sampling = BrdfSampling::Refine;
+    let mut panel = panel(document);
+    assert!(panel.query_by_label("Light moved value").is_none(), "lit cuts are not merged");
     panel.get_by_label("Light cut 64").click();
     panel.run();
     assert_eq!(asked(&panel).0.illum_cut, 64);
@@ -83,7 +86,7 @@ fn presets_and_counts_set_the_cut_and_the_samples() {
     assert_eq!(asked(&panel).0.aa, 256, "clamped to the range");
     typed(&mut panel, "Frame budget value", "33");
     assert_eq!(asked(&panel).0.frame_budget_ms, 33.0);
-    panel.get_by_label("BRDF: Once").click();
+    panel.get_by_label("Cuts: Paper").click();
     panel.get_by_label("Wireframe").click();
     panel.run();
     assert!(asked(&panel).0.wireframe);

@@ -1,7 +1,7 @@
 //! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
 
 use super::{Edited, number_size, outline, row, slider_width};
-use egui::{FontSelection, Response, TextEdit, TextStyle, Ui};
+use egui::{Align2, FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
 use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
 
@@ -41,6 +41,7 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     let shown = hex_from_linear(*color);
     let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
     let entry = TextEdit::singleline(&mut text).id(id).font(FontSelection::from(TextStyle::Monospace));
+    let entry = entry.align(Align2::LEFT_CENTER);
     let response =
         ui.add_sized(number_size(ui), entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
     if response.has_focus() {

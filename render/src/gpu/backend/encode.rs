@@ -17,15 +17,15 @@ use crate::{
     stale::{Marks, Part, Pixels},
     view::Background,
 };
-use std::ops::Range;
+use lapidary_core::image::Region;
 use wgpu::util::DeviceExt;
 
 impl GpuBackend {
-    pub(super) fn write_frame(&self, sample: u32) {
+    pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.picture();
         let offset = picture.offsets[sample as usize % picture.offsets.len()];
         let light = self.shown_environment().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, sample, offset, &self.loaded().scene, light);
+        let uniforms = frame(&picture.view, sample, offset, &self.loaded().scene, light, stride);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 
@@ -84,19 +84,13 @@ impl GpuBackend {
         full_screen(encoder, "marks", &self.passes.marks, &[&self.targets().marks[1 - from]], &bound);
     }
 
-    /// All passes that add a sample to the sums of the parts of the light.
-    pub(super) fn encode_parts(&mut self, encoder: &mut wgpu::CommandEncoder, rows: &Range<u32>) {
+    /// All passes that add a sample to the sums of the parts of the light, in some areas of the sums or of the lattice with
+    /// a stride.
+    pub(super) fn encode_parts(&mut self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let from = self.state().front;
         for addition in &self.picture().additions {
-            let Some(sums) = &self.targets().parts[addition.part as usize] else { continue };
-            self.encode_rows(
-                encoder,
-                addition.label,
-                &addition.pipeline,
-                &addition.groups(from),
-                &sums[1 - from],
-                rows,
-            );
+            let Some(sums) = self.written(addition.part, stride) else { continue };
+            self.encode_areas(encoder, addition.label, &addition.pipeline, &addition.groups(from), sums, areas);
         }
         for (part, field) in self.fields() {
             let variant = self.merge_variant(field, part == Part::Environment);
@@ -104,11 +98,11 @@ impl GpuBackend {
             let groups = &self.picture().groups;
             let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
             let bound = light.zip(groups.merge[part as usize].as_ref());
-            let Some(((light, merge), sums)) = bound.zip(self.targets().parts[part as usize].as_ref()) else {
+            let Some(((light, merge), sums)) = bound.zip(self.written(part, stride)) else {
                 continue;
             };
             let bound = [&groups.frame, &groups.scene, light, &merge[from]];
-            self.encode_rows(encoder, "merge", &pipeline, &bound, &sums[1 - from], rows);
+            self.encode_areas(encoder, "merge", &pipeline, &bound, sums, areas);
         }
     }
 
@@ -120,14 +114,14 @@ impl GpuBackend {
         [Some((Part::Environment, first)), sources].into_iter().flatten().collect()
     }
 
-    fn encode_rows(
+    fn encode_areas(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         label: &str,
         pipeline: &wgpu::RenderPipeline,
         groups: &[&wgpu::BindGroup],
         to: &Sums,
-        rows: &Range<u32>,
+        areas: &[Region],
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(label),
@@ -138,12 +132,36 @@ impl GpuBackend {
         for (i, group) in groups.iter().enumerate() {
             pass.set_bind_group(i as u32, *group, &[]);
         }
-        pass.set_scissor_rect(0, rows.start, self.picture().view.size[0], rows.end - rows.start);
-        pass.draw(0..3, 0..1);
+        for area in areas {
+            pass.set_scissor_rect(area.x, area.y, area.width, area.height);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    /// Where the passes write a part of the light.
+    fn written(&self, part: Part, stride: u32) -> Option<&Sums> {
+        let (targets, back) = (self.targets(), 1 - self.state().front);
+        match lattice(stride) {
+            None => Some(&targets.parts[part as usize].as_ref()?[back]),
+            Some(lattice) => Some(&targets.lattices[part as usize].as_ref()?[lattice]),
+        }
+    }
+
+    /// Fills between the pixels of the lattice with a stride, in some areas.
+    pub(super) fn encode_sketch(&self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
+        let (groups, front) = (&self.picture().groups, self.state().front);
+        for part in Part::ALL {
+            let bound = groups.filled[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
+            let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
+            let Some(lattice) = lattice(stride) else { continue };
+            let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];
+            let pipeline = &self.passes.sketch[usize::from(part != Part::Environment)];
+            self.encode_areas(encoder, "sketch", pipeline, &bound, to, areas);
+        }
     }
 
     pub(super) fn encode_display(&self, encoder: &mut wgpu::CommandEncoder) {
-        let group = &self.picture().groups.display[self.state().front];
+        let group = &self.picture().groups.display[self.shown()];
         full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
     }
 
@@ -152,7 +170,8 @@ impl GpuBackend {
         MergeVariant {
             field,
             is_first,
-            refine: self.picture().sampling == BrdfSampling::Refine,
+            refine: self.picture().sampling != BrdfSampling::Once,
+            lit: self.picture().sampling == BrdfSampling::Lit,
             has_ggx: materials.has_ggx,
             has_ward: materials.has_ward,
         }
@@ -218,6 +237,15 @@ fn clear_targets(encoder: &mut wgpu::CommandEncoder, targets: &[&Target]) {
         color_attachments: &attachments,
         ..Default::default()
     });
+}
+
+/// Which lattice has a stride; `None` for the whole sample.
+fn lattice(stride: u32) -> Option<usize> {
+    match stride {
+        1 => None,
+        4 => Some(1),
+        _ => Some(0),
+    }
 }
 
 fn attachment(target: &Target, load: wgpu::LoadOp<wgpu::Color>) -> Option<wgpu::RenderPassColorAttachment<'_>> {

@@ -25,6 +25,9 @@ pub struct Groups {
     pub merge: [Option<[wgpu::BindGroup; 2]>; 2],
     /// Indexed by which of the sums is read.
     pub display: [wgpu::BindGroup; 2],
+    /// Sums of all parts that the light has, indexed as [`Self::merge`]; and their lattices.
+    pub filled: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
+    pub lattices: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
 }
 
 impl GpuBackend {
@@ -58,6 +61,8 @@ impl GpuBackend {
             let uniforms = [self.display.as_entire_binding(), self.magma.as_entire_binding()];
             group("display", &layouts.display, &uniforms.into_iter().chain(sums).collect::<Vec<_>>())
         };
+        let lattice =
+            |sums: &Sums| group("lattice", &layouts.lattice, &[View(&sums.value.view), View(&sums.work.view)]);
         let marks = |from: usize| {
             group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
@@ -66,9 +71,11 @@ impl GpuBackend {
         let look = [materials.buffer.as_entire_binding(), pool, materials.linear_from_srgb.as_entire_binding()];
         let lit = [
             light.nodes.as_entire_binding(),
-            light.tan_half_radius.as_entire_binding(),
-            View(&scene.cuts),
+            light.brightness.as_entire_binding(),
+            View(&scene.cuts.view),
             View(&light.cut),
+            light.lit.nodes.as_entire_binding(),
+            light.lit.offsets.as_entire_binding(),
         ];
         Groups {
             frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
@@ -78,9 +85,14 @@ impl GpuBackend {
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
             geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
             sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
-                // Radii of sources are seen from each point: there is no table of them.
-                let tan_half_radius = light.tan_half_radius.as_entire_binding();
-                let sent = [lit.nodes.as_entire_binding(), tan_half_radius, View(&baked.cuts), View(&lit.cut)];
+                let sent = [
+                    lit.nodes.as_entire_binding(),
+                    lit.brightness.as_entire_binding(),
+                    View(&baked.cuts.view),
+                    View(&lit.cut),
+                    lit.lit.nodes.as_entire_binding(),
+                    lit.lit.offsets.as_entire_binding(),
+                ];
                 group("sources", &layouts.light, &sent)
             }),
             patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
@@ -88,6 +100,8 @@ impl GpuBackend {
             merge: [Part::Environment, Part::Bounce]
                 .map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
             display: [0, 1].map(display),
+            filled: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
+            lattices: Part::ALL.map(|part| targets.lattices[part as usize].as_ref().map(|l| l.each_ref().map(lattice))),
         }
     }
 }

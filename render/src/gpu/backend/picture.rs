@@ -27,6 +27,35 @@ pub struct Picture {
     pub groups: Groups,
     /// Passes beside the merges.
     pub additions: Vec<Addition>,
+    pub lattices: Lattices,
+}
+
+/// How far the lattices of the first sample are.
+#[derive(Clone, Debug, Default)]
+pub struct Lattices {
+    /// Stride of the finest one that is complete.
+    pub complete: Option<u32>,
+    /// Stride of the one in the making, and its tiles that are done.
+    pub making: Option<(u32, Vec<u32>)>,
+    /// Whether what is shown is filled between them.
+    pub filled: bool,
+}
+
+impl Lattices {
+    /// Notes tiles of a lattice; `all` of them complete it.
+    pub fn add(&mut self, stride: u32, tiles: &[u32], all: u32) {
+        let mut done = self.making.take().filter(|(making, _)| *making == stride).map_or(Vec::new(), |(_, done)| done);
+        done.extend(tiles);
+        if done.len() >= all as usize {
+            self.complete = Some(stride);
+        }
+        (self.making, self.filled) = (Some((stride, done)), false);
+    }
+
+    /// Whether a tile has its first sample.
+    pub fn has_sample(&self, tile: u32) -> bool {
+        self.making.as_ref().is_some_and(|(stride, done)| *stride == 1 && done.contains(&tile))
+    }
 }
 
 impl GpuBackend {
@@ -41,14 +70,16 @@ impl GpuBackend {
     }
 
     /// Gets a picture ready. It reuses the resources of the previous picture where possible.
-    pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Picture {
+    pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Result<Picture, BackendError> {
         if self.targets.as_ref().is_none_or(|t| t.size != view.size) {
             // Freed first: two sets of a large picture may not fit.
             self.targets = None;
             self.targets = Some(Targets::new(&self.gpu, view.size));
         }
-        let before = self.sources.take();
-        self.sources = self.local.shown_indirect().map(|lighting| GpuSources::new(&self.gpu, lighting, before));
+        let (before, baked) = (self.sources.take(), self.loaded().scene.sources.as_ref());
+        let shown = self.local.shown_indirect().zip(baked);
+        let make = |(lighting, baked)| GpuSources::new(&self.gpu, &self.passes.lit, baked, lighting, before);
+        self.sources = shown.map(make).transpose()?;
         let (light, environment) = self.light_or_dark();
         let blur = match view.background {
             Background::Blurred(width) => Some(width),
@@ -66,7 +97,15 @@ impl GpuBackend {
         let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
         let count_top = view.mode.count_top(illum_cut);
         let offsets = view.pixel_offsets();
-        Picture { view: view.clone(), sampling, offsets, count_top, groups, additions }
+        Ok(Picture {
+            view: view.clone(),
+            sampling,
+            offsets,
+            count_top,
+            groups,
+            additions,
+            lattices: Lattices::default(),
+        })
     }
 
     /// The parts of the light. Counts of merged nodes have one for each tree.

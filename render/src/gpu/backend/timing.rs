@@ -2,6 +2,7 @@
 
 use super::GpuBackend;
 use crate::{backend::BackendError, post::Post};
+use lapidary_core::image::Region;
 use std::time::{Duration, Instant};
 
 /// Wall-clock time of each pass of one sample.
@@ -26,15 +27,15 @@ impl GpuBackend {
     /// # Panics
     /// Before [`crate::Backend::begin`].
     pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
-        let height = self.picture().view.size[1];
-        self.write_frame(sample);
+        let whole = Region::whole(self.picture().view.size);
+        self.write_frame(sample, 1);
         self.gpu.wait()?;
         self.write_display(post);
         Ok(PassTimes {
             visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
             deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
             merge: self.timed(|s, encoder| {
-                s.encode_parts(encoder, &(0..height));
+                s.encode_parts(encoder, 1, &[whole]);
                 s.sample_done(sample);
             })?,
             display: self.timed(|s, encoder| s.encode_display(encoder))?,

@@ -100,7 +100,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 source_tree_height,
                 sample,
                 padding,
-                more_padding
+                stride
             ),
         ),
         (
@@ -146,6 +146,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 bump_map
             ),
         ),
+        ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
+        ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
         ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (
             "ShadowView",

@@ -11,12 +11,14 @@ pub struct Log {
     pub lights: u32,
     /// Size and samples of each picture.
     pub begun: Vec<([u32; 2], u32)>,
-    /// Sample and rows.
+    /// Stride and tile of first samples.
+    pub sketched: Vec<(u32, u32)>,
+    /// Sample and rows of the others.
     pub rows: Vec<(u32, Range<u32>)>,
     pub displays: u32,
     pub local: Vec<LocalLighting>,
     pub micros_per_pixel: u64,
-    /// So many calls to render rows lose the device.
+    /// So many calls to render pixels lose the device.
     pub losses: u32,
     pub panics: u32,
     pub refuse_scenes: bool,
@@ -31,6 +33,31 @@ pub struct Fake {
 
 fn lost() -> BackendError {
     BackendError::DeviceLost { reason: "unplugged".into() }
+}
+
+impl Fake {
+    fn size(&self) -> [u32; 2] {
+        self.view.as_ref().unwrap().size
+    }
+
+    /// Takes the time of some pixels.
+    fn render(&self, pixels: u64, note: impl FnOnce(&mut Log)) -> Result<(), BackendError> {
+        let mut log = self.log.lock().unwrap();
+        if log.losses > 0 {
+            log.losses -= 1;
+            return Err(lost());
+        }
+        if log.panics > 0 {
+            log.panics -= 1;
+            drop(log);
+            panic!("a mistake");
+        }
+        note(&mut log);
+        let pause = Duration::from_micros(log.micros_per_pixel * pixels);
+        drop(log);
+        std::thread::sleep(pause);
+        Ok(())
+    }
 }
 
 impl Backend for Fake {
@@ -66,22 +93,21 @@ impl Backend for Fake {
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
-        let mut log = self.log.lock().unwrap();
-        if log.losses > 0 {
-            log.losses -= 1;
-            return Err(lost());
-        }
-        if log.panics > 0 {
-            log.panics -= 1;
-            drop(log);
-            panic!("a mistake");
-        }
-        log.rows.push((sample, rows.clone()));
-        let pixels = u64::from(rows.end - rows.start) * u64::from(self.view.as_ref().unwrap().size[0]);
-        let pause = Duration::from_micros(log.micros_per_pixel * pixels);
-        drop(log);
-        std::thread::sleep(pause);
-        Ok(())
+        let pixels = u64::from(rows.end - rows.start) * u64::from(self.size()[0]);
+        self.render(pixels, |log| log.rows.push((sample, rows)))
+    }
+
+    fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
+        let all = Tiles::of(self.size());
+        let pixels: u64 = tiles.iter().map(|&tile| all.region(tile).pixels()).sum();
+        // The coarsest lattice looks at all pixels, each at an eighth of the cost of shading.
+        let share = if stride == STRIDES[0] { 0.125 } else { share_of_lattice(stride) };
+        let pixels = pixels as f64 * share;
+        self.render(pixels as u64, |log| log.sketched.extend(tiles.iter().map(|&tile| (stride, tile))))
+    }
+
+    fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+        Ok(0)
     }
 
     /// The eye's x in red, the exposure in green.

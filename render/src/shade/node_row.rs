@@ -1,8 +1,8 @@
 //! Nodes of a tree of lights, laid out for reading eight that lie anywhere.
 
-use super::{Lanes, Vec3x8};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use lapidary_core::simd::{Lanes, Vec3x8};
 
 /// What a pixel reads of a node: 32 bytes, half a line of the cache.
 ///
@@ -10,20 +10,19 @@ use glam::Vec3;
 /// a shuffle of its own.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
-pub struct NodeRow {
+pub(crate) struct NodeRow {
     /// Bytes 0 to 11: unit direction, or position in metres.
     pub place: Vec3,
     /// Bytes 12 to 15: spread of the light, as an inverse concentration or as a radius in metres.
     pub spread: f32,
     /// Bytes 16 to 27: mean radiance.
     pub radiance: Vec3,
-    /// Bytes 28 to 31: zero.
-    pub unused: f32,
+    /// Bytes 28 to 31: how bright the node is somewhere, see [`brightness`](crate::light::brightness).
+    pub brightness: f32,
 }
 
 /// Eight nodes, property by property.
-#[derive(Clone, Copy, Debug)]
-pub struct EightNodes<L> {
+pub(crate) struct EightNodes<L> {
     /// Places, see [`NodeRow`].
     pub place: Vec3x8<L>,
     /// Spreads.
@@ -34,9 +33,9 @@ pub struct EightNodes<L> {
 
 impl NodeRow {
     /// Rows of all nodes, from an array a property.
-    pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3]) -> Vec<Self> {
-        let properties = places.iter().zip(spreads).zip(radiance);
-        properties.map(|((&place, &spread), &radiance)| Self { place, spread, radiance, unused: 0.0 }).collect()
+    pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3], brightness: &[f32]) -> Vec<Self> {
+        let row = |i| Self { place: places[i], spread: spreads[i], radiance: radiance[i], brightness: brightness[i] };
+        (0..places.len()).map(row).collect()
     }
 
     /// Eight of `rows`.

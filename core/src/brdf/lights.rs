@@ -1,0 +1,154 @@
+//! Eight lights of some extent, as a surface receives them.
+//!
+//! A light is a von Mises-Fisher lobe of directions. The cosine to a normal is then a random number, whose mean and
+//! variance are known in closed form. Its distribution is taken to be uniform with these: it is so for the whole sphere,
+//! and nearly so for a small cap. Then what a horizon cuts off is known as well, and a diffuse surface needs no light of
+//! smaller extent.
+
+use crate::simd::{Lanes, Vec3x8};
+
+/// Eight lights in the local frame of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct LightsX8<L> {
+    /// Unit directions to them.
+    pub wi: Vec3x8<L>,
+    /// Inverse concentrations of their directions around `wi`.
+    pub inv_kappa: L,
+    /// Mean cosines to the normal of the light that is above the horizon.
+    pub cosine: L,
+    /// 1 where `wi` is above the horizon, else 0.
+    pub above: L,
+}
+
+impl<L: Lanes> LightsX8<L> {
+    /// Lights whose cosine is that of `wi`, and zero below the horizon.
+    #[inline(always)]
+    pub fn at(wi: Vec3x8<L>, inv_kappa: L) -> Self {
+        let above = wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0);
+        Self { wi, inv_kappa, cosine: wi.z.at_least(0.0), above }
+    }
+}
+
+/// First two moments of eight von Mises-Fisher lobes along and across their axes.
+#[derive(Clone, Copy, Debug)]
+pub struct LobeMomentsX8<L> {
+    /// Mean of the component along the axis.
+    resultant: L,
+    /// Mean square of a component across the axis.
+    across_sq: L,
+}
+
+impl<L: Lanes> LobeMomentsX8<L> {
+    /// Of lobes of inverse concentration `inv_kappa`.
+    #[inline(always)]
+    pub fn new(inv_kappa: L) -> Self {
+        let (one, three) = (L::splat(1.0), L::splat(3.0));
+        let s = inv_kappa;
+        // The root R of `s R (3 - R²) = 1 - R²` (Banerjee et al. 2005, Eq. 4.4), by a step of Newton from a guess that is
+        // right for points and for the whole sphere.
+        let guess = (one + s) / (one + s + s + three * s * s);
+        let guess_sq = guess * guess;
+        let residual = s * guess * (three - guess_sq) - one + guess_sq;
+        let resultant = guess - residual / (three * s * (one - guess_sq) + guess + guess);
+        Self { resultant, across_sq: resultant * s }
+    }
+
+    /// The cosines to a normal that has `cosine` to the lobes' axes.
+    #[inline(always)]
+    pub fn cosines(&self, cosine: L) -> CosinesX8<L> {
+        let along_sq = L::splat(1.0) - self.across_sq - self.across_sq;
+        let cosine_sq = cosine * cosine;
+        let mean = self.resultant * cosine;
+        let mean_sq = cosine_sq * along_sq + (L::splat(1.0) - cosine_sq) * self.across_sq;
+        let variance = (mean_sq - mean * mean).at_least(0.0);
+        // A uniform distribution of half width h has the variance h² / 3.
+        CosinesX8 { mean, half_width: (L::splat(3.0) * variance).sqrt() }
+    }
+}
+
+/// Cosines of eight lights to a normal, evenly distributed around their mean.
+#[derive(Clone, Copy, Debug)]
+pub struct CosinesX8<L> {
+    mean: L,
+    half_width: L,
+}
+
+impl<L: Lanes> CosinesX8<L> {
+    /// The mean cosine of the light above the horizon.
+    ///
+    /// Light below it is not counted as dark: a visibility that is baked knows the horizon already.
+    #[inline(always)]
+    pub fn above_horizon(&self) -> L {
+        let Self { mean, half_width } = *self;
+        let overlap = (mean + half_width).at_least(0.0).fast_min(half_width + half_width);
+        L::splat(0.5) * overlap + (mean - half_width).at_least(0.0)
+    }
+
+    /// The share of the light above the horizon.
+    #[inline(always)]
+    pub fn share_above(&self) -> L {
+        let width = (self.half_width + self.half_width).at_least(1e-6);
+        ((self.mean + self.half_width) / width).at_least(0.0).fast_min(L::splat(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wide::f32x8;
+
+    /// Mean of the clamped cosine over the share above the horizon, and that share, by quadrature over the sphere.
+    fn brute_force(inv_kappa: f64, cosine: f64) -> (f64, f64) {
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let (mut weight, mut above, mut sum) = (0.0, 0.0, 0.0);
+        for i in 0..2000 {
+            // Heights along the axis, denser near it for narrow lobes.
+            let u = (f64::from(i) + 0.5) / 2000.0;
+            let t = 1.0 + inv_kappa * (u + (1.0 - u) * (-2.0 / inv_kappa).exp()).ln();
+            for j in 0..200 {
+                let phi = (f64::from(j) + 0.5) / 200.0 * std::f64::consts::TAU;
+                let w = t * cosine + (1.0 - t * t).max(0.0).sqrt() * sine * phi.cos();
+                weight += 1.0;
+                above += f64::from(u8::from(w > 0.0));
+                sum += w.max(0.0);
+            }
+        }
+        (sum / above, above / weight)
+    }
+
+    #[test]
+    fn clamped_cosines_are_near_those_of_brute_force() {
+        for inv_kappa in [0.003, 0.03, 0.1, 0.3, 1.0, 10.0] {
+            for cosine in [-0.3, -0.05, 0.0, 0.1, 0.3, 0.6, 0.9, 1.0] {
+                let (expected, share) = brute_force(inv_kappa, cosine);
+                let moments = LobeMomentsX8::new(f32x8::splat(inv_kappa as f32));
+                let cosines = moments.cosines(f32x8::splat(cosine as f32));
+                let found_share = f64::from(cosines.share_above().to_array()[0]);
+                let received = f64::from(cosines.above_horizon().to_array()[0]) * found_share;
+                // Against a light that faces the surface, whose cosine is the resultant.
+                assert!(
+                    (received - expected * share).abs() < 0.02,
+                    "{inv_kappa} {cosine}: {received}, {}",
+                    expected * share
+                );
+                assert!((found_share - share).abs() < 0.07, "{inv_kappa} {cosine}: {found_share}, {share}");
+                let of_centre = f64::from(cosine.max(0.0) as f32);
+                if inv_kappa > 0.2 {
+                    assert!((of_centre - expected * share).abs() > 0.02, "negative control");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_has_the_cosine_of_its_direction_and_the_sphere_a_quarter() {
+        let at = |inv_kappa, cosine| {
+            let cosines = LobeMomentsX8::new(f32x8::splat(inv_kappa)).cosines(f32x8::splat(cosine));
+            (cosines.above_horizon().to_array()[0], cosines.share_above().to_array()[0])
+        };
+        assert_eq!(at(0.0, 0.25), (0.25, 1.0));
+        assert_eq!(at(0.0, -0.25), (0.0, 0.0));
+        let (mean, share) = at(1e4, 0.7);
+        assert!((mean - 0.5).abs() < 1e-3 && (share - 0.5).abs() < 1e-3, "{mean} {share}");
+    }
+}

@@ -1,0 +1,242 @@
+//! Lit cuts: vertices' cuts coarsened under the light of the moment.
+//!
+//! A stored cut resolves visibility everywhere, because it was made before any light was known. Most of its nodes tell
+//! of directions from which little comes. So two siblings become one node while the light that this moves between its
+//! parts stays below a share `tau` of the vertex's whole light: `Σ |el v - el v'| <= tau Σ el v`, where `el` is the
+//! luminance of a stored node times its leaves, `v` its value and `v'` the mean of the values weighted by `el`. A node
+//! sends the light that its parts sent, so a BRDF that is constant over it sees no difference. Where the BRDF is not,
+//! the merge goes on in the stored nodes, which each node knows.
+
+use super::{
+    merge::Cursor,
+    packed::{PackedCuts, VALUE_MAX, depth, quantize, value},
+    solid_angles::{solid_angle_code, solid_angles},
+};
+use rayon::prelude::*;
+use std::sync::OnceLock;
+
+/// Largest share of a vertex's light that a node of its lit cut may move, unless another is asked for.
+pub const DEFAULT_TAU: f32 = 0.003;
+
+/// What the 12-bit codes of a cut stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutValues {
+    /// Visibility, as a fraction of [`VALUE_MAX`].
+    Visibility,
+    /// Solid angles in steradians, see [`solid_angle_code`].
+    SolidAngles,
+}
+
+impl CutValues {
+    /// The value of a packed node.
+    #[inline(always)]
+    fn of(self, node: u16) -> f32 {
+        match self {
+            Self::Visibility => value(node),
+            Self::SolidAngles => solid_angles()[usize::from(node & VALUE_MAX)],
+        }
+    }
+
+    fn code(self, value: f32) -> u16 {
+        match self {
+            Self::Visibility => quantize(value),
+            Self::SolidAngles => solid_angle_code(value),
+        }
+    }
+}
+
+/// A node of a lit cut: in the low half a packed node, in the high half the position in the stored cut of the first node
+/// below it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LitNode(u32);
+
+impl LitNode {
+    /// The packed node.
+    #[inline(always)]
+    pub fn packed(self) -> u16 {
+        self.0 as u16
+    }
+
+    /// Position in the vertex's stored cut of the first node below it.
+    #[inline(always)]
+    pub fn stored(self) -> usize {
+        (self.0 >> 16) as usize
+    }
+}
+
+/// The lit cut of one vertex.
+#[derive(Clone, Debug, Default)]
+pub struct LitCut {
+    /// Its nodes, left to right.
+    pub nodes: Box<[LitNode]>,
+    /// The vertex's whole light: the sum over its nodes of luminance times leaves times value.
+    pub light: f32,
+}
+
+/// A node in the making.
+#[derive(Clone, Copy)]
+struct Part {
+    depth: u32,
+    /// Position of its first stored node.
+    stored: usize,
+    code: u16,
+    value: f32,
+    /// Luminance times leaves.
+    light: f32,
+    /// Light that its value moves between the stored nodes below it, at most.
+    moved: f32,
+}
+
+impl Part {
+    /// Two siblings as one node.
+    fn joined(values: CutValues, left: &Self, right: &Self) -> Self {
+        let light = left.light + right.light;
+        let share = if light > 0.0 { right.light / light } else { 0.5 };
+        let value = left.value + (right.value - left.value) * share;
+        let moves = |part: &Self| part.moved + part.light * (part.value - value).abs();
+        let code = if left.code == right.code { left.code } else { values.code(value) };
+        Self { depth: left.depth - 1, stored: left.stored, code, value, light, moved: moves(left) + moves(right) }
+    }
+}
+
+/// Lit cuts of all vertices under one light. Each is made when it is first asked for, so that the light may change many
+/// times before a vertex is seen.
+#[derive(Clone, Debug)]
+pub struct LitCuts {
+    values: CutValues,
+    /// Luminance times leaves of each node, by heap index.
+    light: Vec<f32>,
+    tau: f32,
+    /// One a vertex, once their number is known.
+    cuts: OnceLock<Vec<OnceLock<LitCut>>>,
+}
+
+impl LitCuts {
+    /// For cuts of `values` over a tree whose nodes have mean `luminance` by heap index.
+    pub fn new(values: CutValues, luminance: impl ExactSizeIterator<Item = f32>, tau: f32) -> Self {
+        let leaves = luminance.len() / 2;
+        let size = |node: usize| (leaves >> node.max(1).ilog2()) as f32;
+        let light = luminance.enumerate().map(|(node, l)| l * size(node)).collect();
+        Self { values, light, tau, cuts: OnceLock::new() }
+    }
+
+    /// Largest share of a vertex's light that a node moves between its parts.
+    pub fn tau(&self) -> f32 {
+        self.tau
+    }
+
+    /// The same light with another `tau`.
+    pub fn with_tau(self, tau: f32) -> Self {
+        if tau == self.tau { self } else { Self { tau, cuts: OnceLock::new(), ..self } }
+    }
+
+    /// The lit cut of one of the vertices of `stored`, which must always be the same cuts.
+    #[inline(always)]
+    pub fn of(&self, stored: &PackedCuts, vertex: u32) -> &LitCut {
+        let cuts = self.cuts.get_or_init(|| std::iter::repeat_with(OnceLock::new).take(stored.len()).collect());
+        cuts[vertex as usize].get_or_init(|| self.cut(stored.nodes_from(vertex)))
+    }
+
+    /// Makes the lit cuts of all vertices.
+    pub fn make_all(&self, stored: &PackedCuts) {
+        (0..stored.len() as u32).into_par_iter().for_each(|vertex| {
+            self.of(stored, vertex);
+        });
+    }
+
+    fn height(&self) -> u32 {
+        (self.light.len() / 2).ilog2()
+    }
+
+    /// The lit cut of the stored cut that begins `nodes`.
+    pub fn cut(&self, nodes: &[u16]) -> LitCut {
+        let whole: f32 = self.parts(nodes).map(|part| part.light * part.value).sum();
+        let mut parts: Vec<Part> = Vec::with_capacity(64);
+        let mut end = 0;
+        for part in self.parts(nodes) {
+            end += 1_u32 << (self.height() - part.depth);
+            parts.push(part);
+            while let Some(joined) = self.joins(&parts, end, whole) {
+                parts.pop();
+                let last = parts.len() - 1;
+                parts[last] = joined;
+            }
+        }
+        let pack = |p: &Part| LitNode((p.stored as u32) << 16 | p.depth << 12 | u32::from(p.code));
+        LitCut { nodes: parts.iter().map(pack).collect(), light: whole }
+    }
+
+    /// The nodes of the stored cut that begins `nodes`.
+    fn parts<'a>(&'a self, nodes: &'a [u16]) -> impl Iterator<Item = Part> + 'a {
+        let (leaves, height) = (self.light.len() as u32 / 2, self.height());
+        let mut first = 0;
+        nodes.iter().enumerate().map_while(move |(stored, &node)| {
+            if first == leaves {
+                return None;
+            }
+            let (depth, code, value) = (depth(node), node & VALUE_MAX, self.values.of(node));
+            let light = self.light[((leaves + first) >> (height - depth)) as usize];
+            first += 1 << (height - depth);
+            Some(Part { depth, stored, code, value, light, moved: 0.0 })
+        })
+    }
+
+    /// The last two of `parts`, which end at leaf `end`, as one node, if they are siblings and that moves little.
+    fn joins(&self, parts: &[Part], end: u32, whole: f32) -> Option<Part> {
+        let [.., left, right] = parts else { return None };
+        let size = 1_u32 << (self.height() - right.depth);
+        if self.tau <= 0.0 || left.depth != right.depth || !end.is_multiple_of(2 * size) {
+            return None;
+        }
+        let joined = Part::joined(self.values, left, right);
+        (joined.moved <= self.tau * whole).then_some(joined)
+    }
+}
+
+/// A position in a lit cut that moves left to right.
+#[derive(Clone, Copy, Debug)]
+pub struct LitCursor<'a> {
+    nodes: &'a [LitNode],
+    height: u32,
+    position: usize,
+    end: u32,
+}
+
+impl<'a> LitCursor<'a> {
+    /// At the first of `nodes` over a tree of `height`.
+    #[inline(always)]
+    pub fn new(height: u32, nodes: &'a [LitNode]) -> Self {
+        Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0].packed())) }
+    }
+
+    /// The current node.
+    #[inline(always)]
+    pub fn node(&self) -> LitNode {
+        self.nodes[self.position]
+    }
+
+    /// The current node's stored value, 0 to [`VALUE_MAX`].
+    #[inline(always)]
+    pub fn code(&self) -> u16 {
+        self.node().packed() & VALUE_MAX
+    }
+
+    /// Leaves below the current node.
+    #[inline(always)]
+    pub fn size(&self) -> u32 {
+        1 << (self.height - depth(self.node().packed()))
+    }
+}
+
+impl Cursor for LitCursor<'_> {
+    #[inline(always)]
+    fn end(&self) -> u32 {
+        self.end
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.position += 1;
+        self.end += self.size();
+    }
+}

@@ -1,0 +1,181 @@
+//! How far the first sample of a picture is: which tiles of which lattice come next, and when to show it.
+
+use crate::jobs::budget::Pace;
+use glam::Vec2;
+use lapidary_render::{STRIDES, Tiles, share_of_lattice};
+use std::time::{Duration, Instant};
+
+/// Most milliseconds of tiles that are computed at once: short enough to drop everything for a new request.
+const STEP_MS: f64 = 45.0;
+
+/// Measured speed of sketches, by what takes the time.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SketchPace {
+    /// The coarsest lattice, with what all pixels see.
+    first: Pace,
+    /// Pixels that finer lattices shade.
+    finer: Pace,
+    /// Filling and display.
+    show: Pace,
+}
+
+impl SketchPace {
+    /// Records that it took `millis` milliseconds to show a sketch of `pixels` pixels, of which `shaded` were shaded for it.
+    pub fn shown(&mut self, pixels: u64, shaded: u32, millis: f64) {
+        let shading = self.finer.millis(shaded.into()).unwrap_or(0.0);
+        self.show.measured(pixels, (millis - shading).max(0.0));
+    }
+
+    /// The largest picture whose coarsest lattice is shown in `budget_ms`.
+    pub fn reduced_size(&self, full: [u32; 2], budget_ms: f32) -> [u32; 2] {
+        self.first.and(self.show).reduced_size(full, budget_ms)
+    }
+
+    /// Pixels that are shaded in some milliseconds.
+    pub fn pixels_within(&self, millis: f64) -> u32 {
+        self.finer.times_within(millis, 1.0).unwrap_or(0).min(u32::MAX as usize) as u32
+    }
+}
+
+/// The first sample in the making.
+#[derive(Debug)]
+pub struct Sketching {
+    size: [u32; 2],
+    /// Tiles in the order in which each lattice takes them.
+    order: Vec<u32>,
+    /// Index into [`STRIDES`] of the lattice in the making.
+    level: usize,
+    /// Tiles of `order` that have it.
+    done: usize,
+    /// Since when it is in the making.
+    since: Instant,
+    /// Lattices that all tiles had when it was last shown.
+    shown: usize,
+}
+
+impl Sketching {
+    /// Of a picture of `size`, with the tiles near `place` first.
+    pub fn new(size: [u32; 2], place: Vec2) -> Self {
+        let order = Tiles::of(size).nearest_first(place);
+        Self { size, order, level: 0, done: 0, since: Instant::now(), shown: 0 }
+    }
+
+    /// Pixels of the picture.
+    pub fn pixels(&self) -> u64 {
+        self.size.map(u64::from).iter().product()
+    }
+
+    /// Whether the sample is complete.
+    pub fn is_complete(&self) -> bool {
+        self.level == STRIDES.len()
+    }
+
+    /// Whether it was shown.
+    pub fn is_shown(&self) -> bool {
+        self.shown > 0
+    }
+
+    /// Stride of the finest lattice that all tiles have.
+    pub fn stride(&self) -> Option<u32> {
+        self.level.checked_sub(1).map(|level| STRIDES[level])
+    }
+
+    /// Stride and tiles that come next, as many as fit the time that is left of `budget_ms`.
+    pub fn next(&self, pace: &SketchPace, budget_ms: f32) -> (u32, &[u32]) {
+        let stride = STRIDES[self.level];
+        let left = &self.order[self.done..];
+        let pixels = self.share() * Tiles::MOST_PIXELS as f64;
+        let threads = rayon::current_num_threads();
+        let wanted = self.pace(pace).times_within(self.millis_left(pace, budget_ms), pixels).unwrap_or(0);
+        (stride, &left[..wanted.max(threads).min(left.len())])
+    }
+
+    /// Records that the first `tiles` of those that came next took `millis` milliseconds.
+    pub fn advance(&mut self, tiles: usize, pace: &mut SketchPace, millis: f64) {
+        let taken = &self.order[self.done..self.done + tiles];
+        let pixels: u64 = taken.iter().map(|&tile| Tiles::of(self.size).region(tile).pixels()).sum();
+        let slot = if self.level == 0 { &mut pace.first } else { &mut pace.finer };
+        slot.measured((pixels as f64 * self.share()).ceil() as u64, millis);
+        self.done += tiles;
+        if self.done == self.order.len() {
+            (self.level, self.done) = (self.level + 1, 0);
+        }
+    }
+
+    /// Whether to show the picture now: the first time when the time for it is over, and then once for each lattice.
+    pub fn is_due(&self, pace: &SketchPace, budget_ms: f32) -> bool {
+        match self.shown {
+            0 => self.level > 0 && !(self.millis_left(pace, budget_ms) > 0.0),
+            shown => self.level > shown,
+        }
+    }
+
+    /// Records that it was shown.
+    pub fn set_shown(&mut self) {
+        self.shown = self.level;
+    }
+
+    /// Pixels that a tile's part of the lattice adds, per pixel of the tile.
+    fn share(&self) -> f64 {
+        // The coarsest lattice looks at all pixels.
+        if self.level == 0 { 1.0 } else { share_of_lattice(STRIDES[self.level]) }
+    }
+
+    fn pace<'p>(&self, pace: &'p SketchPace) -> &'p Pace {
+        if self.level == 0 { &pace.first } else { &pace.finer }
+    }
+
+    /// Milliseconds until it is to be shown for the first time, or the longest step after that.
+    fn millis_left(&self, pace: &SketchPace, budget_ms: f32) -> f64 {
+        if self.is_shown() {
+            return STEP_MS;
+        }
+        let passed = 1e3 * Duration::as_secs_f64(&self.since.elapsed());
+        let show = pace.show.millis(self.pixels()).unwrap_or(0.0);
+        (f64::from(budget_ms) - passed - show).min(STEP_MS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes all steps; returns the strides with their numbers of tiles.
+    fn steps(sketching: &mut Sketching, pace: &mut SketchPace) -> Vec<(u32, usize)> {
+        let mut steps = Vec::new();
+        while !sketching.is_complete() {
+            let (stride, tiles) = sketching.next(pace, 1e3);
+            let (count, tile) = (tiles.len(), tiles[0]);
+            assert!(tile < Tiles::of(sketching.size).count());
+            steps.push((stride, count));
+            sketching.advance(count, pace, 1.0);
+        }
+        steps
+    }
+
+    #[test]
+    fn each_lattice_takes_all_tiles_once() {
+        let mut sketching = Sketching::new([500, 300], Vec2::splat(0.5));
+        let steps = steps(&mut sketching, &mut SketchPace::default());
+        for stride in STRIDES {
+            let tiles: usize = steps.iter().filter(|step| step.0 == stride).map(|step| step.1).sum();
+            assert_eq!(tiles, 8 * 5, "{stride}");
+        }
+        assert!(steps.windows(2).all(|s| s[1].0 <= s[0].0));
+    }
+
+    #[test]
+    fn it_is_shown_when_its_time_is_over_and_then_for_each_lattice() {
+        let mut pace = SketchPace::default();
+        let mut sketching = Sketching::new([60, 60], Vec2::ZERO);
+        assert!(!sketching.is_due(&pace, 0.0), "nothing to show");
+        sketching.advance(1, &mut pace, 1.0);
+        assert!(sketching.is_due(&pace, 0.0) && !sketching.is_due(&pace, 1e6));
+        pace.shown(3600, 0, 2e6);
+        assert!(sketching.is_due(&pace, 1e6), "the time to show it counts");
+        sketching.set_shown();
+        assert!(!sketching.is_due(&pace, 0.0) && sketching.stride() == Some(8));
+        sketching.advance(1, &mut pace, 1.0);
+        assert!(sketching.is_due(&pace, 1e6) && sketching.stride() == Some(4));
+    }
+}

@@ -1,0 +1,90 @@
+//! Sketches of CPU and GPU agree, and a sketch leaves no trace in the picture.
+
+use super::twin::{appearance, backend, maps, scene, view};
+use crate::{
+    Backend, BrdfSampling, CpuBackend, Illumination, LocalLighting, Renderer, STRIDES, Tiles, View, ViewMode,
+    test_scenes::{illumination, point_light, rel_rmse},
+};
+use glam::Vec3;
+use lapidary_core::{
+    image::Image,
+    material::{BrdfModel, BrdfParameters, MaterialMaps},
+};
+
+fn light() -> Illumination {
+    illumination([64, 32], |x, y| Vec3::splat(0.1 * x as f32 + 0.02 * y as f32))
+}
+
+fn prepare(backend: &mut dyn Backend) {
+    let dataset = scene();
+    backend.set_scene(&dataset.clone().into()).unwrap();
+    let lighting = Renderer::new(dataset.clone()).lighting(&light(), 64);
+    backend.set_light(&light(), &lighting.into()).unwrap();
+    let local = LocalLighting { lights: [point_light(Vec3::new(0.5, 2.0, 0.5), 3.0)].into(), ..Default::default() };
+    backend.set_local_lighting(&local).unwrap();
+    let parameters = BrdfParameters { base_color: Vec3::new(0.7, 0.4, 0.2), roughness: 0.6, ..Default::default() };
+    backend.set_appearance(&appearance(&dataset, BrdfModel::Ggx, parameters, MaterialMaps::default())).unwrap();
+}
+
+fn sketched(backend: &mut dyn Backend, view: &View, stride: u32) -> Image {
+    backend.begin(view, BrdfSampling::Refine).unwrap();
+    let tiles: Vec<u32> = (0..Tiles::of(view.size).count()).collect();
+    let wanted = STRIDES.iter().filter(|&&s| s >= stride);
+    // In parts, as in the window.
+    wanted.for_each(|&stride| tiles.chunks(1).for_each(|part| backend.sketch(stride, part).unwrap()));
+    if stride > 1 {
+        backend.fill(0).unwrap();
+    }
+    backend.read(u32::from(stride == 1)).unwrap().0
+}
+
+#[test]
+fn sketches_are_those_of_the_cpu() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    let mut cpu = CpuBackend::new();
+    prepare(&mut gpu);
+    prepare(&mut cpu);
+    for mode in [ViewMode::Shaded, ViewMode::Normals, ViewMode::MergedCut] {
+        let view = View { size: [150, 100], ..view(mode) };
+        let error = |gpu: &Image, cpu: &Image| rel_rmse(gpu, cpu);
+        for stride in [8, 4, 2] {
+            let [on_gpu, on_cpu] = [&mut gpu as &mut dyn Backend, &mut cpu].map(|b| sketched(b, &view, stride));
+            // Edges may lie in different pixels, and so do shadows of maps and of rays.
+            let apart = error(&on_gpu, &on_cpu);
+            let coarser = error(&on_gpu, &sketched(&mut cpu, &view, 1));
+            assert!(apart < 0.05, "{mode:?} {stride}: {apart}");
+            assert!(coarser > 2.0 * apart, "negative control: {mode:?} {stride}: {coarser} {apart}");
+        }
+    }
+}
+
+#[test]
+fn the_last_lattice_is_the_sample_and_further_samples_follow() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    prepare(&mut gpu);
+    let view = View { aa: 2, size: [150, 100], ..view(ViewMode::Shaded) };
+    let sketch = sketched(&mut gpu, &view, 1);
+    let stats = gpu.stats().unwrap();
+    gpu.render_rows(1, 0..100).unwrap();
+    let both = gpu.read(2).unwrap().0;
+    gpu.begin(&view, BrdfSampling::Refine).unwrap();
+    gpu.render_rows(0, 0..100).unwrap();
+    assert!(gpu.read(1).unwrap().0 == sketch && gpu.stats().unwrap() == stats);
+    gpu.render_rows(1, 0..100).unwrap();
+    assert!(gpu.read(2).unwrap().0 == both && both != sketch);
+    sketched(&mut gpu, &view, 4);
+    gpu.render_rows(0, 0..100).unwrap();
+    assert!(gpu.read(1).unwrap().0 == sketch, "an unfinished sketch leaves nothing");
+}
+
+#[test]
+fn small_pictures_and_maps_are_defined() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    prepare(&mut gpu);
+    let parameters = BrdfParameters { base_color: Vec3::ONE, ..Default::default() };
+    gpu.set_appearance(&appearance(&scene(), BrdfModel::Ward, parameters, maps())).unwrap();
+    for size in [[1, 1], [3, 2], [9, 65]] {
+        let image = sketched(&mut gpu, &View { size, wireframe: true, ..view(ViewMode::Shaded) }, 8);
+        assert!(image.size == size && image.pixels.iter().all(|p| p.is_finite()), "{size:?}");
+    }
+}
