@@ -283,15 +283,20 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn stored(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
         let ([a, b, c], mut count) = (self.stored_cursors(), 0);
         let mut cursors = [a, b, c, PackedCursor::new(self.height, self.field.illumination_cut())];
-        merge(self.leaves(), &mut cursors, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].stored_value());
-            if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
-            } else {
-                dark(interval);
-            }
-        });
+        merge(
+            self.leaves(),
+            &mut cursors,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].stored_value());
+                if visibility > 0.0 {
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                } else {
+                    dark(interval);
+                }
+            },
+        );
         count
     }
 
@@ -301,21 +306,26 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         let lit = self.field.lit_cuts();
         let mut cursors = self.point.vertices.map(|v| LitCursor::new(self.height, &lit.of(self.cuts, v).nodes));
         let (mut stored, mut count) = (self.stored_cursors(), 0);
-        merge(self.leaves(), &mut cursors, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].code());
-            let node = interval.heap_index(self.leaves());
-            if !(visibility > 0.0) {
-                dark(interval);
-            } else if self.is_too_wide(node) {
-                for (stored, cursor) in stored.iter_mut().zip(cursors) {
-                    stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+        merge(
+            self.leaves(),
+            &mut cursors,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].code());
+                let node = interval.heap_index(self.leaves());
+                if !(visibility > 0.0) {
+                    dark(interval);
+                } else if self.is_too_wide(node) {
+                    for (stored, cursor) in stored.iter_mut().zip(cursors) {
+                        stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+                    }
+                    count += self.below(interval, &mut stored, terms, &mut dark) - 1;
+                } else {
+                    terms.push(Term { node, visibility });
                 }
-                count += self.below(interval, &mut stored, terms, &mut dark) - 1;
-            } else {
-                terms.push(Term { node, visibility });
-            }
-        });
+            },
+        );
         count
     }
 
@@ -329,15 +339,20 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         dark: &mut impl FnMut(Interval),
     ) -> u64 {
         let mut count = 0;
-        merge_within(within, stored, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].stored_value());
-            if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
-            } else {
-                dark(interval);
-            }
-        });
+        merge_within(
+            within,
+            stored,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].stored_value());
+                if visibility > 0.0 {
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                } else {
+                    dark(interval);
+                }
+            },
+        );
         count
     }
 
@@ -359,10 +374,15 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
 mod tests {
     use super::*;
     use crate::{
+        light::bounce::SourceLighting,
         renderer::Renderer,
-        test_scenes::{dataset, from_the_side, glossy, illumination, mesh, surface_at},
+        shade::node_field::SourceField,
+        test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
     };
-    use lapidary_core::material::{BrdfModel, BrdfParameters};
+    use lapidary_core::{
+        material::{BrdfModel, BrdfParameters},
+        sources::SourceTree,
+    };
 
     /// The bits of one point in each instruction set, under each model and sampling.
     fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
@@ -380,6 +400,12 @@ mod tests {
         InstructionSet::available().map(shaded).collect()
     }
 
+    /// All sets have the bits of the first, which is not dark.
+    fn assert_same(bits: &[Vec<[u32; 3]>]) {
+        assert!(bits.iter().all(|of_set| of_set == &bits[0]), "{bits:?}");
+        assert!(bits[0].iter().all(|color| f32::from_bits(color[2]) > 0.0), "{bits:?}");
+    }
+
     #[test]
     fn all_instruction_sets_shade_a_point_to_the_same_bits() {
         let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
@@ -388,9 +414,22 @@ mod tests {
         let lighting = renderer.lighting(&light, 64);
         let point = surface_at(&renderer, &from_the_side(24));
         let far = bits_in_each_set(&lighting, &renderer.dataset.cuts, &point);
-        assert!(far.iter().all(|bits| bits == &far[0]), "{far:?}");
-        assert!(far[0].iter().all(|bits| f32::from_bits(bits[2]) > 0.0), "{far:?}");
+        assert_same(&far);
         assert_ne!(far[0][3], far[0][4], "negative control: another sampling is another number");
+        let smooth_normal = (point.smooth_normal + 0.3 * Vec3::X).normalize();
+        let bent = bits_in_each_set(&lighting, &renderer.dataset.cuts, &SurfacePoint { smooth_normal, ..point });
+        assert_same(&bent);
+        assert_ne!(far[0], bent[0], "negative control: another normal is another number");
+    }
+
+    #[test]
+    fn all_instruction_sets_gather_sources_to_the_same_bits() {
+        let renderer = Renderer::new(floor_and_wall(3));
+        let indirect = renderer.dataset.indirect.as_ref().unwrap();
+        let radiance: Vec<Vec3> = (0..indirect.sources.len()).map(|i| Vec3::new(1.0, 0.5, i as f32)).collect();
+        let lighting = SourceLighting::new(SourceTree::new(&indirect.sources).into(), &radiance, 64);
+        let point = surface_at(&renderer, &from_the_side(24));
+        assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
     }
 
     #[test]
