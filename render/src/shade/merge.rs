@@ -75,6 +75,8 @@ pub(crate) struct Term {
     pub node: u32,
     /// Interpolated value of the vertices' cuts; zero in padding alone.
     pub visibility: f32,
+    /// Whether it comes from lit cuts: then the value is a mean weighted by the light.
+    pub is_lit: bool,
 }
 
 /// Eight terms of the sum, evaluated.
@@ -161,7 +163,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
     #[inline(always)]
     fn evaluate<L: Lanes>(&self, point: &SurfacePoint, terms: &mut Vec<Term>, visit: impl FnMut(&EightTerms<L>)) {
         // Padding repeats the root without visibility.
-        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0 });
+        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0, is_lit: false });
         let terms = terms.as_chunks::<8>().0;
         match &point.brdf {
             SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, terms, visit),
@@ -291,7 +293,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                 count += 1;
                 let visibility = self.interpolated(|i| cursors[i].stored_value());
                 if visibility > 0.0 {
-                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
                 } else {
                     dark(interval);
                 }
@@ -322,7 +324,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                     }
                     count += self.below(interval, &mut stored, terms, &mut dark) - 1;
                 } else {
-                    terms.push(Term { node, visibility });
+                    terms.push(Term { node, visibility, is_lit: true });
                 }
             },
         );
@@ -347,7 +349,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                 count += 1;
                 let visibility = self.interpolated(|i| cursors[i].stored_value());
                 if visibility > 0.0 {
-                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility }, terms);
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
                 } else {
                     dark(interval);
                 }
