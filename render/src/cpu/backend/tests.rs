@@ -173,7 +173,7 @@ fn counts_are_shown_in_false_colours_up_to_the_top_of_the_legend() {
     let view = View { mode: ViewMode::VisibilityCut, ..from_above(4) };
     picture(&mut backend, &view, 4);
     let cut = dataset.cuts.cut(dataset.tree.height(), 0).len() as f32;
-    let expected = magma(cut / ViewMode::VisibilityCut.count_top(ILLUM_CUT)) * 255.0;
+    let expected = magma(cut / ViewMode::VisibilityCut.count_top(BrdfSampling::Once, ILLUM_CUT)) * 255.0;
     let exposed = Post { exposure: 3.0, ..Post::default() };
     let shown = backend.display(&exposed, 1).unwrap()[5];
     for (shown, expected) in shown.iter().zip(expected.to_array()) {
