@@ -27,9 +27,6 @@ enum Known {
     /// Registers of 256 bits.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 32 registers of 256 bits, and masks in registers of their own.
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
 }
 
 impl InstructionSet {
@@ -45,13 +42,7 @@ impl InstructionSet {
                 && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("lzcnt")
                 && is_x86_feature_detected!("popcnt");
-            let avx512 = avx2
-                && is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512cd")
-                && is_x86_feature_detected!("avx512dq");
-            [Some(Known::Portable), avx2.then_some(Known::Avx2), avx512.then_some(Known::Avx512)]
+            [Some(Known::Portable), avx2.then_some(Known::Avx2)]
         };
         #[cfg(not(target_arch = "x86_64"))]
         let known = [Some(Known::Portable)];
@@ -71,8 +62,6 @@ impl InstructionSet {
             // SAFETY: only `available` makes these values, and it asks the machine first.
             #[cfg(target_arch = "x86_64")]
             Known::Avx2 => unsafe { in_avx2(kernel) },
-            #[cfg(target_arch = "x86_64")]
-            Known::Avx512 => unsafe { in_avx512(kernel) },
         }
     }
 }
@@ -80,11 +69,5 @@ impl InstructionSet {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn in_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<Avx2>()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512bw,avx512cd,avx512dq")]
-fn in_avx512<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Avx2>()
 }
