@@ -1,0 +1,119 @@
+//! `lapidary bench --suite`: how long bake, frame, drag, rotation and lit cuts take on the bundled scenes, in
+//! milliseconds and in multiples of a fixed piece of work ([`kernel`]). The multiples depend little on the machine and on
+//! what else runs there, so they are held against a stored baseline.
+
+mod baseline;
+mod figures;
+mod kernel;
+mod meter;
+mod report;
+mod scenes;
+
+use crate::{
+    bundled::DataFolder,
+    outputs::CommandFiles,
+    terminal::{Console, Steps, json_text, print_out, write_json},
+};
+use anyhow::{Context, Result};
+use baseline::Baseline;
+use clap::Args;
+use kernel::Kernel;
+use meter::Meter;
+use report::Report;
+use scenes::Plan;
+use std::{path::PathBuf, time::Instant};
+
+/// Options of the suite.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Suite on the bundled scenes")]
+pub struct SuiteArgs {
+    /// Measure bake, frame, drag, rotation and lit cuts on the bundled scenes, on the CPU, in place of a dataset's frames
+    #[arg(long, conflicts_with_all = SINGLE_DATASET)]
+    suite: bool,
+    /// Baseline to compare with [default: the one that comes with this version]
+    #[arg(long, value_name = "FILE.json", requires = "suite")]
+    baseline: Option<PathBuf>,
+    /// Write the figures as a new baseline
+    #[arg(long, value_name = "FILE.json", requires = "suite")]
+    save: Option<PathBuf>,
+    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+}
+
+/// Groups of options that are about one dataset.
+const SINGLE_DATASET: [&str; 6] =
+    ["ViewArgs", "EnvironmentArgs", "MaterialArgs", "CameraArgs", "PassesArgs", "LocalLightArgs"];
+
+impl SuiteArgs {
+    /// What it reads and writes.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().reads(&self.data).reads(&self.baseline).writes(&self.save)
+    }
+}
+
+/// How large and how often everything is measured.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    /// Size of the pictures in pixels.
+    size: [u32; 2],
+    /// Light samples and surface sources of the bakes; a draft's, if none are named.
+    lights: Option<usize>,
+    /// Runs of each figure but the bakes, after one to warm up.
+    repeats: usize,
+    /// Pixels of the kernel.
+    kernel_pixels: u32,
+}
+
+impl Scale {
+    /// The paper's size of pictures; four minutes on two cores.
+    const FULL: Self = Self { size: [640, 480], lights: None, repeats: 5, kernel_pixels: kernel::PIXELS };
+}
+
+/// Measures, compares and prints.
+///
+/// # Errors
+/// A baseline or bundled data that cannot be read, a file that cannot be written, or Ctrl-C.
+pub fn run(args: &SuiteArgs, json: bool, console: Console) -> Result<()> {
+    let baseline = args.baseline.as_deref().map_or_else(Baseline::stored, Baseline::read)?;
+    let data = DataFolder::find(args.data.as_deref())?;
+    let steps = Steps::new(console);
+    let report = measure(&scenes::PLANS, &data, &Scale::FULL, &baseline, &steps)?;
+    if let Some(path) = &args.save {
+        write_json(path, &Baseline::of(&report))?;
+    }
+    print_out(&if json { json_text(&report)? } else { report.table() })
+}
+
+/// All figures of `plans`, against `baseline`.
+fn measure(plans: &[Plan], data: &DataFolder, scale: &Scale, baseline: &Baseline, steps: &Steps) -> Result<Report> {
+    let start = Instant::now();
+    let kernel = Kernel::new(scale.kernel_pixels);
+    let time = || kernel.time();
+    let mut meter = Meter::new(&time, scale.repeats, steps);
+    let folder = tempfile::tempdir().context("cannot bake to the folder for temporary files; check its free space")?;
+    for plan in plans {
+        let case = plan.bake(data, folder.path(), scale, &mut meter)?;
+        figures::measure(&case, &mut meter)?;
+    }
+    Ok(Report::new(scale.size, start.elapsed(), meter.finish(), baseline))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_suite_has_all_figures_and_stands_against_itself() {
+        let scale = Scale { size: [32, 24], lights: Some(64), repeats: 1, kernel_pixels: 64 };
+        let (data, steps) = (DataFolder::find(None).unwrap(), Steps::new(Console { quiet: true }));
+        let report = measure(&scenes::PLANS, &data, &scale, &Baseline::default(), &steps).unwrap();
+        let names: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
+        let stored = Baseline::stored().unwrap();
+        assert_eq!(names.len(), stored.figures.len(), "{names:?}");
+        assert!(names.iter().all(|&name| stored.figures.contains_key(name)), "{names:?}");
+        assert!(report.figures.iter().all(|f| f.milliseconds > 0.0 && f.kernels.is_finite() && f.ratio.is_none()));
+        let again = Baseline::of(&report);
+        assert_eq!(again.figures.len(), names.len(), "no name twice");
+    }
+}
