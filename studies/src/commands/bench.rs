@@ -9,14 +9,13 @@ use crate::{
     terminal::{Console, Outcome},
 };
 use anyhow::Result;
-use clap::Args;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use passes::PassesArgs;
 use std::time::Duration;
 use suite::SuiteArgs;
 
 /// Options of `bench`.
 #[derive(Args, Clone, Debug)]
-#[command(mut_arg("file", |file| file.required_unless_present("suite")))]
 pub struct BenchArgs {
     /// Print the figures as JSON
     #[arg(long)]
@@ -27,15 +26,40 @@ pub struct BenchArgs {
     passes: PassesArgs,
     #[command(flatten)]
     local: LocalLightArgs,
-    /// Nothing for the suite, which has its own scenes.
     #[command(flatten)]
-    view: Option<ViewArgs>,
+    view: ViewUnlessSuite,
+}
+
+/// A view of a dataset; nothing for the suite, which has its own scenes.
+#[derive(Clone, Debug)]
+struct ViewUnlessSuite(Option<ViewArgs>);
+
+/// By hand, because an optional group with groups in it has no members for clap.
+impl Args for ViewUnlessSuite {
+    fn augment_args(command: Command) -> Command {
+        ViewArgs::augment_args(command).mut_arg("file", |file| file.required(false).required_unless_present("suite"))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        ViewArgs::augment_args_for_update(command)
+    }
+}
+
+impl FromArgMatches for ViewUnlessSuite {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        matches.contains_id("file").then(|| ViewArgs::from_arg_matches(matches)).transpose().map(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
 impl BenchArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        self.view.as_ref().map_or_else(|| self.suite.files(), |view| view.files(&self.local))
+        self.view.0.as_ref().map_or_else(|| self.suite.files(), |view| view.files(&self.local))
     }
 }
 
@@ -44,7 +68,7 @@ impl BenchArgs {
 /// # Errors
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
-    match &args.view {
+    match &args.view.0 {
         Some(view) => passes::run(&args.passes, &view.resolve(&args.local, console)?, args.json)?,
         None => suite::run(&args.suite, args.json, console)?,
     }
@@ -72,8 +96,8 @@ mod tests {
     fn it_takes_a_dataset_or_the_suite() {
         let parsed = |text: &str| Options::try_parse_from(std::iter::once("bench").chain(text.split_whitespace()));
         let bench = |text: &str| parsed(text).map(|options| options.bench);
-        assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.is_some()));
-        assert!(bench("--suite --save new.json --json").is_ok_and(|bench| bench.view.is_none()));
+        assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.0.is_some()));
+        assert!(bench("--suite --save new.json --json").is_ok_and(|bench| bench.view.0.is_none()));
         let refused = [
             "",
             "--json",
@@ -83,6 +107,7 @@ mod tests {
             "--suite --frames 3",
             "--suite --roughness 1",
             "--suite --lights none",
+            "--save new.json",
             "a.cuts --save new.json",
             "a.cuts --baseline old.json",
         ];

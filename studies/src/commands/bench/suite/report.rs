@@ -86,6 +86,7 @@ impl Report {
     fn summary(&self) -> String {
         let slower: Vec<&str> = self.figures.iter().filter(|f| f.slower).map(|f| f.name.as_str()).collect();
         match slower.len() {
+            0 if self.figures.iter().all(|f| f.ratio.is_none()) => "The baseline has none of these figures.".into(),
             0 => "No figure is more than 30 % slower than the baseline.".into(),
             n => format!(
                 "More than 30 % slower than the baseline ({n} of {}): {}",
@@ -119,6 +120,7 @@ mod tests {
     fn what_became_twice_as_slow_is_told_on_any_machine() {
         let first = report(20, 1, &Baseline::default());
         assert!(first.figures.iter().all(|f| f.ratio.is_none()) && first.table().contains("new"));
+        assert!(first.table().ends_with("The baseline has none of these figures.\n"));
         let baseline = Baseline::of(&first);
         for slowness in [1, 7] {
             let [same, a_bit, twice] = [20, 25, 40].map(|ms| report(ms, slowness, &baseline));
