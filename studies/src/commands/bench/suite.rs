@@ -67,7 +67,7 @@ impl SuiteArgs {
 struct Scale {
     /// Size of the pictures in pixels.
     size: [u32; 2],
-    /// Light samples and surface sources of the bakes; a draft's, if none are named.
+    /// Light samples and surface sources of the bakes, which then add no vertices; `None` bakes drafts.
     lights: Option<usize>,
     /// Runs of each figure but the bakes, after one to warm up.
     repeats: usize,

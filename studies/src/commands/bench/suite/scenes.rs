@@ -87,6 +87,7 @@ impl Plan {
         BakeSettings {
             lights: lights.unwrap_or(draft.lights),
             pilot_clusters: lights.map_or(draft.pilot_clusters, |lights| lights.min(draft.pilot_clusters)),
+            max_vertices: draft.max_vertices.filter(|_| lights.is_none()),
             mode: self.mode,
             indirect: IndirectSettings { sources, ..draft.indirect },
             ..draft
