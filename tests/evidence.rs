@@ -20,13 +20,16 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     let steps = json["steps"].as_array().expect("a list").clone();
     let sizes: Vec<_> = steps.iter().filter_map(|step| step["illum_cut"].as_u64()).collect();
     assert_eq!(sizes, [1, 32, 256]);
-    for key in ["illum_cut", "rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
+    let lit = steps.last().expect("steps");
+    assert!(lit["brdf"] == "lit" && lit["lit_cuts"].is_number() && lit["illum_cut"].is_null(), "{lit}");
+    assert!(lit["rel_rmse"].as_f64().is_some_and(|error| error < 0.31), "{lit}");
+    for key in ["rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
         assert!(steps.iter().all(|step| step[key].is_number()), "{key}");
     }
     let error = |i: usize| steps[i]["rel_rmse"].as_f64().expect("a number");
     let errors = [0, 1, 2].map(error);
     assert!(errors[0] > 0.85 && errors[1] > 0.75 && errors[2] < 0.31, "one node is far from the truth: {errors:?}");
-    for name in ["cut-1", "cut-32", "cut-256", "reference"] {
+    for name in ["cut-1", "cut-32", "cut-256", "cut-lit", "reference"] {
         for extension in ["png", "exr"] {
             let picture = Image::read(&folder.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
             assert_eq!(picture.size, [32, 24], "{name}");
@@ -38,9 +41,11 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     assert!(page.contains("cut-256.png") && page.contains("<svg"));
     // The same pictures as `render` and `reference` make.
     folder.succeed(&format!("render a.cuts {view} --brdf once --backend cpu --illum-cut 32 --out r.exr"));
+    folder.succeed(&format!("render a.cuts {view} --backend cpu --out l.exr"));
     folder.succeed(&format!("reference a.cuts {view} --out t.exr"));
     let read = |name: &str| Image::read(&folder.path(name)).expect("a picture");
     assert_eq!(read("r.exr"), read("ladder/cut-32.exr"));
+    assert_eq!(read("l.exr"), read("ladder/cut-lit.exr"));
     assert_eq!(read("t.exr"), read("ladder/reference.exr"));
 }
 

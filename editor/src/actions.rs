@@ -3,6 +3,7 @@
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, dataset::BakeParts, material::MapKind};
+use lapidary_studies::ladder::Cuts;
 use std::path::PathBuf;
 
 /// A request that is performed after the interface of a frame has run. For a path of `None` a dialog asks.
@@ -122,8 +123,8 @@ pub enum Action {
     ExplainPixel([u32; 2]),
     /// Try sizes of the illumination cut on the picture, against a reference.
     StartLadder,
-    /// Most nodes of the illumination cut from now on.
-    UseIllumCut(u32),
+    /// What pictures merge from now on.
+    UseCuts(Cuts),
     /// Begin or end the comparison with a reference.
     ToggleComparison,
     /// Close the window, after asking about unsaved changes.

@@ -29,6 +29,7 @@ use lapidary_core::{
 };
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
+use lapidary_studies::ladder::Cuts;
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -190,6 +191,11 @@ impl Default for ViewSettings {
 }
 
 impl ViewSettings {
+    /// What pictures merge.
+    pub fn cuts(&self) -> Cuts {
+        Cuts::of(self.sampling, self.illum_cut, self.tau)
+    }
+
     /// The background for the renderers.
     pub fn background(&self) -> Background {
         match self.background {

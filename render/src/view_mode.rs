@@ -1,10 +1,14 @@
 //! The quantity that the pixels of a view show: the lit picture, or one of the quantities behind it.
 
+use crate::BrdfSampling;
 use lapidary_core::{
     cut::packed::PackedCuts,
     dataset::{BakeParts, Dataset},
 };
 use serde::{Deserialize, Serialize};
+
+/// The least count at the upper end of false colours.
+const LEAST_TOP: f32 = 512.0;
 
 /// The quantity that the pixels of a view show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -58,11 +62,12 @@ impl ViewMode {
         matches!(self, Self::VisibilityCut | Self::MergedCut | Self::BrdfEvaluations)
     }
 
-    /// The count at the upper end of the false colours, for an illumination cut of `illum_cut` nodes.
-    pub fn count_top(self, illum_cut: u32) -> f32 {
+    /// The count at the upper end of the false colours, for an illumination cut of `illum_cut` nodes if one is merged.
+    pub fn count_top(self, sampling: BrdfSampling, illum_cut: u32) -> f32 {
         match self {
-            Self::VisibilityCut => 512.0,
-            _ => (4.0 * illum_cut as f32).clamp(512.0, 4096.0),
+            Self::VisibilityCut => LEAST_TOP,
+            _ if sampling == BrdfSampling::Lit => LEAST_TOP,
+            _ => (4.0 * illum_cut as f32).clamp(LEAST_TOP, 4096.0),
         }
     }
 }

@@ -84,10 +84,10 @@ Examples:
   lapidary sequence scene.cuts --env studio --turn object --frames 48 --out turn/frame.####.png
   lapidary sequence scene.cuts --env sky.hdr --turn environment --frames 24 --out env/f.##.exr --contact-sheet env.png
   lapidary sequence scene.cuts --sweep roughness=0.05..0.8 --frames 16 --out sweep/r.##.png --contact-sheet r.png
-  lapidary sequence scene.cuts --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
+  lapidary sequence scene.cuts --brdf refine --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
-    /// Measure the time of a frame, by pass and size of the illumination cut, or a suite of figures against a baseline
+    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; or a suite against a baseline
     #[command(after_help = "\
 It prints medians. Here each pass waits for the one before; in the window they may overlap.
 

@@ -1,15 +1,17 @@
-//! The ladder: one picture at growing illumination cuts, each held against ray tracing (paper, Fig. 7). It says which size is
-//! enough for a shot.
+//! The ladder: one picture at growing illumination cuts (paper, Fig. 7), and one with lit cuts, each held against ray tracing. It
+//! says which size is enough for a shot, and what lit cuts cost and gain.
 //!
 //! [`climb()`] makes the pictures and traces the truth, and hands each result on as it comes; command, demonstration and window
 //! share it. [`write_picture`], [`sheet()`] and [`page()`] show what came of it.
 
 mod climb;
+mod cuts;
 mod files;
 mod page;
 mod truth;
 
 pub use climb::{Found, Ladder, Rung, Settings, Step, climb, time_frames};
+pub use cuts::Cuts;
 pub use files::{Summary, sheet, write_picture};
 pub use page::{charts, page, pictures};
 pub use truth::{Truth, every_sample};

@@ -43,7 +43,6 @@ def options():
     parser.add_argument("--env", type=Path, default=DATA / "environments/studio.hdr", help="environment")
     parser.add_argument("--rotate", type=float, default=30.0, help="its turn in degrees")
     parser.add_argument("--size", default="320x240", help="pixels")
-    parser.add_argument("--illum-cut", type=int, default=256)
     parser.add_argument("--spp", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64], help="samples tried of Cycles")
     parser.add_argument("--reference-spp", type=int, default=4096, help="samples of Lapidary's converged pictures")
     parser.add_argument("--cycles-reference-spp", type=int, default=1024, help="samples of those of Cycles")
@@ -88,15 +87,15 @@ class Lapidary:
 
     def frame(self):
         """Picture, median of its seconds, and seconds of the processor: what more frames take more."""
-        path, cut = self.args.out / "lapidary.exr", self.args.illum_cut
-        self.run("render", *self.view, "--backend", "cpu", "--illum-cut", cut, "--components", "environment", "--out", path)
+        path = self.args.out / "lapidary.exr"
+        self.run("render", *self.view, "--backend", "cpu", "--components", "environment", "--out", path)
         few, many = self.bench(1), self.bench(1 + MORE_FRAMES)
         return path, many[0], (many[1] - few[1]) / MORE_FRAMES
 
     def bench(self, frames):
         """Median seconds of a frame, and seconds of the processor of all of it."""
         before = children_cpu_seconds()
-        options = ["--backend", "cpu", "--illum-cuts", self.args.illum_cut, "--frames", frames, "--json"]
+        options = ["--backend", "cpu", "--frames", frames, "--json"]
         report = json.loads(self.run("bench", *self.view, *options, "--components", "environment"))
         return report["runs"][0]["milliseconds"]["total"] / 1e3, children_cpu_seconds() - before
 
@@ -179,7 +178,6 @@ def main():
             "cycles_against_lapidary": ours.error(their_truths[0], our_truths[0])[0],
         },
         "lapidary": {
-            "illum_cut": args.illum_cut,
             "seconds": seconds,
             "cpu_seconds": cpu_seconds,
             "rel_rmse": our_error,

@@ -240,3 +240,6 @@ impl Cursor for LitCursor<'_> {
         self.end += self.size();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,4 @@
-//! The ladder of cut sizes in the window: climbed on request, shown in its own window; one click chooses a size.
+//! The ladder of cuts in the window: climbed on request, shown in its own window; one click chooses a size, or lit cuts.
 
 use super::state::{EditorState, ladder::LadderWindow};
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     panels::ladder::{self, LadderResult},
 };
 use egui::{Context, Window};
-use lapidary_studies::jobs::ladder::LadderJob;
+use lapidary_studies::{jobs::ladder::LadderJob, ladder::Cuts};
 
 impl EditorState {
     /// Begins to climb for the picture that is shown.
@@ -29,10 +29,16 @@ impl EditorState {
         self.comparison.hold(climbing);
     }
 
-    /// Another size of the illumination cut, as a step of undo.
-    pub(super) fn use_illum_cut(&mut self, illum_cut: u32) {
-        let settings = ViewSettings { illum_cut, ..self.document.view.clone() };
-        self.do_step(Edit::View(settings), "Light cut");
+    /// Other cuts, as a step of undo: then the viewport shows the picture that was chosen.
+    pub(super) fn use_cuts(&mut self, cuts: Cuts) {
+        let before = self.document.view.clone();
+        let settings = ViewSettings {
+            sampling: cuts.sampling(),
+            illum_cut: cuts.size().unwrap_or(before.illum_cut),
+            tau: cuts.tau().unwrap_or(before.tau),
+            ..before
+        };
+        self.do_step(Edit::View(settings), if cuts.size().is_some() { "Light cut" } else { "Lit cuts" });
     }
 
     /// Takes what was found, and shows it. Closing the window ends the work.
@@ -49,7 +55,7 @@ impl EditorState {
             return;
         }
         window.result.progress = window.job.as_ref().map(LadderJob::progress);
-        let current = self.document.view.illum_cut;
+        let current = self.document.view.cuts();
         let shown = Window::new("Which cut size is enough?")
             .open(&mut window.open)
             .default_size(ladder::SIZE)
@@ -57,7 +63,7 @@ impl EditorState {
         shown.show(ctx, |ui| ladder::show(ui, &window.result, current, actions));
     }
 
-    /// How many sizes have figures, once it has ended.
+    /// How many pictures have figures, once it has ended.
     #[cfg(test)]
     pub(super) fn ladder_figures(&self) -> usize {
         if self.ladder.job.is_some() {

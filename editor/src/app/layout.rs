@@ -265,7 +265,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let compared = compares.then(|| Compared {
         explained: state.explain.pixel().map(|pixel| pixel_share(pixel, size_px)),
         marks: state.explain.marks(),
-        ..state.comparison.compared(panel, state.document.view.illum_cut, accent)
+        ..state.comparison.compared(panel, state.document.view.cuts(), accent)
     });
     let context = ViewportContext {
         document: &state.document,

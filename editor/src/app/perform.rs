@@ -72,7 +72,7 @@ impl EditorState {
             Action::PauseReference(paused) => self.comparison.pause(paused),
             Action::ExplainPixel(pixel) => self.explain_pixel(pixel),
             Action::StartLadder => self.start_ladder(),
-            Action::UseIllumCut(size) => self.use_illum_cut(size),
+            Action::UseCuts(cuts) => self.use_cuts(cuts),
             Action::ToggleComparison => self.toggle_comparison(),
             Action::Open(None)
             | Action::SaveAs(None)

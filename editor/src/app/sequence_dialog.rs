@@ -363,6 +363,7 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
         Parameter::Intensity | Parameter::LightIntensity => from_to(0.25, 4.0),
         Parameter::Exposure => from_to(-2.0, 2.0),
         Parameter::IllumCut => from_to(1.0, 512.0),
+        Parameter::LitCuts => from_to(0.001, 1.0),
         Parameter::Fov => from_to(camera.fov_y.to_degrees(), 0.5 * camera.fov_y.to_degrees()),
         Parameter::LightPosition => moved(light.map_or(Vec3::Y, |light| light.position)),
         Parameter::LightTarget => moved(light.map_or(Vec3::ZERO, |light| light.target)),
@@ -371,7 +372,13 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
     };
     let of = (look.lights.len() > 1).then(|| light.map(|light| light.name.clone())).flatten();
     let moves_light = matches!(parameter, Parameter::LightPosition | Parameter::LightTarget);
-    Sweep { parameter, of: of.filter(|_| moves_light), from, to, logarithmic: parameter == Parameter::IllumCut }
+    Sweep {
+        parameter,
+        of: of.filter(|_| moves_light),
+        from,
+        to,
+        logarithmic: matches!(parameter, Parameter::IllumCut | Parameter::LitCuts),
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,12 @@
 //! Size of a picture within a frame time, and rows per band, from the measured speed.
 
-/// Smallest share of each axis that a reduced picture keeps. Sizes are steps of a ladder, so that noise in the
+/// Steps from nothing to the full size. Sizes are steps of a ladder, so that noise in the
 /// measurement does not change the size from frame to frame.
 const STEPS: u32 = 8;
+
+/// Steps of the smallest picture: pixels of a smaller one, stretched, would be a mosaic. It also keeps what each picture
+/// costs whatever its size from being taken for the cost of its pixels.
+const LEAST_STEPS: u32 = 3;
 
 /// Target time of a band of rows in milliseconds: short enough to drop everything for a new request, long enough that
 /// starting it costs little.
@@ -27,13 +31,13 @@ impl Pace {
         self.ms_per_pixel = Some(self.ms_per_pixel.map_or(now, |before| 0.5 * (before + now)));
     }
 
-    /// The largest picture that is rendered in `budget_ms`, from an eighth of each axis to all of it.
+    /// The largest picture that is rendered in `budget_ms`, from three eighths of each axis to all of it.
     pub fn reduced_size(&self, full: [u32; 2], budget_ms: f32) -> [u32; 2] {
-        let steps = self.ms_per_pixel.map_or(1, |ms| {
+        let steps = self.ms_per_pixel.map_or(LEAST_STEPS, |ms| {
             let pixels = f64::from(full[0]) * f64::from(full[1]);
             let scale = (f64::from(budget_ms) / (ms * pixels)).sqrt();
             // The cast takes what is not a number to the least size, and infinity to the largest.
-            ((scale * f64::from(STEPS)) as u32).clamp(1, STEPS)
+            ((scale * f64::from(STEPS)) as u32).clamp(LEAST_STEPS, STEPS)
         });
         full.map(|side| (u64::from(side) * u64::from(steps)).div_ceil(STEPS.into()).max(1) as u32)
     }
@@ -80,19 +84,19 @@ mod tests {
             let steps = size[0] / 100;
             assert_eq!(size, [100 * steps, 75 * steps]);
             let millis = |steps: u32| f64::from(100 * steps) * f64::from(75 * steps) * ms_per_pixel;
-            assert!(millis(steps) <= 100.0 || steps == 1, "{ms_per_pixel}: {steps}");
+            assert!(millis(steps) <= 100.0 || steps == LEAST_STEPS, "{ms_per_pixel}: {steps}");
             assert!(steps == STEPS || millis(steps + 1) > 100.0, "{ms_per_pixel}: {steps} is too small");
         }
     }
 
     #[test]
-    fn no_axis_falls_below_an_eighth_or_to_nothing() {
-        assert_eq!(pace(1e3).reduced_size(FULL, 1.0), [100, 75]);
-        assert_eq!(pace(1e3).reduced_size([1001, 3], 1.0), [126, 1]);
-        assert_eq!(Pace::default().reduced_size(FULL, 1e9), [100, 75], "an unknown speed is taken for slow");
+    fn no_axis_falls_below_three_eighths_or_to_nothing() {
+        assert_eq!(pace(1e3).reduced_size(FULL, 1.0), [300, 225]);
+        assert_eq!(pace(1e3).reduced_size([1001, 3], 1.0), [376, 2]);
+        assert_eq!(Pace::default().reduced_size(FULL, 1e9), [300, 225], "an unknown speed is taken for slow");
         assert_eq!(pace(0.0).reduced_size(FULL, 1.0), FULL);
         assert_eq!(pace(0.0).reduced_size([0, 0], 0.0), [1, 1]);
-        assert_eq!(pace(1e-9).reduced_size(FULL, f32::NAN), [100, 75]);
+        assert_eq!(pace(1e-9).reduced_size(FULL, f32::NAN), [300, 225]);
     }
 
     #[test]

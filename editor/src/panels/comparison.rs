@@ -12,6 +12,7 @@ use lapidary_studies::jobs::{
     comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
     measure::{Measured, ShownMap},
 };
+use lapidary_studies::ladder::Cuts;
 use std::path::{Path, PathBuf};
 
 /// Pixels of the live picture along each axis for one of the comparison.
@@ -174,8 +175,11 @@ impl ComparisonPanel {
     }
 
     /// What the picture is, in a few words.
-    pub fn picture_label(&self, illum_cut: u32) -> String {
-        format!("A: illumination cut of {illum_cut} nodes")
+    pub fn picture_label(&self, cuts: Cuts) -> String {
+        match cuts.size() {
+            Some(_) => format!("A: illumination cut of {}", cuts.label()),
+            None => "A: lit cuts".into(),
+        }
     }
 
     /// What the reference is, in a few words; its noise is that of what is measured.
@@ -225,7 +229,7 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
-        let help = "Pictures at growing sizes of the light cut beside a reference: which is enough for this shot";
+        let help = "Pictures at growing sizes of the light cut, and of lit cuts, beside a reference: which is enough for this shot";
         if ui.button("Cut sizes...").on_hover_text(help).clicked() {
             actions.push(Action::StartLadder);
         }

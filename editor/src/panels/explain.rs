@@ -102,14 +102,17 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     let nodes = |count: usize| format!("{} nodes", grouped(count as u64));
     let mut rows: Vec<(String, String)> = Vec::new();
     for vertex in explanation.vertices {
-        let value = format!("{}, weight {:.2}", nodes(vertex.cut_nodes), vertex.weight);
+        let lit = vertex.lit_nodes.map_or(String::new(), |count| format!("{} lit of ", grouped(count as u64)));
+        let value = format!("{lit}{}, weight {:.2}", nodes(vertex.cut_nodes), vertex.weight);
         rows.push((format!("Vertex {}", vertex.index), value));
     }
     let light = match explanation.tree {
         TreeOf::Environment => "Environment",
         TreeOf::Sources => "Bounced light",
     };
-    rows.push((light.into(), nodes(explanation.illumination_nodes)));
+    if explanation.illumination_nodes > 0 {
+        rows.push((light.into(), nodes(explanation.illumination_nodes)));
+    }
     let dark = grouped(explanation.dark_nodes.len() as u64);
     rows.push(("Merged".into(), format!("{}, {dark} in the dark", nodes(explanation.merged_nodes as usize))));
     rows.push(("Evaluated".into(), nodes(explanation.nodes.len())));

@@ -1,12 +1,12 @@
-//! The size of the illumination cut that suffices for this shot: pictures of growing sizes beside the reference, each
-//! with its error and time, both curves, and a sentence.
+//! The size of the illumination cut that suffices for this shot: pictures of growing sizes and of lit cuts beside the reference,
+//! each with its error and time, both curves, and two sentences.
 
 use crate::{actions::Action, panels::widgets::copyable};
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
-use lapidary_studies::jobs::ladder::StepFigures;
 use lapidary_studies::{
-    ladder::SIZES,
+    jobs::ladder::StepFigures,
+    ladder::Cuts,
     report::{chart::tick_step, text::short},
 };
 
@@ -27,10 +27,10 @@ const ENOUGH: f64 = 1.25;
 /// Width in points below which the curves' numbers would run together.
 pub const LEAST_WIDTH: f32 = 2.0 * (TILE + GAP) + BAR;
 
-/// A picture at one size.
+/// A picture of some cuts.
 pub struct LadderTile {
-    /// Most nodes of the illumination cut.
-    pub illum_cut: u32,
+    /// What was merged.
+    pub cuts: Cuts,
     /// The picture.
     pub texture: TextureHandle,
     /// Its figures, once there is some of the reference.
@@ -50,7 +50,7 @@ pub struct LadderTruth {
 /// What is known so far.
 #[derive(Default)]
 pub struct LadderResult {
-    /// The pictures, by growing size.
+    /// The pictures, by growing size, and that of lit cuts.
     pub tiles: Vec<LadderTile>,
     /// The reference, once it is traced.
     pub truth: Option<LadderTruth>,
@@ -60,8 +60,8 @@ pub struct LadderResult {
     pub problem: Option<String>,
 }
 
-/// Shows all of it. `current` is the size in use.
-pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
+/// Shows all of it. `current` are the cuts in use.
+pub fn show(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec<Action>) {
     if let Some(problem) = &result.problem {
         copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
     }
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
     }
     let figures: Vec<StepFigures> = result.tiles.iter().filter_map(|tile| tile.figures).collect();
     let complete = result.progress.is_none() && result.problem.is_none();
-    if let Some(verdict) = verdict(&figures).filter(|_| figures.len() == SIZES.len()) {
+    if let Some(verdict) = verdict(&figures).filter(|_| figures.len() == result.tiles.len()) {
         if complete {
             copyable(ui, RichText::new(verdict).strong());
         } else {
@@ -92,11 +92,11 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<
 }
 
 /// As many side by side as there is room for.
-fn tiles(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Action>) {
+fn tiles(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec<Action>) {
     let columns = (((ui.available_width() + GAP) / (TILE + GAP)) as usize).max(1);
     Grid::new("cut sizes").num_columns(columns).spacing(Vec2::splat(GAP)).show(ui, |ui| {
         for (i, tile) in result.tiles.iter().enumerate() {
-            show_tile(ui, tile, tile.illum_cut == current, actions);
+            show_tile(ui, tile, tile.cuts == current, actions);
             if (i + 1) % columns == 0 {
                 ui.end_row();
             }
@@ -105,25 +105,38 @@ fn tiles(ui: &mut Ui, result: &LadderResult, current: u32, actions: &mut Vec<Act
     });
 }
 
-/// The smallest size whose error is about that of the largest, in words.
+/// What the figures say of sizes, and of lit cuts.
 fn verdict(figures: &[StepFigures]) -> Option<String> {
+    let (stored, lit): (Vec<StepFigures>, Vec<StepFigures>) = figures.iter().partition(|f| f.cuts.size().is_some());
+    let sentences: Vec<String> = size_verdict(&stored).into_iter().chain(lit.iter().map(lit_verdict)).collect();
+    (!sentences.is_empty()).then(|| sentences.join(" "))
+}
+
+fn lit_verdict(lit: &StepFigures) -> String {
+    format!("Lit cuts leave {} in {}, their making included.", error_text(lit), time_text(lit.seconds))
+}
+
+fn error_text(f: &StepFigures) -> String {
+    format!("{:.1} % (FLIP {:.3})", 100.0 * f.metrics.rel_rmse, f.metrics.flip)
+}
+
+/// The smallest size whose error is about that of the largest, in words.
+fn size_verdict(figures: &[StepFigures]) -> Option<String> {
     let last = figures.last()?;
     let is_enough = |f: &&StepFigures| {
         f.metrics.rel_rmse <= ENOUGH * last.metrics.rel_rmse && f.metrics.flip <= ENOUGH * last.metrics.flip
     };
     let enough = figures.iter().find(is_enough)?;
-    let percent = |f: &StepFigures| format!("{:.1} % (FLIP {:.3})", 100.0 * f.metrics.rel_rmse, f.metrics.flip);
     let time = |f: &StepFigures| time_text(f.seconds);
-    Some(if enough.illum_cut == last.illum_cut {
-        format!("Every size lowers the error: {} nodes leave {} in {}.", last.illum_cut, percent(last), time(last))
+    let (all, left) = (last.cuts.label(), error_text(last));
+    Some(if enough.cuts == last.cuts {
+        format!("Every size lowers the error: {all} leave {left} in {}.", time(last))
     } else {
         format!(
-            "{} enough: {} of error in {}, where {} nodes leave {} in {}. A larger illumination cut does not help further: Why? tells what would.",
-            if enough.illum_cut == 1 { "1 node is".into() } else { format!("{} nodes are", enough.illum_cut) },
-            percent(enough),
+            "{} enough: {} of error in {}, where {all} leave {left} in {}. A larger illumination cut does not help further: Why? tells what would.",
+            if enough.cuts.size() == Some(1) { "1 node is".into() } else { format!("{} are", enough.cuts.label()) },
+            error_text(enough),
             time(enough),
-            last.illum_cut,
-            percent(last),
             time(last)
         )
     })
@@ -145,15 +158,15 @@ fn tile(ui: &mut Ui, texture: &TextureHandle, contents: impl FnOnce(&mut Ui)) {
 fn show_tile(ui: &mut Ui, of: &LadderTile, current: bool, actions: &mut Vec<Action>) {
     tile(ui, &of.texture, |ui| {
         ui.horizontal(|ui| {
-            let nodes = if of.illum_cut == 1 { "1 node".into() } else { format!("{} nodes", of.illum_cut) };
-            ui.label(RichText::new(nodes).strong());
+            ui.label(RichText::new(of.cuts.label()).strong());
             let label = if current { "In use" } else { "Use" };
             let button = ui.add_enabled(!current, Button::new(label).small());
-            if button
-                .on_hover_text(format!("Use an illumination cut of {} nodes in the viewport", of.illum_cut))
-                .clicked()
-            {
-                actions.push(Action::UseIllumCut(of.illum_cut));
+            let help = match of.cuts.size() {
+                Some(_) => format!("Use an illumination cut of {} in the viewport", of.cuts.label()),
+                None => "Use lit cuts in the viewport".into(),
+            };
+            if button.on_hover_text(help).clicked() {
+                actions.push(Action::UseCuts(of.cuts));
             }
         });
         let text = of.figures.map_or("error not known yet".into(), |f| {
@@ -185,17 +198,25 @@ fn round_marks(largest: f64) -> Vec<GridMark> {
     marks((0..=count).map(|i| f64::from(i) * step), largest)
 }
 
-/// Error in percent against size, which is on a logarithmic scale, and against time.
+/// Error in percent against size, which is on a logarithmic scale, and against time. Lit cuts have no size: there they are a
+/// level line.
 fn curves(ui: &mut Ui, figures: &[StepFigures]) {
+    let (stored, lit): (Vec<StepFigures>, Vec<StepFigures>) = figures.iter().partition(|f| f.cuts.size().is_some());
     let width = 0.5 * (ui.available_width() - 10.0);
     ui.horizontal(|ui| {
-        let by_size = points(figures, |f| f64::from(f.illum_cut).log10());
+        let by_size = points(&stored, log_size);
+        let ends = || by_size.first().into_iter().chain(by_size.last()).map(|point| point[0]);
+        let level = points(&lit, |_| 0.0).into_iter().flat_map(|point| ends().map(move |x| [x, point[1]])).collect();
         let sizes = Horizontal { value: |v| 10_f64.powf(v), marks: |at, largest| marks(at.iter().copied(), largest) };
-        curve(ui, width, "Error in % by nodes of the illumination cut", by_size, sizes);
-        let by_time = points(figures, |f| 1e3 * f.seconds);
+        curve(ui, width, "Error in % by nodes of the illumination cut", [by_size, level], sizes);
+        let by_time = [stored, lit].map(|figures| points(&figures, |f| 1e3 * f.seconds));
         let times = Horizontal { value: |v| v, marks: |_, largest| round_marks(largest) };
         curve(ui, width, "Error in % by render time in milliseconds", by_time, times);
     });
+}
+
+fn log_size(figures: &StepFigures) -> f64 {
+    figures.cuts.size().map_or(0.0, |size| f64::from(size).log10())
 }
 
 /// Something and the error in percent.
@@ -212,12 +233,12 @@ struct Horizontal {
     marks: fn(&[f64], f64) -> Vec<GridMark>,
 }
 
-/// Both axes begin at zero.
-fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, across: Horizontal) {
+/// Points of illumination cuts, and of lit cuts in a colour of their own. Both axes begin at zero.
+fn curve(ui: &mut Ui, width: f32, title: &str, points: [Vec<[f64; 2]>; 2], across: Horizontal) {
     let Horizontal { value, marks } = across;
     ui.vertical(|ui| {
         ui.label(RichText::new(title).small());
-        let accent: Color32 = ui.visuals().selection.bg_fill;
+        let colors: [Color32; 2] = [ui.visuals().selection.bg_fill, ui.visuals().warn_fg_color];
         let plot = Plot::new(title)
             .width(width)
             .height(CURVE)
@@ -226,7 +247,7 @@ fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, across: Ho
             .allow_drag(false)
             .allow_zoom(false)
             .allow_scroll(false);
-        let at: Vec<f64> = points.iter().map(|point| point[0]).collect();
+        let at: Vec<f64> = points[0].iter().map(|point| point[0]).collect();
         let plot =
             plot.x_grid_spacer(move |axis| marks(&at, axis.bounds.1)).y_grid_spacer(|axis| round_marks(axis.bounds.1));
         let plot = plot
@@ -239,8 +260,10 @@ fn curve(ui: &mut Ui, width: f32, title: &str, points: Vec<[f64; 2]>, across: Ho
                 HoverPosition::Elsewhere { .. } => None,
             });
         plot.show(ui, |plot| {
-            plot.line(Line::new("error", PlotPoints::from(points.clone())).color(accent));
-            plot.points(Points::new("sizes", PlotPoints::from(points)).radius(3.5).color(accent));
+            for ((name, color), points) in ["sizes", "lit cuts"].into_iter().zip(colors).zip(points) {
+                plot.line(Line::new(name, PlotPoints::from(points.clone())).color(color));
+                plot.points(Points::new(name, PlotPoints::from(points)).radius(3.5).color(color));
+            }
         });
     });
 }
@@ -262,7 +285,7 @@ mod tests {
             non_finite_pixels: 0,
         };
         let step = |(i, &e): (usize, &f64)| StepFigures {
-            illum_cut: 32 << i,
+            cuts: Cuts::Refine(32 << i),
             seconds: 0.1 * (i + 1) as f64,
             mean_merged_nodes: 100.0,
             metrics: metrics(e),
@@ -286,11 +309,17 @@ mod tests {
             "{text}"
         );
         assert_eq!(verdict(&[]), None);
+        let mut with_lit = figures(&[0.3, 0.2, 0.1, 0.01]);
+        with_lit[3].cuts = Cuts::Lit(0.003);
+        let text = verdict(&with_lit).unwrap();
+        assert!(text.starts_with("Every size lowers the error: 128 nodes leave 10.0 %"), "of sizes alone: {text}");
+        assert!(text.ends_with("Lit cuts leave 1.0 % (FLIP 0.010) in 400 ms, their making included."), "{text}");
+        assert!(!verdict(&with_lit[..3]).unwrap().contains("Lit"), "negative control");
     }
 
     #[test]
     fn what_is_infinite_is_in_no_curve() {
-        let points = points(&figures(&[f64::INFINITY, 0.1]), |f| f64::from(f.illum_cut).log10());
+        let points = points(&figures(&[f64::INFINITY, 0.1]), log_size);
         assert_eq!(points.len(), 1);
         assert!((points[0][0] - 64_f64.log10()).abs() < 1e-12 && (points[0][1] - 10.0).abs() < 1e-12);
     }

@@ -9,7 +9,7 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Ve
 use glam::{Mat3, Vec3};
 use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeParts};
 use lapidary_render::{
-    ViewMode,
+    BrdfSampling, ViewMode,
     compare::map::{ErrorField, ErrorMap, magma},
     shows_source_cuts,
 };
@@ -43,7 +43,7 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
         (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
         (mode, _) => {
             let gathered = Gathered::of(mode, context);
-            bar(painter, rect, &ColorScale::of(mode, view.illum_cut, gathered));
+            bar(painter, rect, &ColorScale::of(mode, view.sampling, view.illum_cut, gathered));
         }
     }
 }
@@ -98,12 +98,12 @@ struct ColorScale {
 }
 
 impl ColorScale {
-    fn of(mode: ViewMode, illum_cut: u32, gathered: Gathered) -> Self {
+    fn of(mode: ViewMode, sampling: BrdfSampling, illum_cut: u32, gathered: Gathered) -> Self {
         let fractions = || ["0", "0.25", "0.5", "0.75", "1"].map(String::from).into();
         let (color, ticks): (fn(f32) -> Color32, _) = match mode {
             ViewMode::Albedo => (|x| grey(srgb_from_linear(x)), fractions()),
             ViewMode::Roughness => (grey, fractions()),
-            _ => (|x| color(magma(x)), count_ticks(mode.count_top(illum_cut))),
+            _ => (|x| color(magma(x)), count_ticks(mode.count_top(sampling, illum_cut))),
         };
         let of_what = if mode.is_count() { gathered.words() } else { "" };
         Self { title: format!("{}{of_what}", mode.label()), color, ticks }
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn counts_say_what_they_are_of_and_other_views_do_not() {
-        let title = |mode, baked| ColorScale::of(mode, 256, Gathered::baked(baked)).title;
+        let title = |mode, baked| ColorScale::of(mode, BrdfSampling::Refine, 256, Gathered::baked(baked)).title;
         let of_cuts = |baked| title(ViewMode::VisibilityCut, baked);
         assert_eq!(of_cuts(BakeParts::ENVIRONMENT), "Visibility cut size, environment");
         assert_eq!(of_cuts(BakeParts::INDIRECT), "Visibility cut size, bounce light");
@@ -240,7 +240,9 @@ mod tests {
 
     #[test]
     fn counts_run_from_nothing_to_the_top_in_quarters() {
-        let ticks = |mode: ViewMode, illum_cut| ColorScale::of(mode, illum_cut, ENVIRONMENT).ticks;
+        let of = |mode, sampling, illum_cut| ColorScale::of(mode, sampling, illum_cut, ENVIRONMENT).ticks;
+        let ticks = |mode: ViewMode, illum_cut| of(mode, BrdfSampling::Refine, illum_cut);
+        assert_eq!(of(ViewMode::MergedCut, BrdfSampling::Lit, 250)[4], "512+", "lit cuts merge no illumination cut");
         assert_eq!(ticks(ViewMode::VisibilityCut, 4096), ["0", "128", "256", "384", "512+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 250), ["0", "250", "500", "750", "1000+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 1)[4], "512+", "no finer than the least range");
@@ -249,7 +251,7 @@ mod tests {
 
     #[test]
     fn ramps_have_the_colours_of_the_picture() {
-        let at = |mode, x| (ColorScale::of(mode, 256, ENVIRONMENT).color)(x);
+        let at = |mode, x| (ColorScale::of(mode, BrdfSampling::Refine, 256, ENVIRONMENT).color)(x);
         assert_eq!(at(ViewMode::Roughness, 0.5), Color32::from_gray(128));
         assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base colour is encoded");
         assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));

@@ -238,9 +238,9 @@ impl Backend for CpuBackend {
     }
 
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
-        let Some(Begun { view, picture, .. }) = &self.begun else { return Ok(Vec::new()) };
+        let Some(Begun { view, sampling, picture, .. }) = &self.begun else { return Ok(Vec::new()) };
         let illum_cut = self.light.as_ref().map_or(0, |(_, lighting)| lighting.max_nodes);
-        Ok(picture.display(view, post, view.mode.count_top(illum_cut)))
+        Ok(picture.display(view, post, view.mode.count_top(*sampling, illum_cut)))
     }
 
     fn read(&mut self, _samples: u32) -> Result<(Image, Vec<f32>), BackendError> {

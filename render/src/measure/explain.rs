@@ -67,8 +67,10 @@ pub struct ExplainedVertex {
     pub position: Vec3,
     /// Its weight in the interpolation; zero if it is buried.
     pub weight: f32,
-    /// Nodes of its cut.
+    /// Nodes of its stored cut.
     pub cut_nodes: usize,
+    /// Nodes of its lit cut, if lit cuts are merged.
+    pub lit_nodes: Option<usize>,
 }
 
 /// One term of the sum.
@@ -89,6 +91,8 @@ pub struct ExplainedNode {
     pub center: Option<Vec3>,
     /// Mean radiance.
     pub radiance: Vec3,
+    /// Whether it comes from lit cuts: its visibility is then a mean weighted by the light.
+    pub is_lit: bool,
     /// Interpolated visibility, 0 to 1; 1 for surface sources, whose solid angles include it.
     pub visibility: f32,
     /// BRDF times cosine; zero below the smooth normal's horizon.
@@ -110,7 +114,7 @@ pub struct PixelExplanation {
     pub normal: Vec3,
     /// Corners of its triangle.
     pub vertices: [ExplainedVertex; 3],
-    /// Nodes of the illumination cut.
+    /// Nodes of the illumination cut; 0 if lit cuts are merged, which need none.
     pub illumination_nodes: usize,
     /// Number of nodes of the merged cut before BRDF refinement, including nodes without visible light.
     pub merged_nodes: u64,
@@ -209,11 +213,13 @@ impl FieldJob for Explain<'_> {
             |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
             |eight| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
+        let is_lit = self.sampling == BrdfSampling::Lit;
         let vertex = |i: usize| ExplainedVertex {
             index: self.point.vertices[i],
             position: self.point.corners[i],
             weight: self.point.weights[i],
             cut_nodes: self.cuts.cut(field.height(), self.point.vertices[i]).len(),
+            lit_nodes: is_lit.then(|| field.lit_cuts().of(self.cuts, self.point.vertices[i]).nodes.len()),
         };
         PixelExplanation {
             pixel: self.pixel,
@@ -221,7 +227,7 @@ impl FieldJob for Explain<'_> {
             position: self.point.position,
             normal: self.point.world_from_local.z_axis,
             vertices: [0, 1, 2].map(vertex),
-            illumination_nodes: field.illumination_cut().len(),
+            illumination_nodes: if is_lit { 0 } else { field.illumination_cut().len() },
             merged_nodes: shader.work.merged_nodes,
             radiance: nodes.iter().map(|node: &ExplainedNode| node.contribution).sum(),
             nodes,
@@ -253,6 +259,7 @@ fn explained_node(field: &impl NodeField, tree: TreeOf, eight: &EightTerms, lane
         direction: eight.direction.lane(lane),
         center: field.center(term.node as usize),
         radiance: eight.radiance.lane(lane),
+        is_lit: term.is_lit,
         visibility,
         brdf_cos: if is_received { eight.brdf_cos.lane(lane) } else { Vec3::ZERO },
         contribution: eight.reflected().lane(lane) * of_leaf,

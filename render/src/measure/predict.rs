@@ -14,6 +14,9 @@
 //! error. The bound is reached only if all nodes have errors of the same sign. If their errors are independent, the
 //! root of the sum of squares is the expected error: [`PredictedError::expected`].
 //!
+//! A node of a lit cut has a mean visibility that is weighted by the light, so that the product of radiance and visibility is
+//! exact. What is left is how that product varies with the BRDF: `|C| σlv σρ`, with `σlv² = <l²> <v> - <l>² <v>²`.
+//!
 //! Variances of radiance are those of the tree's leaves, computed with the means when the light changes. Those of
 //! visibility are `<v> - <v>²`, because it is binary. Those of the BRDF are taken over eight leaves of each node, which
 //! is exact for nodes with at most eight.
@@ -143,6 +146,7 @@ fn node_moments(
         brdf: brdf_moments(lighting, receiver, point, node),
         sampled_brdf: sampled,
         visibility: eight.terms[lane].visibility.min(1.0),
+        is_lit: eight.terms[lane].is_lit,
     }
 }
 

@@ -6,14 +6,15 @@
 //!
 //! | picture | sum over | radiance | visibility | BRDF | what the step to the next one shows |
 //! |---|---|---|---|---|---|
-//! | [`Rendered`](SplitPicture::Rendered) | nodes of the merged cut, refined or not | node mean | interpolated cuts | one sample per node | BRDF sampling |
+//! | [`Rendered`](SplitPicture::Rendered) | nodes of lit cuts | node mean | interpolated lit cuts | one sample per node | lit cuts |
+//! | [`StoredCuts`](SplitPicture::StoredCuts) | nodes of the merged cut, refined or not | node mean | interpolated cuts | one sample per node | BRDF sampling |
 //! | [`MeanBrdf`](SplitPicture::MeanBrdf) | the same nodes | node mean | interpolated cuts | mean over the node's leaves | the light's clusters |
 //! | [`AllLeaves`](SplitPicture::AllLeaves) | all leaves | leaf | interpolated cuts | leaf | the clusters of the visibility cuts |
 //! | [`TracedVertices`](SplitPicture::TracedVertices) | all leaves | leaf | rays from the three vertices, interpolated | leaf | interpolation |
 //! | [`Samples`](SplitPicture::Samples) | all leaves | leaf | rays from the pixel | leaf | light samples |
 //! | [`Paths`](SplitPicture::Paths) | light paths | continuous | rays | continuous | |
 //!
-//! `MeanBrdf` is Eq. 4 of the paper, where the renderer samples by Eq. 6. `TracedVertices` needs a way to trace
+//! Where no lit cuts are merged, `StoredCuts` is the rendered picture and is left out. `MeanBrdf` is Eq. 4 of the paper, where the renderer samples by Eq. 6. `TracedVertices` needs a way to trace
 //! vertices as the bake did. Without one, and for surface sources, it is left out, and one step shows both errors of
 //! visibility. For surface sources the paths have one bounce, and the last step also shows the error of the sources'
 //! discs. Errors of steps are those of vectors: they may cancel, and do not sum to the whole.
@@ -86,6 +87,8 @@ pub struct SplitJob<'a> {
 pub enum SplitPicture {
     /// As rendered.
     Rendered,
+    /// With the stored cuts and the illumination cut in place of lit cuts, refined.
+    StoredCuts,
     /// The same nodes, each with the mean of the BRDF over its leaves.
     MeanBrdf,
     /// All leaves, with the interpolated visibility of the stored cuts.
@@ -103,6 +106,7 @@ impl SplitPicture {
     pub fn name(self) -> &'static str {
         match self {
             Self::Rendered => "rendered",
+            Self::StoredCuts => "stored-cuts",
             Self::MeanBrdf => "mean-brdf",
             Self::AllLeaves => "all-leaves",
             Self::TracedVertices => "traced-vertices",
@@ -203,7 +207,8 @@ fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) ->
 /// The factor in which two neighbours of the chain differ.
 fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     match (from, to) {
-        (SplitPicture::Rendered, _) => "BRDF sampling",
+        (SplitPicture::Rendered, SplitPicture::StoredCuts) => "lit cuts",
+        (SplitPicture::Rendered | SplitPicture::StoredCuts, _) => "BRDF sampling",
         (SplitPicture::MeanBrdf, _) => "light clusters",
         (SplitPicture::AllLeaves, SplitPicture::Samples) => "visibility",
         (SplitPicture::AllLeaves, _) => "visibility clusters",
@@ -243,7 +248,10 @@ impl Chain<'_> {
             self.progress.preview(&Preview { image: &image, step: 1, noise: None });
             pictures.push((kind, image));
         };
-        push(SplitPicture::Rendered, self.job.light.with_field(Rendered(self))?);
+        push(SplitPicture::Rendered, self.merged(self.job.sampling)?);
+        if self.job.sampling == BrdfSampling::Lit {
+            push(SplitPicture::StoredCuts, self.merged(self.stored_sampling())?);
+        }
         push(SplitPicture::MeanBrdf, self.job.light.with_field(MeanBrdf { chain: self, number: 1 })?);
         push(SplitPicture::AllLeaves, self.all_leaves()?);
         if let (CutLight::Environment(lighting), Some(trace)) = (self.job.light, self.job.trace_vertex) {
@@ -254,6 +262,19 @@ impl Chain<'_> {
         let (paths, noise) = self.paths()?;
         push(SplitPicture::Paths, paths);
         Some((pictures, noise))
+    }
+
+    /// How the nodes of stored cuts are sampled.
+    fn stored_sampling(&self) -> BrdfSampling {
+        match self.job.sampling {
+            BrdfSampling::Lit | BrdfSampling::Refine => BrdfSampling::Refine,
+            BrdfSampling::Once => BrdfSampling::Once,
+        }
+    }
+
+    /// The picture as a renderer makes it.
+    fn merged(&self, sampling: BrdfSampling) -> Option<Image> {
+        self.job.light.with_field(Merged { chain: self, sampling })
     }
 
     /// Every leaf on its own: the nodes of an illumination cut of all leaves.
@@ -325,19 +346,22 @@ impl FieldJob for MeanBrdf<'_> {
 
     fn run<F: NodeField + Sync>(self, field: F) -> Option<Image> {
         let Self { chain, number } = self;
-        chain.picture(number, || NodesByLeaves::new(Shader::new(field, chain.cuts, chain.job.sampling), field))
+        chain.picture(number, || NodesByLeaves::new(Shader::new(field, chain.cuts, chain.stored_sampling()), field))
     }
 }
 
-/// The picture as it is rendered.
-struct Rendered<'a>(&'a Chain<'a>);
+/// A picture as a renderer makes it.
+struct Merged<'a> {
+    chain: &'a Chain<'a>,
+    sampling: BrdfSampling,
+}
 
-impl FieldJob for Rendered<'_> {
+impl FieldJob for Merged<'_> {
     type Output = Option<Image>;
 
     fn run<F: NodeField + Sync>(self, field: F) -> Option<Image> {
-        let chain = self.0;
-        chain.picture(0, || Shader::new(field, chain.cuts, chain.job.sampling))
+        let Self { chain, sampling } = self;
+        chain.picture(0, || Shader::new(field, chain.cuts, sampling))
     }
 }
 

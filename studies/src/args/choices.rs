@@ -28,13 +28,25 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
     ])
 }
 
+/// Ways of sampling the BRDF where an illumination cut is merged.
+const STORED_SAMPLINGS: [(&str, &str); 2] = [
+    ("refine", "Merge the stored cuts and the illumination cut; split nodes that are too wide for the lobe"),
+    ("once", "Merge the same cuts, and sample the BRDF once per node, as in the paper"),
+];
+
 /// How the BRDF is sampled.
 pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
-    choice(&[
+    const ALL: [(&str, &str); 3] = [
         ("lit", "Merge cuts that know the light; split nodes that are too wide for the lobe, during the merge"),
-        ("refine", "Merge the stored cuts and the illumination cut; split nodes in the same way"),
-        ("once", "Merge the same cuts, and sample the BRDF once per node, as in the paper"),
-    ])
+        STORED_SAMPLINGS[0],
+        STORED_SAMPLINGS[1],
+    ];
+    choice(&ALL)
+}
+
+/// How the BRDF is sampled where an illumination cut is merged.
+pub fn stored_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
+    choice(&STORED_SAMPLINGS)
 }
 
 /// Tone curve of png files.

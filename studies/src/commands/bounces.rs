@@ -6,6 +6,7 @@ use crate::{
         BouncedLight,
         light_paths::{Figures, LightPaths},
     },
+    ladder::Cuts,
     outputs::{CommandFiles, take_folder},
     sheet::strip,
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
@@ -27,9 +28,9 @@ pub struct BouncesArgs {
     /// Light paths per pixel, a multiple of twice --aa; the difference of their halves gives the noise
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
-    /// Most nodes of the illumination cut
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
-    illum_cut: u32,
+    /// Merge the stored cuts with an illumination cut of at most so many nodes, in place of lit cuts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32_768))]
+    illum_cut: Option<u32>,
     /// Leave out the pictures with a ray from every pixel to every source, which take the longest
     #[arg(long)]
     no_samples: bool,
@@ -59,7 +60,8 @@ const PICTURES: [&str; 4] = ["-paths.exr", ".exr", "-every-source.exr", ".png"];
 struct Report {
     size: [u32; 2],
     spp: u32,
-    illum_cut: u32,
+    #[serde(flatten)]
+    cuts: Cuts,
     solutions: Vec<Row>,
 }
 
@@ -97,8 +99,8 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
         bail!("--spp must be a multiple of {}, so that both halves cover the whole pixel", 2 * viewed.view.aa);
     }
     let _taken = take_folder(&args.out)?;
-    let mut report = Report { size: viewed.view.size, spp: args.spp, illum_cut: args.illum_cut, solutions: Vec::new() };
     let mut comparison = Comparison::new(args, &viewed, &interrupt, console)?;
+    let mut report = Report { size: viewed.view.size, spp: args.spp, cuts: comparison.cuts, solutions: Vec::new() };
     for solution in solutions {
         let Some(row) = comparison.measure(solution)? else { return Ok(Outcome::Interrupted) };
         console.summary(line(&row))?;
@@ -123,6 +125,7 @@ fn solutions(viewed: &ViewedScene) -> Result<Vec<Solution>> {
 /// Solutions measured one after another.
 struct Comparison<'a> {
     args: &'a BouncesArgs,
+    cuts: Cuts,
     bounced: BouncedLight,
     interrupt: &'a ProgressReporter,
     console: Console,
@@ -138,12 +141,12 @@ impl<'a> Comparison<'a> {
         let ViewedScene { baked, view, light, local } = viewed;
         let look = Look {
             lights: local.lights.clone().into(),
-            illum_cut: args.illum_cut,
             ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
         };
-        let bounced = BouncedLight::new(baked.clone(), look)?;
+        let cuts = args.illum_cut.map_or(Cuts::Lit(look.tau), Cuts::Refine);
+        let bounced = BouncedLight::new(baked.clone(), cuts.shown(&look))?;
         warn_of_buried(&bounced.renderer, &local.lights, console);
-        Ok(Self { args, bounced, interrupt, console })
+        Ok(Self { args, cuts, bounced, interrupt, console })
     }
 
     /// `None` if interrupted.

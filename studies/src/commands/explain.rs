@@ -39,7 +39,7 @@ pub struct ExplainArgs {
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
-    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    #[arg(long, default_value = "lit", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
     /// Light paths per pixel, the reference of the split
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]

@@ -1,14 +1,14 @@
-//! `lapidary ladder`: which size of the illumination cut is enough for a picture.
+//! `lapidary ladder`: which size of the illumination cut is enough for a picture, and what lit cuts make of it.
 
 use crate::{
-    args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
+    args::{BackendOption, LocalLightArgs, ViewArgs, choices, values, warn_of_buried},
     ladder::{self, Ladder, Settings, Summary, climb},
     outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
 };
 use anyhow::{Context, Result};
 use clap::Args;
-use lapidary_core::output::write_atomically;
+use lapidary_core::{cut::lit::DEFAULT_TAU, output::write_atomically};
 use lapidary_render::{BrdfSampling, LitScene, Look, Post, Renderer};
 use std::path::PathBuf;
 
@@ -22,9 +22,12 @@ pub struct LadderArgs {
     #[arg(long, value_name = "K,..", value_delimiter = ',', default_values_t = ladder::SIZES,
           value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cuts: Vec<u32>,
-    /// How the BRDF is sampled
-    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    /// How the BRDF is sampled with illumination cuts
+    #[arg(long, default_value = "refine", value_parser = choices::stored_sampling())]
     brdf: BrdfSampling,
+    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1, for the picture of lit cuts
+    #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
+    lit_cuts: f32,
     /// What renders the pictures; the reference is traced on the CPU
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
@@ -50,13 +53,13 @@ impl LadderArgs {
 pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     let _taken = take_folder(&args.out)?;
     let interrupt = ProgressReporter::interruptible(console);
-    args.view.check_memory(args.illum_cuts.len() + 3)?;
+    args.view.check_memory(args.illum_cuts.len() + 4)?;
     let viewed = args.view.resolve(&args.local, console)?;
-    let look = viewed.look()?;
+    let look = Look { tau: args.lit_cuts, sampling: args.brdf, ..viewed.look()? };
     warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);
     let mut scene = LitScene::new(args.backend.open()?, viewed.baked)?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
-    let settings = Settings { sizes: args.illum_cuts.clone(), sampling: args.brdf, ..Settings::default() };
+    let settings = Settings::sizes(&args.illum_cuts, &look);
     let ladder = climb(&mut scene, &look, &settings, None, &progress, &mut |found| {
         tell(found, console)?;
         ladder::write_picture(found, &args.out, "")
@@ -75,12 +78,12 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
 fn tell(found: ladder::Found, console: Console) -> Result<()> {
     match found {
         ladder::Found::Picture(rung) => {
-            console.note(format_args!("illumination cut {}: {:.2} s", rung.illum_cut, rung.stats.seconds));
+            console.note(format_args!("{}: {:.2} s", rung.cuts.label(), rung.stats.seconds));
         }
         ladder::Found::Truth(truth) => console.note(format_args!("reference: {:.1} s", truth.seconds)),
         ladder::Found::Step(step) => console.summary(format_args!(
-            "cut {:>5}: relative RMSE {:.4}, FLIP {:.4}, {:.2} s, {:.0} merged nodes",
-            step.rung.illum_cut,
+            "{:>12}: relative RMSE {:.4}, FLIP {:.4}, {:.2} s, {:.0} merged nodes",
+            step.rung.cuts.label(),
             step.metrics.rel_rmse,
             step.metrics.flip,
             step.rung.stats.seconds,

@@ -35,7 +35,7 @@ pub struct PredictArgs {
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
     /// How the BRDF is sampled
-    #[arg(long, default_value = "refine", value_parser = choices::brdf_sampling())]
+    #[arg(long, default_value = "lit", value_parser = choices::brdf_sampling())]
     brdf: BrdfSampling,
     /// Map to write: .png in false colors with a legend, .exr or .hdr with the luminances; may be given several times
     #[arg(long, value_name = "FILE", required = true)]

@@ -1,8 +1,8 @@
-//! The ladder of the still life, with the BRDF once and refined, and a close-up against light paths.
+//! The ladder of the still life, with the BRDF once and refined and with lit cuts, and a close-up against light paths.
 
 use super::pictures::{Picture, StillLife};
 use crate::{
-    ladder::{self, Settings, Step, Truth},
+    ladder::{self, Cuts, Settings, Step, Truth},
     terminal::{Interrupted, Steps},
 };
 use anyhow::Result;
@@ -25,7 +25,7 @@ pub const MAP_TOP: f32 = 0.5;
 /// Samples a pixel of the path-traced reference.
 pub const PATH_SAMPLES: u32 = 64;
 
-/// One cut size and way of sampling the BRDF.
+/// One picture of some cuts.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rung {
     /// The picture.
@@ -60,6 +60,8 @@ pub struct Ladder {
     pub refined: Vec<Rung>,
     /// BRDF once per node, by growing cut.
     pub once: Vec<Rung>,
+    /// Lit cuts.
+    pub lit: Rung,
     /// Close-up at a small cut.
     pub detail: Detail,
 }
@@ -79,36 +81,40 @@ pub fn climb(still_life: &mut StillLife, steps: &Steps) -> Result<Ladder> {
     let samples_reference =
         still_life.keep("reference-samples", "ray-traced reference", &look, &truth.image, truth.seconds)?;
     steps.begin("rendering at growing illumination cuts, and comparing");
-    let refined = rungs(still_life, &look, BrdfSampling::Refine, &truth, &progress)?;
-    let once = rungs(still_life, &look, BrdfSampling::Once, &truth, &progress)?;
+    let refined = rungs(still_life, &look, CUT_SIZES.map(Cuts::Refine), &truth, &progress)?.into();
+    let once = rungs(still_life, &look, CUT_SIZES.map(Cuts::Once), &truth, &progress)?.into();
+    let [lit] = rungs(still_life, &look, [Cuts::Lit(look.tau)], &truth, &progress)?;
     steps.check()?;
     steps.begin("tracing the reference by paths: the continuous environment, close up");
     let detail = close_up(still_life, steps)?;
-    Ok(Ladder { samples_reference, refined, once, detail })
+    Ok(Ladder { samples_reference, refined, once, lit, detail })
 }
 
-fn rungs(
+fn rungs<const N: usize>(
     still_life: &mut StillLife,
     look: &Look,
-    sampling: BrdfSampling,
+    cuts: [Cuts; N],
     truth: &Truth,
     progress: &dyn Progress,
-) -> Result<Vec<Rung>> {
-    let climbing = Settings { sizes: CUT_SIZES.into(), sampling, ..Settings::default() };
+) -> Result<[Rung; N]> {
+    let climbing = Settings { cuts: cuts.into(), frames: 1 };
     let known = Some(truth.clone());
     let ladder = ladder::climb(&mut still_life.scene, look, &climbing, known, progress, &mut |_| Ok(()))?;
-    let look = Look { sampling, ..look.clone() };
-    ladder.ok_or(Interrupted)?.steps.into_iter().map(|step| kept(still_life, &look, step, truth)).collect()
+    let steps = ladder.ok_or(Interrupted)?.steps.into_iter();
+    let rungs: Vec<Rung> = steps.map(|step| kept(still_life, look, step, truth)).collect::<Result<_>>()?;
+    Ok(rungs.try_into().expect("a ladder has one step for each of the cuts"))
 }
 
 /// Writes picture and error map of a step.
 fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth: &Truth) -> Result<Rung> {
-    let way = if look.sampling == BrdfSampling::Refine { "refine" } else { "once" };
-    let (size, seconds) = (rung.illum_cut, rung.stats.seconds);
-    let look = Look { illum_cut: size, ..look.clone() };
-    let (name, title) = (format!("cut-{size}-{way}"), format!("{size} nodes"));
-    let picture = still_life.keep(&name, &title, &look, &rung.image, seconds)?;
-    let file = format!("error-{size}-{way}.png");
+    let stem = match rung.cuts {
+        Cuts::Once(size) => format!("{size}-once"),
+        Cuts::Refine(size) => format!("{size}-refine"),
+        Cuts::Lit(_) => "lit".into(),
+    };
+    let (name, look) = (format!("cut-{stem}"), rung.cuts.shown(look));
+    let picture = still_life.keep(&name, &rung.cuts.label(), &look, &rung.image, rung.stats.seconds)?;
+    let file = format!("error-{stem}.png");
     error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?
         .image
         .write(&still_life.out.join(&file))?;
@@ -117,7 +123,7 @@ fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth
 
 /// Glossy metal at a small cut, where refinement shows most.
 fn close_up(still_life: &mut StillLife, steps: &Steps) -> Result<Detail> {
-    let look = Look { illum_cut: 64, ..still_life.look("detail", "studio", [360, 270]) };
+    let look = Cuts::Refine(64).shown(&still_life.look("detail", "studio", [360, 270]));
     let once = Look { sampling: BrdfSampling::Once, ..look.clone() };
     let (once, once_image) = still_life.render("detail-once", "sampled once per node", &once)?;
     let (refined, refined_image) = still_life.render("detail-refine", "refined in the merge", &look)?;

@@ -36,8 +36,8 @@ fn figure(class: &str, picture: &Picture, caption: Markup) -> Markup {
 fn hero(report: &Report) -> Markup {
     let picture = &report.gallery.hero;
     let caption = html! {
-        "Lit by the whole environment “" (picture.look.light.environment.name) "” through an illumination cut of "
-        (picture.look.illum_cut) " nodes, in " (seconds(picture.seconds)) " on the CPU with " (picture.look.view.aa)
+        "Lit by the whole environment “" (picture.look.light.environment.name) "” through lit cuts, in "
+        (seconds(picture.seconds)) " on the CPU with " (picture.look.view.aa)
         " samples per pixel. No pixel is noisy: which lights each vertex sees was found once, in the bake."
     };
     html! {
@@ -46,16 +46,16 @@ fn hero(report: &Report) -> Markup {
             h1 { "One bake, then any light and any material, free of noise" }
             p {
                 "Each vertex keeps a " em { "visibility cut" } ": a coarse partition of the sky into clusters of directions, each \
-                 seen or blocked to a known degree, fine only where shadows need it. An environment becomes an "
-                em { "illumination cut" } " over the same tree. A pixel walks both in one pass, and evaluates the material where \
-                 they meet."
+                 seen or blocked to a known degree, fine only where shadows need it. Under an environment it becomes a "
+                em { "lit cut" } ", fine only where light comes from. A pixel walks the lit cuts of three vertices in one pass, \
+                 and evaluates the material at their nodes."
             }
         }
     }
 }
 
 fn key_figures(report: &Report) -> Markup {
-    let best = &report.ladder.refined[CUT_SIZES.len() - 1];
+    let shown = &report.ladder.lit;
     let bake = &report.bake;
     let environment = &report.gallery.environments[0];
     let samples = u64::from(environment.size[0]) * u64::from(environment.size[1]);
@@ -68,7 +68,7 @@ fn key_figures(report: &Report) -> Markup {
             (key_figure(bake.mean_cut, 0, "nodes", &lights))
             (key_figure(bake.bytes_cuts as f64 / 1e6, 1, "MB", &vertices))
             (key_figure(microseconds, 1, "µs", "for a pixel’s sample"))
-            (key_figure(best.metrics.flip, 3, "FLIP", "difference from ray tracing, 0 to 1"))
+            (key_figure(shown.metrics.flip, 3, "FLIP", "difference from ray tracing, 0 to 1"))
             (key_figure(report.seconds, 0, "s", "for all of this page"))
         }
     }
@@ -89,7 +89,11 @@ fn ladder(report: &Report) -> Markup {
             name: name.into(),
             points: rungs.iter().map(|r| (r.picture.look.illum_cut.into(), metric(&r.metrics))).collect(),
         };
-        let lines = [line("refined", &ladder.refined), line("once", &ladder.once)];
+        // Lit cuts have no size: a level line.
+        let ends = [CUT_SIZES[0], CUT_SIZES[CUT_SIZES.len() - 1]];
+        let lit =
+            Line { name: "lit".into(), points: ends.map(|size| (size.into(), metric(&ladder.lit.metrics))).into() };
+        let lines = [line("refined", &ladder.refined), line("once", &ladder.once), lit];
         Chart {
             title,
             x_label: "nodes of the illumination cut",
@@ -103,10 +107,12 @@ fn ladder(report: &Report) -> Markup {
         p {
             "The illumination cut is the budget of a picture. It starts with the clusters whose radiance varies too much and \
              spends what is left on the brightest. The reference uses the same light samples but traces every shadow ray at \
-             every pixel, so the difference is what the cuts cost."
+             every pixel, so the difference is what the cuts cost. Lit cuts, as in the other pictures of this page, have no \
+             illumination cut: they are coarse where little light comes from."
         }
         div.grid.six {
             @for rung in &ladder.refined { (figure("", &rung.picture, rung_caption(rung))) }
+            (figure("", &ladder.lit.picture, rung_caption(&ladder.lit)))
             (figure("truth", &ladder.samples_reference, truth))
         }
         div.grid.two { (chart("Relative RMSE", |m| m.rel_rmse)) (chart("FLIP", |m| m.flip)) }
@@ -117,7 +123,7 @@ fn ladder(report: &Report) -> Markup {
 fn rung_caption(rung: &Rung) -> Markup {
     let Metrics { rel_rmse, flip, ssim, .. } = rung.metrics;
     html! {
-        b { (rung.picture.look.illum_cut) " nodes" }
+        b { (rung.picture.title) }
         "relative RMSE " (thousandths(rel_rmse)) br;
         "FLIP " (thousandths(flip)) ", SSIM " (thousandths(ssim)) br;
         (seconds(rung.picture.seconds))
@@ -167,6 +173,8 @@ fn error_maps(report: &Report) -> Markup {
         (error_row(&report.ladder.refined))
         h3 { "Once per node" }
         (error_row(&report.ladder.once))
+        h3 { "Lit cuts" }
+        (error_row(std::slice::from_ref(&report.ladder.lit)))
     };
     section("Where the error is", body)
 }
@@ -177,7 +185,7 @@ fn error_row(rungs: &[Rung]) -> Markup {
             @for rung in rungs {
                 figure.map {
                     a href=(rung.error_map) { img src=(rung.error_map) alt="Error map"; }
-                    figcaption { (rung.picture.look.illum_cut) " nodes: " (thousandths(rung.metrics.rel_rmse)) }
+                    figcaption { (rung.picture.title) ": " (thousandths(rung.metrics.rel_rmse)) }
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Fig. 7: pictures and errors at growing illumination cuts, of each scene under each kind of light that it has.
+//! Fig. 7: pictures and errors at growing illumination cuts and with lit cuts, of each scene under each kind of light that it has.
 
 use super::{Measurement, cases::Case, notebook::Notebook};
 use crate::{
@@ -113,7 +113,7 @@ fn climb(measurement: &Measurement, case: &Case, lit: LitCase) -> Result<SceneLa
     let progress = measurement.steps.progress("reference", "pixels");
     let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
     let write = &mut |found: Found| ladder::write_picture(found, measurement.out, &prefix);
-    let ladder = ladder::climb(&mut scene, &look, &Settings::default(), None, &progress, write)?;
+    let ladder = ladder::climb(&mut scene, &look, &Settings::of(&look), None, &progress, write)?;
     progress.finish();
     let ladder = ladder.ok_or(Interrupted)?;
     ladder::sheet(&ladder, &Post::default()).write_png(&measurement.out.join(format!("fig7-{name}.png")))?;
@@ -126,7 +126,8 @@ fn markup(ladders: &[SceneLadder]) -> Markup {
         p {
             "The illumination cut is the budget of a picture. Errors are against the same lights without cuts, ray traced at \
              every pixel, on surfaces alone. The paper finds artefacts at 1 and 32 nodes, and 256 in many cases sufficient; \
-             here a node’s light is read where visibility and BRDF have split it, so that short cuts lose less."
+             here a node’s light is read where visibility and BRDF have split it, so that short cuts lose less. The last picture \
+             is of lit cuts, which need no illumination cut."
         }
         @for ladder in ladders {
             @let reference = &ladder.summary.reference;

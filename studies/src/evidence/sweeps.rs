@@ -10,7 +10,7 @@ use super::{
 use crate::{
     args::BackendOption,
     bounces::light_paths::LightPaths,
-    ladder::{Settings, Truth, climb},
+    ladder::{Cuts, Settings, Truth, climb},
     report::{
         chart::{self, Chart, Line},
         table,
@@ -189,7 +189,7 @@ impl Sweeper<'_> {
         self.measurement.steps.check()?;
         let scale = self.measurement.scale;
         let look = self.measurement.lit_from_afar(dataset, scale.view);
-        let settings = Settings { sizes: vec![scale.sweep_cut], ..Default::default() };
+        let settings = Settings { cuts: vec![Cuts::Refine(scale.sweep_cut)], frames: 1 };
         let mut scene = LitScene::new(BackendOption::Cpu.open()?, dataset.clone().into())?;
         let known = Some(truth.clone());
         let ladder = climb(&mut scene, &look, &settings, known, &Quiet, &mut |_| Ok(()))?;

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     args::BackendOption,
-    ladder::{Settings, time_frames},
+    ladder::{Cuts, time_frames},
     report::{
         table,
         text::{grouped, megabytes, seconds, short},
@@ -108,8 +108,8 @@ pub fn record(
             measurement.steps.check()?;
             let dataset = baked.dataset.clone();
             let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
-            let settings = Settings { sizes: CUT_SIZES.into(), ..Default::default() };
-            let times = time_frames(&mut scene, &look, &settings, measurement.scale.frames)?;
+            let cuts = CUT_SIZES.map(Cuts::Refine);
+            let times = time_frames(&mut scene, &look, &cuts, measurement.scale.frames)?;
             let frames = CUT_SIZES.into_iter().zip(times).map(|(size, times)| FrameTimes::new(size, times)).collect();
             let ladder = ladders.iter().find(|ladder| ladder.is_of(case, light));
             rows.push(Row::new(case, light, &dataset, frames, ladder));
@@ -145,7 +145,7 @@ impl Row {
             }
         };
         let gain = |geometric: &Bake| 1.0 - data_driven.bytes_cuts as f64 / geometric.bytes_cuts.max(1) as f64;
-        let step = ladder.and_then(|l| l.summary.steps.iter().find(|step| step.illum_cut == TYPICAL));
+        let step = ladder.and_then(|l| l.summary.steps.iter().find(|step| step.cuts == Cuts::Refine(TYPICAL)));
         let brute_force = ladder.map_or(f64::NAN, |l| l.summary.reference.seconds);
         Self {
             scene: case.name.clone(),

@@ -32,6 +32,7 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
         "components": look.components.to_string(),
         "solution": look.solution.to_string(),
         "illumination_cut": look.illum_cut,
+        "lit_cuts": number(look.tau),
         "brdf_sampling": look.sampling,
         "samples": look.view.aa,
         "background": format!("{:?}", look.view.background),

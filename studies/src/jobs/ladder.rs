@@ -2,7 +2,7 @@
 
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
-    ladder::{Found, Rung, Settings, climb},
+    ladder::{Cuts, Found, Rung, Settings, climb},
     sheet::DisplayPicture,
 };
 use anyhow::{Context as _, Result};
@@ -33,8 +33,8 @@ const FRAMES: usize = 3;
 pub enum LadderEvent {
     /// A picture; its error is not known yet.
     Picture {
-        /// Most nodes of its illumination cut.
-        illum_cut: u32,
+        /// What was merged.
+        cuts: Cuts,
         /// As a display shows it.
         shown: DisplayPicture,
     },
@@ -53,11 +53,11 @@ pub enum LadderEvent {
     Ended(Result<(), String>),
 }
 
-/// Figures of one size.
+/// Figures of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct StepFigures {
-    /// Most nodes of the illumination cut.
-    pub illum_cut: u32,
+    /// What was merged.
+    pub cuts: Cuts,
     /// Seconds of the picture.
     pub seconds: f64,
     /// Nodes of the merged cut a pixel.
@@ -69,7 +69,7 @@ pub struct StepFigures {
 impl StepFigures {
     fn new(rung: &Rung, metrics: Metrics) -> Self {
         let RenderStats { seconds, mean_merged_nodes, .. } = rung.stats;
-        Self { illum_cut: rung.illum_cut, seconds, mean_merged_nodes, metrics }
+        Self { cuts: rung.cuts, seconds, mean_merged_nodes, metrics }
     }
 }
 
@@ -80,7 +80,7 @@ pub struct LadderJob {
 }
 
 impl LadderJob {
-    /// Climbs the sizes for the look of the live picture, in a size of its own.
+    /// Climbs the sizes, and lit cuts, for the look of the live picture, in a size of its own.
     pub fn start(factory: BackendFactory, baked: Option<Baked>, look: Look, wake: Wake) -> Self {
         let (sender, events) = channel();
         let progress = Arc::new(SharedProgress::new(wake));
@@ -123,7 +123,7 @@ fn climbed(
     progress: &SharedProgress,
 ) -> Result<()> {
     let baked = baked.context("there is no picture to compare; open a scene")?;
-    let (post, settings) = (look.post, Settings { sampling: look.sampling, frames: FRAMES, ..Settings::default() });
+    let (post, settings) = (look.post, Settings { frames: FRAMES, ..Settings::of(look) });
     let look = affordable_look(&baked, look);
     let mut scene = LitScene::new(factory()?, baked)?;
     let climbing = Climbing { progress, sender, rungs: Mutex::default() };
@@ -181,7 +181,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 fn event_of(found: Found, post: &Post) -> LadderEvent {
     match found {
         Found::Picture(rung) => {
-            LadderEvent::Picture { illum_cut: rung.illum_cut, shown: DisplayPicture::shown(&rung.image, post) }
+            LadderEvent::Picture { cuts: rung.cuts, shown: DisplayPicture::shown(&rung.image, post) }
         }
         Found::Truth(truth) => LadderEvent::Truth {
             shown: DisplayPicture::shown(&truth.image, post),
@@ -238,11 +238,12 @@ mod tests {
     fn every_size_has_a_picture_and_figures_and_the_reference_comes_between() {
         let baked: Baked = test_scenes::dataset(&["a"], &[]).into();
         let look = Look { appearance: Appearance::of(&baked.dataset.scene), ..plain_look(1) };
-        let events = ended(&start(Some(baked), look));
-        let sizes = |of: fn(&LadderEvent) -> Option<u32>| events.iter().filter_map(of).collect::<Vec<_>>();
-        let pictures = sizes(|e| if let LadderEvent::Picture { illum_cut, .. } = e { Some(*illum_cut) } else { None });
-        assert_eq!(pictures, SIZES);
-        assert!(events[..SIZES.len()].iter().all(|e| matches!(e, LadderEvent::Picture { .. })), "before all else");
+        let events = ended(&start(Some(baked), look.clone()));
+        let picture = |e: &LadderEvent| if let LadderEvent::Picture { cuts, .. } = e { Some(*cuts) } else { None };
+        let pictures: Vec<Cuts> = events.iter().filter_map(picture).collect();
+        let all: Vec<Cuts> = SIZES.map(Cuts::Refine).into_iter().chain([Cuts::Lit(look.tau)]).collect();
+        assert_eq!(pictures, all, "lit pictures are compared with refined ones");
+        assert!(events[..all.len()].iter().all(|e| matches!(e, LadderEvent::Picture { .. })), "before all else");
         let truth = events.iter().position(|e| matches!(e, LadderEvent::Truth { .. })).unwrap();
         assert!(
             matches!(&events[truth], LadderEvent::Truth { what, .. } if what.contains("samples of the environment"))
@@ -252,12 +253,12 @@ mod tests {
             events.iter().filter_map(of).collect::<Vec<_>>()
         };
         let (early, last) = (figures(&events[..truth]), figures(&events[truth..]));
-        assert_eq!(last.iter().map(|step| step.illum_cut).collect::<Vec<_>>(), SIZES);
+        assert_eq!(last.iter().map(|step| step.cuts).collect::<Vec<_>>(), all);
         // Once for each grid: a sixteenth and a quarter of the 64 x 48 pixels.
-        let pixels: Vec<usize> = early.iter().step_by(SIZES.len()).map(|step| step.metrics.pixels).collect();
+        let pixels: Vec<usize> = early.iter().step_by(all.len()).map(|step| step.metrics.pixels).collect();
         assert_eq!((pixels, last[0].metrics.pixels), (vec![16 * 12, 32 * 24], 64 * 48));
         let error = |step: &StepFigures| step.metrics.rmse;
-        assert!(error(&early[6]) < 4.0 * error(&last[0]) && error(&last[0]) < 4.0 * error(&early[6]));
+        assert!(error(&early[all.len()]) < 4.0 * error(&last[0]) && error(&last[0]) < 4.0 * error(&early[all.len()]));
         assert!(matches!(events.last(), Some(LadderEvent::Ended(Ok(())))));
     }
 

@@ -1,35 +1,40 @@
-//! Pictures at growing illumination cuts, then the truth, then the errors.
+//! Pictures at growing illumination cuts and with lit cuts, then the truth, then the errors.
 
-use super::Truth;
+use super::{Cuts, SIZES, Truth};
 use anyhow::Result;
 use lapidary_core::image::Image;
 use lapidary_render::{
-    BackendError, BrdfSampling, LitScene, Look, Progress, RenderStats,
+    BackendError, LitScene, Look, Progress, RenderStats,
     compare::{Metrics, compare},
 };
 
 /// How the ladder is climbed.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Most nodes of the illumination cut, for each picture.
-    pub sizes: Vec<u32>,
-    /// How the BRDF is sampled.
-    pub sampling: BrdfSampling,
+    /// Those of each picture, in this order.
+    pub cuts: Vec<Cuts>,
     /// How often each picture is rendered, for its time is the median.
     pub frames: usize,
 }
 
-impl Default for Settings {
-    fn default() -> Self {
-        Self { sizes: super::SIZES.into(), sampling: BrdfSampling::default(), frames: 1 }
+impl Settings {
+    /// The usual sizes, with the look's way of sampling the BRDF, and lit cuts as the look has them.
+    pub fn of(look: &Look) -> Self {
+        Self::sizes(&SIZES, look)
+    }
+
+    /// The same with other `sizes`.
+    pub fn sizes(sizes: &[u32], look: &Look) -> Self {
+        let stored = sizes.iter().map(|&size| Cuts::stored(size, look.sampling));
+        Self { cuts: stored.chain([Cuts::Lit(look.tau)]).collect(), frames: 1 }
     }
 }
 
-/// A picture at one size.
+/// A picture of some cuts.
 #[derive(Clone, Debug)]
 pub struct Rung {
-    /// Most nodes of the illumination cut.
-    pub illum_cut: u32,
+    /// What was merged.
+    pub cuts: Cuts,
     /// The picture, scene-linear.
     pub image: Image,
     /// How it was made; the seconds are those from the light to the last pixel.
@@ -50,7 +55,7 @@ pub struct Step {
 pub struct Ladder {
     /// The reference.
     pub truth: Truth,
-    /// In the order of the sizes asked for.
+    /// In the order of the cuts asked for.
     pub steps: Vec<Step>,
 }
 
@@ -65,7 +70,7 @@ pub enum Found<'a> {
     Step(&'a Step),
 }
 
-/// Renders a look at each size, traces the truth unless it is `known`, and compares; hands each result to `found` as it comes.
+/// Renders a look with each of the cuts, traces the truth unless it is `known`, and compares; hands each result to `found` as it comes.
 /// `progress` hears of the truth, which takes longest, and may stop all of it: `None` then.
 ///
 /// # Errors
@@ -79,12 +84,12 @@ pub fn climb(
     found: &mut dyn FnMut(Found) -> Result<()>,
 ) -> Result<Option<Ladder>> {
     warm_up(scene, look)?;
-    let mut rungs = Vec::with_capacity(settings.sizes.len());
-    for &size in &settings.sizes {
+    let mut rungs = Vec::with_capacity(settings.cuts.len());
+    for &cuts in &settings.cuts {
         if progress.cancelled() {
             return Ok(None);
         }
-        let rung = median_rung(scene, look, size, settings)?;
+        let rung = median_rung(scene, look, cuts, settings.frames)?;
         found(Found::Picture(&rung))?;
         rungs.push(rung);
     }
@@ -102,39 +107,38 @@ pub fn climb(
     Ok(Some(Ladder { truth, steps }))
 }
 
-/// Seconds of pictures, `count` at each size, from the light to the last pixel.
+/// Seconds of pictures, `count` with each of the cuts, from the light to the last pixel.
 ///
 /// # Errors
 /// A renderer that fails.
-pub fn time_frames(scene: &mut LitScene, look: &Look, settings: &Settings, count: usize) -> Result<Vec<Vec<f64>>> {
+pub fn time_frames(scene: &mut LitScene, look: &Look, cuts: &[Cuts], count: usize) -> Result<Vec<Vec<f64>>> {
     warm_up(scene, look)?;
-    let mut times = |size: u32| {
-        let frame = |_| rung(scene, look, size, settings.sampling).map(|rung| rung.stats.seconds);
+    let mut times = |cuts: Cuts| {
+        let frame = |_| rung(scene, look, cuts).map(|rung| rung.stats.seconds);
         (0..count).map(frame).collect::<Result<Vec<f64>, _>>()
     };
-    Ok(settings.sizes.iter().map(|&size| times(size)).collect::<Result<_, _>>()?)
+    Ok(cuts.iter().map(|&cuts| times(cuts)).collect::<Result<_, _>>()?)
 }
 
 /// Does what is done once for all pictures, so that no picture's time has it: shadow rays from sources to lights, the resampled
 /// environment, shaders.
 fn warm_up(scene: &mut LitScene, look: &Look) -> Result<(), BackendError> {
     scene.light(&Look { illum_cut: 1, ..look.clone() })?;
-    scene.begin(&look.view, BrdfSampling::default())?;
+    scene.begin(&look.view, look.sampling)?;
     scene.render_rows(0, 0..1)
 }
 
 /// The picture whose time is the median.
-fn median_rung(scene: &mut LitScene, look: &Look, size: u32, settings: &Settings) -> Result<Rung, BackendError> {
-    let frame = |_| rung(scene, look, size, settings.sampling);
-    let mut rungs = (0..settings.frames.max(1)).map(frame).collect::<Result<Vec<_>, _>>()?;
+fn median_rung(scene: &mut LitScene, look: &Look, cuts: Cuts, frames: usize) -> Result<Rung, BackendError> {
+    let frame = |_| rung(scene, look, cuts);
+    let mut rungs = (0..frames.max(1)).map(frame).collect::<Result<Vec<_>, _>>()?;
     rungs.sort_by(|a, b| a.stats.seconds.total_cmp(&b.stats.seconds));
     Ok(rungs.swap_remove(rungs.len() / 2))
 }
 
-/// A picture that is lit anew with an illumination cut of at most `size` nodes.
-fn rung(scene: &mut LitScene, look: &Look, size: u32, sampling: BrdfSampling) -> Result<Rung, BackendError> {
+/// A picture that is lit anew: the time of lit cuts has their making.
+fn rung(scene: &mut LitScene, look: &Look, cuts: Cuts) -> Result<Rung, BackendError> {
     scene.forget_light();
-    let look = Look { illum_cut: size, sampling, ..look.clone() };
-    let picture = scene.show_whole(&look)?;
-    Ok(Rung { illum_cut: size, image: picture.image, stats: picture.stats })
+    let picture = scene.show_whole(&cuts.shown(look))?;
+    Ok(Rung { cuts, image: picture.image, stats: picture.stats })
 }

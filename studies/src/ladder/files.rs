@@ -1,8 +1,8 @@
 //! The ladder as files: pictures, a contact sheet, `ladder.json`.
 
-use super::{Ladder, Rung, Step, Truth};
+use super::{Cuts, Ladder, Rung, Step, Truth};
 use crate::{
-    report::text::{grouped, seconds},
+    report::text::seconds,
     sheet::{DisplayPicture, SheetStyle, Tile, contact_sheet},
 };
 use anyhow::Result;
@@ -33,7 +33,7 @@ pub struct Summary {
     pub renderer: String,
     /// What the pictures are held against.
     pub reference: ReferenceFigures,
-    /// One for each size of the illumination cut.
+    /// One for each size of the illumination cut, and one of lit cuts.
     pub steps: Vec<StepFigures>,
 }
 
@@ -52,11 +52,12 @@ pub struct ReferenceFigures {
     pub exr: String,
 }
 
-/// Figures of one size of the illumination cut.
+/// Figures of one picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct StepFigures {
-    /// Most nodes of the illumination cut.
-    pub illum_cut: u32,
+    /// What was merged.
+    #[serde(flatten)]
+    pub cuts: Cuts,
     /// `||picture - reference|| / ||reference||`.
     pub rel_rmse: f64,
     /// Mean FLIP, 0 for equal pictures to 1.
@@ -80,7 +81,7 @@ pub struct StepFigures {
 }
 
 impl Summary {
-    /// The figures of a ladder whose pictures were written by [`write_picture`] as `cut-SIZE` and `reference`, after `prefix`.
+    /// The figures of a ladder whose pictures were written by [`write_picture`] as `cut-SIZE`, `cut-lit` and `reference`, after `prefix`.
     pub fn new(look: &Look, ladder: &Ladder, prefix: &str) -> Self {
         let first = ladder.steps.first().map(|step| &step.rung.stats);
         let renderer = first.map(|stats| stats.adapter.clone().unwrap_or_else(|| stats.backend.clone()));
@@ -102,7 +103,7 @@ impl StepFigures {
     fn new(Step { rung, metrics }: &Step, prefix: &str) -> Self {
         let [png, exr] = files(prefix, &rung_name(rung));
         Self {
-            illum_cut: rung.illum_cut,
+            cuts: rung.cuts,
             rel_rmse: metrics.rel_rmse,
             flip: metrics.flip,
             seconds: rung.stats.seconds,
@@ -133,7 +134,7 @@ pub fn write_picture(found: super::Found, folder: &Path, prefix: &str) -> Result
 }
 
 fn rung_name(rung: &Rung) -> String {
-    format!("cut-{}", rung.illum_cut)
+    format!("cut-{}", rung.cuts.stem())
 }
 
 fn files(prefix: &str, name: &str) -> [String; 2] {
@@ -155,7 +156,7 @@ pub fn sheet(ladder: &Ladder, post: &Post) -> DisplayPicture {
 /// What is said under a picture.
 fn caption(Step { rung, metrics }: &Step) -> Vec<String> {
     vec![
-        format!("{} node{}", grouped(rung.illum_cut.into()), if rung.illum_cut == 1 { "" } else { "s" }),
+        rung.cuts.label(),
         format!("rel. RMSE {:.3}, FLIP {:.3}", metrics.rel_rmse, metrics.flip),
         format!("{}, {:.0} merged nodes", seconds(rung.stats.seconds), rung.stats.mean_merged_nodes),
     ]

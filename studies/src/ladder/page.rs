@@ -5,7 +5,7 @@ use crate::report::{
     self,
     chart::{AxisScale, Chart, Line},
     figure, section,
-    text::{grouped, seconds, short},
+    text::{seconds, short},
 };
 use maud::{Markup, html};
 
@@ -17,7 +17,8 @@ pub fn page(summary: &Summary) -> String {
     let cuts = html! {
         p {
             "The illumination cut is the budget of a picture: it starts with the clusters whose radiance varies too much, and \
-             spends what is left on the brightest. The reference is " (reference.what) ". It took "
+             spends what is left on the brightest. Lit cuts know the light and do without it: their nodes move at most a share of \
+             a vertex’s light. Their time includes their making. The reference is " (reference.what) ". It took "
             (seconds(reference.seconds)) ". Environment: “" (summary.environment) "”."
         }
         (pictures(summary))
@@ -42,7 +43,7 @@ pub fn pictures(summary: &Summary) -> Markup {
     html! {
         div.grid.six {
             @for step in &summary.steps {
-                @let alternative = format!("illumination cut {}", step.illum_cut);
+                @let alternative = alternative(step);
                 (figure("", &step.png, summary.size, &alternative, caption(step)))
             }
             (figure("truth", &summary.reference.png, summary.size, "reference", truth))
@@ -50,27 +51,59 @@ pub fn pictures(summary: &Summary) -> Markup {
     }
 }
 
+fn alternative(step: &StepFigures) -> String {
+    match step.cuts.size() {
+        Some(size) => format!("illumination cut {size}"),
+        None => step.cuts.label(),
+    }
+}
+
 fn caption(step: &StepFigures) -> Markup {
     html! {
-        b { (grouped(step.illum_cut.into())) @if step.illum_cut == 1 { " node" } @else { " nodes" } }
+        b { (step.cuts.label()) }
         "relative RMSE " (short(step.rel_rmse)) br;
         "FLIP " (short(step.flip)) br;
         (seconds(step.seconds)) ", " (format!("{:.0}", step.mean_merged_nodes)) " merged nodes"
     }
 }
 
-/// Error against cut size, and against time.
+/// Error against cut size, and against time. Lit cuts have no size: their errors are level lines there, and points of their own
+/// in time.
 pub fn charts(summary: &Summary) -> Markup {
-    let lines = |x: fn(&StepFigures) -> f64| {
-        let line = |name: &str, y: fn(&StepFigures) -> f64| Line {
-            name: name.into(),
-            points: summary.steps.iter().map(|step| (x(step), y(step))).collect(),
-        };
-        [line("rel. RMSE", |s| s.rel_rmse), line("FLIP", |s| s.flip)]
-    };
     let chart =
         |title, x_label, lines: &[Line]| Chart { title, x_label, x: AxisScale::Log, y: AxisScale::Log, lines }.svg();
-    let by_size = chart("Error by size", "nodes of the illumination cut", &lines(|s| s.illum_cut.into()));
-    let by_time = chart("Error by time", "seconds a picture", &lines(|s| s.seconds));
+    let by_size = chart("Error by size", "nodes of the illumination cut", &lines(summary, by_size));
+    let by_time = chart("Error by time", "seconds a picture", &lines(summary, by_time));
     html! { div.grid.two { (by_size) (by_time) } }
+}
+
+/// What is drawn of an error: points by the steps with an illumination cut, and by those without.
+type Drawn = fn(&Summary, Error) -> [Vec<(f64, f64)>; 2];
+type Error = fn(&StepFigures) -> f64;
+
+/// A line for each error of the illumination cuts, then one for each of the lit cuts if there are any.
+fn lines(summary: &Summary, drawn: Drawn) -> Vec<Line> {
+    let errors: [(&str, Error); 2] = [("rel. RMSE", |s| s.rel_rmse), ("FLIP", |s| s.flip)];
+    let of = |which: usize, of: &str| {
+        let line = |(name, error): (&str, Error)| Line {
+            name: format!("{of}{name}"),
+            points: drawn(summary, error)[which].clone(),
+        };
+        errors.map(line)
+    };
+    of(0, "").into_iter().chain(of(1, "lit: ")).filter(|line| !line.points.is_empty()).collect()
+}
+
+fn by_size(summary: &Summary, error: Error) -> [Vec<(f64, f64)>; 2] {
+    let sized = |step: &StepFigures| step.cuts.size().map(|size| (f64::from(size), error(step)));
+    let stored: Vec<_> = summary.steps.iter().filter_map(sized).collect();
+    let ends = || stored.first().into_iter().chain(stored.last()).map(|point| point.0);
+    let unsized_steps = summary.steps.iter().filter(|step| step.cuts.size().is_none());
+    let lit = unsized_steps.flat_map(|step| ends().map(move |x| (x, error(step)))).collect();
+    [stored, lit]
+}
+
+fn by_time(summary: &Summary, error: Error) -> [Vec<(f64, f64)>; 2] {
+    let (stored, lit): (Vec<_>, Vec<_>) = summary.steps.iter().partition(|step| step.cuts.size().is_some());
+    [stored, lit].map(|steps: Vec<&StepFigures>| steps.into_iter().map(|step| (step.seconds, error(step))).collect())
 }

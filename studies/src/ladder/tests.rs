@@ -20,8 +20,9 @@ fn scene() -> LitScene {
     LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), test_scenes::dataset(&["a"], &[]).into()).unwrap()
 }
 
+/// Pictures of `sizes` with the BRDF once per node, then one of lit cuts.
 fn settings(sizes: &[u32]) -> Settings {
-    Settings { sizes: sizes.into(), sampling: BrdfSampling::Once, ..Settings::default() }
+    Settings::sizes(sizes, &Look { sampling: BrdfSampling::Once, ..look() })
 }
 
 fn climbed(sizes: &[u32]) -> Ladder {
@@ -40,18 +41,47 @@ fn a_cut_of_all_leaves_is_the_truth_and_a_single_node_is_not() {
 }
 
 #[test]
+fn each_picture_is_of_its_cuts() {
+    let coarse = Look { tau: 0.25, ..look() };
+    assert_eq!(Settings::sizes(&[1, 64], &coarse).cuts, [Cuts::Refine(1), Cuts::Refine(64), Cuts::Lit(0.25)]);
+    let settings = Settings { cuts: vec![Cuts::Once(1), Cuts::Refine(64), Cuts::Lit(0.25)], frames: 1 };
+    let ladder = climb(&mut scene(), &look(), &settings, None, &Quiet, &mut |_| Ok(())).unwrap().unwrap();
+    for Step { rung, .. } in &ladder.steps {
+        let rendered = scene().show_whole(&rung.cuts.shown(&look())).unwrap();
+        assert_eq!(rung.image, rendered.image, "{:?}", rung.cuts);
+    }
+    let image = |i: usize| &ladder.steps[i].rung.image;
+    assert!(image(0) != image(1) && image(1) != image(2) && image(0) != image(2), "negative control");
+}
+
+#[test]
+fn cuts_are_those_of_a_look_and_back() {
+    use BrdfSampling::{Lit, Once, Refine};
+    assert_eq!([Once, Refine, Lit].map(|way| Cuts::of(way, 7, 0.5)), [Cuts::Once(7), Cuts::Refine(7), Cuts::Lit(0.5)]);
+    assert_eq!([Once, Refine, Lit].map(|way| Cuts::stored(7, way)), [Cuts::Once(7), Cuts::Refine(7), Cuts::Refine(7)]);
+    for cuts in [Cuts::Once(7), Cuts::Refine(7), Cuts::Lit(0.5)] {
+        let shown = cuts.shown(&look());
+        assert_eq!(Cuts::of(shown.sampling, shown.illum_cut, shown.tau), cuts);
+    }
+    assert_eq!(
+        [Cuts::Once(1), Cuts::Refine(512), Cuts::Lit(0.1)].map(Cuts::label),
+        ["1 node", "512 nodes", "Lit cuts"]
+    );
+}
+
+#[test]
 fn results_come_as_they_are_found() {
     let mut order = Vec::new();
     let mut found = |found: Found| {
         order.push(match found {
-            Found::Picture(rung) => format!("picture {}", rung.illum_cut),
+            Found::Picture(rung) => format!("picture {}", rung.cuts.stem()),
             Found::Truth(_) => "truth".into(),
-            Found::Step(step) => format!("step {}", step.rung.illum_cut),
+            Found::Step(step) => format!("step {}", step.rung.cuts.stem()),
         });
         Ok(())
     };
     climb(&mut scene(), &look(), &settings(&[1, 2]), None, &Quiet, &mut found).unwrap();
-    assert_eq!(order, ["picture 1", "picture 2", "truth", "step 1", "step 2"]);
+    assert_eq!(order, ["picture 1", "picture 2", "picture lit", "truth", "step 1", "step 2", "step lit"]);
     let known = climbed(&[1]).truth;
     let marked = Truth { what: "known".into(), ..known };
     let again = climb(&mut scene(), &look(), &settings(&[1]), Some(marked), &Quiet, &mut |_| Ok(()));
@@ -101,18 +131,24 @@ fn sheet_page_and_figures_show_every_step() {
     let ladder = climbed(&[1, 4, 16]);
     let summary = Summary::new(&look(), &ladder, "x-");
     let json = serde_json::to_value(&summary).unwrap();
-    for key in ["illum_cut", "rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
+    for key in ["rel_rmse", "flip", "seconds", "mean_merged_nodes"] {
         assert!(json["steps"].as_array().unwrap().iter().all(|step| step[key].is_number()), "{key}");
     }
-    let page = page(&summary);
-    for text in ["x-cut-1.png", "x-cut-16.png", "x-reference.png", "<svg"] {
+    let cuts = |i: usize| ["brdf", "illum_cut", "lit_cuts"].map(|key| json["steps"][i][key].to_string());
+    assert_eq!(cuts(0), ["\"once\"", "1", "null"]);
+    assert!(cuts(3)[0] == "\"lit\"" && cuts(3)[1] == "null" && cuts(3)[2].starts_with("0.003"), "{:?}", cuts(3));
+    let page = super::page(&summary);
+    let lit_line = "lit: rel. RMSE";
+    for text in ["x-cut-1.png", "x-cut-16.png", "x-cut-lit.png", "x-reference.png", "<svg", lit_line] {
         assert!(page.contains(text), "{text}");
     }
+    let stored = Summary { steps: summary.steps[..3].to_vec(), ..summary.clone() };
+    assert!(!super::page(&stored).contains(lit_line), "negative control");
     assert!(!page.contains("NaN"));
     let folder = tempfile::tempdir().unwrap();
     write_picture(Found::Picture(&ladder.steps[0].rung), folder.path(), "x-").unwrap();
     assert!(folder.path().join("x-cut-1.exr").is_file() && folder.path().join("x-cut-1.png").is_file());
     let whole = sheet(&ladder, &Post::default());
     let shorter = sheet(&climbed(&[1]), &Post::default());
-    assert!(whole.size[0] > shorter.size[0], "four columns against two");
+    assert!(whole.size[0] > shorter.size[0], "four columns against three");
 }

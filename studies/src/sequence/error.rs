@@ -32,6 +32,12 @@ pub enum SweepError {
     /// `@NAME` where there are no names.
     #[error("{0} belongs to the whole picture; leave out the name after @")]
     NoName(&'static str),
+    /// An illumination cut where none is merged.
+    #[error("lit cuts have no illumination cut to sweep; choose --brdf refine or once (View > Cuts in the window)")]
+    NoIllumCut,
+    /// Lit cuts where none are merged.
+    #[error("there are no lit cuts to sweep; choose --brdf lit (View > Cuts in the window)")]
+    NoLitCuts,
     /// No material of that name.
     #[error("the scene has no material \"{wanted}\"; it has {names}")]
     NoMaterial {

@@ -6,7 +6,7 @@ use lapidary_core::{
     lights::Light,
     material::{BrdfParameters, MapKind, Material},
 };
-use lapidary_render::Look;
+use lapidary_render::{BrdfSampling, Look};
 use std::sync::Arc;
 
 /// A parameter of a look.
@@ -36,6 +36,8 @@ pub enum Parameter {
     Exposure,
     /// Most nodes of the illumination cut.
     IllumCut,
+    /// Largest share of a vertex's light that a node of its lit cut moves.
+    LitCuts,
     /// Scale of the intensity of local lights.
     LightIntensity,
     /// Place of a local light.
@@ -74,7 +76,7 @@ pub enum Domain {
 
 impl Parameter {
     /// All of them, in the order of lists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Roughness,
         Self::BaseColor,
         Self::Metalness,
@@ -87,6 +89,7 @@ impl Parameter {
         Self::Intensity,
         Self::Exposure,
         Self::IllumCut,
+        Self::LitCuts,
         Self::LightIntensity,
         Self::LightPosition,
         Self::LightTarget,
@@ -110,6 +113,7 @@ impl Parameter {
             Self::Intensity => "intensity",
             Self::Exposure => "exposure",
             Self::IllumCut => "illum-cut",
+            Self::LitCuts => "lit-cuts",
             Self::LightIntensity => "light-intensity",
             Self::LightPosition => "light-position",
             Self::LightTarget => "light-target",
@@ -138,7 +142,7 @@ impl Parameter {
     /// What values it has.
     pub fn domain(self) -> Domain {
         match self {
-            Self::Roughness | Self::Metalness | Self::Specular => Domain::Number(0.0, 1.0),
+            Self::Roughness | Self::Metalness | Self::Specular | Self::LitCuts => Domain::Number(0.0, 1.0),
             Self::BaseColor => Domain::Color,
             Self::Ior => Domain::Number(1.0, 10.0),
             Self::Anisotropy => Domain::Number(-1.0, 1.0),
@@ -155,7 +159,7 @@ impl Parameter {
     /// Gives it a value, of its domain, in a look; `of` names one of the materials or lights.
     ///
     /// # Errors
-    /// No such material, map or light, or several where one has to be named.
+    /// No such material, map or light, several where one has to be named, or cuts that the look does not merge.
     pub fn set(self, look: &mut Look, of: Option<&str>, value: Value) -> Result<(), SweepError> {
         let (number, vector) = (value.number(), value.vector());
         match self {
@@ -171,9 +175,19 @@ impl Parameter {
             Self::LightPosition => one_light(self, look, of, |light| light.position = vector),
             Self::LightTarget => one_light(self, look, of, |light| light.target = vector),
             _ => {
+                self.check_cuts(look.sampling)?;
                 self.set_of_picture(look, number, vector);
                 Ok(())
             }
+        }
+    }
+
+    /// A setting of cuts that are not merged would be swept through equal pictures.
+    fn check_cuts(self, sampling: BrdfSampling) -> Result<(), SweepError> {
+        match (self, sampling == BrdfSampling::Lit) {
+            (Self::IllumCut, true) => Err(SweepError::NoIllumCut),
+            (Self::LitCuts, false) => Err(SweepError::NoLitCuts),
+            _ => Ok(()),
         }
     }
 
@@ -183,6 +197,7 @@ impl Parameter {
             Self::Intensity => look.light.intensity = number,
             Self::Exposure => look.post.exposure = number,
             Self::IllumCut => look.illum_cut = number as u32,
+            Self::LitCuts => look.tau = number,
             Self::Eye => look.view.camera.eye = vector,
             Self::Target => look.view.camera.target = vector,
             Self::Fov => look.view.camera.fov_y = number.to_radians(),

@@ -170,7 +170,7 @@ impl Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::test_looks::look;
+    use lapidary_render::{BrdfSampling, test_looks::look};
 
     fn sweep(text: &str) -> Sweep {
         text.parse().unwrap()
@@ -231,6 +231,7 @@ mod tests {
             "intensity=0..0.18",
             "exposure=0..0.19",
             "illum-cut=1..20",
+            "lit-cuts=0..0.205",
             "light-intensity=0..0.21",
             "light-position=0,0,0..9,9,1",
             "light-target=0,0,0..9,9,2",
@@ -241,24 +242,42 @@ mod tests {
         assert_eq!(all.len(), Parameter::ALL.len());
         let shown = |look: &Look| {
             format!(
-                "{:?} {} {} {:?} {} {:?} {:?}",
+                "{:?} {} {} {:?} {} {} {:?} {:?}",
                 look.appearance.materials,
                 look.light.rotation,
                 look.light.intensity,
                 look.post,
                 look.illum_cut,
+                look.tau,
                 look.lights,
                 look.view
             )
         };
         let mut seen = vec![shown(&look())];
         for text in all {
-            let mut changed = look();
-            sweep(text).apply(&mut changed, 1.0).unwrap();
+            let sweep = sweep(text);
+            let stored = sweep.parameter == Parameter::IllumCut;
+            let mut changed =
+                Look { sampling: if stored { BrdfSampling::Refine } else { BrdfSampling::Lit }, ..look() };
+            sweep.apply(&mut changed, 1.0).unwrap();
             let shown = shown(&changed);
             assert!(!seen.contains(&shown), "{text} changes nothing, or what another does");
             seen.push(shown);
         }
+    }
+
+    #[test]
+    fn cuts_that_are_not_merged_cannot_be_swept() {
+        let message = |text: &str, sampling| {
+            let applied = sweep(text).apply(&mut Look { sampling, ..look() }, 0.5);
+            applied.err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert!(message("illum-cut=1..9", BrdfSampling::Lit).contains("--brdf refine"));
+        for stored in [BrdfSampling::Refine, BrdfSampling::Once] {
+            assert!(message("lit-cuts=0..1", stored).contains("--brdf lit"));
+            assert_eq!(message("illum-cut=1..9", stored), "", "negative control");
+        }
+        assert_eq!(message("lit-cuts=log:0.001..1", BrdfSampling::Lit), "", "negative control");
     }
 
     #[test]

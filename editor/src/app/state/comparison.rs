@@ -13,6 +13,7 @@ use lapidary_studies::{
         comparison::{ComparisonThread, ReferencePicture, TestPicture},
         measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap},
     },
+    ladder::Cuts,
     sheet::DisplayPicture,
 };
 use std::sync::Arc;
@@ -88,13 +89,13 @@ impl Comparison {
     }
 
     /// Contents of the viewport.
-    pub fn compared(&self, panel: &ComparisonPanel, illum_cut: u32, accent: Color32) -> Compared<'_> {
+    pub fn compared(&self, panel: &ComparisonPanel, cuts: Cuts, accent: Color32) -> Compared<'_> {
         let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
         let reference = self.reference.as_ref();
         let waiting = || "B: the reference is being traced".to_owned();
         let noise = self.measured.as_ref().and_then(|measured| measured.noise);
         let labels = [
-            panel.picture_label(illum_cut),
+            panel.picture_label(cuts),
             reference.map_or_else(waiting, |reference| panel.reference_label(reference, noise, progress)),
         ];
         let measured = self.measured.as_deref();

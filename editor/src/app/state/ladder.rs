@@ -16,22 +16,22 @@ pub struct LadderWindow {
 }
 
 impl LadderWindow {
-    /// Whether sizes are being tried.
+    /// Whether cuts are being tried.
     pub fn is_climbing(&self) -> bool {
         self.job.is_some()
     }
 
     pub(in crate::app) fn take(&mut self, ctx: &Context, event: LadderEvent) {
         match event {
-            LadderEvent::Picture { illum_cut, shown } => {
+            LadderEvent::Picture { cuts, shown } => {
                 let texture = texture(ctx, &shown);
-                self.result.tiles.push(LadderTile { illum_cut, texture, figures: None });
+                self.result.tiles.push(LadderTile { cuts, texture, figures: None });
             }
             LadderEvent::Truth { shown, seconds, what } => {
                 self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
             }
             LadderEvent::Step(figures) => {
-                let tile = self.result.tiles.iter_mut().find(|tile| tile.illum_cut == figures.illum_cut);
+                let tile = self.result.tiles.iter_mut().find(|tile| tile.cuts == figures.cuts);
                 tile.into_iter().for_each(|tile| tile.figures = Some(figures));
             }
             LadderEvent::Ended(result) => {

@@ -7,9 +7,10 @@ use crate::{
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
 };
 use egui::Event;
+use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_core::image::Image;
-use lapidary_render::compare::map::ErrorMap;
-use lapidary_studies::jobs::measure::ShownMap;
+use lapidary_render::{BrdfSampling, compare::map::ErrorMap};
+use lapidary_studies::{jobs::measure::ShownMap, ladder::Cuts};
 
 /// A window that compares a small scene with paths, and has measured it.
 fn comparing(place: &Place) -> Window {
@@ -62,7 +63,7 @@ fn edits_of_light_begin_anew_and_exposure_does_not() {
     window.perform(Action::Edit { edit: Edit::View(view.clone()), label: "Exposure" });
     window.0.run_steps(3);
     assert_eq!((window.0.state().comparison.begun(), rel_rmse(&window)), (begun, error));
-    view.illum_cut = 1;
+    (view.sampling, view.illum_cut) = (BrdfSampling::Refine, 1);
     window.perform(Action::Edit { edit: Edit::View(view), label: "Light cut" });
     window.wait("figures of another picture", |s| {
         s.comparison.context().measured.is_some_and(|m| m.reference.finished && m.metrics.rel_rmse != error)
@@ -152,17 +153,23 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     window.0.run_steps(1);
     assert!(!window.0.state().comparison.context().held, "a window that is closed gives the cores back");
     window.click("Cut sizes...");
-    window.wait("all figures", |s| s.ladder_figures() == 6);
+    window.wait("all figures", |s| s.ladder_figures() == 7);
     window.0.run_steps(3);
     assert!(!window.0.state().comparison.context().held, "its end gives the cores back");
     assert!(window.shows("enough: ") || window.shows("Every size lowers the error"));
     let use_buttons = window.0.query_all_by_label("Use").count();
-    assert_eq!(use_buttons, 5, "one size is in use");
+    assert_eq!(use_buttons, 6, "lit cuts are in use");
     window.0.query_all_by_label("Use").next().unwrap().click();
     window.0.run_steps(3);
-    assert_eq!(window.0.state().document.view.illum_cut, 1);
+    let cuts = |window: &Window| window.0.state().document.view.cuts();
+    assert_eq!(cuts(&window), Cuts::Refine(1), "as the ladder's picture");
+    window.0.query_all_by_label("Use").last().unwrap().click();
+    window.0.run_steps(3);
+    assert_eq!((cuts(&window), window.0.state().document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 1));
     window.perform(Action::Undo);
-    assert_eq!(window.0.state().document.view.illum_cut, 256);
+    assert_eq!(cuts(&window), Cuts::Refine(1));
+    window.perform(Action::Undo);
+    assert_eq!((cuts(&window), window.0.state().document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 256));
 }
 
 #[test]
@@ -183,7 +190,7 @@ fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_cau
     window.click("Split the error");
     window.wait("the causes", |s| s.explain.causes() > 3);
     assert!(!window.shows("The picture has changed since"));
-    window.0.state_mut().document.view.illum_cut = 32;
+    window.0.state_mut().document.view.tau = 1.0;
     window.0.run_steps(3);
     assert!(window.shows("The picture has changed since"));
     window.click("Explain again");

@@ -66,13 +66,13 @@ fn a_coarse_picture_comes_first_and_all_samples_of_all_pixels_follow_once() {
     large.look.view.size = [192, 130];
     thread.request(large);
     let first = wait_for("a picture", || thread.frames());
-    assert_eq!((first.size, first.full_size, first.of_samples), ([24, 17], false, 5));
+    assert_eq!((first.size, first.full_size, first.of_samples), ([72, 49], false, 5));
     let last = complete(&mut thread);
     assert_eq!((last.size, last.samples, last.pixels.len()), ([192, 130], 5, 192 * 130));
     assert_eq!((last.backend.as_str(), last.light_revision), ("fake", 1));
     let log = log.lock().unwrap();
     assert_eq!((log.made, log.scenes, log.appearances, log.lights), (1, 1, 1, 1));
-    assert_eq!(log.begun, [([24, 17], 1), ([192, 130], 5)]);
+    assert_eq!(log.begun, [([72, 49], 1), ([192, 130], 5)]);
     let full = log.sketched.len() - 9 * STRIDES.len();
     for (stride, steps) in STRIDES.iter().zip(log.sketched[full..].chunks(9)) {
         assert!(steps.iter().all(|step| step.0 == *stride));
@@ -113,7 +113,7 @@ fn other_work_holds_the_full_picture_and_no_coarse_one() {
     thread.request(request(2));
     assert!(!wait_for("a picture", || thread.frames()).full_size);
     linger();
-    assert_eq!(log.lock().unwrap().begun, [([8, 6], 1)], "a coarse picture alone");
+    assert_eq!(log.lock().unwrap().begun, [([24, 18], 1)], "a coarse picture alone");
     thread.hold(false);
     assert_eq!(complete(&mut thread).samples, 2);
 }

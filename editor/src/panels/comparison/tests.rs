@@ -2,6 +2,7 @@
 
 use super::*;
 use lapidary_render::test_looks::plain_look;
+use lapidary_studies::ladder::Cuts;
 
 #[test]
 fn a_region_moves_out_to_the_grid_and_stays_inside() {
@@ -36,7 +37,8 @@ fn labels_say_what_both_sides_are() {
     let image = std::sync::Arc::new(lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE));
     let mut reference = ReferencePicture { image, step: 2, noise: None, finished: false, seconds: 1.0 };
     let mut panel = ComparisonPanel { kind: KindChoice::Paths, spp: 256, ..Default::default() };
-    assert_eq!(panel.picture_label(64), "A: illumination cut of 64 nodes");
+    assert_eq!(panel.picture_label(Cuts::Once(64)), "A: illumination cut of 64 nodes");
+    assert_eq!(panel.picture_label(Cuts::Lit(0.003)), "A: lit cuts");
     let label = panel.reference_label(&reference, Some(0.0213), 0.5);
     assert_eq!(label, "B: 256 light paths per pixel, noise 2.1 %, 50 % done");
     reference.finished = true;

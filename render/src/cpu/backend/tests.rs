@@ -3,6 +3,7 @@
 use super::*;
 use crate::{
     Background, ViewMode,
+    compare::compare,
     measure::compare::map::magma,
     shade::wireframe::{LINE_FADE, LINE_WIDTH},
     test_scenes::{dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, white},
@@ -11,7 +12,8 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
-    material::{BrdfParameters, MapKind, Material},
+    material::{BrdfModel, BrdfParameters, MapKind, Material},
+    scene::Mesh,
     texture::{Texels, Texture, TextureSlot},
 };
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -82,6 +84,59 @@ fn a_picture_is_right_between_two_bands() {
     assert!(between.iter().zip(&first).all(|(a, b)| near(a, b)), "no row is twice as bright");
 }
 
+fn microfacets(mesh: Mesh, parameters: BrdfParameters) -> Arc<Dataset> {
+    let mut dataset = dataset(mesh, parameters);
+    dataset.scene.materials[0].model = BrdfModel::Ggx;
+    dataset.into()
+}
+
+/// A picture with lit cuts.
+fn lit_picture(
+    dataset: &Arc<Dataset>,
+    light: &Illumination,
+    tau: f32,
+    sampling: BrdfSampling,
+) -> (Image, PictureStats) {
+    let mut backend = CpuBackend::new();
+    backend.set_scene(&dataset.clone().into()).unwrap();
+    let lighting = Renderer::new(dataset.clone()).lighting(light, 1).with_tau(tau);
+    backend.set_light(light, &lighting.into()).unwrap();
+    backend.begin(&View { background: Background::Flat(Vec3::ZERO), ..from_the_side(24) }, sampling).unwrap();
+    backend.render_rows(0, 0..24).unwrap();
+    (backend.read(1).unwrap().0, backend.stats().unwrap())
+}
+
+#[test]
+fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_ones_nearly() {
+    for parameters in [white(), glossy(0.4)] {
+        let dataset = microfacets(mesh(8, true), parameters);
+        let light = illumination([64, 32], |x, y| Vec3::splat(if x == 20 && y < 8 { 300.0 } else { 0.02 * x as f32 }));
+        let (stored, stored_stats) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Refine);
+        let (same, _) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Lit);
+        assert!(same == stored, "today's cuts, and no illumination cut");
+        let (lit, stats) = lit_picture(&dataset, &light, 0.003, BrdfSampling::Lit);
+        let (coarse, _) = lit_picture(&dataset, &light, 1.0, BrdfSampling::Lit);
+        let error = |image: &Image| compare(image, &stored).unwrap().rel_rmse;
+        assert!(error(&lit) < 0.02 && error(&coarse) > 2.0 * error(&lit), "{} {}", error(&lit), error(&coarse));
+        assert!(stats.mean_merged_nodes < 0.6 * stored_stats.mean_merged_nodes, "{stats:?} {stored_stats:?}");
+    }
+}
+
+#[test]
+fn lit_cuts_survive_any_light() {
+    let dataset = microfacets(mesh(4, true), glossy(0.4));
+    let lights: [&dyn Fn(u32, u32) -> f32; 4] =
+        [&|_, _| 0.0, &|x, y| if (x, y) == (9, 3) { 1e9 } else { 0.0 }, &|_, _| 1e30, &|_, _| 1e-30];
+    for (i, radiance) in lights.into_iter().enumerate() {
+        let light = illumination([64, 32], |x, y| Vec3::splat(radiance(x, y)));
+        for tau in [0.0, 0.003, 1.0] {
+            let (image, _) = lit_picture(&dataset, &light, tau, BrdfSampling::Lit);
+            assert!(image.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0), "{i} {tau}");
+            assert_eq!(image.pixels.iter().any(|p| p.x > 0.0), i != 0, "{i} {tau}");
+        }
+    }
+}
+
 #[test]
 fn modes_show_known_values() {
     let parameters = BrdfParameters { base_color: Vec3::new(0.5, 0.25, 0.1), roughness: 0.3, ..Default::default() };
@@ -118,7 +173,7 @@ fn counts_are_shown_in_false_colours_up_to_the_top_of_the_legend() {
     let view = View { mode: ViewMode::VisibilityCut, ..from_above(4) };
     picture(&mut backend, &view, 4);
     let cut = dataset.cuts.cut(dataset.tree.height(), 0).len() as f32;
-    let expected = magma(cut / ViewMode::VisibilityCut.count_top(ILLUM_CUT)) * 255.0;
+    let expected = magma(cut / ViewMode::VisibilityCut.count_top(BrdfSampling::Once, ILLUM_CUT)) * 255.0;
     let exposed = Post { exposure: 3.0, ..Post::default() };
     let shown = backend.display(&exposed, 1).unwrap()[5];
     for (shown, expected) in shown.iter().zip(expected.to_array()) {

@@ -193,7 +193,8 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
 }
 
 /// Types of buffers without a struct of their own: radii, patches, stops of a colour scale, the table of sRGB.
-const PLAIN: [&str; 4] = ["array<Float32>", "array<Uint32>", "array<vec4<Float32>, 16>", "array<vec4<Float32>, 64>"];
+const PLAIN: [&str; 5] =
+    ["array<Float32>", "array<Uint32>", "array<vec4<Float32>, 16>", "array<vec4<Float32>, 64>", "atomic<Uint32>"];
 
 /// Names of the structs, and plain types, that a buffer of the shaders holds.
 fn held_by(module: &Module, buffer: naga::Handle<naga::Type>, held: &mut Vec<String>) {
@@ -216,6 +217,7 @@ fn held_by(module: &Module, buffer: naga::Handle<naga::Type>, held: &mut Vec<Str
                 _ => format!("array<{element}>"),
             });
         }
+        TypeInner::Atomic(scalar) => held.push(format!("atomic<{:?}{}>", scalar.kind, 8 * scalar.width)),
         other => held.push(format!("{other:?}")),
     }
 }

@@ -211,7 +211,7 @@ fn every_model_and_sampling_agrees_and_another_roughness_does_not() {
     let dataset = rig.renderer.dataset().clone();
     for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
         for (roughness, anisotropy) in [(0.9, 0.0), (0.45, 0.0), (0.35, 0.8), (0.5, -0.6)] {
-            for sampling in [BrdfSampling::Refine, BrdfSampling::Once] {
+            for sampling in [BrdfSampling::Lit, BrdfSampling::Refine, BrdfSampling::Once] {
                 rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
                 let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), sampling);
                 let d = difference(&gpu, &cpu);
@@ -323,6 +323,27 @@ fn the_paper_s_loop_is_told_from_the_refined_one() {
     let [refined, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
     let [once, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Once);
     assert!(!agrees(&refined, &once));
+}
+
+#[test]
+fn lit_cuts_have_as_many_nodes_as_on_the_cpu_for_every_tau() {
+    let Some(mut rig) = Rig::new(1) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    rig.look(appearance(&dataset, BrdfModel::Ggx, parameters(0.3, 0.0), MaterialMaps::default()));
+    let mut means = Vec::new();
+    for tau in [0.0, 0.003, 0.1, 1.0] {
+        rig.lighting = Arc::new(rig.renderer.lighting(&light(), 1).with_tau(tau));
+        rig.gpu.set_light(&light(), &rig.lighting).unwrap();
+        for mode in [ViewMode::Shaded, ViewMode::MergedCut] {
+            let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Lit);
+            assert!(agrees(&gpu, &cpu), "{tau} {mode:?}: {:?}", difference(&gpu, &cpu));
+        }
+        means.push(rig.gpu.stats().unwrap().mean_merged_nodes);
+    }
+    assert!(means[1] < 0.5 * means[0], "negative control: {means:?}");
+    let stored = rig.both(&view(ViewMode::MergedCut), BrdfSampling::Refine);
+    assert!((rig.gpu.stats().unwrap().mean_merged_nodes - means[0]).abs() < 1e-6, "tau 0 merges the stored nodes");
+    assert!(agrees(&stored[0], &stored[1]));
 }
 
 /// All samples of a view, each in bands that end at these rows.

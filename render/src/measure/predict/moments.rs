@@ -39,6 +39,9 @@ pub struct NodeMoments {
     pub sampled_brdf: Vec3,
     /// Mean visibility, 0 to 1.
     pub visibility: f32,
+    /// Whether that mean is weighted by the light, as in lit cuts. Then the product of radiance and visibility has no error of
+    /// its own.
+    pub is_lit: bool,
 }
 
 impl NodeMoments {
@@ -47,14 +50,32 @@ impl NodeMoments {
         (self.visibility * (1.0 - self.visibility)).max(0.0).sqrt()
     }
 
-    /// `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`.
+    /// Standard deviation of visible radiance, for a mean visibility that is weighted by the light. Of two leaves of equal
+    /// light one is hidden as often as the other.
+    fn visible_deviation(&self) -> Vec3 {
+        let (mean, v) = (self.radiance.mean, self.visibility);
+        let mean_sq = mean * mean + self.radiance.variance;
+        (mean_sq * v - mean * mean * (v * v)).max(Vec3::ZERO).map(f32::sqrt)
+    }
+
+    /// `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`; for lit nodes `|C| σlv σρ`.
     pub fn printed(&self) -> Vec3 {
+        if self.is_lit {
+            return self.leaves * self.visible_deviation() * self.brdf.deviation();
+        }
         let (l, rho, v) = (self.radiance.deviation(), self.brdf.deviation(), self.visibility_deviation());
         self.leaves * (self.radiance.mean * rho * v + self.brdf.mean * l * v + l * rho * self.visibility)
     }
 
-    /// Largest contribution of the third central moment: `|C| max(<v>, 1 - <v>) σl σρ`.
+    /// Largest contribution of the third central moment: `|C| max(<v>, 1 - <v>) σl σρ`. Lit nodes have none, but what is
+    /// hidden may be darker than what is seen: then visible radiance varies by as much as all radiance and more.
     pub fn third_moment(&self) -> Vec3 {
+        if self.is_lit {
+            let mean = self.radiance.mean;
+            let mean_sq = mean * mean + self.radiance.variance;
+            let most = (mean_sq - mean * mean * self.visibility.powi(2)).max(Vec3::ZERO).map(f32::sqrt);
+            return self.leaves * (most - self.visible_deviation()).max(Vec3::ZERO) * self.brdf.deviation();
+        }
         let farthest = self.visibility.max(1.0 - self.visibility);
         self.leaves * farthest * self.radiance.deviation() * self.brdf.deviation()
     }
@@ -79,6 +100,7 @@ mod tests {
             brdf: moments(rho),
             sampled_brdf: moments(rho).mean,
             visibility: v.iter().sum::<f32>() / N as f32,
+            is_lit: false,
         };
         let sum: f64 = (0..N).map(|i| f64::from(l[i]) * f64::from(rho[i]) * f64::from(v[i])).sum();
         let product = f64::from(node.leaves * node.visibility) * f64::from(node.radiance.mean.x * node.brdf.mean.x);

@@ -30,7 +30,7 @@ fn where_visibility_is_exact_the_bound_holds_and_a_hundredth_of_it_does_not() {
     open.scene.materials[0].model = BrdfModel::Ggx;
     let (renderer, view, light) = (Renderer::new(open), from_the_side(SIZE), uneven_sky());
     let reference = renderer.samples_reference(&view, &light, &Quiet);
-    for sampling in [BrdfSampling::Once, BrdfSampling::Refine] {
+    for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
         let lighting = renderer.lighting(&light, 512);
         let test = renderer.render_lit(&view, &light, &lighting, sampling).0;
         let predicted = predicted_error(&renderer, &view, &lighting, sampling, &Quiet).unwrap().unwrap();
@@ -88,6 +88,18 @@ fn finer_light_and_finer_cuts_are_predicted_to_err_less() {
     let of_lights = [16, 128, 1024].map(|nodes| bound(0.0, nodes));
     assert!(of_lights.is_sorted_by(|a, b| *a > 1.2 * b), "{of_lights:?}");
     assert!(bound(4.0, 128) > 1.1 * bound(0.0, 128));
+}
+
+#[test]
+fn lit_cuts_that_move_more_light_are_predicted_to_err_more() {
+    // Without a lobe no merge goes down into the stored cuts.
+    let (renderer, view) = (Renderer::new(dataset(mesh(24, true), white())), from_the_side(SIZE));
+    let bound = |tau: f32| {
+        let lighting = renderer.lighting(&uneven_sky(), 1).with_tau(tau);
+        mean(&predicted_error(&renderer, &view, &lighting, BrdfSampling::Lit, &Quiet).unwrap().unwrap().bound)
+    };
+    let of_taus = [0.3, 0.03, 0.001].map(bound);
+    assert!(of_taus.is_sorted_by(|a, b| *a > 1.1 * b), "{of_taus:?}");
 }
 
 #[test]

@@ -171,6 +171,35 @@ fn mean_brdf_and_all_leaves_are_sums_by_hand() {
 }
 
 #[test]
+fn lit_cuts_are_a_step_of_their_own_which_grows_with_tau() {
+    let dataset = floor(12, 1.0);
+    let renderer = Renderer::new(dataset.clone());
+    let view = from_the_side(SIZE);
+    let steps = |tau: f32, sampling| {
+        let lighting = renderer.lighting(&sky(), 1).with_tau(tau);
+        let job = SplitJob {
+            view: &view,
+            region: Region { x: 2, y: 8, width: 20, height: 12 },
+            light: CutLight::Environment(&lighting),
+            sampling,
+            illumination: &sky(),
+            lights: &[],
+            spp: 2,
+            trace_vertex: None,
+        };
+        renderer.split_error(&job, &Quiet).unwrap().unwrap().steps
+    };
+    let lit = |tau| {
+        let steps = steps(tau, BrdfSampling::Lit);
+        assert_eq!((steps[0].factor, steps[1].factor), ("lit cuts", "BRDF sampling"));
+        steps[0].rel_rmse
+    };
+    assert_eq!(lit(0.0), 0.0, "the stored cuts, and an illumination cut of the root");
+    assert!(lit(0.3) > 2.0 * lit(0.003) && lit(0.3) > 1e-4, "{} {}", lit(0.3), lit(0.003));
+    assert!(steps(0.3, BrdfSampling::Refine).iter().all(|step| step.factor != "lit cuts"), "negative control");
+}
+
+#[test]
 fn bounced_light_is_split_without_a_step_of_vertices() {
     let dataset = floor_and_wall(4);
     let renderer = Renderer::new(dataset.clone());

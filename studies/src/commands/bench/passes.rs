@@ -3,6 +3,7 @@
 use super::median;
 use crate::{
     args::{BackendOption, ViewedScene},
+    ladder::Cuts,
     terminal::{json_text, print_out},
 };
 use anyhow::Result;
@@ -21,9 +22,8 @@ use std::{
 /// Options of the figures by pass.
 #[derive(Args, Clone, Debug)]
 pub struct PassesArgs {
-    /// Sizes of the illumination cut, separated by commas
-    #[arg(long, value_name = "K,..", value_delimiter = ',', default_values_t = [128, 256, 512],
-          value_parser = clap::value_parser!(u32).range(1..=32_768))]
+    /// Merge the stored cuts with illumination cuts of these sizes, separated by commas, in place of lit cuts
+    #[arg(long, value_name = "K,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cuts: Vec<u32>,
     /// Frames whose median is taken, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -55,10 +55,11 @@ struct Bench {
     runs: Vec<Run>,
 }
 
-/// Figures of one illumination cut.
+/// Figures of a picture's frames.
 #[derive(Debug, Serialize)]
 struct Run {
-    illum_cut: u32,
+    #[serde(flatten)]
+    cuts: Cuts,
     /// Medians by pass, and `total`.
     milliseconds: BTreeMap<&'static str, f64>,
     mean_merged_nodes: f64,
@@ -121,15 +122,15 @@ impl<'a> Measurement<'a> {
         })
     }
 
-    /// One run an illumination cut; `frame` renders one and says how long its passes took.
+    /// One run an illumination cut, or one of lit cuts; `frame` renders one and says how long its passes took.
     fn runs<B: Backend>(
         &self,
         backend: B,
         frame: impl Fn(&mut LitScene<B>) -> Result<Times, BackendError>,
     ) -> Result<Vec<Run>> {
         let mut scene = LitScene::new(Box::new(backend), self.viewed.baked.clone())?;
-        let run = |&illum_cut: &u32| {
-            let look = Look { illum_cut, ..self.look.clone() };
+        let run = |cuts: Cuts| {
+            let look = cuts.shown(&self.look);
             scene.light(&look)?;
             let mut anew = || {
                 scene.begin(&look.view, look.sampling)?;
@@ -141,13 +142,15 @@ impl<'a> Measurement<'a> {
             scene.render_rows(0, 0..look.view.size[1])?;
             let stats = scene.backend().stats()?;
             Ok(Run {
-                illum_cut,
+                cuts,
                 milliseconds: medians(&times),
                 mean_merged_nodes: stats.mean_merged_nodes,
                 mean_brdf_evaluations: stats.mean_brdf_evaluations,
             })
         };
-        self.args.illum_cuts.iter().map(run).collect()
+        let stored: Vec<Cuts> = self.args.illum_cuts.iter().map(|&size| Cuts::Refine(size)).collect();
+        let cuts = if stored.is_empty() { vec![Cuts::Lit(self.look.tau)] } else { stored };
+        cuts.into_iter().map(run).collect()
     }
 
     /// Median milliseconds from a moved light to its bounces.
@@ -221,8 +224,8 @@ fn table(bench: &Bench) -> String {
     for run in &bench.runs {
         let passes: Vec<String> = run.milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2} ms")).collect();
         text += &format!(
-            "cut {:>4}: {}; {:.0} merged nodes and {:.0} BRDF evaluations per pixel\n",
-            run.illum_cut,
+            "{:>10}: {}; {:.0} merged nodes and {:.0} BRDF evaluations per pixel\n",
+            run.cuts.label(),
             passes.join(", "),
             run.mean_merged_nodes,
             run.mean_brdf_evaluations

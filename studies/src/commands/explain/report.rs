@@ -10,7 +10,10 @@ const LISTED: usize = 10;
 /// The vertices and the nodes that contribute most.
 pub fn of_pixel(explanation: &PixelExplanation) -> String {
     let PixelExplanation { pixel: [x, y], position, radiance, nodes, vertices, .. } = explanation;
-    let sizes = vertices.map(|vertex| format!("{} (weight {:.2})", vertex.cut_nodes, vertex.weight));
+    let sizes = vertices.map(|vertex| {
+        let lit = vertex.lit_nodes.map_or(String::new(), |nodes| format!(", lit {nodes}"));
+        format!("{} (weight {:.2}{lit})", vertex.cut_nodes, vertex.weight)
+    });
     let mut text = format!(
         "pixel {x},{y} at {position:.3}: radiance {:.4}, {:.4}, {:.4}\n\
          cuts of its vertices: {}; illumination cut {}; merged {}, of which {} see no light; {} terms with BRDF refinement\n\
