@@ -288,3 +288,15 @@ fn without_a_display_the_editor_says_what_to_do() {
         assert!(errors.contains("set DISPLAY") && errors.contains("lapidary render"), "{options}: {errors}");
     }
 }
+
+#[test]
+fn a_file_that_is_no_baseline_is_told_before_anything_is_measured() {
+    let folder = Folder::new();
+    for text in ["[1, 2]", "{\"kernel\": 1, \"figures\": {\"still-life: bake\": 0}}"] {
+        folder.write("base.json", text.into());
+        let message = folder.fail("bench --suite --baseline base.json --save new.json");
+        assert!(message.contains("not a baseline") && message.contains("base.json"), "{message}");
+    }
+    assert!(folder.fail("bench --suite --baseline gone.json").contains("gone.json"));
+    assert!(!folder.path("new.json").exists());
+}

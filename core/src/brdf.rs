@@ -17,7 +17,7 @@ pub use ward::Ward;
 
 use crate::{
     material::{BrdfModel, BrdfParameters},
-    simd::Vec3x8,
+    simd::{Lanes, Vec3x8},
 };
 use glam::Vec3;
 use wide::f32x8;
@@ -28,14 +28,15 @@ pub trait Brdf {
     ///
     /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. Its cosine
     /// is that of the diffuse part.
-    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8;
+    ///
+    /// In the lanes of any instruction set, for a [`Kernel`](crate::simd::Kernel): so it is inlined always.
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L>
+    where
+        Self: Sized;
 
-    /// [`Self::reflect_x8`] for lights at the directions `wi`, with their cosines; zero below the horizon. A spread of
-    /// zero gives the BRDF itself.
-    #[inline]
-    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
-        self.reflect_x8(&LightsX8::at(wi, inv_kappa), wo)
-    }
+    /// [`Self::reflect`] for lights at the directions `wi`, with their cosines; zero below the horizon. A spread of zero
+    /// gives the BRDF itself.
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
 
     /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
     fn lobe(&self) -> Option<LobeWidth>;

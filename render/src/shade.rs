@@ -3,6 +3,7 @@
 pub(crate) mod background;
 pub(crate) mod merge;
 pub(crate) mod node_field;
+pub(crate) mod node_row;
 pub(crate) mod painter;
 pub(crate) mod pixel_sampler;
 pub(crate) mod point_shader;

@@ -33,14 +33,19 @@ impl DataFolder {
         Ok(folder)
     }
 
+    /// A scene by the name of its folder.
+    pub fn scene(&self, name: &str) -> PathBuf {
+        self.0.join(name).join(name).with_extension("gltf")
+    }
+
     /// The scene.
     pub fn still_life(&self) -> PathBuf {
-        self.0.join("still-life/still-life.gltf")
+        self.scene("still-life")
     }
 
     /// The scenes that the window offers, the still life first.
     pub fn scenes(&self) -> Vec<PathBuf> {
-        let others = ["interior/interior.gltf", "color-box/color-box.gltf"].map(|name| self.0.join(name));
+        let others = ["interior", "color-box"].map(|name| self.scene(name));
         iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
     }
 
@@ -54,13 +59,17 @@ impl DataFolder {
     /// # Errors
     /// One that cannot be read.
     pub fn environments(&self, console: Console) -> Result<Environments> {
-        let read = |name: &str| {
-            let (environment, warnings) =
-                Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
-            warnings.iter().for_each(|w| console.warning(w));
-            Ok(Environment { name: name.into(), ..environment })
-        };
-        Ok(Environments(ENVIRONMENTS.into_iter().map(read).collect::<Result<_>>()?))
+        Ok(Environments(ENVIRONMENTS.iter().map(|name| self.environment(name, console)).collect::<Result<_>>()?))
+    }
+
+    /// An environment by the name of its file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn environment(&self, name: &str, console: Console) -> Result<Environment> {
+        let (environment, warnings) = Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
+        warnings.iter().for_each(|w| console.warning(w));
+        Ok(Environment { name: name.into(), ..environment })
     }
 }
 

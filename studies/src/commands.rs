@@ -87,13 +87,20 @@ Examples:
   lapidary sequence scene.cuts --brdf refine --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
-    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut
+    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; or a suite against a baseline
     #[command(after_help = "\
 It prints medians. Here each pass waits for the one before; in the window they may overlap.
 
+--suite bakes the bundled scenes and measures bake, frame, drag, rotation and lit cuts on the CPU. It takes minutes on two
+cores. A fixed piece of work, the kernel, runs between all runs; figures are told in milliseconds and in multiples of its
+time. The multiples are held against a baseline, and those more than 30 % above it are named.
+
 Examples:
   lapidary bench scene.cuts --size 1920x1080 --json
-  lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5")]
+  lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5
+  lapidary bench --suite
+  lapidary bench --suite --save before.json
+  lapidary bench --suite --baseline before.json --json")]
     Bench(BenchArgs),
     /// Render the same picture by ray tracing, as a reference
     #[command(after_help = "\

@@ -8,7 +8,12 @@ use super::{
     Brdf, LightsX8, LobeWidth,
     microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
 };
-use crate::{color::luminance, material::BrdfParameters, simd::Vec3x8, sphere::cosine_direction};
+use crate::{
+    color::luminance,
+    material::BrdfParameters,
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 use wide::f32x8;
@@ -42,12 +47,12 @@ impl Ggx {
 
     /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
     #[inline(always)]
-    fn filtered_alpha_sq(&self, half: &HalfVectors, wi: Vec3x8, inv_kappa: f32x8) -> Sym2x8 {
+    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
         let spread = half.light_spread(wi, inv_kappa);
-        let lobe = Sym2x8::diagonal(self.slope_x, self.slope_y);
-        let a = Sym2x8 { xx: lobe.xx + spread.xx, xy: spread.xy, yy: lobe.yy + spread.yy };
+        let (lobe_xx, lobe_yy) = (L::splat(self.slope_x), L::splat(self.slope_y));
+        let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
         let determinant = a.determinant();
-        let scale = f32x8::ONE / (f32x8::ONE + a.xx + a.yy + determinant);
+        let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + determinant);
         Sym2x8 { xx: (a.xx + determinant) * scale, xy: a.xy * scale, yy: (a.yy + determinant) * scale }
     }
 
@@ -93,21 +98,25 @@ impl Ggx {
 }
 
 impl Brdf for Ggx {
-    #[inline]
-    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8 {
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
+    }
+
+    #[inline(always)]
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
         let half = HalfVectors::new(wi, wo);
         let m = self.filtered_alpha_sq(&half, wi, inv_kappa);
-        let determinant = m.determinant().max(f32x8::splat(1e-14));
+        let determinant = m.determinant().at_least(1e-14);
         let h = half.h;
         let e = m.adjugate_quadratic(h.x, h.y) / determinant + h.z * h.z;
-        let d = f32x8::splat(FRAC_1_PI) / (determinant.sqrt() * e * e);
-        let (cos_i, cos_o) = (wi.z.max(f32x8::ZERO), f32x8::splat(wo.z.max(1e-4)));
-        let (ox, oy) = (f32x8::splat(wo.x), f32x8::splat(wo.y));
+        let d = L::splat(FRAC_1_PI) / (determinant.sqrt() * e * e);
+        let (cos_i, cos_o) = (wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
+        let (ox, oy) = (L::splat(wo.x), L::splat(wo.y));
         // Smith's G / (4 n·wi n·wo), times n·wi: both square roots of Heitz 2014, Eq. 99.
         let root_o = (cos_o * cos_o + m.quadratic(ox, oy)).sqrt();
         let root_i = (cos_i * cos_i + m.quadratic(wi.x, wi.y)).sqrt();
-        let shadowed = f32x8::HALF * cos_i / (cos_i * root_o + cos_o * root_i).max(f32x8::splat(1e-9));
+        let shadowed = L::splat(0.5) * cos_i / (cos_i * root_o + cos_o * root_i).at_least(1e-9);
         let fresnel = self.reflectance.fresnel(half.wi_dot_h);
         let diffuse = Vec3x8::splat(self.reflectance.diffuse * FRAC_1_PI);
         let base = (diffuse - diffuse.scale(fresnel)) * cosine;

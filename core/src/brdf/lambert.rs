@@ -1,9 +1,13 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
 use super::{Brdf, LightsX8, LobeWidth, microfacet::is_seen};
-use crate::{simd::Vec3x8, sphere::cosine_direction};
+use crate::{
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
+use wide::f32x8;
 
 /// Ideal diffuse reflection.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +23,12 @@ impl Lambert {
 }
 
 impl Brdf for Lambert {
-    #[inline]
-    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8 {
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
+    }
+
+    #[inline(always)]
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         Vec3x8::splat(self.albedo * FRAC_1_PI) * (lights.cosine * is_seen(wo))
     }
 

@@ -5,45 +5,44 @@
 //! and nearly so for a small cap. Then what a horizon cuts off is known as well, and a diffuse surface needs no light of
 //! smaller extent.
 
-use crate::simd::Vec3x8;
-use wide::f32x8;
+use crate::simd::{Lanes, Vec3x8};
 
 /// Eight lights in the local frame of a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct LightsX8 {
+pub struct LightsX8<L> {
     /// Unit directions to them.
-    pub wi: Vec3x8,
+    pub wi: Vec3x8<L>,
     /// Inverse concentrations of their directions around `wi`.
-    pub inv_kappa: f32x8,
+    pub inv_kappa: L,
     /// Mean cosines to the normal of the light that is above the horizon.
-    pub cosine: f32x8,
+    pub cosine: L,
     /// 1 where `wi` is above the horizon, else 0.
-    pub above: f32x8,
+    pub above: L,
 }
 
-impl LightsX8 {
+impl<L: Lanes> LightsX8<L> {
     /// Lights whose cosine is that of `wi`, and zero below the horizon.
     #[inline(always)]
-    pub fn at(wi: Vec3x8, inv_kappa: f32x8) -> Self {
-        let above = wi.z.simd_gt(f32x8::ZERO) & f32x8::ONE;
-        Self { wi, inv_kappa, cosine: wi.z.max(f32x8::ZERO), above }
+    pub fn at(wi: Vec3x8<L>, inv_kappa: L) -> Self {
+        let above = wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0);
+        Self { wi, inv_kappa, cosine: wi.z.at_least(0.0), above }
     }
 }
 
 /// First two moments of eight von Mises-Fisher lobes along and across their axes.
 #[derive(Clone, Copy, Debug)]
-pub struct LobeMomentsX8 {
+pub struct LobeMomentsX8<L> {
     /// Mean of the component along the axis.
-    resultant: f32x8,
+    resultant: L,
     /// Mean square of a component across the axis.
-    across_sq: f32x8,
+    across_sq: L,
 }
 
-impl LobeMomentsX8 {
+impl<L: Lanes> LobeMomentsX8<L> {
     /// Of lobes of inverse concentration `inv_kappa`.
     #[inline(always)]
-    pub fn new(inv_kappa: f32x8) -> Self {
-        let (one, three) = (f32x8::ONE, f32x8::splat(3.0));
+    pub fn new(inv_kappa: L) -> Self {
+        let (one, three) = (L::splat(1.0), L::splat(3.0));
         let s = inv_kappa;
         // The root R of `s R (3 - R²) = 1 - R²` (Banerjee et al. 2005, Eq. 4.4), by a step of Newton from a guess that is
         // right for points and for the whole sphere.
@@ -56,46 +55,47 @@ impl LobeMomentsX8 {
 
     /// The cosines to a normal that has `cosine` to the lobes' axes.
     #[inline(always)]
-    pub fn cosines(&self, cosine: f32x8) -> CosinesX8 {
-        let along_sq = f32x8::ONE - self.across_sq - self.across_sq;
+    pub fn cosines(&self, cosine: L) -> CosinesX8<L> {
+        let along_sq = L::splat(1.0) - self.across_sq - self.across_sq;
         let cosine_sq = cosine * cosine;
         let mean = self.resultant * cosine;
-        let mean_sq = cosine_sq * along_sq + (f32x8::ONE - cosine_sq) * self.across_sq;
-        let variance = (mean_sq - mean * mean).max(f32x8::ZERO);
+        let mean_sq = cosine_sq * along_sq + (L::splat(1.0) - cosine_sq) * self.across_sq;
+        let variance = (mean_sq - mean * mean).at_least(0.0);
         // A uniform distribution of half width h has the variance h² / 3.
-        CosinesX8 { mean, half_width: (f32x8::splat(3.0) * variance).sqrt() }
+        CosinesX8 { mean, half_width: (L::splat(3.0) * variance).sqrt() }
     }
 }
 
 /// Cosines of eight lights to a normal, evenly distributed around their mean.
 #[derive(Clone, Copy, Debug)]
-pub struct CosinesX8 {
-    mean: f32x8,
-    half_width: f32x8,
+pub struct CosinesX8<L> {
+    mean: L,
+    half_width: L,
 }
 
-impl CosinesX8 {
+impl<L: Lanes> CosinesX8<L> {
     /// The mean cosine of the light above the horizon.
     ///
     /// Light below it is not counted as dark: a visibility that is baked knows the horizon already.
     #[inline(always)]
-    pub fn above_horizon(&self) -> f32x8 {
+    pub fn above_horizon(&self) -> L {
         let Self { mean, half_width } = *self;
-        let overlap = (mean + half_width).max(f32x8::ZERO).min(half_width + half_width);
-        f32x8::HALF * overlap + (mean - half_width).max(f32x8::ZERO)
+        let overlap = (mean + half_width).at_least(0.0).fast_min(half_width + half_width);
+        L::splat(0.5) * overlap + (mean - half_width).at_least(0.0)
     }
 
     /// The share of the light above the horizon.
     #[inline(always)]
-    pub fn share_above(&self) -> f32x8 {
-        let width = (self.half_width + self.half_width).max(f32x8::splat(1e-6));
-        ((self.mean + self.half_width) / width).max(f32x8::ZERO).min(f32x8::ONE)
+    pub fn share_above(&self) -> L {
+        let width = (self.half_width + self.half_width).at_least(1e-6);
+        ((self.mean + self.half_width) / width).at_least(0.0).fast_min(L::splat(1.0))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wide::f32x8;
 
     /// Mean of the clamped cosine, and the share above the horizon, by quadrature over the sphere.
     fn brute_force(inv_kappa: f64, cosine: f64) -> (f64, f64) {

@@ -1,8 +1,10 @@
 //! Shared parts of the microfacet models: anisotropic widths, the filtered lobe, and Fresnel.
 
-use crate::{material::BrdfParameters, simd::Vec3x8};
+use crate::{
+    material::BrdfParameters,
+    simd::{Lanes, Vec3x8},
+};
 use glam::Vec3;
-use wide::f32x8;
 
 /// Narrowest lobe that is evaluated: for narrower ones, `f32` half vectors are too coarse for the peak.
 pub const MIN_ALPHA: f32 = 1e-3;
@@ -41,47 +43,46 @@ impl LobeWidth {
 
 /// Eight symmetric 2 x 2 matrices over the local x and y.
 #[derive(Clone, Copy)]
-pub(super) struct Sym2x8 {
-    pub xx: f32x8,
-    pub xy: f32x8,
-    pub yy: f32x8,
+pub(super) struct Sym2x8<L> {
+    pub xx: L,
+    pub xy: L,
+    pub yy: L,
 }
 
-impl Sym2x8 {
-    pub fn diagonal(x: f32, y: f32) -> Self {
-        Self { xx: f32x8::splat(x), xy: f32x8::ZERO, yy: f32x8::splat(y) }
-    }
-
-    pub fn determinant(&self) -> f32x8 {
+impl<L: Lanes> Sym2x8<L> {
+    #[inline(always)]
+    pub fn determinant(&self) -> L {
         self.xx * self.yy - self.xy * self.xy
     }
 
     /// `vᵀ M v`.
-    pub fn quadratic(&self, x: f32x8, y: f32x8) -> f32x8 {
-        self.xx * x * x + self.xy * x * y * f32x8::splat(2.0) + self.yy * y * y
+    #[inline(always)]
+    pub fn quadratic(&self, x: L, y: L) -> L {
+        self.xx * x * x + self.xy * x * y * L::splat(2.0) + self.yy * y * y
     }
 
     /// `vᵀ M⁻¹ v · det M`.
-    pub fn adjugate_quadratic(&self, x: f32x8, y: f32x8) -> f32x8 {
-        self.yy * x * x - self.xy * x * y * f32x8::splat(2.0) + self.xx * y * y
+    #[inline(always)]
+    pub fn adjugate_quadratic(&self, x: L, y: L) -> L {
+        self.yy * x * x - self.xy * x * y * L::splat(2.0) + self.xx * y * y
     }
 }
 
 /// Half vectors and what comes with them.
-pub(super) struct HalfVectors {
+pub(super) struct HalfVectors<L> {
     /// Unit half vectors.
-    pub h: Vec3x8,
+    pub h: Vec3x8<L>,
     /// `wi · h = wo · h`.
-    pub wi_dot_h: f32x8,
+    pub wi_dot_h: L,
 }
 
-impl HalfVectors {
+impl<L: Lanes> HalfVectors<L> {
     #[inline(always)]
-    pub fn new(wi: Vec3x8, wo: Vec3) -> Self {
+    pub fn new(wi: Vec3x8<L>, wo: Vec3) -> Self {
         let sum = wi + Vec3x8::splat(wo);
-        let length = sum.dot(sum).max(f32x8::splat(1e-12)).sqrt();
-        let h = sum * (f32x8::ONE / length);
-        Self { h, wi_dot_h: f32x8::HALF * length }
+        let length = sum.dot(sum).at_least(1e-12).sqrt();
+        let h = sum * (L::splat(1.0) / length);
+        Self { h, wi_dot_h: L::splat(0.5) * length }
     }
 
     /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector.
@@ -89,13 +90,13 @@ impl HalfVectors {
     /// With `a = wi · h` and `q = wi - a h`, `J Jᵀ` is the upper left block of `(I - h hᵀ - q qᵀ) / (4 a²)`:
     /// the tangent plane of the half vector, foreshortened along the plane of incidence.
     #[inline(always)]
-    pub fn light_spread(&self, wi: Vec3x8, inv_kappa: f32x8) -> Sym2x8 {
+    pub fn light_spread(&self, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
         let q = wi - self.h * self.wi_dot_h;
-        let scale = inv_kappa * f32x8::HALF / (self.wi_dot_h * self.wi_dot_h).max(f32x8::splat(1e-4));
+        let scale = inv_kappa * L::splat(0.5) / (self.wi_dot_h * self.wi_dot_h).at_least(1e-4);
         Sym2x8 {
-            xx: scale * (f32x8::ONE - self.h.x * self.h.x - q.x * q.x),
+            xx: scale * (L::splat(1.0) - self.h.x * self.h.x - q.x * q.x),
             xy: -scale * (self.h.x * self.h.y + q.x * q.y),
-            yy: scale * (f32x8::ONE - self.h.y * self.h.y - q.y * q.y),
+            yy: scale * (L::splat(1.0) - self.h.y * self.h.y - q.y * q.y),
         }
     }
 }
@@ -127,8 +128,8 @@ impl Reflectance {
 
     /// Schlick's Fresnel factor for eight angles.
     #[inline(always)]
-    pub fn fresnel(&self, wi_dot_h: f32x8) -> Vec3x8 {
-        let c = (f32x8::ONE - wi_dot_h).max(f32x8::ZERO);
+    pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
+        let c = (L::splat(1.0) - wi_dot_h).at_least(0.0);
         let c2 = c * c;
         let grazing = c2 * c2 * c;
         let f0 = Vec3x8::splat(self.f0);
@@ -138,6 +139,6 @@ impl Reflectance {
 
 /// 1 if the surface faces the eye, else 0.
 #[inline(always)]
-pub(super) fn is_seen(wo: Vec3) -> f32x8 {
-    if wo.z > 0.0 { f32x8::ONE } else { f32x8::ZERO }
+pub(super) fn is_seen<L: Lanes>(wo: Vec3) -> L {
+    L::splat(if wo.z > 0.0 { 1.0 } else { 0.0 })
 }

@@ -7,7 +7,12 @@ use super::{
     Brdf, LightsX8, LobeWidth,
     microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
 };
-use crate::{color::luminance, material::BrdfParameters, simd::Vec3x8, sphere::cosine_direction};
+use crate::{
+    color::luminance,
+    material::BrdfParameters,
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use wide::f32x8;
@@ -54,22 +59,26 @@ impl Ward {
 }
 
 impl Brdf for Ward {
-    #[inline]
-    fn reflect_x8(&self, lights: &LightsX8, wo: Vec3) -> Vec3x8 {
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
+    }
+
+    #[inline(always)]
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
         let half = HalfVectors::new(wi, wo);
         let spread = half.light_spread(wi, inv_kappa);
         let m = Sym2x8 {
-            xx: spread.xx + f32x8::splat(self.width.alpha_x.powi(2)),
+            xx: spread.xx + L::splat(self.width.alpha_x.powi(2)),
             xy: spread.xy,
-            yy: spread.yy + f32x8::splat(self.width.alpha_y.powi(2)),
+            yy: spread.yy + L::splat(self.width.alpha_y.powi(2)),
         };
-        let determinant = m.determinant().max(f32x8::splat(1e-14));
+        let determinant = m.determinant().at_least(1e-14);
         let h = half.h;
-        let cos_h_sq = (h.z * h.z).max(f32x8::splat(1e-4));
+        let cos_h_sq = (h.z * h.z).at_least(1e-4);
         let exponent = m.adjugate_quadratic(h.x, h.y) / (determinant * cos_h_sq);
-        let peak = f32x8::splat(0.25 * FRAC_1_PI) / (determinant.sqrt() * cos_h_sq * cos_h_sq);
-        let lobe = (-exponent).exp() * peak / (half.wi_dot_h * half.wi_dot_h).max(f32x8::splat(1e-4));
+        let peak = L::splat(0.25 * FRAC_1_PI) / (determinant.sqrt() * cos_h_sq * cos_h_sq);
+        let lobe = (-exponent).exp() * peak / (half.wi_dot_h * half.wi_dot_h).at_least(1e-4);
         let base = Vec3x8::splat(self.diffuse * FRAC_1_PI) * cosine;
         (base + Vec3x8::splat(self.specular) * (lobe * wi.z * above)) * is_seen(wo)
     }

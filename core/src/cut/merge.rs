@@ -24,7 +24,8 @@ impl Interval {
     /// Heap index of the node in a tree of `leaves` leaves.
     #[inline(always)]
     pub fn heap_index(self, leaves: u32) -> u32 {
-        (leaves + self.first) / self.size()
+        // The size is a power of two.
+        (leaves + self.first) >> self.size().trailing_zeros()
     }
 }
 

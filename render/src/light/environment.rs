@@ -1,7 +1,7 @@
 //! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
 //! recomputes.
 
-use crate::light::brightness;
+use crate::{light::brightness, shade::node_row::NodeRow};
 use glam::Vec3;
 use lapidary_core::{
     color::luminance,
@@ -46,6 +46,8 @@ pub struct SceneLighting {
     pub lit: LitCuts,
     /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
     pub brightness: Vec<f32>,
+    /// Direction, inverse concentration, radiance and brightness of each node side by side, for pixels.
+    pub(crate) rows: Vec<NodeRow>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
@@ -65,8 +67,9 @@ impl SceneLighting {
         let cut = intensity_cut(&means, &nodes.luminance_sq, IlluminationCriterion::with_budget(illum_cut));
         let lit = LitCuts::new(CutValues::Visibility, means.iter().copied(), DEFAULT_TAU);
         let brightness = brightness(&means, &nodes.luminance_sq);
+        let rows = NodeRow::of_all(&nodes.direction, &nodes.inv_kappa, &nodes.radiance, &brightness);
         let leaf_solid_angle = tree.leaf_solid_angle();
-        Self { nodes, radii, cut, lit, brightness, max_nodes: illum_cut, leaf_solid_angle }
+        Self { nodes, radii, cut, lit, brightness, rows, max_nodes: illum_cut, leaf_solid_angle }
     }
 
     /// The same light with lit cuts of another `tau`, see [`LitCuts`].

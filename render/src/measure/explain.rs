@@ -211,7 +211,7 @@ impl FieldJob for Explain<'_> {
         shader.traverse(
             &self.point,
             |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
-            |eight| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
+            |eight: &EightTerms| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
         let is_lit = self.sampling == BrdfSampling::Lit;
         let vertex = |i: usize| ExplainedVertex {

@@ -112,7 +112,7 @@ impl PointShader for Predictor<'_> {
         shader.traverse(
             point,
             |_| (),
-            |eight| {
+            |eight: &EightTerms| {
                 for lane in (0..8).filter(|&lane| eight.terms[lane].visibility > 0.0) {
                     let node = node_moments(lighting, variance, &receiver, point, eight, lane);
                     let in_print = luminance(node.printed());

@@ -8,18 +8,19 @@
 //! same terms in the same order.
 
 use crate::shade::{
-    node_field::NodeField,
+    node_field::{EightLights, NodeField},
     refine::Refinement,
     surface::{ReceiverX8, SurfacePoint},
 };
 use glam::{Mat3, Vec3};
 use lapidary_core::{
+    brdf::{Brdf, SurfaceBrdf},
     cut::{
         lit::LitCursor,
         merge::{Cursor, Interval, merge, merge_within},
         packed::{PackedCursor, PackedCuts},
     },
-    simd::Vec3x8,
+    simd::{InstructionSet, Kernel, Lanes, Vec3x8},
 };
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign};
@@ -79,22 +80,22 @@ pub(crate) struct Term {
 }
 
 /// Eight terms of the sum, evaluated.
-pub(crate) struct EightTerms<'t> {
+pub(crate) struct EightTerms<'t, L = f32x8> {
     pub terms: &'t [Term],
     /// Unit directions to the nodes in world space.
-    pub direction: Vec3x8,
+    pub direction: Vec3x8<L>,
     /// Mean radiance of the nodes.
-    pub radiance: Vec3x8,
+    pub radiance: Vec3x8<L>,
     /// BRDF times cosine at their directions.
-    pub brdf_cos: Vec3x8,
+    pub brdf_cos: Vec3x8<L>,
     /// Visibility times number of leaves; zero where the direction is below the smooth normal's horizon.
-    pub weight: f32x8,
+    pub weight: L,
 }
 
-impl EightTerms<'_> {
+impl<L: Lanes> EightTerms<'_, L> {
     /// Light reflected from the nodes, without the factor of a leaf's solid angle.
     #[inline(always)]
-    pub fn reflected(&self) -> Vec3x8 {
+    pub fn reflected(&self) -> Vec3x8<L> {
         self.brdf_cos.scale(self.radiance) * self.weight
     }
 }
@@ -114,6 +115,7 @@ pub struct Shader<'a, F> {
     /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
     knows_horizon: bool,
     terms: Vec<Term>,
+    instructions: InstructionSet,
     /// Work done so far.
     pub work: Work,
 }
@@ -121,8 +123,9 @@ pub struct Shader<'a, F> {
 impl<'a, F: NodeField> Shader<'a, F> {
     /// For visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
-        let (height, work) = (field.height(), Work::default());
-        Self { field, cuts, height, sampling, knows_horizon: true, terms: Vec::new(), work }
+        let (height, instructions) = (field.height(), InstructionSet::widest());
+        let (terms, work) = (Vec::new(), Work::default());
+        Self { field, cuts, height, sampling, knows_horizon: true, terms, instructions, work }
     }
 
     /// For `cuts` without any occlusion, not even by the surface itself.
@@ -132,15 +135,18 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// Reflected radiance toward the eye.
     pub fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
-        let mut sum = Vec3x8::splat(Vec3::ZERO);
-        self.traverse(point, |_| (), |eight| sum = sum + eight.reflected());
-        sum.reduce_add() * self.field.solid_angle()
+        self.instructions.run(Shade { shader: self, point })
     }
 
     /// Visits the terms that [`Self::shade`] sums, left to right, and before them the nodes of the merged cut without
     /// visible light.
     #[inline(always)]
-    pub fn traverse(&mut self, point: &SurfacePoint, dark: impl FnMut(Interval), visit: impl FnMut(&EightTerms)) {
+    pub fn traverse<L: Lanes>(
+        &mut self,
+        point: &SurfacePoint,
+        dark: impl FnMut(Interval),
+        visit: impl FnMut(&EightTerms<L>),
+    ) {
         let mut terms = std::mem::take(&mut self.terms);
         terms.clear();
         let merged = Merged::new(self, point);
@@ -155,28 +161,72 @@ impl<'a, F: NodeField> Shader<'a, F> {
 
     /// Evaluates the terms, eight at a time.
     #[inline(always)]
-    fn evaluate(&self, point: &SurfacePoint, terms: &mut Vec<Term>, mut visit: impl FnMut(&EightTerms)) {
+    fn evaluate<L: Lanes>(&self, point: &SurfacePoint, terms: &mut Vec<Term>, visit: impl FnMut(&EightTerms<L>)) {
         // Padding repeats the root without visibility.
         terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0, is_lit: false });
-        let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
-        for terms in terms.chunks_exact(8) {
-            let index: [usize; 8] = std::array::from_fn(|i| terms[i].node as usize);
-            let direction = self.field.directions(index, point.position);
-            let inv_kappa = match self.sampling {
-                BrdfSampling::Once => f32x8::ZERO,
-                BrdfSampling::Refine | BrdfSampling::Lit => self.field.inv_kappas(index, point.position),
-            };
-            let size = |t: &Term| (1_u32 << (self.height - t.node.ilog2())) as f32;
-            let weight = f32x8::new(std::array::from_fn(|i| terms[i].visibility * size(&terms[i])));
-            let radiance = Vec3x8::from_array(index.map(|n| self.field.radiance(n)));
+        let terms = terms.as_chunks::<8>().0;
+        match &point.brdf {
+            SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, terms, visit),
+            SurfaceBrdf::Ggx(brdf) => self.evaluate_with(brdf, point, terms, visit),
+            SurfaceBrdf::Ward(brdf) => self.evaluate_with(brdf, point, terms, visit),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_with<L: Lanes>(
+        &self,
+        brdf: &impl Brdf,
+        point: &SurfacePoint,
+        terms: &[[Term; 8]],
+        mut visit: impl FnMut(&EightTerms<L>),
+    ) {
+        let receiver = ReceiverX8::<L>::new(point);
+        let spread = self.sampling != BrdfSampling::Once;
+        for terms in terms {
+            let mut nodes = [0; 8];
+            for (node, term) in nodes.iter_mut().zip(terms) {
+                *node = term.node as usize;
+            }
+            let EightLights { direction, inv_kappa, radiance } = self.field.light::<L>(nodes, point.position, spread);
             let lights = match self.knows_horizon {
                 true => receiver.lights(direction, inv_kappa),
                 false => receiver.lights_at_centers(direction, inv_kappa),
             };
-            let brdf_cos = brdf.reflect_x8(&lights, point.wo);
+            let (brdf_cos, weight) = (brdf.reflect(&lights, point.wo), self.weight(terms));
             visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
         }
+    }
+
+    /// Visibility times number of leaves.
+    #[inline(always)]
+    fn weight<L: Lanes>(&self, terms: &[Term; 8]) -> L {
+        let mut weight = [0.0; 8];
+        for (weight, term) in weight.iter_mut().zip(terms) {
+            *weight = term.visibility * (1_u32 << (self.height - term.node.ilog2())) as f32;
+        }
+        L::new(weight)
+    }
+}
+
+/// [`Shader::shade`] in the instructions of the machine.
+struct Shade<'s, 'a, 'p, F> {
+    shader: &'s mut Shader<'a, F>,
+    point: &'p SurfacePoint,
+}
+
+impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
+    type Output = Vec3;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec3 {
+        let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
+        self.shader.traverse::<L>(
+            self.point,
+            |_| (),
+            #[inline(always)]
+            |eight| sum = sum + eight.reflected(),
+        );
+        sum.reduce_add() * self.shader.field.solid_angle()
     }
 }
 
@@ -214,7 +264,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         let cone = self.field.cone(node as usize, self.point.position);
         let wi = self.local_from_world * cone.direction;
         let is_cut_off = !self.knows_horizon && cone.radius > WIDEST && wi.z > -cone.radius;
-        let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, self.field.brightness(node as usize));
+        let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, cone.brightness);
         is_cut_off || self.refinement.as_ref().is_some_and(too_wide)
     }
 
@@ -235,15 +285,20 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn stored(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
         let ([a, b, c], mut count) = (self.stored_cursors(), 0);
         let mut cursors = [a, b, c, PackedCursor::new(self.height, self.field.illumination_cut())];
-        merge(self.leaves(), &mut cursors, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].stored_value());
-            if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
-            } else {
-                dark(interval);
-            }
-        });
+        merge(
+            self.leaves(),
+            &mut cursors,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].stored_value());
+                if visibility > 0.0 {
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
+                } else {
+                    dark(interval);
+                }
+            },
+        );
         count
     }
 
@@ -253,21 +308,26 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         let lit = self.field.lit_cuts();
         let mut cursors = self.point.vertices.map(|v| LitCursor::new(self.height, &lit.of(self.cuts, v).nodes));
         let (mut stored, mut count) = (self.stored_cursors(), 0);
-        merge(self.leaves(), &mut cursors, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].code());
-            let node = interval.heap_index(self.leaves());
-            if !(visibility > 0.0) {
-                dark(interval);
-            } else if self.is_too_wide(node) {
-                for (stored, cursor) in stored.iter_mut().zip(cursors) {
-                    stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+        merge(
+            self.leaves(),
+            &mut cursors,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].code());
+                let node = interval.heap_index(self.leaves());
+                if !(visibility > 0.0) {
+                    dark(interval);
+                } else if self.is_too_wide(node) {
+                    for (stored, cursor) in stored.iter_mut().zip(cursors) {
+                        stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+                    }
+                    count += self.below(interval, &mut stored, terms, &mut dark) - 1;
+                } else {
+                    terms.push(Term { node, visibility, is_lit: true });
                 }
-                count += self.below(interval, &mut stored, terms, &mut dark) - 1;
-            } else {
-                terms.push(Term { node, visibility, is_lit: true });
-            }
-        });
+            },
+        );
         count
     }
 
@@ -281,15 +341,20 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         dark: &mut impl FnMut(Interval),
     ) -> u64 {
         let mut count = 0;
-        merge_within(within, stored, |interval, cursors| {
-            count += 1;
-            let visibility = self.interpolated(|i| cursors[i].stored_value());
-            if visibility > 0.0 {
-                self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
-            } else {
-                dark(interval);
-            }
-        });
+        merge_within(
+            within,
+            stored,
+            #[inline(always)]
+            |interval, cursors| {
+                count += 1;
+                let visibility = self.interpolated(|i| cursors[i].stored_value());
+                if visibility > 0.0 {
+                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
+                } else {
+                    dark(interval);
+                }
+            },
+        );
         count
     }
 
@@ -310,6 +375,64 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        light::bounce::SourceLighting,
+        renderer::Renderer,
+        shade::node_field::SourceField,
+        test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
+    };
+    use lapidary_core::{
+        material::{BrdfModel, BrdfParameters},
+        sources::SourceTree,
+    };
+
+    /// The bits of one point in each instruction set, under each model and sampling.
+    fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
+        let shaded = |instructions: InstructionSet| {
+            let mut bits = Vec::new();
+            for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
+                let point = SurfacePoint { brdf: SurfaceBrdf::new(model, point.parameters), ..point.clone() };
+                for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
+                    let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };
+                    bits.push(shader.shade(&point).to_array().map(f32::to_bits));
+                }
+            }
+            bits
+        };
+        InstructionSet::available().map(shaded).collect()
+    }
+
+    /// All sets have the bits of the first, which is not dark.
+    fn assert_same(bits: &[Vec<[u32; 3]>]) {
+        assert!(bits.iter().all(|of_set| of_set == &bits[0]), "{bits:?}");
+        assert!(bits[0].iter().all(|color| f32::from_bits(color[2]) > 0.0), "{bits:?}");
+    }
+
+    #[test]
+    fn all_instruction_sets_shade_a_point_to_the_same_bits() {
+        let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
+        let renderer = Renderer::new(dataset(mesh(16, true), parameters));
+        let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
+        let lighting = renderer.lighting(&light, 64);
+        let point = surface_at(&renderer, &from_the_side(24));
+        let far = bits_in_each_set(&lighting, &renderer.dataset.cuts, &point);
+        assert_same(&far);
+        assert_ne!(far[0][3], far[0][4], "negative control: another sampling is another number");
+        let smooth_normal = (point.smooth_normal + 0.3 * Vec3::X).normalize();
+        let bent = bits_in_each_set(&lighting, &renderer.dataset.cuts, &SurfacePoint { smooth_normal, ..point });
+        assert_same(&bent);
+        assert_ne!(far[0], bent[0], "negative control: another normal is another number");
+    }
+
+    #[test]
+    fn all_instruction_sets_gather_sources_to_the_same_bits() {
+        let renderer = Renderer::new(floor_and_wall(3));
+        let indirect = renderer.dataset.indirect.as_ref().unwrap();
+        let radiance: Vec<Vec3> = (0..indirect.sources.len()).map(|i| Vec3::new(1.0, 0.5, i as f32)).collect();
+        let lighting = SourceLighting::new(SourceTree::new(&indirect.sources).into(), &radiance, 64);
+        let point = surface_at(&renderer, &from_the_side(24));
+        assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
+    }
 
     #[test]
     fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {

@@ -1,11 +1,14 @@
 //! The interface of the merge to a tree of lights: distant lights, whose directions are the same everywhere, or surface
 //! sources, whose directions depend on the point.
 
-use crate::light::{bounce::SourceLighting, environment::SceneLighting};
+use crate::{
+    light::{bounce::SourceLighting, environment::SceneLighting},
+    shade::node_row::NodeRow,
+};
 use glam::Vec3;
 use lapidary_core::{
     cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
-    simd::Vec3x8,
+    simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
 
@@ -17,14 +20,14 @@ pub(crate) trait NodeField: Copy {
     fn illumination_cut(&self) -> &[u16];
     /// The vertices' lit cuts.
     fn lit_cuts(&self) -> &LitCuts;
-    /// How bright a node is somewhere, see [`brightness`](crate::light::brightness).
-    fn brightness(&self, node: usize) -> f32;
     /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
     fn solid_angle(&self) -> f32;
     /// The node as seen from a point, for the decision on refinement.
     fn cone(&self, node: usize, from: Vec3) -> Cone;
+    /// The light of eight nodes at a point. With `spread`, that of each node; else none.
+    fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L>;
     /// Unit directions to eight nodes from a point.
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
     /// Angular spread of the light from eight nodes: inverse concentrations as von Mises-Fisher lobes.
@@ -37,12 +40,24 @@ pub(crate) trait NodeField: Copy {
     fn center(&self, node: usize) -> Option<Vec3>;
 }
 
+/// Light that arrives from eight nodes.
+pub(crate) struct EightLights<L> {
+    /// Unit directions to them.
+    pub direction: Vec3x8<L>,
+    /// Angular spread: inverse concentrations as von Mises-Fisher lobes.
+    pub inv_kappa: L,
+    /// Mean radiance.
+    pub radiance: Vec3x8<L>,
+}
+
 /// The directions in which a node lies.
 pub(crate) struct Cone {
     /// Unit direction that stands for them.
     pub direction: Vec3,
     /// Half-angle in radians.
     pub radius: f32,
+    /// How bright the node is somewhere, see [`brightness`](crate::light::brightness).
+    pub brightness: f32,
 }
 
 impl NodeField for &SceneLighting {
@@ -62,11 +77,6 @@ impl NodeField for &SceneLighting {
     }
 
     #[inline(always)]
-    fn brightness(&self, node: usize) -> f32 {
-        self.brightness[node]
-    }
-
-    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         f32::from(code) * (1.0 / VALUE_MAX as f32)
     }
@@ -78,7 +88,15 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn cone(&self, node: usize, _from: Vec3) -> Cone {
-        Cone { direction: self.nodes.direction[node], radius: self.radii[node] }
+        let NodeRow { place: direction, brightness, .. } = self.rows[node];
+        Cone { direction, radius: self.radii[node], brightness }
+    }
+
+    #[inline(always)]
+    fn light<L: Lanes>(&self, nodes: [usize; 8], _from: Vec3, spread: bool) -> EightLights<L> {
+        let nodes = NodeRow::eight(&self.rows, nodes);
+        let inv_kappa = if spread { nodes.spread } else { L::splat(0.0) };
+        EightLights { direction: nodes.place, inv_kappa, radiance: nodes.radiance }
     }
 
     #[inline(always)]
@@ -142,11 +160,6 @@ impl NodeField for SourceField<'_> {
     }
 
     #[inline(always)]
-    fn brightness(&self, node: usize) -> f32 {
-        self.lighting.brightness[node]
-    }
-
-    #[inline(always)]
     fn cut_value(&self, code: u16) -> f32 {
         self.solid_angles[usize::from(code)]
     }
@@ -158,30 +171,32 @@ impl NodeField for SourceField<'_> {
 
     #[inline(always)]
     fn cone(&self, node: usize, from: Vec3) -> Cone {
-        let to_center = self.lighting.nodes.center[node] - from;
+        let NodeRow { place, brightness, .. } = self.lighting.rows[node];
+        let to_center = place - from;
         let distance = to_center.length().max(LEAST_DISTANCE);
         let tan = self.lighting.tree.radii()[node] / distance;
         // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
         let radius = 2.0 * tan / (1.0 + (1.0 + tan * tan).sqrt());
-        Cone { direction: to_center / distance, radius }
+        Cone { direction: to_center / distance, radius, brightness }
+    }
+
+    #[inline(always)]
+    fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L> {
+        let nodes = NodeRow::eight(&self.lighting.rows, nodes);
+        let to_center = nodes.place - Vec3x8::splat(from);
+        let inv_kappa = if spread { cap_inv_kappa(to_center, nodes.spread) } else { L::splat(0.0) };
+        EightLights { direction: normalized(to_center), inv_kappa, radiance: nodes.radiance }
     }
 
     #[inline(always)]
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
-        let to_center = self.toward_centers(nodes, from);
-        to_center * (f32x8::ONE / to_center.dot(to_center).sqrt().max(f32x8::splat(LEAST_DISTANCE)))
+        normalized(self.toward_centers(nodes, from))
     }
 
     #[inline(always)]
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8 {
-        let to_center = self.toward_centers(nodes, from);
-        let distance_sq = to_center.dot(to_center).max(f32x8::splat(LEAST_DISTANCE * LEAST_DISTANCE));
         let spread = f32x8::new(nodes.map(|n| self.lighting.nodes.spread[n]));
-        // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
-        let cos = f32x8::ONE / (f32x8::ONE + spread * spread / distance_sq).sqrt();
-        let resultant = f32x8::HALF * (f32x8::ONE + cos);
-        let resultant_sq = resultant * resultant;
-        (f32x8::ONE - resultant_sq) / (resultant * (f32x8::splat(3.0) - resultant_sq))
+        cap_inv_kappa(self.toward_centers(nodes, from), spread)
     }
 
     /// A source is a disc.
@@ -205,4 +220,21 @@ impl SourceField<'_> {
     fn toward_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
         Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.center[n])) - Vec3x8::splat(from)
     }
+}
+
+#[inline(always)]
+fn normalized<L: Lanes>(to_center: Vec3x8<L>) -> Vec3x8<L> {
+    to_center * (L::splat(1.0) / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE))
+}
+
+/// Inverse concentrations of discs of radius `spread` in metres, seen face on.
+#[inline(always)]
+fn cap_inv_kappa<L: Lanes>(to_center: Vec3x8<L>, spread: L) -> L {
+    let one = L::splat(1.0);
+    let distance_sq = to_center.dot(to_center).at_least(LEAST_DISTANCE * LEAST_DISTANCE);
+    // A cap of half-angle r, tan r = spread / distance, has its centroid at R = (1 + cos r) / 2.
+    let cos = one / (one + spread * spread / distance_sq).sqrt();
+    let resultant = L::splat(0.5) * (one + cos);
+    let resultant_sq = resultant * resultant;
+    (one - resultant_sq) / (resultant * (L::splat(3.0) - resultant_sq))
 }

@@ -7,7 +7,7 @@ use lapidary_core::{
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
     ray::{Hit, Intersector, SeenFrom, offset},
-    simd::Vec3x8,
+    simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
 
@@ -107,49 +107,50 @@ impl SurfacePlace {
 }
 
 /// The frame of a point, for eight directions of light at once.
-pub struct ReceiverX8 {
-    axes: [Vec3x8; 3],
-    smooth_normal: Vec3x8,
+pub struct ReceiverX8<L = f32x8> {
+    axes: [Vec3x8<L>; 3],
+    smooth_normal: Vec3x8<L>,
     /// Whether the shading normal is another than the smooth one.
     is_bent: bool,
 }
 
-impl ReceiverX8 {
+impl<L: Lanes> ReceiverX8<L> {
     /// Of `point`.
     #[inline(always)]
     pub fn new(point: &SurfacePoint) -> Self {
-        let axes = [0, 1, 2].map(|i| Vec3x8::splat(point.world_from_local.col(i)));
+        let Mat3 { x_axis, y_axis, z_axis } = point.world_from_local;
+        let axes = [Vec3x8::splat(x_axis), Vec3x8::splat(y_axis), Vec3x8::splat(z_axis)];
         let is_bent = point.world_from_local.z_axis != point.smooth_normal;
         Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal), is_bent }
     }
 
     /// Directions in the local frame.
     #[inline(always)]
-    pub fn local(&self, direction: Vec3x8) -> Vec3x8 {
-        let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
-        Vec3x8 { x, y, z }
+    pub fn local(&self, direction: Vec3x8<L>) -> Vec3x8<L> {
+        let [x, y, z] = self.axes;
+        Vec3x8 { x: direction.dot(x), y: direction.dot(y), z: direction.dot(z) }
     }
 
     /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
     /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
     #[inline(always)]
-    pub fn lights(&self, direction: Vec3x8, inv_kappa: f32x8) -> LightsX8 {
+    pub fn lights(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
         let (wi, moments) = (self.local(direction), LobeMomentsX8::new(inv_kappa));
         let shading = moments.cosines(wi.z);
-        let (mut cosine, mut above) = (shading.above_horizon(), wi.z.simd_gt(f32x8::ZERO) & f32x8::ONE);
+        let (mut cosine, mut above) = (shading.above_horizon(), wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0));
         if self.is_bent {
             let to_smooth = direction.dot(self.smooth_normal);
             let seen = moments.cosines(to_smooth).share_above();
-            let share = shading.share_above() / seen.max(f32x8::splat(1e-6));
-            cosine *= share.min(f32x8::ONE) & seen.simd_gt(f32x8::ZERO);
-            above &= to_smooth.simd_gt(f32x8::ZERO);
+            let share = shading.share_above() / seen.at_least(1e-6);
+            cosine = cosine * (share.fast_min(L::splat(1.0)) & seen.simd_gt(L::splat(0.0)));
+            above = above & to_smooth.simd_gt(L::splat(0.0));
         }
         LightsX8 { wi, inv_kappa, cosine, above }
     }
 
     /// Lights whose cosines are those of their centres; zero below the horizons.
     #[inline(always)]
-    pub fn lights_at_centers(&self, direction: Vec3x8, inv_kappa: f32x8) -> LightsX8 {
+    pub fn lights_at_centers(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
         let lights = LightsX8::at(self.local(direction), inv_kappa);
         let seen = self.receives(direction);
         LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
@@ -157,8 +158,8 @@ impl ReceiverX8 {
 
     /// A mask of the directions that are above the smooth normal's horizon.
     #[inline(always)]
-    pub fn receives(&self, direction: Vec3x8) -> f32x8 {
-        direction.dot(self.smooth_normal).simd_gt(f32x8::ZERO)
+    pub fn receives(&self, direction: Vec3x8<L>) -> L {
+        direction.dot(self.smooth_normal).simd_gt(L::splat(0.0))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     measure::explain::leaves_below,
     shade::{
-        merge::Shader,
+        merge::{EightTerms, Shader},
         node_field::NodeField,
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
@@ -70,7 +70,7 @@ impl<F: NodeField> PointShader for NodesByLeaves<'_, F> {
         self.shader.traverse(
             point,
             |_| (),
-            |eight| {
+            |eight: &EightTerms| {
                 for (lane, term) in eight.terms.iter().enumerate().filter(|(_, term)| term.visibility > 0.0) {
                     lit[leaves_below(term.node, leaves)].fill(eight.radiance.lane(lane) * term.visibility);
                 }

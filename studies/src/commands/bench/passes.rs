@@ -1,0 +1,265 @@
+//! `lapidary bench FILE.cuts`: how long each pass of a frame takes.
+
+use super::median;
+use crate::{
+    args::{BackendOption, ViewedScene},
+    ladder::Cuts,
+    terminal::{json_text, print_out},
+};
+use anyhow::Result;
+use clap::Args;
+use lapidary_core::lights::Light;
+use lapidary_render::{
+    Backend, BackendError, Bounces, CpuBackend, LightRig, LitScene, LocalRig, Look, Post,
+    gpu::{GpuBackend, PassTimes},
+};
+use serde::Serialize;
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
+
+/// Options of the figures by pass.
+#[derive(Args, Clone, Debug)]
+pub struct PassesArgs {
+    /// Merge the stored cuts with illumination cuts of these sizes, separated by commas, in place of lit cuts
+    #[arg(long, value_name = "K,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=32_768))]
+    illum_cuts: Vec<u32>,
+    /// Frames whose median is taken, after one to warm up
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    frames: u32,
+    /// What renders
+    #[arg(long, value_enum, default_value_t)]
+    backend: BackendOption,
+}
+
+/// All figures.
+#[derive(Debug, Serialize)]
+struct Bench {
+    /// `cpu`, or the adapter's name.
+    adapter: String,
+    size: [u32; 2],
+    vertices: usize,
+    triangles: usize,
+    mean_cut: f64,
+    /// Of the cuts over surface sources; 0 without.
+    mean_source_cut: f64,
+    lights: usize,
+    sources: usize,
+    frames: u32,
+    /// From a turned environment to a new illumination cut of 256: leaf radiance, tree and cut, on one thread.
+    rotation_milliseconds: f64,
+    /// From a moved local light to all that its bounces need in a picture, with an illumination cut of 256; absent without
+    /// a light or bounced light.
+    light_moved_milliseconds: Option<f64>,
+    runs: Vec<Run>,
+}
+
+/// Figures of a picture's frames.
+#[derive(Debug, Serialize)]
+struct Run {
+    #[serde(flatten)]
+    cuts: Cuts,
+    /// Medians by pass, and `total`.
+    milliseconds: BTreeMap<&'static str, f64>,
+    mean_merged_nodes: f64,
+    mean_brdf_evaluations: f64,
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// Bounced light that the dataset does not have, or no adapter where one is asked for.
+pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: bool) -> Result<()> {
+    let measurement = Measurement::new(args, viewed)?;
+    let gpu = args.backend.gpu()?;
+    let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);
+    let runs = match gpu {
+        Some(gpu) => measurement.gpu_runs(gpu)?,
+        None => measurement.cpu_runs()?,
+    };
+    let report = &viewed.baked.dataset.report;
+    let indirect = report.indirect.as_ref();
+    let bench = Bench {
+        adapter,
+        size: viewed.view.size,
+        vertices: viewed.baked.dataset.scene.mesh.positions.len(),
+        triangles: viewed.baked.dataset.scene.mesh.triangles.len(),
+        mean_cut: report.mean_cut,
+        mean_source_cut: indirect.map_or(0.0, |r| r.mean_cut),
+        lights: viewed.baked.dataset.tree.len(),
+        sources: indirect.map_or(0, |r| r.sources),
+        frames: args.frames,
+        rotation_milliseconds: rotation(viewed, args.frames),
+        light_moved_milliseconds: measurement.light_moved(),
+        runs,
+    };
+    print_out(&if json { json_text(&bench)? } else { table(&bench) })
+}
+
+/// What is shown, and how often.
+struct Measurement<'a> {
+    args: &'a PassesArgs,
+    viewed: &'a ViewedScene,
+    look: Look,
+}
+
+impl<'a> Measurement<'a> {
+    fn new(args: &'a PassesArgs, viewed: &'a ViewedScene) -> Result<Self> {
+        Ok(Self { args, viewed, look: viewed.look()? })
+    }
+
+    fn gpu_runs(&self, gpu: GpuBackend) -> Result<Vec<Run>> {
+        self.runs(gpu, |scene| Ok(passes(scene.backend().timed_sample(0, &Post::default())?)))
+    }
+
+    fn cpu_runs(&self) -> Result<Vec<Run>> {
+        let height = self.look.view.size[1];
+        self.runs(CpuBackend::new(), |scene| {
+            let start = Instant::now();
+            scene.render_rows(0, 0..height)?;
+            Ok(BTreeMap::from([("total", start.elapsed())]))
+        })
+    }
+
+    /// One run an illumination cut, or one of lit cuts; `frame` renders one and says how long its passes took.
+    fn runs<B: Backend>(
+        &self,
+        backend: B,
+        frame: impl Fn(&mut LitScene<B>) -> Result<Times, BackendError>,
+    ) -> Result<Vec<Run>> {
+        let mut scene = LitScene::new(Box::new(backend), self.viewed.baked.clone())?;
+        let run = |cuts: Cuts| {
+            let look = cuts.shown(&self.look);
+            scene.light(&look)?;
+            let mut anew = || {
+                scene.begin(&look.view, look.sampling)?;
+                frame(&mut scene)
+            };
+            anew()?;
+            let times = (0..self.args.frames).map(|_| anew()).collect::<Result<Vec<_>, _>>()?;
+            scene.begin(&look.view, look.sampling)?;
+            scene.render_rows(0, 0..look.view.size[1])?;
+            let stats = scene.backend().stats()?;
+            Ok(Run {
+                cuts,
+                milliseconds: medians(&times),
+                mean_merged_nodes: stats.mean_merged_nodes,
+                mean_brdf_evaluations: stats.mean_brdf_evaluations,
+            })
+        };
+        let stored: Vec<Cuts> = self.args.illum_cuts.iter().map(|&size| Cuts::Refine(size)).collect();
+        let cuts = if stored.is_empty() { vec![Cuts::Lit(self.look.tau)] } else { stored };
+        cuts.into_iter().map(run).collect()
+    }
+
+    /// Median milliseconds from a moved light to its bounces.
+    fn light_moved(&self) -> Option<f64> {
+        let Look { components, solution, lights, .. } = &self.look;
+        let bounces = components.indirect && Bounces::of(&self.viewed.baked.dataset).any();
+        if !bounces || lights.is_empty() {
+            return None;
+        }
+        let mut rig = LocalRig::new(&self.viewed.baked);
+        let mut redo = |lights: &[Light]| {
+            rig.set_lights(&lights.into());
+            let start = Instant::now();
+            rig.lighting(*components, *solution, 256);
+            start.elapsed()
+        };
+        redo(lights);
+        let mut lights = lights.to_vec();
+        let times = (0..self.args.frames).map(|_| {
+            lights[0].position.x += 1e-3;
+            redo(&lights)
+        });
+        Some(median(times.collect()))
+    }
+}
+
+/// Time of each pass of a frame.
+type Times = BTreeMap<&'static str, Duration>;
+
+fn passes(t: PassTimes) -> Times {
+    BTreeMap::from([
+        ("visibility", t.visibility),
+        ("deferred", t.deferred),
+        ("merge", t.merge),
+        ("display", t.display),
+        ("total", t.visibility + t.deferred + t.merge + t.display),
+    ])
+}
+
+fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
+    let of = |pass: &'static str| median(times.iter().map(|t| t[pass]).collect());
+    times[0].keys().map(|&pass| (pass, of(pass))).collect()
+}
+
+/// Median milliseconds from a turned environment to nodes and illumination cut.
+fn rotation(viewed: &ViewedScene, frames: u32) -> f64 {
+    let mut rig = LightRig::new(&viewed.baked.dataset.tree);
+    let mut light = viewed.light.clone();
+    rig.lighting(&light, 256);
+    let times = (0..frames).map(|_| {
+        light.rotation += 0.01;
+        let start = Instant::now();
+        rig.lighting(&light, 256);
+        start.elapsed()
+    });
+    median(times.collect())
+}
+
+fn table(bench: &Bench) -> String {
+    let [width, height] = bench.size;
+    let mut text = format!(
+        "{}: {width} x {height}, {} triangles, mean visibility cut {:.0}, {} lights; environment turned in {:.1} ms\n",
+        bench.adapter, bench.triangles, bench.mean_cut, bench.lights, bench.rotation_milliseconds
+    );
+    let sources = || format!("{} sources, mean cut {:.0}", bench.sources, bench.mean_source_cut);
+    let moved = bench.light_moved_milliseconds.map(|ms| format!("light moved in {ms:.1} ms"));
+    let bounces: Vec<String> = (bench.sources > 0).then(sources).into_iter().chain(moved).collect();
+    if !bounces.is_empty() {
+        text += &(bounces.join("; ") + "\n");
+    }
+    for run in &bench.runs {
+        let passes: Vec<String> = run.milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2} ms")).collect();
+        text += &format!(
+            "{:>10}: {}; {:.0} merged nodes and {:.0} BRDF evaluations per pixel\n",
+            run.cuts.label(),
+            passes.join(", "),
+            run.mean_merged_nodes,
+            run.mean_brdf_evaluations
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moved_light_is_told_with_sources_and_without() {
+        let lines = |sources: usize, light_moved_milliseconds: Option<f64>| {
+            let bench = Bench {
+                adapter: "cpu".into(),
+                size: [4, 3],
+                vertices: 3,
+                triangles: 1,
+                mean_cut: 1.0,
+                mean_source_cut: 20.0,
+                lights: 8,
+                sources,
+                frames: 1,
+                rotation_milliseconds: 0.5,
+                light_moved_milliseconds,
+                runs: Vec::new(),
+            };
+            table(&bench).lines().skip(1).collect::<Vec<_>>().join("|")
+        };
+        assert_eq!(lines(64, Some(7.3)), "64 sources, mean cut 20; light moved in 7.3 ms");
+        assert_eq!(lines(64, None), "64 sources, mean cut 20");
+        assert_eq!(lines(0, Some(7.3)), "light moved in 7.3 ms", "the meshless solution alone");
+        assert_eq!(lines(0, None), "");
+    }
+}
