@@ -278,7 +278,7 @@ fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
         let removed = ui.horizontal(|ui| {
             let combo = ComboBox::from_id_salt("parameter").selected_text(words(parameter)).width(130.0);
             let combo = combo.height(400.0).show_ui(ui, |ui| {
-                for choice in Parameter::ALL {
+                for choice in Parameter::ALL.into_iter().filter(|choice| choice.applies_to(look)) {
                     ui.selectable_value(&mut parameter, choice, words(choice));
                 }
             });
@@ -384,16 +384,19 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_render::test_looks::look as test_look;
+    use lapidary_render::{BrdfSampling, test_looks::look as test_look};
 
     #[test]
     fn every_sweep_that_is_proposed_makes_a_sequence() {
-        let look = test_look();
-        for parameter in Parameter::ALL {
-            let mut dialog = SequenceDialog::new(&look, Path::new("/scenes"));
+        let [lit, refined] = [BrdfSampling::Lit, BrdfSampling::Refine].map(|sampling| Look { sampling, ..test_look() });
+        let proposed = |look: &Look| Parameter::ALL.into_iter().filter(|p| p.applies_to(look)).collect::<Vec<_>>();
+        assert!(!proposed(&lit).contains(&Parameter::IllumCut) && !proposed(&refined).contains(&Parameter::LitCuts));
+        let each = |look| proposed(look).into_iter().map(move |parameter| (look, parameter));
+        for (look, parameter) in [&lit, &refined].into_iter().flat_map(each) {
+            let mut dialog = SequenceDialog::new(look, Path::new("/scenes"));
             dialog.settings.turn = None;
-            dialog.settings.sweeps = vec![new_sweep(parameter, &look)];
-            let task = dialog.task(&look).unwrap();
+            dialog.settings.sweeps = vec![new_sweep(parameter, look)];
+            let task = dialog.task(look).unwrap();
             assert_eq!((task.frames.len(), task.outputs.len()), (48, 1), "{parameter:?}");
         }
     }

@@ -182,6 +182,11 @@ impl Parameter {
         }
     }
 
+    /// Whether a sweep of it changes pictures of a look: they may not merge the cuts whose setting it is.
+    pub fn applies_to(self, look: &Look) -> bool {
+        self.check_cuts(look.sampling).is_ok()
+    }
+
     /// A setting of cuts that are not merged would be swept through equal pictures.
     fn check_cuts(self, sampling: BrdfSampling) -> Result<(), SweepError> {
         match (self, sampling == BrdfSampling::Lit) {

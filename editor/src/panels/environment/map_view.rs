@@ -170,9 +170,14 @@ fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
             let help = "Depth of the subtrees whose samples share a color.";
             depth.on_hover_text(help).on_disabled_hover_text(help);
             let cut = check_box(ui, &mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
-            cut.on_hover_text(
-                "The nodes of the illumination cut, as large as their solid angle and as bright as their light.",
-            );
+            let merged = if context.document.view.cuts().size().is_some() {
+                "The picture merges it with those of the vertices."
+            } else {
+                "The picture has lit cuts, and does without it."
+            };
+            cut.on_hover_text(format!(
+                "The nodes of the illumination cut, as large as their solid angle and as bright as their light. {merged}"
+            ));
         });
     });
 }
