@@ -112,7 +112,8 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
         if node == 0u { break; }
         var cone = cone_of(node, point.position);
         var wi = cone.direction * point.world_from_local;
-        while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+        while node < leaves && (is_too_wide_for_a_cosine(wi, cone.radius)
+            || is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node])) {
             node = 2u * node;
             cone = cone_of(node, point.position);
             wi = cone.direction * point.world_from_local;
@@ -191,23 +192,21 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
         if node == 0u { break; }
         var cone = cone_of(node, point.position);
         var wi = cone.direction * point.world_from_local;
-        if is_lit {
-            if is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
-                first = interval.x;
-                stored_end = interval.y;
-                seek_visibility(&stored_a, offsets.x, lit_a, first);
-                seek_visibility(&stored_b, offsets.y, lit_b, first);
-                seek_visibility(&stored_c, offsets.z, lit_c, first);
-                shaded.merged_nodes -= 1u;
-                node = 0u;
-                continue;
-            }
-        } else {
-            while node < leaves && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
-                node = 2u * node;
-                cone = cone_of(node, point.position);
-                wi = cone.direction * point.world_from_local;
-            }
+        if is_lit && node == root && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+            first = interval.x;
+            stored_end = interval.y;
+            seek_visibility(&stored_a, offsets.x, lit_a, first);
+            seek_visibility(&stored_b, offsets.y, lit_b, first);
+            seek_visibility(&stored_c, offsets.z, lit_c, first);
+            shaded.merged_nodes -= 1u;
+            node = 0u;
+            continue;
+        }
+        while node < leaves && (is_too_wide_for_a_cosine(wi, cone.radius)
+            || is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node])) {
+            node = 2u * node;
+            cone = cone_of(node, point.position);
+            wi = cone.direction * point.world_from_local;
         }
         shaded.radiance += reflected_light(point, cone, wi, node, visibility);
         shaded.brdf_evaluations += 1u;

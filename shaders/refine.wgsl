@@ -6,6 +6,12 @@ override REFINE: bool = true;
 const NARROWEST: f32 = 0.01;
 const FINE: f32 = 0.7;
 const NEGLIGIBLE: f32 = 0.02;
+const WIDEST: f32 = 0.35;
+
+// Whether a node of this radius, whose local direction is `wi`, is too wide for one cosine.
+fn is_too_wide_for_a_cosine(wi: vec3<f32>, radius: f32) -> bool {
+    return REFINE && radius > WIDEST && wi.z > -radius;
+}
 
 // Whether a node of this radius and brightness, whose local direction is `wi`, has too many directions for `lobe`, which is 0
 // without a lobe and has its peak at `mirrored`.

@@ -9,7 +9,7 @@
 
 use crate::shade::{
     node_field::{EightLights, NodeField},
-    refine::Refinement,
+    refine::{Refinement, is_too_wide_for_a_cosine},
     surface::{ReceiverX8, SurfacePoint},
 };
 use glam::{Mat3, Vec3};
@@ -64,9 +64,6 @@ impl AddAssign for Work {
         *self = *self + other;
     }
 }
-
-/// Radius in radians above which a node is too wide for one cosine, where its cuts do not know the horizon.
-const WIDEST: f32 = 0.35;
 
 /// A node to evaluate.
 #[derive(Clone, Copy)]
@@ -239,33 +236,41 @@ struct Merged<'a, 'p, F> {
     local_from_world: Mat3,
     /// `None` where the BRDF is sampled once per node, and for BRDFs without a lobe.
     refinement: Option<Refinement>,
-    knows_horizon: bool,
+    is_refined: bool,
 }
 
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
-        let &Shader { field, cuts, height, sampling, knows_horizon, .. } = shader;
+        let &Shader { field, cuts, height, sampling, .. } = shader;
         let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling != BrdfSampling::Once);
         let refinement = lobe.map(|lobe| Refinement::new(lobe, point.wo));
         let local_from_world = point.world_from_local.transpose();
-        Self { field, cuts, height, point, local_from_world, refinement, knows_horizon }
+        let is_refined = sampling != BrdfSampling::Once;
+        Self { field, cuts, height, point, local_from_world, refinement, is_refined }
     }
 
     fn leaves(&self) -> u32 {
         1 << self.height
     }
 
+    /// Whether the lobe needs more directions than that of the node.
+    #[inline(always)]
+    fn shows_in_lobe(&self, node: u32) -> bool {
+        let Some(refinement) = &self.refinement else { return false };
+        let cone = self.field.cone(node as usize, self.point.position);
+        refinement.is_too_wide(self.local_from_world * cone.direction, cone.radius, cone.brightness)
+    }
+
     /// Whether the BRDF needs more directions than that of the node.
     #[inline(always)]
     fn is_too_wide(&self, node: u32) -> bool {
-        if self.refinement.is_none() && self.knows_horizon {
+        if !self.is_refined {
             return false;
         }
         let cone = self.field.cone(node as usize, self.point.position);
         let wi = self.local_from_world * cone.direction;
-        let is_cut_off = !self.knows_horizon && cone.radius > WIDEST && wi.z > -cone.radius;
         let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, cone.brightness);
-        is_cut_off || self.refinement.as_ref().is_some_and(too_wide)
+        is_too_wide_for_a_cosine(wi, cone.radius) || self.refinement.as_ref().is_some_and(too_wide)
     }
 
     /// Value of the three vertices' nodes, interpolated.
@@ -302,7 +307,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         count
     }
 
-    /// Merges the lit cuts, and the stored ones below a node that is too wide. As [`Self::stored`] otherwise.
+    /// Merges the lit cuts, and the stored ones below a node that the lobe shows. As [`Self::stored`] otherwise.
     #[inline(always)]
     fn lit(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
         let lit = self.field.lit_cuts();
@@ -318,13 +323,13 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                 let node = interval.heap_index(self.leaves());
                 if !(visibility > 0.0) {
                     dark(interval);
-                } else if self.is_too_wide(node) {
+                } else if self.shows_in_lobe(node) {
                     for (stored, cursor) in stored.iter_mut().zip(cursors) {
                         stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
                     }
                     count += self.below(interval, &mut stored, terms, &mut dark) - 1;
                 } else {
-                    terms.push(Term { node, visibility, is_lit: true });
+                    self.halve(Term { node, visibility, is_lit: true }, terms);
                 }
             },
         );

@@ -16,9 +16,21 @@ const FINE: f32 = 0.7;
 /// tree's mean.
 const NEGLIGIBLE: f32 = 0.02;
 
+/// Radius in radians above which a node is too wide for one direction, whatever the lobe: colours of its light that come from
+/// different sides would be mixed.
+const WIDEST: f32 = 0.35;
+
 /// The shader's copies of these are compared with them in a test.
 #[cfg(test)]
-pub(crate) const CONSTANTS: [(&str, f32); 3] = [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE)];
+pub(crate) const CONSTANTS: [(&str, f32); 4] =
+    [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE), ("WIDEST", WIDEST)];
+
+/// Whether the cone of `radius` around the local direction `wi` is too wide for one cosine. It is not if it is below the
+/// horizon.
+#[inline(always)]
+pub fn is_too_wide_for_a_cosine(wi: Vec3, radius: f32) -> bool {
+    radius > WIDEST && wi.z > -radius
+}
 
 /// The criterion for one pixel.
 pub struct Refinement {
