@@ -2,8 +2,7 @@
 //!
 //! A light is a von Mises-Fisher lobe of directions. The cosine to a normal is then a random number, whose mean and
 //! variance are known in closed form. Its distribution is taken to be uniform with these: it is so for the whole sphere,
-//! and nearly so for a small cap. Then what a horizon cuts off is known as well, and a diffuse surface needs no light of
-//! smaller extent.
+//! and nearly so for a small cap. Then what a horizon cuts off is known as well.
 
 use crate::simd::{Lanes, Vec3x8};
 
