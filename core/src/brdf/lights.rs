@@ -124,7 +124,7 @@ mod tests {
                 let cosines = moments.cosines(f32x8::splat(cosine as f32));
                 let found_share = f64::from(cosines.share_above().to_array()[0]);
                 let received = f64::from(cosines.above_horizon().to_array()[0]) * found_share;
-                assert!((received - expected).abs() < 0.022, "{inv_kappa} {cosine}: {received}, {expected}");
+                assert!((received - expected).abs() < 0.03, "{inv_kappa} {cosine}: {received}, {expected}");
                 assert!((found_share - share).abs() < 0.07, "{inv_kappa} {cosine}: {found_share}, {share}");
             }
         }

@@ -54,7 +54,7 @@ fn hits_from_a_prepared_origin_are_those_of_single_rays() {
             hits += usize::from(hit.is_some());
             others += usize::from(scene.closest_hit_from(&other, d) != hit);
         }
-        assert!(hits > 100 && others > 0, "negative control");
+        assert!(hits > 10 && others > 0, "negative control: {hits}, {others}");
     }
 }
 

@@ -8,6 +8,7 @@ use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, pos2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
 use lapidary_core::camera::Camera;
+use lapidary_render::BrdfSampling;
 
 fn camera(harness: &Harness<App>) -> Camera {
     harness.state().document.camera.clone()
@@ -119,6 +120,9 @@ fn each_count_mode_has_its_legend_and_the_lit_picture_none() {
     let title = "Merged cut size, environment";
     assert!(!shown(&harness, title) && !shown(&harness, "1024+"));
     harness.state_mut().document.view.mode = ViewMode::MergedCut;
+    harness.step();
+    assert!(shown(&harness, title) && shown(&harness, "512+"), "lit cuts are small");
+    harness.state_mut().document.view.sampling = BrdfSampling::Refine;
     harness.step();
     assert!(shown(&harness, title) && shown(&harness, "1024+"));
 }

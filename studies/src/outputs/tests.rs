@@ -96,14 +96,25 @@ fn an_input_is_known_behind_a_link() {
 /// Options that an option needs beside it.
 const COMPANIONS: [(&str, &str, &str); 2] = [("compare", "out", "--map flip"), ("predict", "json", "--calibrate")];
 
-/// A command line of each command with all its paths; what is no path is left at its default.
+/// Options of a command that are only taken beside another one, and in place of its other paths.
+const ALTERNATIVE: (&str, &[&str], &str) = ("bench", &["baseline", "save", "data"], "--suite");
+
+/// A command line of each command with all its paths; what is no path is left at its default. A command with an alternative
+/// has two.
 fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
     let commands = Command::augment_subcommands(clap::Command::new("lapidary"));
-    let line = |command: &clap::Command| {
+    let line = |command: &clap::Command, is_alternative: bool| {
         let (mut line, mut paths) = (vec!["lapidary".to_owned(), command.get_name().to_owned()], BTreeSet::new());
         for argument in command.get_arguments() {
             if argument.get_value_parser().type_id() != TypeId::of::<PathBuf>() {
                 continue;
+            }
+            let (name, options, beside) = ALTERNATIVE;
+            if name == command.get_name() && options.contains(&argument.get_id().as_str()) != is_alternative {
+                continue;
+            }
+            if is_alternative && !line.iter().any(|word| word == beside) {
+                line.push(beside.to_owned());
             }
             let path = match argument.get_id().as_str() {
                 id @ ("out" | "contact_sheet") => format!("{id}-of-{}/a.####.png", command.get_name()),
@@ -118,7 +129,11 @@ fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
         }
         (command.get_name().to_owned(), paths, line)
     };
-    commands.get_subcommands().map(line).collect()
+    let both = |command| {
+        let alternative = (ALTERNATIVE.0 == clap::Command::get_name(command)).then(|| line(command, true));
+        [Some(line(command, false)), alternative]
+    };
+    commands.get_subcommands().flat_map(both).flatten().collect()
 }
 
 /// Whoever adds an option that names a file has to say whether it is read or written.
