@@ -94,7 +94,7 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
     assert_eq!(keys(figures), expected);
     let number = |value: &serde_json::Value| value.as_f64().expect("a number");
     let ladder = figures["fig7_ladder"][0]["steps"].as_array().expect("a list");
-    assert_eq!(ladder.len(), 6);
+    assert_eq!(ladder.len(), 7, "six sizes, and lit cuts");
     // Finer cuts are larger and see more exactly.
     let sigma = figures["error_by_sigma"]["points"].as_array().expect("a list").clone();
     for pair in sigma.windows(2) {

@@ -33,11 +33,12 @@ fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     let without = sum - vector(&nodes[greatest]["contribution"]);
     assert!((without - rendered).length() > 1e-3 * rendered.length(), "negative control");
     let factors = json["split"]["steps"].as_array().expect("steps").iter().map(|step| step["factor"].as_str());
-    let expected = ["BRDF sampling", "light clusters", "visibility clusters", "interpolation", "light samples"];
+    let expected =
+        ["lit cuts", "BRDF sampling", "light clusters", "visibility clusters", "interpolation", "light samples"];
     assert!(factors.eq(expected.map(Some)));
     assert_eq!(json["split"]["region"]["width"], 48, "64 pixels around it are all there is");
-    // explain.json, three maps, six pictures and the strip of them.
-    assert_eq!(files_in(&folder.path("why")), 11);
+    // explain.json, three maps, seven pictures and the strip of them.
+    assert_eq!(files_in(&folder.path("why")), 12);
     let map = Image::read(&folder.path("why/cut.png")).expect("a map");
     assert!(map.size == [1024, 512] && map.pixels.iter().any(|p| p.x > 0.3));
 }

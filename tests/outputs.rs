@@ -19,7 +19,7 @@ enum Kind {
 }
 
 /// Every option that names an output, with a command line; `{}` stands for the output.
-const OUTPUTS: [(&str, &str, Kind, &str); 17] = [
+const OUTPUTS: [(&str, &str, Kind, &str); 18] = [
     ("bake", "output", Kind::File, "bake a.cuts -o {}"),
     ("bake", "report", Kind::File, "bake a.cuts -o b.cuts --report {}"),
     ("render", "out", Kind::File, "render a.cuts --out {}"),
@@ -37,10 +37,11 @@ const OUTPUTS: [(&str, &str, Kind, &str); 17] = [
     ("compare", "out", Kind::File, "compare a.cuts b.png --map flip --out {}"),
     ("export", "mitsuba", Kind::Folder, "export a.cuts --mitsuba {}"),
     ("demo", "out", Kind::Folder, "demo --data a --out {}"),
+    ("bench", "save", Kind::File, "bench --suite --baseline a.cuts --save {}"),
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
-const INPUTS: [&str; 8] = ["file", "lights", "material", "scene", "scenes", "data", "test", "reference"];
+const INPUTS: [&str; 9] = ["file", "lights", "material", "scene", "scenes", "data", "test", "reference", "baseline"];
 
 #[test]
 fn every_option_that_names_a_path_is_tried() {
