@@ -236,6 +236,7 @@ struct Merged<'a, 'p, F> {
     local_from_world: Mat3,
     /// `None` where the BRDF is sampled once per node, and for BRDFs without a lobe.
     refinement: Option<Refinement>,
+    /// Whether nodes are halved where one direction is too few.
     is_refined: bool,
 }
 
@@ -296,15 +297,28 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
             #[inline(always)]
             |interval, cursors| {
                 count += 1;
-                let visibility = self.interpolated(|i| cursors[i].stored_value());
-                if visibility > 0.0 {
-                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
-                } else {
-                    dark(interval);
-                }
+                self.add_stored(interval, cursors, terms, &mut dark);
             },
         );
         count
+    }
+
+    /// Adds the terms of a node of the merged stored cuts, or hands it to `dark`. The first three of `cursors` are those of
+    /// the vertices.
+    #[inline(always)]
+    fn add_stored(
+        &self,
+        interval: Interval,
+        cursors: &[PackedCursor],
+        terms: &mut Vec<Term>,
+        dark: &mut impl FnMut(Interval),
+    ) {
+        let visibility = self.interpolated(|i| cursors[i].stored_value());
+        if visibility > 0.0 {
+            self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
+        } else {
+            dark(interval);
+        }
     }
 
     /// Merges the lit cuts, and the stored ones below a node that the lobe shows. As [`Self::stored`] otherwise.
@@ -352,12 +366,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
             #[inline(always)]
             |interval, cursors| {
                 count += 1;
-                let visibility = self.interpolated(|i| cursors[i].stored_value());
-                if visibility > 0.0 {
-                    self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
-                } else {
-                    dark(interval);
-                }
+                self.add_stored(interval, cursors, terms, dark);
             },
         );
         count
