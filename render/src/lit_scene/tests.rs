@@ -1,0 +1,164 @@
+//! Looks one after another: what is lit and rendered again.
+
+use super::*;
+use crate::{Appearance, Components, CpuBackend, Illumination, PictureStats, test_looks::look};
+use lapidary_core::test_scenes::dataset;
+
+fn scene() -> LitScene {
+    LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset(&["a"], &[]).into()).unwrap()
+}
+
+fn shown(scene: &mut LitScene, look: &Look) -> (FinishedPicture, Vec<[u8; 4]>) {
+    let picture = scene.show(look, &mut || true).unwrap().unwrap();
+    (picture, scene.display(&look.post).unwrap())
+}
+
+fn base() -> Look {
+    Look { appearance: Appearance::of(&dataset(&["a"], &[]).scene), ..look() }
+}
+
+#[test]
+fn pictures_do_not_depend_on_those_before_them() {
+    let mut looks = vec![base(); 7];
+    // Darker: the brightest pixels are clipped.
+    looks[1].post.exposure = -3.0;
+    looks[2].light.intensity = 3.0;
+    looks[3].lights = [].into();
+    looks[4].components.environment = false;
+    looks[5].appearance.materials[0].parameters.roughness = 0.1;
+    looks[6].view.camera.eye.x += 0.3;
+    let mut one = scene();
+    let pictures: Vec<_> = looks.iter().map(|look| shown(&mut one, look)).collect();
+    for (look, (picture, display)) in looks.iter().zip(&pictures) {
+        let (alone, alone_display) = shown(&mut scene(), look);
+        assert!(alone.image == picture.image && alone_display == *display);
+        assert_eq!(alone.stats.pixels_shaded, picture.stats.pixels_shaded);
+    }
+    let image = |i: usize| &pictures[i].0.image;
+    assert!(image(0) == image(1) && pictures[0].1 != pictures[1].1, "only exposed");
+    assert!((2..7).all(|i| image(i) != image(0)), "negative control");
+}
+
+#[test]
+fn a_cancelled_picture_is_not_taken_for_a_finished_one() {
+    let mut scene = scene();
+    assert!(scene.show(&base(), &mut || false).unwrap().is_none());
+    let (picture, _) = shown(&mut scene, &base());
+    assert!(picture.image.pixels.iter().any(|pixel| pixel.max_element() > 0.0));
+}
+
+#[test]
+fn the_environment_is_lit_again_only_when_it_is_another_or_forgotten() {
+    let mut scene = scene();
+    let revision = |scene: &mut LitScene, look: &Look| {
+        scene.light(look).unwrap();
+        scene.light_revision()
+    };
+    let moved = Look { lights: Arc::default(), ..base() };
+    let environment = base().light;
+    let at = |look: Look| Look { light: environment.clone(), ..look };
+    assert_eq!(revision(&mut scene, &at(base())), 1);
+    assert_eq!(revision(&mut scene, &at(moved.clone())), 1);
+    let mut turned = at(moved);
+    turned.light.rotation += 0.1;
+    assert_eq!(revision(&mut scene, &turned), 2);
+    scene.forget_light();
+    assert_eq!(revision(&mut scene, &turned), 3);
+    assert_eq!(revision(&mut scene, &turned), 3, "once");
+}
+
+/// Counts what a renderer is given, and renders nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Counting {
+    appearances: u32,
+    lights: u32,
+    locals: u32,
+    bands: u32,
+}
+
+impl Backend for Counting {
+    fn name(&self) -> String {
+        "counting".into()
+    }
+
+    fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
+        self.appearances += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+        self.lights += 1;
+        Ok(Vec::new())
+    }
+
+    fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
+        self.locals += 1;
+        Ok(Vec::new())
+    }
+
+    fn begin(&mut self, _: &View, _: BrdfSampling) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn render_rows(&mut self, _: u32, _: Range<u32>) -> Result<(), BackendError> {
+        self.bands += 1;
+        Ok(())
+    }
+
+    fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+        Ok(0)
+    }
+
+    fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+        Ok(Vec::new())
+    }
+
+    fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
+        Ok((Image { size: [0, 0], pixels: Vec::new() }, Vec::new()))
+    }
+
+    fn stats(&mut self) -> Result<PictureStats, BackendError> {
+        Ok(PictureStats::default())
+    }
+}
+
+#[test]
+fn what_is_measured_is_done_again_and_nothing_else() {
+    let mut scene = LitScene::new(Box::new(Counting::default()), dataset(&["a"], &[]).into()).unwrap();
+    let look = Look { components: Components { direct: true, ..Components::NONE }, ..base() };
+    let shown = |scene: &mut LitScene<Counting>| {
+        scene.show_whole(&look).unwrap();
+        *scene.backend()
+    };
+    let once = Counting { appearances: 1, lights: 1, locals: 1, bands: 1 };
+    assert_eq!(shown(&mut scene), once);
+    assert_eq!(shown(&mut scene), once, "an unchanged look renders nothing");
+    scene.forget_picture();
+    assert_eq!(shown(&mut scene), Counting { bands: 2, ..once });
+    scene.forget_light();
+    assert_eq!(shown(&mut scene), Counting { appearances: 1, lights: 2, locals: 2, bands: 3 }, "materials stay");
+}
+
+#[test]
+fn a_remark_is_told_once_while_it_holds() {
+    let mut scene = scene();
+    let mut bare = base();
+    bare.appearance.materials.clear();
+    let mut remarks = |look: &Look| {
+        scene.light(look).unwrap();
+        scene.remarks().len()
+    };
+    assert_eq!(remarks(&bare), 1);
+    let dimmed = Look { components: Components::NONE, ..bare.clone() };
+    assert_eq!(remarks(&dimmed), 0);
+    assert_eq!(remarks(&base()), 0);
+    assert_eq!(remarks(&bare), 1, "again after it did not hold");
+}
