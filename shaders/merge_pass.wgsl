@@ -85,7 +85,6 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var l = illumination_cursor();
     let w = point.weights;
     let lobe = lobe_to_follow(point);
-    let mirrored = vec3(-point.wo.xy, point.wo.z);
     var first = 0u;
     var visibility = 0.0;
     // The node of the merged cut, and the part of it that is looked at.
@@ -110,17 +109,10 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        var cone = cone_of(node, point.position);
-        var wi = cone.direction * point.world_from_local;
-        while node < leaves && (is_too_wide_for_a_cosine(wi, cone.radius)
-            || is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node])) {
-            node = 2u * node;
-            cone = cone_of(node, point.position);
-            wi = cone.direction * point.world_from_local;
-        }
-        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
+        let part = first_fine(point, seen_from(point, node), lobe);
+        shaded.radiance += reflected_light(point, part, visibility);
         shaded.brdf_evaluations += 1u;
-        node = next_node(node, root);
+        node = next_node(part.node, root);
     }
     shaded.radiance *= leaf_solid_angle();
     return shaded;
@@ -143,7 +135,6 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
     let lobe = lobe_to_follow(point);
-    let mirrored = vec3(-point.wo.xy, point.wo.z);
     var first = 0u;
     // Up to this leaf the stored cuts are merged.
     var stored_end = 0u;
@@ -190,9 +181,8 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        var cone = cone_of(node, point.position);
-        var wi = cone.direction * point.world_from_local;
-        if is_lit && node == root && is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node]) {
+        let whole = seen_from(point, node);
+        if is_lit && node == root && shows_in_lobe(point, whole, lobe) {
             first = interval.x;
             stored_end = interval.y;
             seek_visibility(&stored_a, offsets.x, lit_a, first);
@@ -202,15 +192,10 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             node = 0u;
             continue;
         }
-        while node < leaves && (is_too_wide_for_a_cosine(wi, cone.radius)
-            || is_too_wide(lobe, mirrored, wi, cone.radius, brightness[node])) {
-            node = 2u * node;
-            cone = cone_of(node, point.position);
-            wi = cone.direction * point.world_from_local;
-        }
-        shaded.radiance += reflected_light(point, cone, wi, node, visibility);
+        let part = first_fine(point, whole, lobe);
+        shaded.radiance += reflected_light(point, part, visibility);
         shaded.brdf_evaluations += 1u;
-        node = next_node(node, root);
+        node = next_node(part.node, root);
     }
     shaded.radiance *= leaf_solid_angle();
     return shaded;
@@ -232,8 +217,39 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// Light that reaches the eye from a node in the local direction `wi`, for leaves of a solid angle of 1.
-fn reflected_light(point: SurfacePoint, cone: Cone, wi: vec3<f32>, node: u32, visibility: f32) -> vec3<f32> {
-    let light = received_light(point, cone.direction, wi, select(0.0, cone.inv_kappa, REFINE));
-    return reflection_of(point.brdf, light, point.wo) * (visibility * node_size(node)) * nodes[node].radiance;
+// A node as a point sees it.
+struct SeenNode {
+    node: u32,
+    cone: Cone,
+    // Its direction in the local frame.
+    wi: vec3<f32>,
+}
+
+fn seen_from(point: SurfacePoint, node: u32) -> SeenNode {
+    let cone = cone_of(node, point.position);
+    return SeenNode(node, cone, cone.direction * point.world_from_local);
+}
+
+// Whether the lobe needs more directions than that of the node.
+fn shows_in_lobe(point: SurfacePoint, seen: SeenNode, lobe: f32) -> bool {
+    let mirrored = vec3(-point.wo.xy, point.wo.z);
+    return is_too_wide(lobe, mirrored, seen.wi, seen.cone.radius, brightness[seen.node]);
+}
+
+// A node or the first of its halves, and halves of these, that the BRDF needs no finer.
+fn first_fine(point: SurfacePoint, whole: SeenNode, lobe: f32) -> SeenNode {
+    let leaves = 1u << tree_height();
+    var part = whole;
+    while part.node < leaves
+        && (is_too_wide_for_a_cosine(part.wi, part.cone.radius) || shows_in_lobe(point, part, lobe)) {
+        part = seen_from(point, 2u * part.node);
+    }
+    return part;
+}
+
+// Light that reaches the eye from a node, for leaves of a solid angle of 1.
+fn reflected_light(point: SurfacePoint, seen: SeenNode, visibility: f32) -> vec3<f32> {
+    let light = received_light(point, seen.cone.direction, seen.wi, select(0.0, seen.cone.inv_kappa, REFINE));
+    let weight = visibility * node_size(seen.node);
+    return reflection_of(point.brdf, light, point.wo) * weight * nodes[seen.node].radiance;
 }

@@ -8,8 +8,7 @@
 //! the merge goes on in the stored nodes, which each node knows.
 
 use super::{
-    merge::Cursor,
-    packed::{PackedCuts, VALUE_MAX, depth, quantize, value},
+    packed::{PackedCuts, PackedNode, VALUE_MAX, depth, quantize, value},
     solid_angles::{solid_angle_code, solid_angles},
 };
 use rayon::prelude::*;
@@ -50,27 +49,19 @@ impl CutValues {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LitNode(u32);
 
-impl LitNode {
-    /// The packed node.
+impl PackedNode for LitNode {
     #[inline(always)]
-    pub fn packed(self) -> u16 {
+    fn packed(self) -> u16 {
         self.0 as u16
     }
+}
 
+impl LitNode {
     /// Position in the vertex's stored cut of the first node below it.
     #[inline(always)]
     pub fn stored(self) -> usize {
         (self.0 >> 16) as usize
     }
-}
-
-/// The lit cut of one vertex.
-#[derive(Clone, Debug, Default)]
-pub struct LitCut {
-    /// Its nodes, left to right.
-    pub nodes: Box<[LitNode]>,
-    /// The vertex's whole light: the sum over its nodes of luminance times leaves times value.
-    pub light: f32,
 }
 
 /// A node in the making.
@@ -108,7 +99,7 @@ pub struct LitCuts {
     light: Vec<f32>,
     tau: f32,
     /// One a vertex, once their number is known.
-    cuts: OnceLock<Vec<OnceLock<LitCut>>>,
+    cuts: OnceLock<Vec<OnceLock<Box<[LitNode]>>>>,
 }
 
 impl LitCuts {
@@ -130,9 +121,9 @@ impl LitCuts {
         if tau == self.tau { self } else { Self { tau, cuts: OnceLock::new(), ..self } }
     }
 
-    /// The lit cut of one of the vertices of `stored`, which must always be the same cuts.
+    /// The lit cut, left to right, of one of the vertices of `stored`, which must always be the same cuts.
     #[inline(always)]
-    pub fn of(&self, stored: &PackedCuts, vertex: u32) -> &LitCut {
+    pub fn of(&self, stored: &PackedCuts, vertex: u32) -> &[LitNode] {
         let cuts = self.cuts.get_or_init(|| std::iter::repeat_with(OnceLock::new).take(stored.len()).collect());
         cuts[vertex as usize].get_or_init(|| self.cut(stored.nodes_from(vertex)))
     }
@@ -149,7 +140,7 @@ impl LitCuts {
     }
 
     /// The lit cut of the stored cut that begins `nodes`.
-    pub fn cut(&self, nodes: &[u16]) -> LitCut {
+    pub fn cut(&self, nodes: &[u16]) -> Box<[LitNode]> {
         let whole: f32 = self.parts(nodes).map(|part| part.light * part.value).sum();
         let mut parts: Vec<Part> = Vec::with_capacity(64);
         let mut end = 0;
@@ -163,7 +154,7 @@ impl LitCuts {
             }
         }
         let pack = |p: &Part| LitNode((p.stored as u32) << 16 | p.depth << 12 | u32::from(p.code));
-        LitCut { nodes: parts.iter().map(pack).collect(), light: whole }
+        parts.iter().map(pack).collect()
     }
 
     /// The nodes of the stored cut that begins `nodes`.
@@ -190,54 +181,6 @@ impl LitCuts {
         }
         let joined = Part::joined(self.values, left, right);
         (joined.moved <= self.tau * whole).then_some(joined)
-    }
-}
-
-/// A position in a lit cut that moves left to right.
-#[derive(Clone, Copy, Debug)]
-pub struct LitCursor<'a> {
-    nodes: &'a [LitNode],
-    height: u32,
-    position: usize,
-    end: u32,
-}
-
-impl<'a> LitCursor<'a> {
-    /// At the first of `nodes` over a tree of `height`.
-    #[inline(always)]
-    pub fn new(height: u32, nodes: &'a [LitNode]) -> Self {
-        Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0].packed())) }
-    }
-
-    /// The current node.
-    #[inline(always)]
-    pub fn node(&self) -> LitNode {
-        self.nodes[self.position]
-    }
-
-    /// The current node's stored value, 0 to [`VALUE_MAX`].
-    #[inline(always)]
-    pub fn code(&self) -> u16 {
-        self.node().packed() & VALUE_MAX
-    }
-
-    /// Leaves below the current node.
-    #[inline(always)]
-    pub fn size(&self) -> u32 {
-        1 << (self.height - depth(self.node().packed()))
-    }
-}
-
-impl Cursor for LitCursor<'_> {
-    #[inline(always)]
-    fn end(&self) -> u32 {
-        self.end
-    }
-
-    #[inline(always)]
-    fn advance(&mut self) {
-        self.position += 1;
-        self.end += self.size();
     }
 }
 

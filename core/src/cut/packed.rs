@@ -48,20 +48,33 @@ pub fn cut_len(height: u32, nodes: &[u16]) -> Result<usize, CutError> {
     validate_depths(height, nodes.iter().map(|&n| depth(n)))
 }
 
+/// A node that holds a packed one, and maybe more.
+pub trait PackedNode: Copy {
+    /// Depth and value.
+    fn packed(self) -> u16;
+}
+
+impl PackedNode for u16 {
+    #[inline(always)]
+    fn packed(self) -> u16 {
+        self
+    }
+}
+
 /// A position in a packed cut.
 #[derive(Clone, Copy, Debug)]
-pub struct PackedCursor<'a> {
-    nodes: &'a [u16],
+pub struct PackedCursor<'a, N = u16> {
+    nodes: &'a [N],
     height: u32,
     position: usize,
     end: u32,
 }
 
-impl<'a> PackedCursor<'a> {
+impl<'a, N: PackedNode> PackedCursor<'a, N> {
     /// At the first of `nodes`, which begin with a valid cut of a tree of `height`.
     #[inline(always)]
-    pub fn new(height: u32, nodes: &'a [u16]) -> Self {
-        Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0])) }
+    pub fn new(height: u32, nodes: &'a [N]) -> Self {
+        Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0].packed())) }
     }
 
     /// Goes on to the node that contains `leaf`. The node at `position` begins at leaf `first`, at or before it; no step
@@ -69,27 +82,46 @@ impl<'a> PackedCursor<'a> {
     #[inline(always)]
     pub fn seek(&mut self, position: usize, first: u32, leaf: u32) {
         if position > self.position {
-            (self.position, self.end) = (position, first + (1 << (self.height - depth(self.nodes[position]))));
+            self.position = position;
+            self.end = first + self.size();
         }
         while self.end <= leaf {
             self.advance();
         }
     }
 
+    /// The current node.
+    #[inline(always)]
+    pub fn node(&self) -> N {
+        self.nodes[self.position]
+    }
+
     /// Value of the current node.
     #[inline(always)]
     pub fn value(&self) -> f32 {
-        value(self.nodes[self.position])
+        value(self.node().packed())
     }
 
     /// The current node's stored value, 0 to [`VALUE_MAX`].
     #[inline(always)]
     pub fn stored_value(&self) -> u16 {
-        self.nodes[self.position] & VALUE_MAX
+        self.node().packed() & VALUE_MAX
+    }
+
+    /// Leaves below the current node.
+    #[inline(always)]
+    fn size(&self) -> u32 {
+        1 << (self.height - depth(self.node().packed()))
+    }
+
+    /// First leaf of the current node.
+    #[inline(always)]
+    pub fn first(&self) -> u32 {
+        self.end - self.size()
     }
 }
 
-impl Cursor for PackedCursor<'_> {
+impl<N: PackedNode> Cursor for PackedCursor<'_, N> {
     #[inline(always)]
     fn end(&self) -> u32 {
         self.end
@@ -98,7 +130,7 @@ impl Cursor for PackedCursor<'_> {
     #[inline(always)]
     fn advance(&mut self) {
         self.position += 1;
-        self.end += 1 << (self.height - depth(self.nodes[self.position]));
+        self.end += self.size();
     }
 }
 

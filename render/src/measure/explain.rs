@@ -219,7 +219,7 @@ impl FieldJob for Explain<'_> {
             position: self.point.corners[i],
             weight: self.point.weights[i],
             cut_nodes: self.cuts.cut(field.height(), self.point.vertices[i]).len(),
-            lit_nodes: is_lit.then(|| field.lit_cuts().of(self.cuts, self.point.vertices[i]).nodes.len()),
+            lit_nodes: is_lit.then(|| field.lit_cuts().of(self.cuts, self.point.vertices[i]).len()),
         };
         PixelExplanation {
             pixel: self.pixel,

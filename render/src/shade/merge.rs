@@ -16,8 +16,7 @@ use glam::{Mat3, Vec3};
 use lapidary_core::{
     brdf::{Brdf, SurfaceBrdf},
     cut::{
-        lit::LitCursor,
-        merge::{Cursor, Interval, merge, merge_within},
+        merge::{Interval, merge, merge_within},
         packed::{PackedCursor, PackedCuts},
     },
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
@@ -325,7 +324,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     #[inline(always)]
     fn lit(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
         let lit = self.field.lit_cuts();
-        let mut cursors = self.point.vertices.map(|v| LitCursor::new(self.height, &lit.of(self.cuts, v).nodes));
+        let mut cursors = self.point.vertices.map(|v| PackedCursor::new(self.height, lit.of(self.cuts, v)));
         let (mut stored, mut count) = (self.stored_cursors(), 0);
         merge(
             self.leaves(),
@@ -333,13 +332,13 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
             #[inline(always)]
             |interval, cursors| {
                 count += 1;
-                let visibility = self.interpolated(|i| cursors[i].code());
+                let visibility = self.interpolated(|i| cursors[i].stored_value());
                 let node = interval.heap_index(self.leaves());
                 if !(visibility > 0.0) {
                     dark(interval);
                 } else if self.shows_in_lobe(node) {
                     for (stored, cursor) in stored.iter_mut().zip(cursors) {
-                        stored.seek(cursor.node().stored(), cursor.end() - cursor.size(), interval.first);
+                        stored.seek(cursor.node().stored(), cursor.first(), interval.first);
                     }
                     count += self.below(interval, &mut stored, terms, &mut dark) - 1;
                 } else {
