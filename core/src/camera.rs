@@ -80,6 +80,7 @@ pub struct Lens {
 
 impl Lens {
     /// As [`Camera::direction_through`].
+    #[inline]
     pub fn direction_through(&self, pixel: Vec2) -> Vec3 {
         let ndc = (2.0 * pixel - self.size) / self.size.y;
         let tan = self.tan_half_fov;

@@ -6,6 +6,7 @@ use glam::Vec3;
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// Luminance of a scene-linear Rec. 709 colour.
+#[inline]
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(LUMINANCE)
 }

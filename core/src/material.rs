@@ -52,6 +52,7 @@ impl Default for BrdfParameters {
 
 impl BrdfParameters {
     /// Clamps every parameter into its range; NaN becomes the default.
+    #[inline]
     pub fn sanitized(self) -> Self {
         let fallback = Self::default();
         let clamp = |x: f32, low: f32, high: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };

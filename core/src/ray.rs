@@ -1,15 +1,17 @@
-//! Ray casting against a triangle mesh: closest hits one by one, and occlusion of whole direction sets from one origin
-//! (`ray::batch`), the inner loop of every bake.
+//! Ray casting against a triangle mesh: closest hits one by one or, from one origin, eight at a time (`ray::closest`), and
+//! occlusion of whole direction sets from one origin (`ray::batch`), the inner loop of every bake.
 //!
-//! Both use one predicate (`ray::triangle`), so that a batch gives bit for bit the results of its single rays.
+//! All use one predicate (`ray::triangle`), so that a batch gives bit for bit the results of its single rays.
 
 mod batch;
+mod closest;
 mod directions;
 mod leaves;
 pub mod offset;
 mod segments;
 mod triangle;
 
+pub use closest::SeenFrom;
 pub use directions::DirectionSet;
 pub use segments::SegmentBatch;
 
@@ -17,6 +19,7 @@ use crate::{
     scene::Mesh,
     surfel::{MeshPlace, Surfel},
 };
+use closest::is_nearer;
 use glam::{Vec2, Vec3, Vec3A};
 use leaves::LeafBlocks;
 use obvhs::{
@@ -25,7 +28,6 @@ use obvhs::{
     ray::Ray,
     triangle::Triangle,
 };
-use rayon::prelude::*;
 use triangle::TriangleFrom;
 
 /// Where a ray first meets the mesh.
@@ -39,13 +41,6 @@ pub struct Hit {
     pub barycentric: Vec2,
     /// Whether the ray met the back of the triangle.
     pub back_face: bool,
-}
-
-/// The triangles of an [`Intersector`] as seen from one origin: what all rays from there compute anew otherwise.
-pub struct SeenFrom {
-    origin: Vec3,
-    /// In the order of the leaves.
-    triangles: Vec<TriangleFrom>,
 }
 
 /// Leaves are large because batches test eight triangles at a time. On the armadillo scene 16 triangles at a traversal
@@ -87,17 +82,6 @@ impl Intersector {
         Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
     }
 
-    /// All triangles as seen from `origin`, for many rays from there.
-    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
-        SeenFrom { origin, triangles: self.leaf_triangles.par_iter().map(|&t| TriangleFrom::new(origin, t)).collect() }
-    }
-
-    /// [`Self::closest_hit`] of a ray from an origin for which this mesh was prepared.
-    pub fn closest_hit_from(&self, seen: &SeenFrom, direction: Vec3) -> Option<Hit> {
-        let (leaf, hit) = self.closest(seen.origin, direction, f32::INFINITY, |leaf| seen.triangles[leaf])?;
-        Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
-    }
-
     /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
         let (leaf, hit) = self.closest_leaf(origin, direction, distance)?;
@@ -112,25 +96,18 @@ impl Intersector {
 
     /// The first leaf triangle along a ray before `distance`.
     fn closest_leaf(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<(usize, Hit)> {
-        self.closest(origin, direction, distance, |leaf| TriangleFrom::new(origin, self.leaf_triangles[leaf]))
-    }
-
-    fn closest(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        distance: f32,
-        triangle: impl Fn(usize) -> TriangleFrom,
-    ) -> Option<(usize, Hit)> {
         let mut closest = None;
         let mut leaf_hit = obvhs::ray::RayHit::none();
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        self.bvh.ray_traverse(ray, &mut leaf_hit, |ray, leaf| match triangle(leaf).hit(direction) {
-            Some(hit) if hit.distance < ray.tmax => {
-                closest = Some((leaf, hit));
-                hit.distance
+        self.bvh.ray_traverse(ray, &mut leaf_hit, |ray, leaf| {
+            let known = (ray.tmax, closest.map(|(leaf, _): (usize, Hit)| self.leaf_ids[leaf]));
+            match TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction) {
+                Some(hit) if is_nearer((hit.distance, self.leaf_ids[leaf]), known) => {
+                    closest = Some((leaf, hit));
+                    hit.distance
+                }
+                _ => f32::INFINITY,
             }
-            _ => f32::INFINITY,
         });
         closest
     }

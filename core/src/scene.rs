@@ -212,11 +212,13 @@ impl Mesh {
     }
 
     /// The three corners of a triangle in metres.
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|v| self.positions[v as usize])
     }
 
     /// Cross product of two edges: normal direction, twice the area long.
+    #[inline]
     pub fn area_vector(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a)

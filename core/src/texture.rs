@@ -88,8 +88,10 @@ impl TextureSlot {
     }
 
     /// Texture coordinates after this slot's transform.
+    #[inline]
     pub fn transform(&self, uv: Vec2) -> Vec2 {
-        let (sin, cos) = self.rotation.sin_cos();
+        // Hardly any texture is turned, and the functions of the angle cost more than the lookup.
+        let (sin, cos) = if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() };
         let s = uv * self.scale;
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
     }
@@ -149,7 +151,11 @@ impl Texture {
     /// The texel at integer coordinates, repeated outside the image, in linear values.
     pub fn texel(&self, x: i64, y: i64, color_space: ColorSpace) -> Vec4 {
         let [w, h] = self.size.map(i64::from);
-        let index = (y.rem_euclid(h) * w + x.rem_euclid(w)) as usize;
+        self.texel_at((y.rem_euclid(h) * w + x.rem_euclid(w)) as usize, color_space)
+    }
+
+    #[inline]
+    fn texel_at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
         match (&self.texels, color_space) {
             (Texels::F32(t), _) => Vec4::from_array(t[index]),
             (Texels::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
@@ -165,9 +171,23 @@ impl Texture {
     pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
         let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;
         let (base, f) = (p.floor(), p - p.floor());
-        let (x, y) = (base.x as i64, base.y as i64);
-        let top = self.texel(x, y, color_space).lerp(self.texel(x + 1, y, color_space), f.x);
-        let bottom = self.texel(x, y + 1, color_space).lerp(self.texel(x + 1, y + 1, color_space), f.x);
+        // From the texel before the first, which is the last, to the last.
+        let [(left, right), (above, below)] = [(base.x, self.size[0]), (base.y, self.size[1])].map(|(first, size)| {
+            let wrapped = |i: i64| {
+                if i < 0 {
+                    i64::from(size) - 1
+                } else if i >= i64::from(size) {
+                    0
+                } else {
+                    i
+                }
+            };
+            (wrapped(first as i64) as usize, wrapped(first as i64 + 1) as usize)
+        });
+        let width = self.size[0] as usize;
+        let texel = |x: usize, y: usize| self.texel_at(y * width + x, color_space);
+        let top = texel(left, above).lerp(texel(right, above), f.x);
+        let bottom = texel(left, below).lerp(texel(right, below), f.x);
         top.lerp(bottom, f.y)
     }
 

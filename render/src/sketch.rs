@@ -129,23 +129,29 @@ impl Guide {
         albedo.max(Vec3::splat(LEAST_ALBEDO))
     }
 
-    /// How well the light at `other` tells of that here, 0 to 1. `reach` is the lattice's distance in metres here.
-    ///
-    /// It is exactly zero on another material, on a plane more than `reach` away, and where the normals differ by more than
-    /// 60 degrees: light does not bleed over edges. The ratio of the albedos limits the error of light that does not come
-    /// by the albedo, as gloss over a dark texture.
+    /// How well the light at `other` tells of that here, 0 to 1: see [`Self::fit_surface`]. The ratio of the albedos limits the
+    /// error of light that does not come by the albedo, as gloss over a dark texture.
     pub fn fit(&self, other: &Self, reach: f32) -> f32 {
-        if self.material != other.material {
-            return 0.0;
-        }
-        let apart = self.smooth_normal.dot(other.position - self.position).abs();
-        let plane = 1.0 - apart / reach;
-        let turned = 2.0 * self.normal.dot(other.normal) - 1.0;
-        if !(plane > 0.0 && turned > 0.0) {
+        let surface = self.fit_surface(other.material, other.position, other.normal, reach);
+        if surface == 0.0 {
             return 0.0;
         }
         let (a, b) = (luminance(self.albedo), luminance(other.albedo));
-        plane * turned * (a.min(b) / a.max(b))
+        surface * (a.min(b) / a.max(b))
+    }
+
+    /// How well a place on a surface tells of the light here, 0 to 1. `reach` is the distance of a lattice's points in metres.
+    ///
+    /// It is exactly zero on another material, on a plane more than `reach` away, and where the normals differ by more than
+    /// 60 degrees: light does not bleed over edges.
+    pub fn fit_surface(&self, material: u32, position: Vec3, normal: Vec3, reach: f32) -> f32 {
+        if self.material != material {
+            return 0.0;
+        }
+        let apart = self.smooth_normal.dot(position - self.position).abs();
+        let plane = 1.0 - apart / reach;
+        let turned = 2.0 * self.normal.dot(normal) - 1.0;
+        if plane > 0.0 && turned > 0.0 { plane * turned } else { 0.0 }
     }
 }
 

@@ -368,7 +368,7 @@ impl Renderer {
         let sampler = PixelSampler::new(self, view, &backdrop);
         let light = PictureLight { environment: Some(lighting), ..Default::default() };
         let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
-        let mut picture = Picture::new(view.size, light.parts(view.mode));
+        let mut picture = Picture::new(view.size, light.parts(view.mode), None);
         for sample in 0..view.aa.max(1) {
             picture.add_rows(&sampler, painter, None, sample, 0..view.size[1]);
         }

@@ -121,6 +121,7 @@ impl Reflectance {
 
     /// Albedo of a GGX lobe of width `alpha` for light from the normal, without light lost to shadowing and masking.
     /// The rational function is within 0.005 of the integral over all `alpha`.
+    #[inline]
     pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
         let [second, third, fourth] = LOBE_LOSS;
         self.f0 / (1.0 + alpha * alpha * (second + third * alpha + fourth * alpha * alpha))

@@ -127,7 +127,7 @@ fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
 }
 
 /// One over each component, kept finite so that zero times it is zero.
-fn inverse(v: Vec3) -> Vec3 {
+pub(super) fn inverse(v: Vec3) -> Vec3 {
     Vec3::from_array(v.to_array().map(|c| 1.0 / if c.abs() < 1e-18 { 1e-18_f32.copysign(c) } else { c }))
 }
 

@@ -1,9 +1,8 @@
 //! Leaf triangles eight at a time, and their edge planes from an origin.
 
-use crate::simd::Vec3x8;
+use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
-use wide::f32x8;
 
 /// Triangles of all leaves in blocks of eight; a leaf starts a block of its own.
 pub(super) struct LeafBlocks {
@@ -36,23 +35,24 @@ impl LeafBlocks {
 }
 
 /// [`super::TriangleFrom`] for eight triangles, by the same arithmetic.
-pub(super) struct BlockFrom {
-    edges: [Vec3x8; 3],
+pub(super) struct BlockFrom<L> {
+    edges: [Vec3x8<L>; 3],
     /// Normals on the side away from the origin (not unit), and their dot product with a corner seen from there.
-    plane: (Vec3x8, f32x8),
+    plane: (Vec3x8<L>, L),
     /// Triangles that a ray from the origin can cross at all.
     crossable: u32,
 }
 
-impl BlockFrom {
+impl<L: Lanes> BlockFrom<L> {
     #[inline(always)]
     pub fn new(origin: Vec3, corners: &[Vec3x8; 3]) -> Self {
-        let o = Vec3x8::splat(origin);
-        let [a, b, c] = corners.map(|p| p - o);
-        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let o: Vec3x8<L> = Vec3x8::splat(origin);
+        let [p, q, r] = [Vec3x8::load(&corners[0]), Vec3x8::load(&corners[1]), Vec3x8::load(&corners[2])];
+        let (a, b, c) = (p - o, q - o, r - o);
+        let normal = (q - p).cross(r - p);
         let side = a.dot(normal);
-        let sign = side.simd_lt(f32x8::ZERO).select(-f32x8::ONE, f32x8::ONE);
-        let crossable = side.simd_ne(f32x8::ZERO).to_bitmask();
+        let sign = side.simd_lt(L::splat(0.0)).select(L::splat(-1.0), L::splat(1.0));
+        let crossable = side.simd_ne(L::splat(0.0)).to_bitmask();
         Self {
             edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign],
             plane: (normal * sign, side.abs()),
@@ -64,23 +64,29 @@ impl BlockFrom {
     ///
     /// A cone lies wholly outside an edge plane if its axis is farther outside than its half-angle.
     #[inline(always)]
-    pub fn near_cone(&self, axis: Vec3x8, sin_sq: f32x8) -> u32 {
-        let outside = |e: &Vec3x8| {
-            let d = e.dot(axis);
-            d.simd_lt(f32x8::ZERO) & (d * d).simd_gt(sin_sq * e.dot(*e))
-        };
-        self.crossable & !(outside(&self.edges[0]) | outside(&self.edges[1]) | outside(&self.edges[2])).to_bitmask()
+    pub fn near_cone(&self, axis: Vec3x8<L>, sin_sq: L) -> u32 {
+        let [a, b, c] = self.edges;
+        let outside = is_outside(a, axis, sin_sq) | is_outside(b, axis, sin_sq) | is_outside(c, axis, sin_sq);
+        self.crossable & !outside.to_bitmask()
     }
 
     /// The plane of one triangle, eight times: a segment `s` from the origin passes it if `normal · s` exceeds the distance.
     #[inline(always)]
-    pub fn plane_of(&self, lane: usize) -> (Vec3x8, f32x8) {
-        (Vec3x8::splat(self.plane.0.lane(lane)), f32x8::splat(self.plane.1.to_array()[lane]))
+    pub fn plane_of(&self, lane: usize) -> (Vec3x8<L>, L) {
+        (Vec3x8::splat(self.plane.0.lane(lane)), L::splat(self.plane.1.to_array()[lane]))
     }
 
     /// The edge planes of one triangle, eight times each.
     #[inline(always)]
-    pub fn edges_of(&self, lane: usize) -> [Vec3x8; 3] {
-        self.edges.map(|e| Vec3x8::splat(e.lane(lane)))
+    pub fn edges_of(&self, lane: usize) -> [Vec3x8<L>; 3] {
+        let [a, b, c] = &self.edges;
+        [Vec3x8::splat(a.lane(lane)), Vec3x8::splat(b.lane(lane)), Vec3x8::splat(c.lane(lane))]
     }
+}
+
+/// Masks the edge planes that have the whole cone on their outer side.
+#[inline(always)]
+fn is_outside<L: Lanes>(edge: Vec3x8<L>, axis: Vec3x8<L>, sin_sq: L) -> L {
+    let d = edge.dot(axis);
+    d.simd_lt(L::splat(0.0)) & (d * d).simd_gt(sin_sq * edge.dot(edge))
 }

@@ -7,9 +7,10 @@
 
 use super::{
     Intersector,
-    batch::{Active, trace_segments},
+    batch::{Active, Walk},
     directions::{GROUP, GROUPS, PACKET, Packet},
 };
+use crate::simd::InstructionSet;
 use glam::Vec3;
 
 /// Cells along each side of the square that the sphere of directions is unfolded to; a power of two.
@@ -45,13 +46,14 @@ impl SegmentBatch {
         self.directions.clear();
         self.directions.extend(self.segments.iter().map(|s| s.normalize_or(Vec3::Y)));
         self.sort_by_direction();
+        let set = InstructionSet::widest();
         for members in self.order.chunks(PACKET) {
             let packet = Packet::of_segments(members, &self.segments, &self.directions);
             let active: Active = std::array::from_fn(|g| {
                 let used = packet.count.saturating_sub(g * GROUP).min(GROUP);
                 ((1_u32 << used) - 1) as u8
             });
-            let open = trace_segments(scene, &packet, origin, active, &mut self.stack);
+            let open = set.run(Walk::<true> { scene, packet: &packet, origin, active, stack: &mut self.stack });
             for (i, &member) in members.iter().enumerate() {
                 if open[i / GROUP] >> (i % GROUP) & 1 == 0 {
                     hidden(wanted[member as usize]);

@@ -1,7 +1,7 @@
 //! Batches, single rays and brute force agree to the bit; closest hits agree with plain geometry.
 
 use super::*;
-use crate::sphere::fibonacci_directions;
+use crate::{simd::InstructionSet, sphere::fibonacci_directions};
 
 /// Triangles of many sizes around the origin.
 fn soup(seed: u64, count: usize) -> Mesh {
@@ -41,21 +41,58 @@ fn batches_single_rays_and_brute_force_agree_to_the_bit() {
     }
 }
 
+/// Each triangle twice, so that of most hits there are two at the same distance.
+fn doubled(mut mesh: Mesh) -> Mesh {
+    mesh.triangles.extend(mesh.triangles.clone());
+    mesh
+}
+
 #[test]
-fn hits_from_a_prepared_origin_are_those_of_single_rays() {
-    let scene = Intersector::new(&soup(5, 700));
-    for origin in [Vec3::ZERO, Vec3::new(0.0, 9.0, 0.0)] {
-        let seen = scene.seen_from(origin);
-        let other = scene.seen_from(origin + 0.5);
-        let (mut hits, mut others) = (0, 0);
-        for d in fibonacci_directions(2000) {
-            let hit = scene.closest_hit(origin, d);
-            assert_eq!(scene.closest_hit_from(&seen, d), hit);
-            hits += usize::from(hit.is_some());
-            others += usize::from(scene.closest_hit_from(&other, d) != hit);
+fn eight_hits_at_a_time_are_those_of_single_rays() {
+    let directions = fibonacci_directions(2000);
+    // The directions of a spiral lie far apart; those of its start lie side by side.
+    let eights: Vec<[Vec3; 8]> = directions.as_chunks().0.to_vec();
+    for mesh in [soup(5, 700), doubled(soup(6, 300)), Mesh::default()] {
+        let scene = Intersector::new(&mesh);
+        for origin in [Vec3::ZERO, Vec3::new(0.0, 9.0, 0.0)] {
+            let hits = scene.closest_hits_from(&scene.seen_from(origin), &eights);
+            let single = |&d: &Vec3| scene.closest_hit(origin, d);
+            let expected: Vec<_> = directions.iter().map(single).collect();
+            assert_eq!(hits.as_flattened(), expected);
+            let met = expected.iter().flatten().count();
+            assert!(mesh.triangles.is_empty() || met > 10, "{met}");
+            let elsewhere = scene.closest_hits_from(&scene.seen_from(origin + 0.5), &eights);
+            assert!(elsewhere != hits || met == 0, "negative control: another origin");
         }
-        assert!(hits > 10 && others > 0, "negative control: {hits}, {others}");
     }
+}
+
+#[test]
+fn of_triangles_at_the_same_distance_the_first_is_met() {
+    let mesh = doubled(soup(6, 300));
+    let scene = Intersector::new(&mesh);
+    let hits: Vec<Hit> =
+        fibonacci_directions(500).into_iter().filter_map(|d| scene.closest_hit(Vec3::ZERO, d)).collect();
+    let second = hits.iter().filter(|hit| hit.triangle >= 300).count();
+    assert!(hits.len() > 50 && second == 0, "{second} of {}", hits.len());
+}
+
+#[test]
+fn batches_give_the_same_bits_in_all_instruction_sets() {
+    use super::{batch::Walk, directions::GROUPS};
+    let scene = Intersector::new(&soup(2, 400));
+    let set = DirectionSet::new(&fibonacci_directions(1000));
+    let traced = |instructions: InstructionSet| -> Vec<[u8; GROUPS]> {
+        let mut stack = Vec::new();
+        let mut trace = |packet| {
+            let active = [u8::MAX; GROUPS];
+            instructions.run(Walk::<false> { scene: &scene, packet, origin: Vec3::ZERO, active, stack: &mut stack })
+        };
+        set.packets.iter().map(&mut trace).collect()
+    };
+    let portable = traced(InstructionSet::PORTABLE);
+    assert!(portable.iter().flatten().any(|&open| open != 0 && open != u8::MAX), "a scene that tells them apart");
+    InstructionSet::available().for_each(|set| assert_eq!(traced(set), portable, "{set:?}"));
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub(super) struct TriangleFrom {
     /// Normals of the planes through the origin and each edge, pointing inward; `edges[i]` is opposite corner `i`.
     pub edges: [Vec3; 3],
     /// Face normal (not unit) and the first corner, relative to the origin.
-    normal: Vec3,
+    pub normal: Vec3,
     corner: Vec3,
     /// Twice the signed distance to the triangle's plane times its area; positive if the back is seen.
     pub side: f32,
@@ -44,14 +44,21 @@ impl TriangleFrom {
         dot(self.normal * sign, segment) > self.side.abs() && self.crosses(segment)
     }
 
+    /// Signed distance of the triangle's plane from the origin, times the length of the normal.
+    #[inline(always)]
+    pub fn plane_distance(&self) -> f32 {
+        self.corner.dot(self.normal)
+    }
+
     /// Distance and barycentric weights of the hit, if any; the triangle index is left at 0.
+    #[inline]
     pub fn hit(&self, direction: Vec3) -> Option<Hit> {
         if !self.crosses(direction) {
             return None;
         }
         let weights = Vec3::from_array(self.edges.map(|e| dot(e, direction)));
         let sum = weights.element_sum();
-        let distance = self.corner.dot(self.normal) / direction.dot(self.normal);
+        let distance = self.plane_distance() / direction.dot(self.normal);
         (sum > 0.0 && distance > 0.0).then(|| Hit {
             triangle: 0,
             distance,

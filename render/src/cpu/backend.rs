@@ -74,6 +74,14 @@ impl Begun {
         self.view.mode != ViewMode::Shaded && stale.any()
     }
 
+    /// Whether a picture of another camera or size shows the same surfaces in the same light.
+    fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale, local: &LocalLighting) -> bool {
+        let View { camera, size, aa, .. } = self.view.clone();
+        let is_moved = View { camera, size, aa, ..view.clone() } == self.view && self.sampling == sampling;
+        let lights = || self.lights.clone().update(local.shown_lights().unwrap_or_default(), false);
+        view.mode == ViewMode::Shaded && is_moved && !stale.any() && lights() == DirectStep::Keep
+    }
+
     /// Drops what edits have changed.
     fn forget(&mut self, stale: &Stale, step: DirectStep) {
         let picture = &mut self.picture;
@@ -190,7 +198,10 @@ impl Backend for CpuBackend {
 
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
         let keeps = |begun: &Begun| (&begun.view, begun.sampling) == (view, sampling) && !begun.is_lost(stale);
-        let kept = self.begun.take().filter(keeps);
+        let (kept, last) = match self.begun.take() {
+            Some(begun) if keeps(&begun) => (Some(begun), None),
+            begun => (None, begun.filter(|begun| begun.is_of_same_light(view, sampling, stale, &self.local))),
+        };
         let light = self.shown_environment().map(|(light, _)| light.clone());
         let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
@@ -198,8 +209,9 @@ impl Backend for CpuBackend {
         let step = lights.update(self.local.shown_lights().unwrap_or_default(), complete);
         let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
         let parts = shown.parts(view.mode);
+        self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));
         let picture = match kept {
-            None => Picture::new(view.size, parts),
+            None => Picture::new(view.size, parts, last.map(|begun| begun.picture)),
             Some(mut begun) => {
                 begun.forget(stale, step);
                 begun.picture.resume(parts);
@@ -207,7 +219,6 @@ impl Backend for CpuBackend {
             }
         };
         self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture, lights, complete: 0 });
-        self.sketch.begin(&view.camera, view.size);
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 
 use crate::{
     backend::{PictureStats, ShadedSamples},
-    cpu::{display::display_pixel, sketch::Filled},
+    cpu::display::display_pixel,
     light::direct::pixel_shift,
     post::Post,
     shade::{
@@ -47,6 +47,7 @@ pub(super) struct Sum {
 }
 
 /// A picture in the making.
+#[derive(Default)]
 pub(crate) struct Picture {
     size: [u32; 2],
     seen: Vec<Seen>,
@@ -55,7 +56,41 @@ pub(crate) struct Picture {
     /// Samples of surfaces that were shaded, by part, since the picture was begun or resumed.
     shaded: [u64; Part::COUNT],
     /// Stand-ins for pixels that lack their first sample; empty but for a sketch.
-    filled: Vec<Filled>,
+    filled: Filled,
+}
+
+/// Stand-ins for pixels that lack their first sample.
+#[derive(Default)]
+pub(super) struct Filled {
+    /// Radiance, or the quantity of the view's mode, by [`Part`]; empty where the light has no such part.
+    pub values: [Vec<Vec3>; Part::COUNT],
+    /// Coverage by the lines of a wireframe; empty without one.
+    wire: Vec<f32>,
+}
+
+/// The stand-ins of a row.
+pub(super) struct FilledRow<'f> {
+    pub y: u32,
+    /// By [`Part`].
+    pub values: [&'f mut [Vec3]; Part::COUNT],
+    /// Empty without a wireframe.
+    pub wire: &'f mut [f32],
+}
+
+impl Filled {
+    /// The rows of a picture of some width.
+    pub fn rows(&mut self, width: u32) -> Vec<FilledRow<'_>> {
+        let width = width.max(1) as usize;
+        let count = self.values[Part::Environment as usize].len().div_ceil(width) as u32;
+        let mut values = self.values.each_mut().map(|values| values.chunks_mut(width));
+        let mut wire = self.wire.chunks_mut(width);
+        let mut row = |y| FilledRow {
+            y,
+            values: values.each_mut().map(|rows| rows.next().unwrap_or_default()),
+            wire: wire.next().unwrap_or_default(),
+        };
+        (0..count).map(&mut row).collect()
+    }
 }
 
 /// The first sample of a pixel, as far as the picture lacks it.
@@ -67,10 +102,6 @@ pub(super) struct FirstSample {
     shows_surface: bool,
 }
 
-/// The parts of a pixel's light that lack their first sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Lacking([bool; Part::COUNT]);
-
 /// The pixels of a row.
 struct Row<'p> {
     y: u32,
@@ -79,10 +110,13 @@ struct Row<'p> {
 }
 
 impl Picture {
-    /// Without samples, of a light with these parts.
-    pub fn new(size: [u32; 2], parts: [bool; Part::COUNT]) -> Self {
-        let seen = vec![Seen::default(); size[0] as usize * size[1] as usize];
-        let mut picture = Self { size, seen, parts: Default::default(), shaded: [0; Part::COUNT], filled: Vec::new() };
+    /// Without samples, of a light with these parts. The room of a former picture is used again.
+    pub fn new(size: [u32; 2], parts: [bool; Part::COUNT], former: Option<Self>) -> Self {
+        let mut picture = former.unwrap_or_default();
+        picture.size = size;
+        picture.seen.clear();
+        picture.seen.resize(size[0] as usize * size[1] as usize, Seen::default());
+        picture.parts.iter_mut().for_each(Vec::clear);
         picture.resume(parts);
         picture
     }
@@ -91,10 +125,12 @@ impl Picture {
     pub fn resume(&mut self, parts: [bool; Part::COUNT]) {
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             sums.resize(if shown { self.seen.len() } else { 0 }, Sum::default());
-            sums.shrink_to_fit();
+            if !shown {
+                sums.shrink_to_fit();
+            }
         }
         self.shaded = [0; Part::COUNT];
-        self.filled.clear();
+        self.filled.values.iter_mut().for_each(Vec::clear);
     }
 
     /// Drops the samples of a part in some pixels.
@@ -149,40 +185,50 @@ impl Picture {
         y as usize * self.size[0] as usize + x as usize
     }
 
-    /// What a pixel lacks of its first sample; `None` if it lacks nothing.
-    pub(super) fn lacking(&self, x: u32, y: u32) -> Option<Lacking> {
-        self.lacking_at(self.index(x, y))
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
     }
 
-    fn lacking_at(&self, pixel: usize) -> Option<Lacking> {
-        let lacks = Part::ALL.map(|part| self.parts[part as usize].get(pixel).is_some_and(|sum| sum.samples == 0));
-        lacks.contains(&true).then_some(Lacking(lacks))
+    /// Whether the light has a part.
+    pub(super) fn has_part(&self, part: Part) -> bool {
+        !self.parts[part as usize].is_empty()
     }
 
-    /// The mean over a pixel's samples of what another pixel lacks; `None` beyond the picture, and if it lacks any of
-    /// that too.
-    pub(super) fn mean_of(&self, x: u32, y: u32, lacking: Lacking) -> Option<Vec3> {
+    /// Which parts of a pixel's light lack their first sample.
+    pub(super) fn lacks(&self, x: u32, y: u32) -> [bool; Part::COUNT] {
+        let pixel = self.index(x, y);
+        Part::ALL.map(|part| self.lacks_part(part, pixel))
+    }
+
+    fn lacks_part(&self, part: Part, pixel: usize) -> bool {
+        self.parts[part as usize].get(pixel).is_some_and(|sum| sum.samples == 0)
+    }
+
+    fn lacks_any(&self, pixel: usize) -> bool {
+        Part::ALL.into_iter().any(|part| self.lacks_part(part, pixel))
+    }
+
+    /// The mean of a part over a pixel's samples; `None` without one, and beyond the picture.
+    pub(super) fn value(&self, part: Part, x: u32, y: u32) -> Option<Vec3> {
         if x >= self.size[0] || y >= self.size[1] {
             return None;
         }
-        self.sum_of(self.index(x, y), |part| lacking.0[part as usize])
+        let sum = self.parts[part as usize].get(self.index(x, y))?;
+        (sum.samples > 0).then(|| sum.value / sum.samples as f32)
     }
 
-    /// The mean over a pixel's samples of what it does not lack.
-    pub(super) fn mean_of_rest(&self, x: u32, y: u32, lacking: Lacking) -> Vec3 {
-        self.sum_of(self.index(x, y), |part| !lacking.0[part as usize]).unwrap_or_default()
+    /// What a pixel shows of a part: the mean over its samples, or what stands in for it.
+    pub(super) fn shown(&self, part: Part, x: u32, y: u32) -> Vec3 {
+        self.shown_at(part, self.index(x, y))
     }
 
-    fn sum_of(&self, pixel: usize, wanted: impl Fn(Part) -> bool) -> Option<Vec3> {
-        let mut sum = Vec3::ZERO;
-        for part in Part::ALL.into_iter().filter(|&part| wanted(part)) {
-            let Some(part) = self.parts[part as usize].get(pixel) else { continue };
-            if part.samples == 0 {
-                return None;
-            }
-            sum += part.value / part.samples as f32;
+    fn shown_at(&self, part: Part, pixel: usize) -> Vec3 {
+        match self.parts[part as usize].get(pixel) {
+            None => Vec3::ZERO,
+            Some(sum) if sum.samples > 0 => sum.value / sum.samples as f32,
+            Some(_) => self.filled.values[part as usize].get(pixel).copied().unwrap_or_default(),
         }
-        Some(sum)
     }
 
     /// Adds first samples, and counts them.
@@ -200,21 +246,41 @@ impl Picture {
         }
     }
 
+    /// Room for stand-ins of all pixels, with what was there before.
+    pub(super) fn take_filled(&mut self, wireframe: bool) -> Filled {
+        let mut filled = std::mem::take(&mut self.filled);
+        for (values, sums) in filled.values.iter_mut().zip(&self.parts) {
+            values.resize(sums.len(), Vec3::ZERO);
+        }
+        filled.wire.resize(if wireframe { self.seen.len() } else { 0 }, 0.0);
+        filled
+    }
+
     /// Sets what pixels show that lack their first sample.
-    pub fn set_filled(&mut self, filled: Vec<Filled>) {
+    pub(super) fn set_filled(&mut self, filled: Filled) {
         self.filled = filled;
     }
 
-    /// What stands in for a pixel.
-    fn filled(&self, pixel: usize) -> Option<&Filled> {
-        self.filled.get(pixel).filter(|_| self.lacking_at(pixel).is_some())
+    /// Whether something stands in for all pixels that lack their first sample.
+    pub(super) fn is_filled(&self) -> bool {
+        !self.filled.values[Part::Environment as usize].is_empty()
+    }
+
+    /// Whether something stands in for a pixel's light.
+    fn is_stand_in(&self, pixel: usize) -> bool {
+        self.is_filled() && self.lacks_any(pixel)
+    }
+
+    /// All parts of what a pixel shows.
+    fn stand_in(&self, pixel: usize) -> Vec3 {
+        Part::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum()
     }
 
     /// Means over the samples, and the covered share of each pixel.
     pub fn read(&self) -> (Image, Vec<f32>) {
-        let mean = |pixel| self.filled(pixel).map_or_else(|| self.mean(pixel, false), |filled| filled.value);
+        let mean = |pixel| if self.is_stand_in(pixel) { self.stand_in(pixel) } else { self.mean(pixel, false) };
         let pixels = (0..self.seen.len()).map(mean).collect();
-        let covered = |pixel| if self.filled(pixel).is_some() { 1.0 } else { self.seen[pixel].coverage() };
+        let covered = |pixel| if self.is_stand_in(pixel) { 1.0 } else { self.seen[pixel].coverage() };
         let coverage = (0..self.seen.len()).map(covered).collect();
         (Image { size: self.size, pixels }, coverage)
     }
@@ -233,9 +299,10 @@ impl Picture {
     fn display_pixel(&self, pixel: usize, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
         // The background must not show where the picture has no coverage, so the mean is over the covered samples.
         let transparent = view.background == Background::Transparent;
-        if let Some(filled) = self.filled(pixel) {
-            let [r, g, b] =
-                wireframe::over(display_pixel(view.mode, post, count_top, filled.value), filled.wire).to_array();
+        if self.is_stand_in(pixel) {
+            let shown = display_pixel(view.mode, post, count_top, self.stand_in(pixel));
+            let wire = self.filled.wire.get(pixel).copied().unwrap_or_default();
+            let [r, g, b] = wireframe::over(shown, wire).to_array();
             return [r, g, b, 1.0].map(|v| (255.0 * v + 0.5) as u8);
         }
         let seen = &self.seen[pixel];
@@ -336,7 +403,7 @@ impl FirstSample {
         [x, y]: [u32; 2],
         sight: &Sight,
     ) -> Self {
-        let lacks = picture.lacking(x, y).map_or([false; Part::COUNT], |lacking| lacking.0);
+        let lacks = picture.lacks(x, y);
         let seen = (picture.seen[picture.index(x, y)].samples == 0).then(|| {
             let mut seen = Seen::default();
             seen.add(sampler, sight.position, &sight.seen, patches);

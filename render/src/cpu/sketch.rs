@@ -1,32 +1,23 @@
-//! The first sample of a picture on lattices, and the filter between their points: see [`crate::sketch`].
+//! The first sample of a picture on lattices: see [`crate::sketch`]. The pixels between are filled by a filter, and with
+//! what the last picture shows if the camera moves.
+
+mod filter;
+mod history;
 
 use crate::{
     appearance::Appearance,
-    cpu::picture::{FirstSample, Lacking, Picture},
-    shade::{
-        painter::Painter,
-        pixel_sampler::PixelSampler,
-        surface::{FirstHit, SurfacePoint},
-    },
-    sketch::{Guide, Mean, Tiles, around, pixel_angle},
-    view_mode::ViewMode,
+    cpu::picture::{FirstSample, Picture},
+    shade::{painter::Painter, pixel_sampler::PixelSampler, surface::SurfacePoint, wireframe::Screen},
+    sketch::{Guide, Tiles},
 };
-use glam::{IVec2, Vec3};
+use filter::{Filter, Hole};
+use history::History;
 use lapidary_core::{
     camera::Camera,
     image::Region,
     ray::{Hit, SeenFrom},
 };
 use rayon::prelude::*;
-
-/// A pixel that the filter fills.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Filled {
-    /// Radiance, or the quantity of the view's mode.
-    pub value: Vec3,
-    /// Coverage by the lines of a wireframe.
-    pub wire: f32,
-}
 
 /// What pixels see, kept while the camera stays, and how far the lattices of each tile are.
 #[derive(Default)]
@@ -40,17 +31,12 @@ pub(crate) struct Sketch {
     looked: Vec<Option<u64>>,
     /// For each tile, the finest lattice that all of its pixels have; `None` before the first.
     strides: Vec<Option<u32>>,
+    /// What is known of the last picture, if the camera alone has moved since.
+    history: Option<History>,
     /// Number of the last change of materials.
     changes: u64,
     /// For each material, the number of its last change.
     changed: Vec<u64>,
-}
-
-/// A pixel that nothing around it fits.
-struct Hole {
-    pixel: [u32; 2],
-    /// What the filter gives if it looks at materials alone; `None` if no surface is near.
-    guess: Option<Vec3>,
 }
 
 impl Sketch {
@@ -66,17 +52,32 @@ impl Sketch {
         old.changed_materials(new).into_iter().for_each(|material| self.changed[material] = self.changes);
     }
 
-    /// Another picture; what its pixels see is kept if the camera is the same.
-    pub fn begin(&mut self, camera: &Camera, size: [u32; 2]) {
+    /// Another picture; what its pixels see is kept if the camera is the same. `last` is the picture before it, if nothing
+    /// but the camera and the size has changed since.
+    pub fn begin(&mut self, camera: &Camera, size: [u32; 2], last: Option<&Picture>) {
         let tiles = Tiles::of(size);
         let count = tiles.count() as usize;
         if self.seen_by.as_ref().is_none_or(|(c, s)| c != camera || *s != size) {
+            self.remember(last);
             self.seen_by = Some((camera.clone(), size));
-            self.guides.clear();
             self.rays = None;
             self.looked = vec![None; count];
+        } else {
+            self.history = None;
         }
         self.strides = vec![None; count];
+    }
+
+    /// Keeps what the last picture shows. What was never shown tells less than the picture before it.
+    fn remember(&mut self, last: Option<&Picture>) {
+        let history = self.history.take();
+        let (Some(last), Some((camera, size))) = (last, &self.seen_by) else { return };
+        let is_shown = last.is_filled() || self.is_complete();
+        self.history = if is_shown && !self.looked.contains(&None) {
+            Some(History::new(Screen::new(camera, *size), last, |x, y| self.guide(x, y), history))
+        } else {
+            history
+        };
     }
 
     /// Whether all tiles have all lattices.
@@ -138,38 +139,29 @@ impl Sketch {
     /// Fills the pixels that have no sample yet. At most `most_shaded` of those that nothing around fits are shaded instead,
     /// first those with no surface around them. All tiles must have a lattice. Returns how many were shaded.
     pub fn fill<'a>(
-        &self,
+        &mut self,
         picture: &mut Picture,
         sampler: &PixelSampler<'a>,
         painter: impl Fn() -> Painter<'a> + Sync + Send,
         patches: Option<&[u8]>,
         most_shaded: u32,
     ) -> u32 {
-        let Some((camera, size)) = &self.seen_by else { return 0 };
-        let is_lit = sampler.view.mode == ViewMode::Shaded;
-        let (eye, pixel_angle) = (camera.eye, pixel_angle(camera, *size));
-        let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
-        let mut filled = vec![Filled::default(); size[0] as usize * size[1] as usize];
-        let fill_row = |(y, row): (usize, &mut [Filled])| filter.fill_row(y as u32, row, sampler);
-        let holes: Vec<Hole> =
-            filled.par_chunks_mut(size[0].max(1) as usize).enumerate().flat_map_iter(fill_row).collect();
-        let chosen = chosen(&holes, most_shaded as usize);
-        let view = &*picture;
+        if let Some(mut history) = self.history.take() {
+            history.predict(|x, y| self.guide(x, y), sampler.view.size);
+            self.history = Some(history);
+        }
+        let mut filled = picture.take_filled(sampler.view.wireframe);
+        let holes = Filter::new(self, picture, sampler).fill(&mut filled);
         let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
             let [x, y] = hole.pixel;
-            first_sample(view, (sampler, painter), patches, self.guide(x, y), hole.pixel)
+            first_sample(picture, (sampler, painter), patches, self.guide(x, y), hole.pixel)
         };
+        let chosen = chosen(&holes, most_shaded as usize);
         let shaded: Vec<FirstSample> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
         let count = shaded.len();
         picture.set_first(shaded);
         if count > 0 {
-            let filter = Filter { sketch: self, picture, eye, pixel_angle, is_lit };
-            let near = |hole: &Hole| filter.near(hole.pixel);
-            let values: Vec<Option<Vec3>> = holes.par_iter().map(near).collect();
-            for (Hole { pixel: [x, y], .. }, value) in holes.iter().zip(values) {
-                let filled = &mut filled[*y as usize * size[0] as usize + *x as usize];
-                filled.value = value.unwrap_or(filled.value);
-            }
+            Filter::new(self, picture, sampler).fill_beside(&holes, &mut filled);
         }
         picture.set_filled(filled);
         count as u32
@@ -185,7 +177,7 @@ fn mask(count: u32, tiles: &[u32]) -> Vec<bool> {
 
 /// At most so many holes, spread over the picture; first those without a guess.
 fn chosen(holes: &[Hole], most: usize) -> Vec<&Hole> {
-    let (bare, guessed): (Vec<&Hole>, Vec<&Hole>) = holes.iter().partition(|hole| hole.guess.is_none());
+    let (bare, guessed): (Vec<&Hole>, Vec<&Hole>) = holes.iter().partition(|hole| hole.is_bare);
     let left = most.saturating_sub(bare.len());
     [spread(bare, most), spread(guessed, left)].concat()
 }
@@ -219,13 +211,16 @@ impl TileWork<'_, '_, '_> {
         if looked == Some(materials.last) {
             return;
         }
+        if let (None, Some(rays)) = (looked, self.rays) {
+            let hits = self.sampler.first_hits(rays, self.region);
+            for ((x, y), hit) in pixels(self.region).zip(hits) {
+                self.guides[self.tiles.place(x, y).1] = looked_up(self.sampler, hit, x, y);
+            }
+            return;
+        }
         for (x, y) in pixels(self.region) {
             let guide = &mut self.guides[self.tiles.place(x, y).1];
-            let changed = materials.of.get(guide.material as usize).copied();
-            if looked.is_none() {
-                let hit = self.rays.and_then(|rays| self.sampler.first_hit(rays, x, y));
-                *guide = looked_up(self.sampler, hit, x, y);
-            } else if changed > looked {
+            if materials.of.get(guide.material as usize).copied() > looked {
                 *guide = looked_up(self.sampler, hit(guide), x, y);
             }
         }
@@ -236,7 +231,7 @@ impl TileWork<'_, '_, '_> {
         let mut shaded = Vec::new();
         for (x, y) in pixels(self.region) {
             let on_lattice = x % stride == 0 && y % stride == 0;
-            if !(on_lattice || unlit) || picture.lacking(x, y).is_none() {
+            if !(on_lattice || unlit) || !picture.lacks(x, y).contains(&true) {
                 continue;
             }
             let guide = &self.guides[self.tiles.place(x, y).1];
@@ -254,10 +249,10 @@ fn pixels(region: Region) -> impl Iterator<Item = (u32, u32)> {
 
 /// What steers the filter where the first sample of a pixel meets the mesh at `hit`.
 fn looked_up(sampler: &PixelSampler, hit: Option<Hit>, x: u32, y: u32) -> Guide {
-    match (sampler.first_sight(x, y, hit).seen, hit) {
-        (FirstHit::Surface(point), Some(hit)) => guide_of(sampler.material(hit.triangle), &hit, &point),
-        (_, Some(hit)) => Guide { triangle: coded(&hit), ..Guide::unlit(Guide::BACK) },
-        (_, None) => Guide::unlit(Guide::BACKGROUND),
+    let Some(hit) = hit else { return Guide::unlit(Guide::BACKGROUND) };
+    match sampler.first_point(x, y, &hit) {
+        Some(point) => guide_of(sampler.material(hit.triangle), &hit, &point),
+        None => Guide { triangle: coded(&hit), ..Guide::unlit(Guide::BACK) },
     }
 }
 
@@ -297,103 +292,6 @@ fn first_sample(
     [x, y]: [u32; 2],
 ) -> FirstSample {
     FirstSample::new(picture, (sampler, painter), patches, [x, y], &sampler.first_sight(x, y, hit(guide)))
-}
-
-/// The joint bilateral filter.
-struct Filter<'a> {
-    sketch: &'a Sketch,
-    picture: &'a Picture,
-    eye: Vec3,
-    pixel_angle: f32,
-    /// Whether the pixels show radiance.
-    is_lit: bool,
-}
-
-impl Filter<'_> {
-    /// Fills the pixels of a row that have no sample, and returns those that nothing fits.
-    fn fill_row(&self, y: u32, row: &mut [Filled], sampler: &PixelSampler) -> Vec<Hole> {
-        let mut holes = Vec::new();
-        for (x, filled) in row.iter_mut().enumerate() {
-            let pixel = [x as u32, y];
-            let Some(lacking) = self.picture.lacking(pixel[0], y) else { continue };
-            let guide = self.sketch.guide(pixel[0], y);
-            let fitting = self.fitting(pixel, guide, lacking);
-            if fitting.is_none() {
-                holes.push(Hole { pixel, guess: self.guess(pixel, guide, lacking) });
-            }
-            let mean = fitting.or_else(|| holes.last().and_then(|hole| hole.guess));
-            filled.value = self.multiplied(mean.unwrap_or_default(), pixel, lacking);
-            if sampler.view.wireframe {
-                filled.wire = sampler.first_wire(pixel[0], y, guide.triangle & !Guide::FROM_BEHIND);
-            }
-        }
-        holes
-    }
-
-    /// The value of a hole beside holes that were shaded: thin things are shaded in part.
-    fn near(&self, pixel: [u32; 2]) -> Option<Vec3> {
-        /// Pixels on each side of it, along which several holes lie that one shaded pixel stands for.
-        const PIXELS: i32 = 3;
-        let lacking = self.picture.lacking(pixel[0], pixel[1])?;
-        let guide = self.sketch.guide(pixel[0], pixel[1]);
-        let reach = self.reach(guide, PIXELS as u32);
-        let mean = self.mean((pixel, lacking), 1, PIXELS, |other| guide.fit(other, reach)).any()?;
-        Some(self.multiplied(mean, pixel, lacking))
-    }
-
-    /// Radiance over albedo as what a pixel shows, with the light that it does not lack.
-    fn multiplied(&self, mean: Vec3, [x, y]: [u32; 2], lacking: Lacking) -> Vec3 {
-        mean * self.divisor(self.sketch.guide(x, y)) + self.picture.mean_of_rest(x, y, lacking)
-    }
-
-    /// Distance of a lattice in metres at a pixel.
-    fn reach(&self, guide: &Guide, stride: u32) -> f32 {
-        stride as f32 * self.pixel_angle * guide.position.distance(self.eye)
-    }
-
-    fn divisor(&self, guide: &Guide) -> Vec3 {
-        if self.is_lit { guide.albedo } else { Vec3::ONE }
-    }
-
-    /// The mean of the lattice points around a pixel, or of those around these, as far as they fit.
-    fn fitting(&self, pixel: [u32; 2], guide: &Guide, lacking: Lacking) -> Option<Vec3> {
-        let stride = self.stride(pixel);
-        let reach = self.reach(guide, stride);
-        [1, 2].into_iter().find_map(|cells| {
-            self.mean((pixel, lacking), stride, cells, |other| guide.fit(other, reach)).fitting(cells)
-        })
-    }
-
-    /// The mean over the nearest surfaces, with those of the same material far ahead.
-    fn guess(&self, pixel: [u32; 2], guide: &Guide, lacking: Lacking) -> Option<Vec3> {
-        const OTHER: f32 = 1e-3;
-        let weight = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
-        self.mean((pixel, lacking), self.stride(pixel), 2, weight).any()
-    }
-
-    fn mean(
-        &self,
-        (pixel, lacking): ([u32; 2], Lacking),
-        stride: u32,
-        cells: i32,
-        fit: impl Fn(&Guide) -> f32,
-    ) -> Mean {
-        let mut mean = Mean::default();
-        for (IVec2 { x, y }, weight) in around(pixel, stride, cells) {
-            // Negative ones are beyond any size.
-            let Some(value) = self.picture.mean_of(x as u32, y as u32, lacking) else { continue };
-            let other = self.sketch.guide(x as u32, y as u32);
-            let weight = if other.is_lit() { weight * fit(other) } else { 0.0 };
-            if weight > 0.0 {
-                mean.add(value / self.divisor(other), weight);
-            }
-        }
-        mean
-    }
-
-    fn stride(&self, [x, y]: [u32; 2]) -> u32 {
-        self.sketch.strides[self.sketch.tiles().place(x, y).0].unwrap_or(1)
-    }
 }
 
 #[cfg(test)]

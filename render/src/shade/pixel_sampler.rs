@@ -12,6 +12,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Lens,
+    image::Region,
     ray::{Hit, SeenFrom},
 };
 use std::ops::Range;
@@ -73,16 +74,31 @@ impl<'a> PixelSampler<'a> {
         self.surfaces.seen_from(self.view.camera.eye)
     }
 
-    /// Where the camera ray through a pixel's first sample meets the mesh.
-    pub fn first_hit(&self, seen: &SeenFrom, x: u32, y: u32) -> Option<Hit> {
-        let (_, direction) = self.toward(x, y, self.offsets[0]);
-        self.surfaces.hit_from(seen, direction)
+    /// Where the camera rays through the first samples of a region's pixels meet the mesh, row by row.
+    pub fn first_hits(&self, seen: &SeenFrom, region: Region) -> Vec<Option<Hit>> {
+        // Eight rays at a time are those of four by two pixels; the last ones of a row or column may lie beyond the region.
+        let [columns, rows] = [region.width.div_ceil(4), region.height.div_ceil(2)];
+        let direction = |block: u32, lane: u32| {
+            let (x, y) = (4 * (block % columns) + lane % 4, 2 * (block / columns) + lane / 4);
+            self.toward(region.x + x, region.y + y, self.offsets[0]).1
+        };
+        let eights: Vec<[Vec3; 8]> =
+            (0..columns * rows).map(|block| std::array::from_fn(|lane| direction(block, lane as u32))).collect();
+        let hits = self.surfaces.hits_from(seen, &eights);
+        let hit = |x: u32, y: u32| hits[(y / 2 * columns + x / 4) as usize][(y % 2 * 4 + x % 4) as usize];
+        (0..region.height).flat_map(|y| (0..region.width).map(move |x| (x, y))).map(|(x, y)| hit(x, y)).collect()
     }
 
     /// The view along a pixel's first sample, whose hit is known.
     pub fn first_sight(&self, x: u32, y: u32, hit: Option<Hit>) -> Sight {
         let (position, direction) = self.toward(x, y, self.offsets[0]);
         Sight { position, direction, seen: self.surfaces.seen_at(hit, direction) }
+    }
+
+    /// The surface that a pixel's first sample sees at `hit`; `None` for the back of a one-sided one.
+    pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
+        let (_, direction) = self.toward(x, y, self.offsets[0]);
+        (!self.surfaces.is_back(hit)).then(|| self.surfaces.point(hit, -direction))
     }
 
     /// Index of a triangle's material.

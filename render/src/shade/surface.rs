@@ -205,9 +205,9 @@ impl<'a> Surfaces<'a> {
         self.intersector.seen_from(origin)
     }
 
-    /// Where a ray from a prepared origin first meets the mesh.
-    pub fn hit_from(&self, seen: &SeenFrom, direction: Vec3) -> Option<Hit> {
-        self.intersector.closest_hit_from(seen, direction)
+    /// Where rays from a prepared origin first meet the mesh.
+    pub fn hits_from(&self, seen: &SeenFrom, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
+        self.intersector.closest_hits_from(seen, directions)
     }
 
     /// Where a ray first meets the mesh.
@@ -219,9 +219,14 @@ impl<'a> Surfaces<'a> {
     pub fn seen_at(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
         match hit {
             None => FirstHit::Background,
-            Some(hit) if hit.back_face && !self.dataset.two_sided[hit.triangle as usize] => FirstHit::Back,
+            Some(hit) if self.is_back(&hit) => FirstHit::Back,
             Some(hit) => FirstHit::Surface(Box::new(self.point(&hit, -direction))),
         }
+    }
+
+    /// Whether a hit is on the back of a one-sided surface.
+    pub fn is_back(&self, hit: &Hit) -> bool {
+        hit.back_face && !self.dataset.two_sided[hit.triangle as usize]
     }
 
     /// Index of a triangle's material.

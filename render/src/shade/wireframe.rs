@@ -35,6 +35,11 @@ impl Screen {
         Self { view_from_world: camera.world_from_view().transpose(), eye: camera.eye, center, focal }
     }
 
+    /// Distance of the picture plane from the eye in pixels.
+    pub fn focal(&self) -> f32 {
+        self.focal
+    }
+
     /// Pixel coordinates from the top left corner times depth, and depth in metres.
     pub fn project(&self, point: Vec3) -> Vec3 {
         let p = self.view_from_world * (point - self.eye);

@@ -1,7 +1,8 @@
 //! Sketches come close to the picture, keep its edges, and end as the picture.
 
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Renderer, STRIDES, Tiles, View, ViewMode,
+    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Renderer, STRIDES, Stale, Tiles, View,
+    ViewMode,
     test_scenes::{dataset, from_the_side, illumination, mesh, rel_rmse, white},
 };
 use glam::{UVec2, Vec2, Vec3};
@@ -204,4 +205,71 @@ fn without_light_and_in_the_smallest_pictures_nothing_is_undefined() {
             assert!(sketched(&mut backend, &view, 2).pixels.iter().all(|p| p.is_finite()), "{mode:?}");
         }
     }
+}
+
+/// The view from an eye that has gone a little to the side.
+fn moved(view: &View) -> View {
+    let mut moved = view.clone();
+    moved.camera.eye.x += 0.1;
+    moved
+}
+
+/// A sketch of the coarsest lattice after a whole sketch of another view, with edits between.
+fn sketched_after(backend: &mut CpuBackend, before: &View, view: &View, stale: &Stale) -> Image {
+    sketched(backend, before, 1);
+    backend.resume(view, BrdfSampling::Refine, stale).unwrap();
+    sketch(backend, view, STRIDES[0]);
+    backend.fill(0).unwrap();
+    backend.read(0).unwrap().0
+}
+
+#[test]
+fn after_a_small_move_a_sketch_has_the_detail_of_the_last_picture() {
+    let (dataset, view) = (scene(|_| ()), view());
+    let mut backend = lit(&dataset);
+    let moved = moved(&view);
+    let full = whole(&mut backend, &moved);
+    let alone = sketched(&mut backend, &moved, 8);
+    let after = sketched_after(&mut backend, &view, &moved, &Stale::NOTHING);
+    let errors = [rel_rmse(&after, &full), rel_rmse(&alone, &full)];
+    assert!(errors[0] < 0.4 * errors[1], "{errors:?}");
+    // From a smaller picture too, as when one rests.
+    let reduced = View { size: view.size.map(|side| side / 2), ..moved.clone() };
+    let rested = rel_rmse(&sketched_after(&mut backend, &reduced, &moved, &Stale::NOTHING), &full);
+    assert!(rested < 0.7 * errors[1], "{rested} {errors:?}");
+    for stride in [4, 2, 1] {
+        sketch(&mut backend, &moved, stride);
+    }
+    assert!(backend.read(1).unwrap().0 == full, "the last lattice keeps nothing of it");
+}
+
+#[test]
+fn a_sketch_knows_nothing_of_pictures_of_another_light_or_material() {
+    let (dataset, view) = (scene(|_| ()), view());
+    let (mut backend, moved) = (lit(&dataset), moved(&view));
+    let alone = sketched(&mut backend, &moved, 8);
+    let after = |backend: &mut CpuBackend, before: &View, stale: &Stale| {
+        sketched_after(backend, before, &moved, stale) == alone
+    };
+    assert!(after(&mut backend, &view, &Stale::ALL));
+    assert!(after(&mut backend, &View { mode: ViewMode::Albedo, ..view.clone() }, &Stale::NOTHING));
+    assert!(!after(&mut backend, &view, &Stale::NOTHING), "negative control");
+    // Nor of the scene before.
+    sketched(&mut backend, &view, 1);
+    let lighting = Renderer::new(dataset.clone()).lighting(&light(), 64);
+    backend.set_scene(&dataset.clone().into()).unwrap();
+    backend.set_light(&light(), &lighting.into()).unwrap();
+    assert!(after(&mut backend, &View { mode: ViewMode::Albedo, ..view.clone() }, &Stale::NOTHING));
+}
+
+#[test]
+fn what_comes_into_view_is_filled_as_without_a_last_picture() {
+    let (dataset, view) = (scene(|_| ()), view());
+    let mut backend = lit(&dataset);
+    let mut away = view.clone();
+    away.camera.target = 2.0 * away.camera.eye - away.camera.target;
+    let alone = sketched(&mut backend, &view, 8);
+    assert!(sketched_after(&mut backend, &away, &view, &Stale::NOTHING) == alone, "it showed nothing of it");
+    let unseen = View { size: [0, 0], ..view.clone() };
+    assert!(sketched_after(&mut backend, &unseen, &view, &Stale::NOTHING) == alone);
 }

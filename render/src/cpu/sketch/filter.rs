@@ -1,0 +1,183 @@
+//! The joint bilateral filter between the points of a lattice. It fills each part of the light for itself.
+
+use super::{Sketch, history::Detail};
+use crate::{
+    cpu::picture::{Filled, FilledRow, Picture},
+    shade::pixel_sampler::PixelSampler,
+    sketch::{Guide, Mean, around, pixel_angle},
+    stale::Part,
+    view_mode::ViewMode,
+};
+use glam::{IVec2, Vec3};
+use rayon::prelude::*;
+
+/// Pixels on each side of a hole along which several holes lie that one shaded pixel stands for.
+const BESIDE: i32 = 3;
+
+/// A pixel that nothing around it fits.
+pub(super) struct Hole {
+    pub pixel: [u32; 2],
+    /// Whether no surface is near that would tell anything of it.
+    pub is_bare: bool,
+}
+
+/// A sketch and its picture, to fill what the picture lacks.
+pub(super) struct Filter<'a> {
+    sketch: &'a Sketch,
+    picture: &'a Picture,
+    sampler: &'a PixelSampler<'a>,
+    pixel_angle: f32,
+}
+
+/// The points of a lattice around a pixel that tell of it, with their weights.
+struct Taps {
+    cells: i32,
+    points: [([u32; 2], f32); 16],
+    count: usize,
+}
+
+impl<'a> Filter<'a> {
+    pub fn new(sketch: &'a Sketch, picture: &'a Picture, sampler: &'a PixelSampler<'a>) -> Self {
+        let pixel_angle = pixel_angle(&sampler.view.camera, sampler.view.size);
+        Self { sketch, picture, sampler, pixel_angle }
+    }
+
+    /// Fills the pixels without a sample, and returns those that nothing fits.
+    pub fn fill(&self, filled: &mut Filled) -> Vec<Hole> {
+        filled.rows(self.sampler.view.size[0]).into_par_iter().flat_map_iter(|row| self.fill_row(row)).collect()
+    }
+
+    fn fill_row(&self, row: FilledRow) -> Vec<Hole> {
+        let (mut holes, y) = (Vec::new(), row.y);
+        for x in 0..self.sampler.view.size[0] {
+            let lacks = self.picture.lacks(x, y);
+            if !lacks.contains(&true) {
+                continue;
+            }
+            let guide = self.sketch.guide(x, y);
+            if let Some(wire) = row.wire.get_mut(x as usize) {
+                *wire = self.sampler.first_wire(x, y, guide.triangle & !Guide::FROM_BEHIND);
+            }
+            let (near, mut hole) = (self.taps([x, y], 1, |other, reach| guide.fit(other, reach)), None);
+            for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
+                let fitting = self.fitting(part, [x, y], guide, &near);
+                let value = fitting.or_else(|| {
+                    let guess = self.guess(part, [x, y], guide);
+                    hole = Some(Hole { pixel: [x, y], is_bare: guess.is_none() });
+                    guess
+                });
+                row.values[part as usize][x as usize] = value.unwrap_or_default() * self.divisor(guide);
+            }
+            holes.extend(hole);
+        }
+        holes
+    }
+
+    /// Fills holes beside holes that were shaded: thin things are shaded in part.
+    pub fn fill_beside(&self, holes: &[Hole], filled: &mut Filled) {
+        let beside = |hole: &Hole| self.beside(hole.pixel);
+        let values: Vec<_> = holes.par_iter().map(beside).collect();
+        for (Hole { pixel: [x, y], .. }, values) in holes.iter().zip(values) {
+            let pixel = (y * self.sampler.view.size[0] + x) as usize;
+            for (part, value) in filled.values.iter_mut().zip(values) {
+                value.into_iter().for_each(|value| part[pixel] = value);
+            }
+        }
+    }
+
+    fn beside(&self, [x, y]: [u32; 2]) -> [Option<Vec3>; Part::COUNT] {
+        let (lacks, guide) = (self.picture.lacks(x, y), self.sketch.guide(x, y));
+        let reach = self.reach(guide, BESIDE as u32);
+        Part::ALL.map(|part| {
+            let mut mean = Mean::default();
+            for (other, weight) in around([x, y], 1, BESIDE).filter(|_| lacks[part as usize]) {
+                self.add(part, &mut mean, other, weight, |other| guide.fit(other, reach));
+            }
+            mean.any().map(|mean| mean * self.divisor(guide))
+        })
+    }
+
+    /// The mean of the lattice points around a pixel, or of those around these, as far as they fit; or what the last
+    /// picture tells alone.
+    fn fitting(&self, part: Part, pixel: [u32; 2], guide: &Guide, near: &Taps) -> Option<Vec3> {
+        self.interpolated(part, pixel, near)
+            .or_else(|| self.interpolated(part, pixel, &self.taps(pixel, 2, |other, reach| guide.fit(other, reach))))
+            .or_else(|| self.predicted(part, pixel))
+    }
+
+    /// The mean over the nearest surfaces, with those of the same material far ahead.
+    fn guess(&self, part: Part, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+        const OTHER: f32 = 1e-3;
+        let fit = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
+        let mut mean = Mean::default();
+        for (other, weight) in around(pixel, self.stride(pixel), 2) {
+            self.add(part, &mut mean, other, weight, fit);
+        }
+        mean.any()
+    }
+
+    /// Adds a lattice point's radiance over albedo, if the picture has it.
+    fn add(&self, part: Part, mean: &mut Mean, IVec2 { x, y }: IVec2, weight: f32, fit: impl Fn(&Guide) -> f32) {
+        // Negative places are beyond any size.
+        let Some(value) = self.picture.value(part, x as u32, y as u32) else { return };
+        let other = self.sketch.guide(x as u32, y as u32);
+        let weight = if other.is_lit() { weight * fit(other) } else { 0.0 };
+        if weight > 0.0 {
+            mean.add(value / self.divisor(other), weight);
+        }
+    }
+
+    /// The lattice points around a pixel that fit.
+    fn taps(&self, pixel: [u32; 2], cells: i32, fit: impl Fn(&Guide, f32) -> f32) -> Taps {
+        let stride = self.stride(pixel);
+        let reach = self.reach(self.sketch.guide(pixel[0], pixel[1]), stride);
+        let [width, height] = self.sampler.view.size;
+        let mut taps = Taps { cells, points: [([0; 2], 0.0); 16], count: 0 };
+        for (IVec2 { x, y }, weight) in around(pixel, stride, cells) {
+            let [x, y] = [x as u32, y as u32];
+            if !(weight > 0.0) || x >= width || y >= height {
+                continue;
+            }
+            let other = self.sketch.guide(x, y);
+            let weight = if other.is_lit() { weight * fit(other, reach) } else { 0.0 };
+            if weight > 0.0 {
+                taps.points[taps.count] = ([x, y], weight);
+                taps.count += 1;
+            }
+        }
+        taps
+    }
+
+    /// The mean of taps, with the detail of the last picture, if enough of their weight fits.
+    fn interpolated(&self, part: Part, pixel: [u32; 2], taps: &Taps) -> Option<Vec3> {
+        let (mut mean, mut detail) = (Mean::default(), self.predicted(part, pixel).map(Detail::of));
+        for &([x, y], weight) in &taps.points[..taps.count] {
+            let Some(value) = self.picture.value(part, x, y) else { continue };
+            let value = value / self.divisor(self.sketch.guide(x, y));
+            mean.add(value, weight);
+            if let Some((detail, before)) = detail.as_mut().zip(self.predicted(part, [x, y])) {
+                detail.add(before, value, weight);
+            }
+        }
+        let detail = detail.map_or(Vec3::ZERO, |detail| detail.trusted());
+        mean.fitting(taps.cells).map(|mean| (mean + detail).max(Vec3::ZERO))
+    }
+
+    /// What the last picture tells of a pixel.
+    fn predicted(&self, part: Part, [x, y]: [u32; 2]) -> Option<Vec3> {
+        self.sketch.history.as_ref()?.predicted(part, x, y)
+    }
+
+    /// Distance of a lattice in metres at a pixel.
+    fn reach(&self, guide: &Guide, stride: u32) -> f32 {
+        stride as f32 * self.pixel_angle * guide.position.distance(self.sampler.view.camera.eye)
+    }
+
+    fn divisor(&self, guide: &Guide) -> Vec3 {
+        if self.sampler.view.mode == ViewMode::Shaded { guide.albedo } else { Vec3::ONE }
+    }
+
+    fn stride(&self, [x, y]: [u32; 2]) -> u32 {
+        self.sketch.strides[self.sketch.tiles().place(x, y).0].unwrap_or(1)
+    }
+}

@@ -1,0 +1,166 @@
+//! What the last picture tells of one from another camera: reverse reprojection (Nehab et al., Accelerating Real-Time Shading
+//! with Reverse Reprojection Caching, 2007).
+//!
+//! A surface point that the last picture also shows is found in it, with the light that it reflected there. That light is
+//! only the detail between the points of a lattice, whose light is computed anew: what the last picture shows at a pixel, less
+//! what its own filter would make of it. It is trusted as far as the last picture agrees with the lattice, so that a
+//! reflection that moves with the eye is dropped. Twin of `shaders/history_pass.wgsl` and `shaders/sketch_pass.wgsl`.
+
+use crate::{
+    cpu::picture::Picture,
+    shade::wireframe::Screen,
+    sketch::{Guide, Mean},
+    stale::Part,
+};
+use glam::{IVec2, Vec2, Vec3};
+use lapidary_core::color::luminance;
+use rayon::prelude::*;
+
+/// A pixel of the last picture: what it saw.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    material: u32,
+    /// In metres.
+    position: Vec3,
+    /// Unit normal after bump and normal map.
+    normal: Vec3,
+}
+
+/// The last picture, row by row.
+#[derive(Default)]
+pub(super) struct History {
+    screen: Option<Screen>,
+    size: [u32; 2],
+    points: Vec<Past>,
+    /// Radiance over albedo, by [`Part`]; empty where the light had no such part.
+    values: [Vec<Vec3>; Part::COUNT],
+    /// What it tells of the pixels of the new picture, by [`Part`]; empty before [`Self::predict`].
+    predicted: [Vec<Option<Vec3>>; Part::COUNT],
+    /// Pixels in a row of the new picture.
+    width: u32,
+}
+
+impl History {
+    /// Of a picture that is shown, whose pixels see what `guide` tells. The room of `former` is used again.
+    pub fn new<'g>(
+        screen: Screen,
+        picture: &Picture,
+        guide: impl Fn(u32, u32) -> &'g Guide + Sync,
+        former: Option<Self>,
+    ) -> Self {
+        let Self { mut points, mut values, mut predicted, .. } = former.unwrap_or_default();
+        let size = picture.size();
+        by_rows(&mut points, size, |x, y| {
+            let &Guide { material, position, normal, .. } = guide(x, y);
+            Past { material, position, normal }
+        });
+        for part in Part::ALL {
+            let of_part = if picture.has_part(part) { size } else { [0, 0] };
+            by_rows(&mut values[part as usize], of_part, |x, y| picture.shown(part, x, y) / guide(x, y).albedo);
+        }
+        // A new picture has all of its local lights in one part.
+        let [.., direct, added] = &mut values;
+        direct.iter_mut().zip(added.drain(..)).for_each(|(direct, added)| *direct += added);
+        predicted.iter_mut().for_each(Vec::clear);
+        Self { screen: Some(screen), size, points, values, predicted, width: 0 }
+    }
+
+    /// Finds the pixels of a picture of `size`, which see what `guide` tells, unless that is done.
+    pub fn predict<'g>(&mut self, guide: impl Fn(u32, u32) -> &'g Guide + Sync, size: [u32; 2]) {
+        let Some(screen) = self.screen.take() else { return };
+        let Self { points, values, predicted, size: from, .. } = self;
+        for (values, predicted) in values.iter().zip(predicted).filter(|(values, _)| !values.is_empty()) {
+            by_rows(predicted, size, |x, y| Found::of(guide(x, y), &screen, points, *from)?.mean(values));
+        }
+        self.width = size[0];
+    }
+
+    /// What it tells of a pixel of the new picture: radiance over albedo.
+    pub fn predicted(&self, part: Part, x: u32, y: u32) -> Option<Vec3> {
+        *self.predicted[part as usize].get((y * self.width + x) as usize)?
+    }
+}
+
+/// Values of all pixels of a picture, row by row.
+fn by_rows<T: Send + Default + Clone>(to: &mut Vec<T>, size: [u32; 2], value: impl Fn(u32, u32) -> T + Sync) {
+    to.resize(size[0] as usize * size[1] as usize, T::default());
+    to.par_chunks_mut(size[0].max(1) as usize).zip(0..size[1]).for_each(|(row, y)| {
+        row.iter_mut().zip(0..).for_each(|(to, x)| *to = value(x, y));
+    });
+}
+
+/// A surface point in the last picture.
+struct Found {
+    /// Pixels of the last picture around it.
+    pixels: [usize; 4],
+    /// Their weights; zero for those that show something else.
+    weights: [f32; 4],
+}
+
+impl Found {
+    fn of(guide: &Guide, screen: &Screen, points: &[Past], size: [u32; 2]) -> Option<Self> {
+        let projected = screen.project(guide.position);
+        if !(guide.is_lit() && projected.z > 0.0) {
+            return None;
+        }
+        // The first sample of a pixel is at its centre.
+        let place = projected.truncate() / projected.z - 0.5;
+        let first = place.floor();
+        let f = place - first;
+        let reach = projected.z / screen.focal();
+        let (mut pixels, mut weights) = ([0; 4], [0.0; 4]);
+        for (i, (pixel, weight)) in pixels.iter_mut().zip(&mut weights).enumerate() {
+            let corner = IVec2::new(i as i32 % 2, i as i32 / 2);
+            let IVec2 { x, y } = first.as_ivec2() + corner;
+            if x < 0 || y < 0 || x as u32 >= size[0] || y as u32 >= size[1] {
+                continue;
+            }
+            *pixel = y as usize * size[0] as usize + x as usize;
+            let Past { material, position, normal } = points[*pixel];
+            let tent = Vec2::ONE - (f - corner.as_vec2()).abs();
+            *weight = tent.x * tent.y * guide.fit_surface(material, position, normal, reach);
+        }
+        Some(Self { pixels, weights })
+    }
+
+    /// The mean of the pixels' values, if enough of them fit.
+    fn mean(&self, values: &[Vec3]) -> Option<Vec3> {
+        let mut mean = Mean::default();
+        self.pixels.iter().zip(self.weights).for_each(|(&pixel, weight)| mean.add(values[pixel], weight));
+        mean.fitting(1)
+    }
+}
+
+/// What the last picture shows at a pixel beyond what its filter would make of it, and how far to trust that.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Detail {
+    value: Vec3,
+    filtered: Mean,
+    /// Sums of the smaller and of the larger of each pair of luminances before and now.
+    least: f32,
+    most: f32,
+}
+
+impl Detail {
+    /// With what the last picture shows at the pixel.
+    pub fn of(value: Vec3) -> Self {
+        Self { value, filtered: Mean::default(), least: 0.0, most: 0.0 }
+    }
+
+    /// Adds a point of the lattice: its value in the last picture and in this one.
+    pub fn add(&mut self, before: Vec3, now: Vec3, weight: f32) {
+        self.filtered.add(before, weight);
+        let (before, now) = (luminance(before), luminance(now));
+        self.least += weight * before.min(now);
+        self.most += weight * before.max(now);
+    }
+
+    /// The detail, as far as the two pictures agree.
+    pub fn trusted(self) -> Vec3 {
+        let trust = if self.most > 0.0 { self.least / self.most } else { 0.0 };
+        self.filtered.any().map_or(Vec3::ZERO, |filtered| trust * (self.value - filtered))
+    }
+}
+
+#[cfg(test)]
+mod tests;
