@@ -5,14 +5,11 @@
 
 @group(2) @binding(0) var lattice_value: texture_2d<f32>;
 @group(2) @binding(1) var lattice_work: texture_2d<u32>;
+// What the last picture tells of the pixels, and 1 where it tells anything; a texel of zeros without one.
+@group(2) @binding(2) var predicted: texture_2d<f32>;
 
-// Least albedo that radiance is divided by.
-const LEAST_ALBEDO: f32 = 1.0 / 512.0;
-// Least share of the filter's weight that must fit.
-const LEAST_SHARE: f32 = 1.0 / 16.0;
 // Weight of another material where nothing fits.
 const OTHER: f32 = 1e-3;
-const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
 
 // Whether it fills the first part of the light, which also has the background and the lines of a wireframe.
 override IS_FIRST: bool = true;
@@ -36,79 +33,110 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     return with_sample(sums, g, vec4(filtered(pixel, here) * here.divisor, wire), 0u, 0u);
 }
 
-struct Guide {
-    material: u32,
-    position: vec3<f32>,
-    smooth_normal: vec3<f32>,
-    normal: vec3<f32>,
-    albedo: vec3<f32>,
-    // What values are divided by: the albedo, or 1 where they are no radiance.
-    divisor: vec3<f32>,
-}
-
-fn guide(g: vec4<u32>, pixel: vec2<u32>) -> Guide {
-    let point = surface_point(g, pixel, ray_direction(pixel));
-    let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
-    let share = max(albedo(point.brdf, alpha), vec3(LEAST_ALBEDO));
-    let divisor = select(vec3(1.0), share, frame.view_mode == VIEW_SHADED);
-    let material = triangles[g.x - 1u].material & ~TWO_SIDED;
-    return Guide(material, point.position, point.smooth_normal, point.world_from_local[2], share, divisor);
-}
-
 fn filtered(pixel: vec2<u32>, here: Guide) -> vec3<f32> {
+    let told = textureLoad(predicted, pixel, 0);
     for (var cells = 1; cells <= 2; cells++) {
-        let sum = weighted_sum(pixel, here, cells, true);
-        if sum.w >= LEAST_SHARE * f32(cells * cells) {
-            return sum.xyz / sum.w;
+        let sums = interpolated(pixel, here, cells, told.w > 0.0);
+        if sums.now.w >= LEAST_SHARE * f32(cells * cells) {
+            return max(sums.now.xyz / sums.now.w + detail(told.xyz, sums), vec3(0.0));
         }
     }
-    let sum = weighted_sum(pixel, here, 2, false);
+    if told.w > 0.0 {
+        return told.xyz;
+    }
+    let sum = guess(pixel, here);
     if !(sum.w > 0.0) {
         return vec3(0.0);
     }
     return sum.xyz / sum.w;
 }
 
-// Sum over the lattice around a pixel, and of the weights; the tent is `cells` wide on each side.
-fn weighted_sum(pixel: vec2<u32>, here: Guide, cells: i32, fits: bool) -> vec4<f32> {
-    let stride = i32(frame.stride.x);
-    let first = vec2<i32>(pixel) / stride - (cells - 1);
-    var sum = vec4(0.0);
+// Sums over the lattice around a pixel, with the sum of the weights.
+struct LatticeSums {
+    now: vec4<f32>,
+    // Of what the last picture tells, where it does.
+    before: vec4<f32>,
+    // Of the smaller and of the larger of each pair of luminances before and now.
+    least: f32,
+    most: f32,
+}
+
+// The tent is `cells` wide on each side.
+fn interpolated(pixel: vec2<u32>, here: Guide, cells: i32, has_past: bool) -> LatticeSums {
+    var sums = LatticeSums(vec4(0.0), vec4(0.0), 0.0, 0.0);
     for (var i = 0; i < 4 * cells * cells; i++) {
-        let texel = first + vec2(i % (2 * cells), i / (2 * cells));
-        let other = texel * stride;
-        if any(texel < vec2(0)) || any(other >= vec2<i32>(frame.size)) {
+        let point = lattice_point(pixel, cells, i);
+        if !(point.weight > 0.0) {
             continue;
         }
-        let away = abs(vec2<f32>(other - vec2<i32>(pixel))) / f32(cells * stride);
-        let tent = max(1.0 - away, vec2(0.0));
-        let g = textureLoad(geometry, other, 0);
-        if !(tent.x * tent.y > 0.0) || !is_surface(g) {
-            continue;
+        let there = guide(textureLoad(geometry, point.pixel, 0), point.pixel);
+        let weight = point.weight * fit(here, there);
+        let now = lattice_radiance(point.texel) / there.divisor;
+        sums.now += vec4(now, 1.0) * weight;
+        let before = textureLoad(predicted, point.pixel, 0);
+        if has_past && before.w > 0.0 {
+            let luminances = vec2(dot(before.xyz, LUMINANCE), dot(now, LUMINANCE));
+            sums.before += vec4(before.xyz, 1.0) * weight;
+            sums.least += weight * min(luminances.x, luminances.y);
+            sums.most += weight * max(luminances.x, luminances.y);
         }
-        let there = guide(g, vec2<u32>(other));
-        let loose = select(OTHER, 1.0, there.material == here.material);
-        let weight = tent.x * tent.y * select(loose, fit(here, there), fits);
-        let samples = f32(max(sample_count(textureLoad(lattice_work, texel, 0)), 1u));
-        let value = textureLoad(lattice_value, texel, 0).xyz / samples;
-        sum += vec4(value / there.divisor, 1.0) * weight;
+    }
+    return sums;
+}
+
+// What the last picture tells of a pixel beyond what its filter would make of it, as far as the two pictures agree.
+// Twin of `Detail` in render/src/cpu/sketch/history.rs.
+fn detail(told: vec3<f32>, sums: LatticeSums) -> vec3<f32> {
+    if !(sums.most > 0.0) {
+        return vec3(0.0);
+    }
+    return sums.least / sums.most * (told - sums.before.xyz / sums.before.w);
+}
+
+// Sum over the nearest surfaces, with those of the same material far ahead, and of the weights.
+fn guess(pixel: vec2<u32>, here: Guide) -> vec4<f32> {
+    var sum = vec4(0.0);
+    for (var i = 0; i < 16; i++) {
+        let point = lattice_point(pixel, 2, i);
+        if point.weight > 0.0 {
+            let there = guide(textureLoad(geometry, point.pixel, 0), point.pixel);
+            let weight = point.weight * select(OTHER, 1.0, there.material == here.material);
+            sum += vec4(lattice_radiance(point.texel) / there.divisor, 1.0) * weight;
+        }
     }
     return sum;
 }
 
+// A point of the lattice around a pixel, with its weight in a tent; zero where there is no surface to shade.
+struct LatticePoint {
+    texel: vec2<i32>,
+    pixel: vec2<u32>,
+    weight: f32,
+}
+
+fn lattice_point(pixel: vec2<u32>, cells: i32, i: i32) -> LatticePoint {
+    let stride = i32(frame.stride.x);
+    let texel = vec2<i32>(pixel) / stride - (cells - 1) + vec2(i % (2 * cells), i / (2 * cells));
+    let other = texel * stride;
+    if any(texel < vec2(0)) || any(other >= vec2<i32>(frame.size)) {
+        return LatticePoint(texel, pixel, 0.0);
+    }
+    let away = abs(vec2<f32>(other - vec2<i32>(pixel))) / f32(cells * stride);
+    let tent = max(1.0 - away, vec2(0.0));
+    let shows = is_surface(textureLoad(geometry, other, 0));
+    return LatticePoint(texel, vec2<u32>(other), select(0.0, tent.x * tent.y, shows));
+}
+
+fn lattice_radiance(texel: vec2<i32>) -> vec3<f32> {
+    let samples = f32(max(sample_count(textureLoad(lattice_work, texel, 0)), 1u));
+    return textureLoad(lattice_value, texel, 0).xyz / samples;
+}
+
 // Twin of `Guide::fit`.
 fn fit(here: Guide, there: Guide) -> f32 {
-    if there.material != here.material {
-        return 0.0;
-    }
     let pixel_angle = 2.0 * frame.tan_half_fov / f32(frame.size.y);
     let reach = f32(frame.stride.x) * pixel_angle * distance(here.position, frame.eye);
-    let plane = 1.0 - abs(dot(here.smooth_normal, there.position - here.position)) / reach;
-    let turned = 2.0 * dot(here.normal, there.normal) - 1.0;
-    if !(plane > 0.0 && turned > 0.0) {
-        return 0.0;
-    }
     let a = dot(here.albedo, LUMINANCE);
     let b = dot(there.albedo, LUMINANCE);
-    return plane * turned * (min(a, b) / max(a, b));
+    return fit_surface(here, there.material, there.position, there.normal, reach) * (min(a, b) / max(a, b));
 }

@@ -23,6 +23,7 @@ mod menus;
 mod messages;
 mod notice;
 mod opening;
+mod pacing;
 mod perform;
 mod pictures;
 mod prompts;
@@ -40,17 +41,20 @@ mod toolbar;
 pub use start::{Launch, run};
 
 use egui::{Ui, ViewportCommand};
+use pacing::Pacing;
 use state::EditorState;
 
 /// The window's program.
 struct EditorApp {
     state: EditorState,
     title: String,
+    /// Where graphics are emulated.
+    pacing: Option<Pacing>,
 }
 
 impl EditorApp {
-    fn new(state: EditorState) -> Self {
-        Self { state, title: String::new() }
+    fn new(state: EditorState, pacing: Option<Pacing>) -> Self {
+        Self { state, title: String::new(), pacing }
     }
 
     /// The title names the document, and marks changes.
@@ -65,6 +69,12 @@ impl EditorApp {
 }
 
 impl eframe::App for EditorApp {
+    fn raw_input_hook(&mut self, _ctx: &egui::Context, _raw_input: &mut egui::RawInput) {
+        if let Some(pacing) = &mut self.pacing {
+            pacing.wait(self.state.frame_interval());
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.state.frame(ui);
         self.update_title(ui);

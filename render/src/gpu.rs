@@ -21,7 +21,7 @@ mod shadows;
 mod targets;
 
 pub use backend::{GpuBackend, PassTimes};
-pub use device::Room;
+pub use device::{Room, has_hardware};
 pub use shaders::ShaderSource;
 
 #[cfg(test)]

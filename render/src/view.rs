@@ -47,6 +47,13 @@ impl View {
         Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
     }
 
+    /// Whether both show light, and differ in camera, size and number of samples alone, in one at least.
+    pub(crate) fn is_same_but_seen_from(&self, other: &Self) -> bool {
+        let View { camera, size, aa, .. } = self.clone();
+        let is_moved = (&camera, size) != (&other.camera, other.size);
+        self.mode == ViewMode::Shaded && is_moved && View { camera, size, aa, ..other.clone() } == *self
+    }
+
     /// Positions of the samples within a pixel, the same for all pixels and renderers: the centre, or points of the R2
     /// sequence (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {

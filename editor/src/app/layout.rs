@@ -11,7 +11,7 @@ use super::{
         interface::{Inspector, Interface, Side},
         pictures::Pictures,
     },
-    status, theme, toolbar,
+    status, toolbar,
 };
 use crate::{
     actions::Action,
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
         strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
     }
-    let centre = CentralPanel::default().frame(Frame::NONE.fill(theme::stage_color(ui.visuals())));
+    let centre = CentralPanel::default().frame(Frame::NONE);
     let mut viewport = centre.show(ui, |ui| show_viewport(ui, state, actions)).inner;
     state.interface.viewport_rect = viewport.rect;
     state.interface.sides.is_dragged = false;

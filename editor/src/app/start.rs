@@ -3,6 +3,7 @@
 use super::{
     EditorApp,
     opening::Target,
+    pacing::Pacing,
     state::{Bundled, EditorState, Setup},
 };
 use crate::{
@@ -15,7 +16,7 @@ use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
 use lapidary_studies::jobs::Wake;
 use lapidary_studies::{args::BackendOption, bundled::DataFolder};
-use std::{path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
 /// How the window begins.
 #[derive(Clone, Debug)]
@@ -35,29 +36,45 @@ pub struct Launch {
 pub fn run(launch: &Launch) -> Result<()> {
     let bundled = bundled(launch)?;
     let folders = Folders::find()?;
+    let is_emulated = !lapidary_render::gpu::has_hardware();
+    let pacing = move || is_emulated.then(Pacing::new);
     let window = |renderer: eframe::Renderer| {
         let (launch, bundled, folders) = (launch.clone(), bundled.clone(), folders.clone());
         let options = options(renderer, &Preferences::load(&folders.config).0);
         eframe::run_native(
             "Lapidary",
             options,
-            Box::new(move |context| Ok(Box::new(app(&context.egui_ctx, &launch, bundled, folders)))),
+            Box::new(move |context| Ok(Box::new(app(&context.egui_ctx, &launch, bundled, folders, pacing())))),
         )
     };
-    // Without an adapter for the window itself, OpenGL may still do; pictures come from the CPU then.
-    let Err(first) = window(eframe::Renderer::Wgpu) else { return Ok(()) };
+    let [first, second] = drawers(is_emulated);
+    let Err(error) = window(first) else { return Ok(()) };
     if is_display_missing() {
         bail!(
             "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or make pictures without a \
              window: lapidary render --help"
         );
     }
-    match window(eframe::Renderer::Glow) {
-        Ok(()) => Ok(()),
-        Err(second) => bail!(
-            "no window can be opened, neither by the graphics adapter ({first}) nor by OpenGL ({second}); install a Vulkan or \
-             OpenGL driver (Mesa has one for any machine), or make pictures without a window: lapidary render --help"
-        ),
+    let Err(other) = window(second) else { return Ok(()) };
+    bail!(
+        "no window can be opened, neither by {} ({error}) nor by {} ({other}); install a Vulkan or OpenGL driver (Mesa \
+         has one for any machine), or make pictures without a window: lapidary render --help",
+        drawer_name(first),
+        drawer_name(second)
+    )
+}
+
+/// What draws the window itself, and what does if that fails. Where graphics are emulated, OpenGL comes first: the window's
+/// shader for wgpu takes seven times as long there, which the renderer of the pictures would lack.
+fn drawers(is_emulated: bool) -> [eframe::Renderer; 2] {
+    let (wgpu, opengl) = (eframe::Renderer::Wgpu, eframe::Renderer::Glow);
+    if is_emulated { [opengl, wgpu] } else { [wgpu, opengl] }
+}
+
+fn drawer_name(drawer: eframe::Renderer) -> &'static str {
+    match drawer {
+        eframe::Renderer::Wgpu => "the graphics adapter",
+        eframe::Renderer::Glow => "OpenGL",
     }
 }
 
@@ -88,14 +105,18 @@ fn options(renderer: eframe::Renderer, preferences: &Preferences) -> NativeOptio
             .with_drag_and_drop(true),
         renderer,
         wgpu_options: WgpuConfiguration::default(),
+        // Pictures come in the colours of the screen.
+        dithering: false,
         ..NativeOptions::default()
     }
 }
 
-fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders) -> EditorApp {
+fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders, pacing: Option<Pacing>) -> EditorApp {
     let wake: Wake = {
         let ctx = ctx.clone();
-        Arc::new(move || ctx.request_repaint())
+        // A request without delay would draw the window twice, for widgets that settle; news from other threads need no such
+        // thing.
+        Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)))
     };
     let backend = launch.backend;
     // Called on the thread that renders, and again when a device is lost.
@@ -105,5 +126,5 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders)
         Some(file) => state.open(Target::File(file.clone())),
         None => state.open_bundled(0),
     }
-    EditorApp::new(state)
+    EditorApp::new(state, pacing)
 }

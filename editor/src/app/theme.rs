@@ -81,11 +81,6 @@ pub fn apply(ctx: &Context, preferences: &Preferences) {
     ctx.set_zoom_factor(preferences.ui_scale.clamp(*SCALE.start(), *SCALE.end()));
 }
 
-/// Background behind the picture.
-pub fn stage_color(visuals: &Visuals) -> Color32 {
-    visuals.code_bg_color
-}
-
 /// The next scale up or down.
 pub fn scaled(scale: f32, steps: i32) -> f32 {
     let step = (scale / SCALE_STEP).round() as i32 + steps;

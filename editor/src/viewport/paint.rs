@@ -16,14 +16,18 @@ const PADDING: Vec2 = vec2(8.0, 4.0);
 /// Paints the picture, or the plain ground where there is none yet.
 pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportContext) {
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-    let Some(picture) = context.picture.filter(|_| context.placeholder.is_none()) else { return };
+    let picture = context.picture.filter(|_| context.placeholder.is_none());
+    let (place, part) = placed(context.picture_size, rect);
+    // What a picture covers is not painted twice: where graphics are emulated, each layer takes time from the renderer.
+    if picture.is_none() || !place.contains_rect(rect) {
+        painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    }
+    let Some(picture) = picture else { return };
     if context.checker {
         let checker = state.checker.get_or_insert_with(|| checker_texture(ui));
         let uv = Rect::from_min_size(pos2(0.0, 0.0), rect.size() / (2.0 * SQUARE));
         painter.image(checker.id(), rect, uv, Color32::WHITE);
     }
-    let (place, part) = placed(context.picture_size, rect);
     painter.image(picture, place, part, Color32::WHITE);
 }
 

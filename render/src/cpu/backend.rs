@@ -74,12 +74,12 @@ impl Begun {
         self.view.mode != ViewMode::Shaded && stale.any()
     }
 
-    /// Whether a picture of another camera or size shows the same surfaces in the same light.
+    /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
     fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale, local: &LocalLighting) -> bool {
-        let View { camera, size, aa, .. } = self.view.clone();
-        let is_moved = View { camera, size, aa, ..view.clone() } == self.view && self.sampling == sampling;
         let lights = || self.lights.clone().update(local.shown_lights().unwrap_or_default(), false);
-        view.mode == ViewMode::Shaded && is_moved && !stale.any() && lights() == DirectStep::Keep
+        (self.view.is_same_but_seen_from(view), self.sampling) == (true, sampling)
+            && !stale.any()
+            && lights() == DirectStep::Keep
     }
 
     /// Drops what edits have changed.

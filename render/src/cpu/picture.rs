@@ -218,6 +218,12 @@ impl Picture {
         (sum.samples > 0).then(|| sum.value / sum.samples as f32)
     }
 
+    /// Whether all samples of a pixel see a surface of one material: the mean of others tells nothing of their light.
+    pub(super) fn sees_one_surface(&self, x: u32, y: u32) -> bool {
+        let Seen { marks, samples, surfaces, .. } = self.seen[self.index(x, y)];
+        samples < 2 || (surfaces == samples && marks.materials.count_ones() == 1)
+    }
+
     /// What a pixel shows of a part: the mean over its samples, or what stands in for it.
     pub(super) fn shown(&self, part: Part, x: u32, y: u32) -> Vec3 {
         self.shown_at(part, self.index(x, y))

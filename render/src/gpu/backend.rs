@@ -2,6 +2,7 @@
 
 mod encode;
 mod groups;
+mod history;
 mod picture;
 mod timing;
 
@@ -9,7 +10,7 @@ pub use timing::PassTimes;
 
 use super::{
     bounce::VertexBounce,
-    device::{GpuDevice, Room},
+    device::{GpuDevice, Room, is_emulated},
     direct::DirectLights,
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
@@ -39,6 +40,7 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::Vec3;
+use history::History;
 use lapidary_core::{
     dataset::Dataset,
     environment::Environment,
@@ -71,6 +73,8 @@ pub struct GpuBackend {
     state: Option<SumState>,
     /// `None` after any change, until it is begun or resumed.
     picture: Option<Picture>,
+    /// The last picture, if nothing but camera and size has changed since.
+    history: Option<History>,
 }
 
 /// Which picture the sums have.
@@ -114,7 +118,7 @@ impl GpuBackend {
     /// As [`Self::new`]; an emulated adapter counts as none.
     pub fn on_hardware(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
         let gpu = GpuDevice::new(room)?;
-        if gpu.info.device_type == wgpu::DeviceType::Cpu {
+        if is_emulated(&gpu.info) {
             return Err(BackendError::NoAdapter { reason: format!("{} is emulated", gpu.info.name) });
         }
         Self::on(gpu, source)
@@ -153,6 +157,7 @@ impl GpuBackend {
             targets: None,
             state: None,
             picture: None,
+            history: None,
         })
     }
 
@@ -184,10 +189,10 @@ impl GpuBackend {
         if self.picture().lattices.filled { 1 - front } else { front }
     }
 
-    /// What is rendered next writes over a sketch.
-    fn leave_sketch(&mut self) {
+    /// What is rendered next, of a sample, writes over a sketch.
+    fn leave_sketch(&mut self, sample: u32) {
         if let Some(picture) = &mut self.picture {
-            picture.lattices.filled = false;
+            (picture.lattices.filled, picture.seen) = (false, sample);
         }
     }
 
@@ -210,6 +215,28 @@ impl GpuBackend {
         *lights = SummedLights { direct: shown, added: Vec::new() };
         self.local_lights.order(lights, None);
         DirectStep::Anew
+    }
+
+    /// Begins a picture of which there is nothing yet.
+    fn begin_anew(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
+        (self.picture, self.state) = (None, None);
+        self.check_size(view.size)?;
+        let mut lights = SummedLights::default();
+        self.step_lights(&mut lights, None);
+        self.picture = Some(self.prepared(view, sampling)?);
+        let (view, plan) = (view.clone(), self.local_lights.plan().clone());
+        let (complete, front, marked, marks_front) = (0, 0, 0, 0);
+        self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
+        self.submit(|s, encoder| s.clear_all(encoder))
+    }
+
+    /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
+    fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale) -> bool {
+        let (Some(state), true) = (&self.state, self.picture.is_some()) else { return false };
+        let lights = || state.lights.clone().update(self.local.shown_lights().unwrap_or_default(), false);
+        (state.view.is_same_but_seen_from(view), state.sampling) == (true, sampling)
+            && !stale.any()
+            && lights() == DirectStep::Keep
     }
 
     fn loaded(&self) -> &Loaded {
@@ -265,7 +292,7 @@ impl Backend for GpuBackend {
     fn reload(&mut self) -> Result<(), BackendError> {
         self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
         self.local_lights.forget_shadows();
-        (self.picture, self.state) = (None, None);
+        (self.picture, self.state, self.history) = (None, None, None);
         Ok(())
     }
 
@@ -283,6 +310,7 @@ impl Backend for GpuBackend {
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
+        self.history = None;
         (self.local, self.bounce) = (LocalLighting::default(), VertexBounce::default());
         Ok(())
     }
@@ -322,22 +350,20 @@ impl Backend for GpuBackend {
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
-        (self.picture, self.state) = (None, None);
-        self.check_size(view.size)?;
-        let mut lights = SummedLights::default();
-        self.step_lights(&mut lights, None);
-        self.picture = Some(self.prepared(view, sampling)?);
-        let (view, plan) = (view.clone(), self.local_lights.plan().clone());
-        let (complete, front, marked, marks_front) = (0, 0, 0, 0);
-        self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
-        self.submit(|s, encoder| s.clear_all(encoder))
+        self.history = None;
+        self.begin_anew(view, sampling)
     }
 
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
         // Other modes do not show the parts of the light one by one.
         let is_lost = view.mode != ViewMode::Shaded && stale.any();
+        if self.is_of_same_light(view, sampling, stale) {
+            self.remember(view.size)?;
+        } else {
+            self.history = None;
+        }
         let kept = self.state.take().filter(|state| (&state.view, state.sampling) == (view, sampling) && !is_lost);
-        let Some(mut state) = kept else { return self.begin(view, sampling) };
+        let Some(mut state) = kept else { return self.begin_anew(view, sampling) };
         self.picture = None;
         let before = (&state.plan, state.complete >= view.aa.max(1));
         let step = self.step_lights(&mut state.lights, Some(before));
@@ -354,7 +380,7 @@ impl Backend for GpuBackend {
         }
         if rows.start == 0 {
             self.write_frame(sample, 1);
-            self.leave_sketch();
+            self.leave_sketch(sample);
         }
         let width = self.picture().view.size[0];
         let area = Region { x: 0, y: rows.start, width, height: rows.end - rows.start };
@@ -401,7 +427,10 @@ impl Backend for GpuBackend {
         let areas: Vec<Region> =
             (0..all.count()).filter(|&tile| !lattices.has_sample(tile)).map(|tile| all.region(tile)).collect();
         self.write_frame(0, stride);
-        self.submit(|s, encoder| s.encode_sketch(encoder, stride, &areas))?;
+        self.submit(|s, encoder| {
+            s.encode_predicted(encoder);
+            s.encode_sketch(encoder, stride, &areas);
+        })?;
         if let Some(picture) = &mut self.picture {
             picture.lattices.filled = true;
         }

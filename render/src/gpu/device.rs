@@ -35,10 +35,7 @@ impl GpuDevice {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room) -> Result<Self, BackendError> {
-        // OpenGL only where there is nothing better.
-        let adapter = adapter(wgpu::Backends::PRIMARY)
-            .or_else(|_| adapter(wgpu::Backends::SECONDARY))
-            .map_err(|e| BackendError::NoAdapter { reason: e.to_string() })?;
+        let adapter = fastest_adapter().map_err(|e| BackendError::NoAdapter { reason: e.to_string() })?;
         let limits = wanted_limits(&adapter.limits(), room);
         let descriptor =
             wgpu::DeviceDescriptor { label: Some("lapidary"), required_limits: limits.clone(), ..Default::default() };
@@ -93,6 +90,21 @@ impl GpuDevice {
     pub fn max_storage_bytes(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
+}
+
+/// Whether the fastest adapter is more than an emulation on the processor.
+pub fn has_hardware() -> bool {
+    fastest_adapter().is_ok_and(|adapter| !is_emulated(&adapter.get_info()))
+}
+
+/// Whether an adapter computes on the processor.
+pub fn is_emulated(info: &wgpu::AdapterInfo) -> bool {
+    info.device_type == wgpu::DeviceType::Cpu
+}
+
+/// OpenGL only where there is nothing better.
+fn fastest_adapter() -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
+    adapter(wgpu::Backends::PRIMARY).or_else(|_| adapter(wgpu::Backends::SECONDARY))
 }
 
 /// The fastest adapter of some kinds of drivers; the variable WGPU_BACKEND is respected.

@@ -31,6 +31,20 @@ pub struct FrameUniforms {
     pub stride: [u32; 2],
 }
 
+/// `PastUniforms` of `predict_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct PastUniforms {
+    /// Right, up and backward axes, each padded to 16 bytes.
+    pub world_from_view: [[f32; 4]; 3],
+    pub eye: [f32; 3],
+    /// Distance of the picture plane from the eye in pixels.
+    pub focal: f32,
+    /// Where the axis meets the picture, from the sample of the first pixel.
+    pub center: [f32; 2],
+    pub size: [u32; 2],
+}
+
 /// `Vertex` of `scene.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

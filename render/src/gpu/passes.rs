@@ -6,7 +6,7 @@ use super::{
     direct::DirectPasses,
     lit::LitPass,
     pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, KEEP, MARKS, MERGE, PARAMETERS, SKETCH, SURFACE, ShaderSource, VISIBILITY},
+    shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, ShaderSource, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -36,6 +36,9 @@ pub struct Passes {
     pub display: wgpu::RenderPipeline,
     /// For the first part of the light and the others.
     pub sketch: [wgpu::RenderPipeline; 2],
+    /// Keep a picture for the next one, and find its pixels in that.
+    pub history: wgpu::RenderPipeline,
+    pub predict: wgpu::RenderPipeline,
     pub direct: DirectPasses,
     pub bounce: BouncePass,
     pub lit: LitPass,
@@ -99,6 +102,16 @@ impl Passes {
             };
             pipeline.build(gpu)
         });
+        let history = Pipeline {
+            layouts: &[&l.frame, &l.scene, &l.added, &l.merge],
+            targets: &format::SUMS,
+            ..Pipeline::new(load(&HISTORY)?, "history")
+        };
+        let predict = Pipeline {
+            layouts: &[&l.frame, &l.scene, &l.past, &l.merge],
+            targets: &[format::FLOATS],
+            ..Pipeline::new(load(&PREDICT)?, "predict")
+        };
         Ok(Self {
             visibility: visibility.build(gpu),
             surface: surface.build(gpu),
@@ -107,6 +120,8 @@ impl Passes {
             keep: keep.build(gpu),
             display: display.build(gpu),
             sketch,
+            history: history.build(gpu),
+            predict: predict.build(gpu),
             direct: DirectPasses::new(gpu, source, &layouts)?,
             bounce: BouncePass::new(gpu, source, &layouts)?,
             lit: LitPass::new(gpu, source)?,

@@ -20,8 +20,12 @@ pub struct Layouts {
     /// The other passes that add to sums.
     pub addition: BindGroupLayout,
     pub display: BindGroupLayout,
-    /// The sums of a lattice.
+    /// The sums of a lattice, and what the last picture tells.
     pub lattice: BindGroupLayout,
+    /// The sums of another part of the light, and what the pixels show.
+    pub added: BindGroupLayout,
+    /// A part of the light in the last picture.
+    pub past: BindGroupLayout,
     pub patches: BindGroupLayout,
     pub marks: BindGroupLayout,
     pub keep: BindGroupLayout,
@@ -119,7 +123,9 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
         addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
-        lattice: layout("lattice", &[Float, Uint]),
+        lattice: layout("lattice", &[Float, Uint, Float]),
+        added: layout("added", &[Float, Uint, Uint]),
+        past: layout("past", &[Uniform, Float, Uint]),
         patches: layout("patches", &[Storage]),
         marks: layout("marks", &[Uint, Uint]),
         keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),

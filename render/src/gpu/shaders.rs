@@ -22,6 +22,8 @@ parts!(
     "frame",
     "fullscreen",
     "geometry",
+    "guide",
+    "history_pass",
     "keep_pass",
     "marks_pass",
     "lit_cut",
@@ -29,6 +31,8 @@ parts!(
     "materials",
     "merge_pass",
     "parameters_pass",
+    "past",
+    "predict_pass",
     "receiver",
     "refine",
     "scene",
@@ -137,14 +141,50 @@ pub const SKETCH: Program = Program {
         "shading_point",
         "environment",
         "wireframe",
+        "guide",
         "sketch_pass",
+    ],
+};
+/// What is kept of a picture for one from another camera.
+pub const HISTORY: Program = Program {
+    name: "history_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "sums",
+        "shading_point",
+        "guide",
+        "past",
+        "history_pass",
+    ],
+};
+/// What the last picture tells of this one.
+pub const PREDICT: Program = Program {
+    name: "predict_pass",
+    parts: &[
+        "frame",
+        "fullscreen",
+        "scene",
+        "surface",
+        "geometry",
+        "brdf",
+        "sums",
+        "shading_point",
+        "guide",
+        "past",
+        "predict_pass",
     ],
 };
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 12] =
-    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, LIT];
+pub const PROGRAMS: [Program; 14] = [
+    VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, HISTORY, PREDICT, LIT,
+];
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

@@ -53,7 +53,8 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
+    /// Of a picture or a lattice of `size`.
+    pub fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
         let [value, work] = format::SUMS;
         Self { value: target(gpu, "sums", value, size), work: target(gpu, "work", work, size) }
     }

@@ -52,7 +52,7 @@ impl History {
         let size = picture.size();
         by_rows(&mut points, size, |x, y| {
             let &Guide { material, position, normal, .. } = guide(x, y);
-            Past { material, position, normal }
+            Past { material: if picture.sees_one_surface(x, y) { material } else { Guide::BACK }, position, normal }
         });
         for part in Part::ALL {
             let of_part = if picture.has_part(part) { size } else { [0, 0] };

@@ -244,6 +244,21 @@ fn after_a_small_move_a_sketch_has_the_detail_of_the_last_picture() {
 }
 
 #[test]
+fn pictures_with_several_samples_tell_of_the_next_too() {
+    let (dataset, view) = (scene(|_| ()), View { aa: 4, ..view() });
+    let (mut backend, moved) = (lit(&dataset), moved(&view));
+    let full = whole(&mut backend, &moved);
+    let alone = rel_rmse(&sketched(&mut backend, &moved, 8), &full);
+    sketched(&mut backend, &view, 1);
+    (1..4).for_each(|sample| backend.render_rows(sample, 0..view.size[1]).unwrap());
+    backend.resume(&moved, BrdfSampling::Refine, &Stale::NOTHING).unwrap();
+    sketch(&mut backend, &moved, STRIDES[0]);
+    backend.fill(0).unwrap();
+    let after = rel_rmse(&backend.read(0).unwrap().0, &full);
+    assert!(after < 0.5 * alone, "{after} {alone}");
+}
+
+#[test]
 fn a_sketch_knows_nothing_of_pictures_of_another_light_or_material() {
     let (dataset, view) = (scene(|_| ()), view());
     let (mut backend, moved) = (lit(&dataset), moved(&view));

@@ -23,9 +23,8 @@ use wgpu::util::DeviceExt;
 impl GpuBackend {
     pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.picture();
-        let offset = picture.offsets[sample as usize % picture.offsets.len()];
         let light = self.shown_environment().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, sample, offset, &self.loaded().scene, light, stride);
+        let uniforms = frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, light, stride);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 
@@ -262,7 +261,7 @@ fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
 }
 
 /// A pass over every pixel.
-fn full_screen(
+pub(super) fn full_screen(
     encoder: &mut wgpu::CommandEncoder,
     label: &str,
     pipeline: &wgpu::RenderPipeline,

@@ -61,8 +61,12 @@ impl GpuBackend {
             let uniforms = [self.display.as_entire_binding(), self.magma.as_entire_binding()];
             group("display", &layouts.display, &uniforms.into_iter().chain(sums).collect::<Vec<_>>())
         };
-        let lattice =
-            |sums: &Sums| group("lattice", &layouts.lattice, &[View(&sums.value.view), View(&sums.work.view)]);
+        let lattice = |part: Part, sums: &Sums| {
+            let predicted = self.history.as_ref().and_then(|history| history.predicted(part));
+            let predicted = predicted.unwrap_or(&targets.nothing.value);
+            let inputs = [View(&sums.value.view), View(&sums.work.view), View(&predicted.view)];
+            group("lattice", &layouts.lattice, &inputs)
+        };
         let marks = |from: usize| {
             group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
@@ -101,7 +105,10 @@ impl GpuBackend {
                 .map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
             display: [0, 1].map(display),
             filled: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
-            lattices: Part::ALL.map(|part| targets.lattices[part as usize].as_ref().map(|l| l.each_ref().map(lattice))),
+            lattices: Part::ALL.map(|part| {
+                let lattices = targets.lattices[part as usize].as_ref();
+                lattices.map(|lattices| lattices.each_ref().map(|sums| lattice(part, sums)))
+            }),
         }
     }
 }

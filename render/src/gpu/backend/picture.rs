@@ -28,6 +28,15 @@ pub struct Picture {
     /// Passes beside the merges.
     pub additions: Vec<Addition>,
     pub lattices: Lattices,
+    /// The sample of which the deferred buffers tell.
+    pub seen: u32,
+}
+
+impl Picture {
+    /// Where a sample is in its pixel.
+    pub fn offset(&self, sample: u32) -> Vec2 {
+        self.offsets[sample as usize % self.offsets.len()]
+    }
 }
 
 /// How far the lattices of the first sample are.
@@ -105,6 +114,7 @@ impl GpuBackend {
             groups,
             additions,
             lattices: Lattices::default(),
+            seen: 0,
         })
     }
 

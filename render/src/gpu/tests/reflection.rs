@@ -146,7 +146,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 bump_map
             ),
         ),
-        ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
+        ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
         ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
         ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (

@@ -2,7 +2,7 @@
 
 use super::twin::{appearance, backend, maps, scene, view};
 use crate::{
-    Backend, BrdfSampling, CpuBackend, Illumination, LocalLighting, Renderer, STRIDES, Tiles, View, ViewMode,
+    Backend, BrdfSampling, CpuBackend, Illumination, LocalLighting, Renderer, STRIDES, Stale, Tiles, View, ViewMode,
     test_scenes::{illumination, point_light, rel_rmse},
 };
 use glam::Vec3;
@@ -56,6 +56,59 @@ fn sketches_are_those_of_the_cpu() {
             assert!(coarser > 2.0 * apart, "negative control: {mode:?} {stride}: {coarser} {apart}");
         }
     }
+}
+
+/// A coarse sketch after one of another view.
+fn sketched_after(backend: &mut dyn Backend, before: (&View, u32), view: &View, stale: &Stale) -> Image {
+    sketched(backend, before.0, before.1);
+    backend.resume(view, BrdfSampling::Refine, stale).unwrap();
+    let tiles: Vec<u32> = (0..Tiles::of(view.size).count()).collect();
+    backend.sketch(8, &tiles).unwrap();
+    backend.fill(0).unwrap();
+    backend.read(0).unwrap().0
+}
+
+#[test]
+fn after_a_move_sketches_are_those_of_the_cpu() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    let mut cpu = CpuBackend::new();
+    prepare(&mut gpu);
+    prepare(&mut cpu);
+    let view = View { size: [150, 100], ..view(ViewMode::Shaded) };
+    let mut moved = view.clone();
+    moved.camera.eye += 0.1;
+    let reduced = View { size: [100, 70], ..moved.clone() };
+    let alone = sketched(&mut cpu, &moved, 8);
+    for before in [(&view, 1), (&view, 4), (&reduced, 1)] {
+        let [on_gpu, on_cpu] =
+            [&mut gpu as &mut dyn Backend, &mut cpu].map(|b| sketched_after(b, before, &moved, &Stale::NOTHING));
+        let (apart, without) = (rel_rmse(&on_gpu, &on_cpu), rel_rmse(&on_gpu, &alone));
+        assert!(apart < 0.03, "{before:?}: {apart}");
+        assert!(without > 2.0 * apart, "negative control: {before:?}: {without} {apart}");
+    }
+    let other_light = sketched_after(&mut gpu, (&view, 1), &moved, &Stale::ALL);
+    assert!(other_light == sketched(&mut gpu, &moved, 8));
+}
+
+#[test]
+fn pictures_with_several_samples_tell_of_the_next_too() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    prepare(&mut gpu);
+    let view = View { aa: 4, size: [150, 100], ..view(ViewMode::Shaded) };
+    let mut moved = view.clone();
+    moved.camera.eye += 0.1;
+    let full = sketched(&mut gpu, &moved, 1);
+    let after = |gpu: &mut dyn Backend, samples: u32| {
+        sketched(gpu, &view, 1);
+        (1..samples).for_each(|sample| gpu.render_rows(sample, 0..100).unwrap());
+        gpu.resume(&moved, BrdfSampling::Refine, &Stale::NOTHING).unwrap();
+        gpu.sketch(8, &(0..Tiles::of(view.size).count()).collect::<Vec<_>>()).unwrap();
+        gpu.fill(0).unwrap();
+        rel_rmse(&gpu.read(0).unwrap().0, &full)
+    };
+    let (one, four) = (after(&mut gpu, 1), after(&mut gpu, 4));
+    let alone = rel_rmse(&sketched(&mut gpu, &moved, 8), &full);
+    assert!(one < 0.6 * alone && four < 0.7 * alone, "{one} {four} {alone}");
 }
 
 #[test]

@@ -128,6 +128,8 @@ mod tests {
             "frame, once",
             "drag, first sketch",
             "drag, finished",
+            "orbit, first sketch",
+            "orbit, finished",
             "lit cuts, sources",
         ];
         assert_eq!(names, parts.map(|part| format!("color-box: {part}")));

@@ -1,8 +1,9 @@
-//! What is measured of a baked scene: frames, an edit of a material, a turn of the environment, and lit cuts.
+//! What is measured of a baked scene: frames, an edit of a material, a step of the camera, a turn of the environment, and
+//! lit cuts.
 
 use super::{meter::Meter, scenes::Case};
 use anyhow::Result;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use lapidary_core::{
     color::luminance,
     cut::{
@@ -13,7 +14,7 @@ use lapidary_core::{
 use lapidary_render::{Backend, BrdfSampling, CpuBackend, LitScene, Look, STRIDES, Tiles};
 use std::time::{Duration, Instant};
 
-/// Radians that the environment is turned by, as little as a drag by some pixels does.
+/// Radians that the environment or the camera is turned by, as little as a drag by some pixels does.
 const TURN: f32 = 0.05;
 
 /// Factor of the base colour and the roughness of the edited material, to and fro.
@@ -28,6 +29,7 @@ pub fn measure(case: &Case, meter: &mut Meter) -> Result<()> {
     let mut subject = Subject { case, scene, look: case.look.clone() };
     subject.frames(meter)?;
     subject.drag(meter)?;
+    subject.orbit(meter)?;
     if case.look.components.environment {
         subject.rotation(meter)?;
     }
@@ -73,18 +75,22 @@ impl Subject<'_> {
             parameters.base_color *= factor;
             let start = Instant::now();
             self.scene.light(&self.look)?;
-            self.scene.resume(&self.look.view, self.look.sampling)?;
-            let [first, finer @ ..] = STRIDES;
-            self.scene.sketch(first, &tiles)?;
-            self.scene.fill(0)?;
-            self.scene.backend().display(&self.look.post, 0)?;
-            let sketched = start.elapsed();
-            for stride in finer {
-                self.scene.sketch(stride, &tiles)?;
-            }
-            self.scene.backend().display(&self.look.post, 1)?;
-            Ok([sketched, start.elapsed()])
+            sketched(&mut self.scene, &self.look, start, &tiles)
         })
+    }
+
+    /// From a step of the camera around its target to the first sketch on the display, and to the finished first sample.
+    fn orbit(&mut self, meter: &mut Meter) -> Result<()> {
+        let names = ["orbit, first sketch", "orbit, finished"].map(|what| self.named(what));
+        let tiles: Vec<u32> = (0..Tiles::of(self.look.view.size).count()).collect();
+        let (view, mut steps) = (self.look.view.clone(), [TURN, 0.0].into_iter().cycle());
+        meter.measure(names, || {
+            let arm = Quat::from_rotation_y(steps.next().unwrap_or(0.0)) * (view.camera.eye - view.camera.target);
+            self.look.view.camera.eye = view.camera.target + arm;
+            sketched(&mut self.scene, &self.look, Instant::now(), &tiles)
+        })?;
+        self.look.view = view;
+        Ok(())
     }
 
     /// From a turned environment to its light, and to the first sample, for which lit cuts are made anew.
@@ -115,6 +121,22 @@ impl Subject<'_> {
         }
         Ok(())
     }
+}
+
+/// Renders the first sample of a look as the window does. Times since `start` when the coarsest sketch was displayed, and
+/// when the sample was.
+fn sketched(scene: &mut LitScene<CpuBackend>, look: &Look, start: Instant, tiles: &[u32]) -> Result<[Duration; 2]> {
+    scene.resume(&look.view, look.sampling)?;
+    let [first, finer @ ..] = STRIDES;
+    scene.sketch(first, tiles)?;
+    scene.fill(0)?;
+    scene.backend().display(&look.post, 0)?;
+    let sketched = start.elapsed();
+    for stride in finer {
+        scene.sketch(stride, tiles)?;
+    }
+    scene.backend().display(&look.post, 1)?;
+    Ok([sketched, start.elapsed()])
 }
 
 fn measure_lit_cuts(

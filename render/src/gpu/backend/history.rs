@@ -1,0 +1,123 @@
+//! What is kept of a picture for one from another camera. Twin of `cpu/sketch/history.rs`.
+
+use super::{GpuBackend, Picture, encode::full_screen};
+use crate::{
+    backend::{Backend, BackendError},
+    gpu::{
+        device::GpuDevice,
+        layout::PastUniforms,
+        pipeline::bind,
+        targets::{Sums, Target, format, target},
+    },
+    stale::Part,
+};
+use glam::Vec2;
+use wgpu::{BindingResource::TextureView as View, util::DeviceExt};
+
+/// The last picture.
+pub struct History {
+    size: [u32; 2],
+    past: PastUniforms,
+    /// By [`Part`], as far as the light had them: values, and places on surfaces.
+    parts: [Option<Sums>; Part::COUNT],
+    /// What it tells of the pixels of the new picture, by [`Part`].
+    predicted: [Option<Target>; Part::COUNT],
+    is_predicted: bool,
+}
+
+impl History {
+    /// Makes room for what it tells of a picture of `size`.
+    fn prepare(&mut self, gpu: &GpuDevice, size: [u32; 2]) {
+        for (predicted, part) in self.predicted.iter_mut().zip(&self.parts) {
+            *predicted = part.as_ref().map(|_| target(gpu, "predicted", format::FLOATS, size));
+        }
+        self.is_predicted = false;
+    }
+
+    /// What it tells of a part of the light.
+    pub fn predicted(&self, part: Part) -> Option<&Target> {
+        self.predicted[part as usize].as_ref()
+    }
+}
+
+impl GpuBackend {
+    /// Keeps the picture for one of `size` from another camera. What was never shown tells less than the picture before it.
+    pub(super) fn remember(&mut self, size: [u32; 2]) -> Result<(), BackendError> {
+        if self.picture().lattices.complete.is_some() && self.state().complete == 0 && !self.picture().lattices.filled {
+            self.fill(0)?;
+        }
+        if self.state().complete > 0 || self.picture().lattices.filled {
+            let kept = self.kept_history();
+            self.history = Some(kept);
+            self.submit(|s, encoder| s.encode_history(encoder))?;
+        }
+        if let Some(history) = &mut self.history {
+            history.prepare(&self.gpu, size);
+        }
+        Ok(())
+    }
+
+    /// Room for the picture. That of the last one is used again.
+    fn kept_history(&mut self) -> History {
+        let (targets, size) = (self.targets(), self.targets().size);
+        let has = |part: Part| part != Part::Added && targets.parts[part as usize].is_some();
+        let wanted = Part::ALL.map(has);
+        let before = self.history.take().filter(|history| history.size == size);
+        let mut parts = before.map(|history| history.parts).unwrap_or_default();
+        for (part, wanted) in parts.iter_mut().zip(wanted) {
+            *part = part.take().filter(|_| wanted).or_else(|| wanted.then(|| Sums::new(&self.gpu, size)));
+        }
+        History { size, past: past(self.picture()), parts, predicted: Default::default(), is_predicted: true }
+    }
+
+    fn encode_history(&self, encoder: &mut wgpu::CommandEncoder) {
+        let Some(history) = &self.history else { return };
+        let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
+        for part in Part::ALL {
+            let bound = history.parts[part as usize].as_ref().zip(groups.filled[part as usize].as_ref());
+            let Some((to, sums)) = bound else { continue };
+            // A new picture has all of its local lights in one part.
+            let added = targets.parts[Part::Added as usize].as_ref().filter(|_| part == Part::Direct);
+            let added = added.map_or(&targets.nothing, |sums| &sums[shown]);
+            let inputs = [&added.value, &added.work, &targets.marks[self.state().marks_front]].map(|t| View(&t.view));
+            let added = bind(&self.gpu, "added sums", &self.passes.layouts.added, &inputs);
+            let bound = [&groups.frame, &groups.scene, &added, &sums[shown]];
+            full_screen(encoder, "history", &self.passes.history, &[&to.value, &to.work], &bound);
+        }
+    }
+
+    /// Finds the pixels of the picture in the last one, unless that is done.
+    pub(super) fn encode_predicted(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let Some(history) = self.history.as_mut().filter(|history| !history.is_predicted) else { return };
+        history.is_predicted = true;
+        let Some(history) = &self.history else { return };
+        let uniforms = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("past"),
+            contents: bytemuck::bytes_of(&history.past),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let (groups, front) = (&self.picture().groups, self.state().front);
+        for part in Part::ALL {
+            let kept = history.parts[part as usize].as_ref().zip(history.predicted(part));
+            let Some(((from, to), sums)) = kept.zip(groups.filled[part as usize].as_ref()) else { continue };
+            let inputs = [uniforms.as_entire_binding(), View(&from.value.view), View(&from.work.view)];
+            let past = bind(&self.gpu, "past", &self.passes.layouts.past, &inputs);
+            let bound = [&groups.frame, &groups.scene, &past, &sums[front]];
+            full_screen(encoder, "predict", &self.passes.predict, &[to], &bound);
+        }
+    }
+}
+
+/// The camera of a picture, and where its pixels' samples are.
+fn past(picture: &Picture) -> PastUniforms {
+    let (camera, size) = (&picture.view.camera, picture.view.size);
+    let half = 0.5 * Vec2::new(size[0] as f32, size[1] as f32);
+    let axes = camera.world_from_view();
+    PastUniforms {
+        world_from_view: [0, 1, 2].map(|i| axes.col(i).extend(0.0).to_array()),
+        eye: camera.eye.to_array(),
+        focal: half.y / (0.5 * camera.fov_y).tan(),
+        center: (half - picture.offset(picture.seen)).to_array(),
+        size,
+    }
+}

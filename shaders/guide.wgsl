@@ -1,0 +1,36 @@
+// What a pixel's first sample sees, as far as it steers the filter of a sketch. Twin of `Guide` in render/src/sketch.rs.
+
+// Least albedo that radiance is divided by.
+const LEAST_ALBEDO: f32 = 1.0 / 512.0;
+// Least share of a filter's weight that must fit.
+const LEAST_SHARE: f32 = 1.0 / 16.0;
+const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
+
+struct Guide {
+    material: u32,
+    position: vec3<f32>,
+    smooth_normal: vec3<f32>,
+    normal: vec3<f32>,
+    albedo: vec3<f32>,
+    // What values are divided by: the albedo, or 1 where they are no radiance.
+    divisor: vec3<f32>,
+}
+
+fn guide(g: vec4<u32>, pixel: vec2<u32>) -> Guide {
+    let point = surface_point(g, pixel, ray_direction(pixel));
+    let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
+    let share = max(albedo(point.brdf, alpha), vec3(LEAST_ALBEDO));
+    let divisor = select(vec3(1.0), share, frame.view_mode == VIEW_SHADED);
+    let material = triangles[g.x - 1u].material & ~TWO_SIDED;
+    return Guide(material, point.position, point.smooth_normal, point.world_from_local[2], share, divisor);
+}
+
+// Twin of `Guide::fit_surface`.
+fn fit_surface(here: Guide, material: u32, position: vec3<f32>, normal: vec3<f32>, reach: f32) -> f32 {
+    if material != here.material {
+        return 0.0;
+    }
+    let plane = 1.0 - abs(dot(here.smooth_normal, position - here.position)) / reach;
+    let turned = 2.0 * dot(here.normal, normal) - 1.0;
+    return select(0.0, plane * turned, plane > 0.0 && turned > 0.0);
+}
