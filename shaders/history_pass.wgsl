@@ -26,5 +26,5 @@ fn mean(sums: Sums) -> vec3<f32> {
 // Whether all samples see a surface of one material: the mean of others tells nothing of their light.
 fn sees_one_surface(work: vec4<u32>, marks: vec4<u32>) -> bool {
     let materials = countOneBits(marks.x) + countOneBits(marks.y);
-    return sample_count(work) < 2u || (work.z >> 16u == sample_count(work) && materials == 1u);
+    return work.z >> 16u == sample_count(work) && materials == 1u;
 }

@@ -1,5 +1,5 @@
-// Lit cuts: vertices' cuts coarsened under the light of the moment, which lit_pass.wgsl makes. Twin of the cursor in
-// core/src/cut/lit.rs.
+// Lit cuts: vertices' cuts coarsened under the light of the moment, which lit_pass.wgsl makes. Twin of `PackedCursor` in
+// core/src/cut/packed.rs.
 
 // Nodes of all lit cuts: in the low half a packed node, in the high half the position in the stored cut of the first node
 // below it.

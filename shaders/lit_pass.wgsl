@@ -37,23 +37,30 @@ struct Part {
 var<private> pending: array<Part, 17>;
 
 @compute @workgroup_size(64)
-fn count(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= lit.cuts {
+fn count(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let cut = cut_of(id, groups);
+    if cut >= lit.cuts {
         return;
     }
-    let start = starts[id.x];
-    whole_light[id.x] = sum_of_light(start);
-    let nodes = coarsen(start, whole_light[id.x], false, 0u);
+    let start = starts[cut];
+    whole_light[cut] = sum_of_light(start);
+    let nodes = coarsen(start, whole_light[cut], false, 0u);
     written_offsets[start] = atomicAdd(&total, nodes);
 }
 
 @compute @workgroup_size(64)
-fn write(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= lit.cuts {
+fn write(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let cut = cut_of(id, groups);
+    if cut >= lit.cuts {
         return;
     }
-    let start = starts[id.x];
-    _ = coarsen(start, whole_light[id.x], true, written_offsets[start]);
+    let start = starts[cut];
+    _ = coarsen(start, whole_light[cut], true, written_offsets[start]);
+}
+
+// The cut of an invocation. Workgroups lie in rows, because there is a limit to their number in each dimension.
+fn cut_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return id.x + id.y * groups.x * 64u;
 }
 
 fn sum_of_light(start: u32) -> f32 {
@@ -88,7 +95,7 @@ fn coarsen(start: u32, whole: f32, writes: bool, first: u32) -> u32 {
         waiting += 1u;
         while are_siblings(waiting, cursor.end) {
             let both = joined(pending[waiting - 2u], pending[waiting - 1u]);
-            if lit.tau <= 0.0 || both.moved > lit.tau * whole {
+            if lit.tau <= 0.0 || !(both.moved <= lit.tau * whole) {
                 // No node to the left can be joined any more.
                 done = flushed(waiting, writes, first, done);
                 waiting = 0u;

@@ -32,7 +32,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let place = past.center + past.focal / depth * vec2(view.x, -view.y);
     let sum = told(here, place, depth / past.focal);
-    if sum.w < LEAST_SHARE {
+    if !(sum.w >= LEAST_SHARE) {
         return vec4(0.0);
     }
     return vec4(sum.xyz / sum.w, 1.0);
@@ -52,7 +52,10 @@ fn told(here: Guide, place: vec2<f32>, reach: f32) -> vec4<f32> {
         let tent = 1.0 - abs(place - pixel);
         let at = vec2<u32>(pixel);
         let known = Past(textureLoad(past_value, at, 0), textureLoad(past_place, at, 0));
-        sum += vec4(known.value.xyz, 1.0) * tent.x * tent.y * fit_past(here, known, reach);
+        let weight = tent.x * tent.y * fit_past(here, known, reach);
+        if weight > 0.0 {
+            sum += vec4(known.value.xyz, 1.0) * weight;
+        }
     }
     return sum;
 }

@@ -1,5 +1,5 @@
 // The filter between the pixels of a lattice: a joint bilateral one, of radiance over albedo. Twin of the filter in
-// render/src/cpu/sketch.rs, but that it shades no pixel itself. Texel (i, j) of the lattice is pixel (i, j) * stride.
+// render/src/cpu/sketch/filter.rs, but that it shades no pixel itself. Texel (i, j) of the lattice is pixel (i, j) * stride.
 
 // A pass fills one part of the light, where it lacks its first sample.
 

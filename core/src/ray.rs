@@ -11,7 +11,6 @@ pub mod offset;
 mod segments;
 mod triangle;
 
-pub use closest::SeenFrom;
 pub use directions::DirectionSet;
 pub use segments::SegmentBatch;
 

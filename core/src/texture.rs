@@ -171,7 +171,7 @@ impl Texture {
     pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
         let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;
         let (base, f) = (p.floor(), p - p.floor());
-        // From the texel before the first, which is the last, to the last.
+        // Texels beyond an edge are those of the other one.
         let [(left, right), (above, below)] = [(base.x, self.size[0]), (base.y, self.size[1])].map(|(first, size)| {
             let wrapped = |i: i64| {
                 if i < 0 {

@@ -71,7 +71,7 @@ impl EditorApp {
 impl eframe::App for EditorApp {
     fn raw_input_hook(&mut self, _ctx: &egui::Context, _raw_input: &mut egui::RawInput) {
         if let Some(pacing) = &mut self.pacing {
-            pacing.wait(self.state.frame_interval());
+            pacing.wait(self.state.render.works());
         }
     }
 

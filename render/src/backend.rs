@@ -189,7 +189,8 @@ pub trait Backend: Send {
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
 
     /// Begins a picture that keeps what the last one has, unless it is of another view or `stale`: edits since the last
-    /// one was begun or resumed. All samples are then rendered from the first on.
+    /// one was begun or resumed. All samples are then rendered from the first on. Of another camera or size, nothing is
+    /// kept but what the last picture tells of the sketch.
     ///
     /// # Errors
     /// As [`Self::begin`].

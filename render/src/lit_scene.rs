@@ -166,7 +166,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             Some(lit) => Redo::between(&lit.look, look),
             None => Redo::ALL,
         };
-        self.finished &= !redo.pixels.any();
+        self.finished &= !redo.renders();
         let before = known.as_ref().map(|lit| lit.local.clone());
         if redo.appearance {
             let remarks = self.backend.set_appearance(&look.appearance)?;
@@ -194,11 +194,13 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
         if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
-            let patches = before.filter(|_| self.keeps_unseen).and_then(|b| self.drift.add(&self.baked, b, now));
+            let before = before.filter(|_| self.keeps_unseen && !redo.view);
+            let patches = before.and_then(|b| self.drift.add(&self.baked, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
         }
-        if stale.bounce == Pixels::All {
+        // Another view is rendered with the light of now.
+        if redo.view || stale.bounce == Pixels::All {
             self.drift.reset();
         }
         stale

@@ -57,6 +57,8 @@ pub struct Redo {
     pub environment: bool,
     /// Local lights and bounced light: shadow rays of changed lights, the solution, and the components shown.
     pub local: bool,
+    /// Another picture of what is lit as it was: another camera, size, background or quantity.
+    pub view: bool,
     /// The pixels: deferred pass and merge, by what they show and by the part of their light.
     pub pixels: Stale,
     /// Exposure and tone curve over the finished pixels.
@@ -65,10 +67,17 @@ pub struct Redo {
 
 impl Redo {
     /// Everything, as after a scene was opened.
-    pub const ALL: Self = Self { appearance: true, environment: true, local: true, pixels: Stale::ALL, display: true };
+    pub const ALL: Self =
+        Self { appearance: true, environment: true, local: true, view: true, pixels: Stale::ALL, display: true };
     /// Nothing.
-    pub const NOTHING: Self =
-        Self { appearance: false, environment: false, local: false, pixels: Stale::NOTHING, display: false };
+    pub const NOTHING: Self = Self {
+        appearance: false,
+        environment: false,
+        local: false,
+        view: false,
+        pixels: Stale::NOTHING,
+        display: false,
+    };
 
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
@@ -80,11 +89,18 @@ impl Redo {
             || environment
             || *lights != new.lights
             || (*components, *solution) != (new.components, new.solution);
-        let pixels = if *sampling != new.sampling || *view != new.view { Stale::ALL } else { Self::stale(old, new) };
-        Self { appearance, environment, local, pixels, display: pixels.any() || *post != new.post }
+        let pixels = if *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
+        let view = *view != new.view;
+        let display = view || pixels.any() || *post != new.post;
+        Self { appearance, environment, local, view, pixels, display }
     }
 
-    /// Samples of the same view that do not hold any more.
+    /// Whether anything is to be rendered.
+    pub fn renders(self) -> bool {
+        self.view || self.pixels.any()
+    }
+
+    /// Samples that would not hold any more in the same view.
     fn stale(old: &Look, new: &Look) -> Stale {
         let Components { environment, direct, indirect } = new.components;
         let looks = Self::changed_looks(old, new);
@@ -129,7 +145,7 @@ mod tests {
     #[test]
     fn an_edit_redoes_what_depends_on_it_and_nothing_else() {
         const DISPLAY: Redo = Redo { display: true, ..Redo::NOTHING };
-        const PIXELS: Redo = Redo { pixels: Stale::ALL, ..DISPLAY };
+        const VIEW: Redo = Redo { view: true, ..DISPLAY };
         let local = |pixels| Redo { local: true, pixels, ..DISPLAY };
         let all = |environment, bounce, direct| {
             let [environment, bounce, direct] = [environment, bounce, direct].map(Pixels::all_if);
@@ -138,10 +154,10 @@ mod tests {
         let sky = Redo { environment: true, ..local(all(true, true, false)) };
         assert_eq!(redone(|_| ()), Redo::NOTHING);
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
-        assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), PIXELS);
-        assert_eq!(redone(|look| look.view.aa = 4), PIXELS);
-        assert_eq!(redone(|look| look.view.background = Background::Transparent), PIXELS);
-        assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), PIXELS);
+        assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), VIEW);
+        assert_eq!(redone(|look| look.view.aa = 4), VIEW);
+        assert_eq!(redone(|look| look.view.background = Background::Transparent), VIEW);
+        assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), Redo { pixels: Stale::ALL, ..DISPLAY });
         assert_eq!(redone(|look| look.components.environment = false), local(all(true, false, false)));
         assert_eq!(redone(|look| look.components.indirect = false), local(all(false, true, false)));
         assert_eq!(redone(|look| look.components.direct = false), local(all(false, false, true)));
@@ -160,7 +176,7 @@ mod tests {
             let pixels = Pixels::Showing(Marks::of_materials(materials.iter().copied()));
             Stale { environment: pixels, bounce: pixels, direct: pixels, lights: false }
         };
-        let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, environment: false };
+        let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, ..Redo::NOTHING };
         let rough = redone(|look| look.appearance.materials[1].parameters.roughness = 0.1);
         assert_eq!(rough, appearance(showing(&[1])));
         // Both have maps that had no picture.

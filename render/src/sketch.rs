@@ -16,10 +16,13 @@ pub const STRIDES: [u32; 4] = [8, 4, 2, 1];
 const TILE: u32 = 64;
 
 /// Least albedo that radiance is divided by, per channel: half of an 8-bit step of white.
-const LEAST_ALBEDO: f32 = 1.0 / 512.0;
+pub(crate) const LEAST_ALBEDO: f32 = 1.0 / 512.0;
 
 /// Least share of the filter's weight that must fit; a smaller one would let a single far or tilted neighbour decide.
-const LEAST_SHARE: f32 = 1.0 / 16.0;
+pub(crate) const LEAST_SHARE: f32 = 1.0 / 16.0;
+
+/// Weight of a surface of another material where no lattice point fits: enough where nothing else is near, and no more.
+pub(crate) const OTHER: f32 = 1e-3;
 
 /// Squares that divide a picture, numbered in rows from the top left corner. Those at its right and lower edges are cut off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 //!
 //! The invariant that makes this simple: a pixel has the samples 0 to n of a part. A pass over sample `i` adds to
 //! pixels that have exactly `i` samples and leaves those that have more. So a picture after an edit is the picture
-//! rendered from nothing.
+//! rendered from nothing, but for the rounding of lights that were added: these are summed by themselves.
 
 use crate::light::bounce::{LightKey, light_key};
 use lapidary_core::lights::Light;

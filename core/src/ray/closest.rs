@@ -1,34 +1,42 @@
 //! First hits of many rays from one origin, eight at a time: those of pixels side by side enter the same boxes.
 
-use super::{Hit, Intersector, batch::entry_and_exit, directions::inverse, triangle::TriangleFrom};
+use super::{
+    Hit, Intersector,
+    batch::{entry_and_exit, nearer_child},
+    directions::inverse,
+    triangle::TriangleFrom,
+};
 use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
 use glam::Vec3;
-use rayon::prelude::*;
-
-/// The triangles of an [`Intersector`] as seen from one origin: what all rays from there compute anew otherwise.
-pub struct SeenFrom {
-    origin: Vec3,
-    /// In the order of the leaves.
-    triangles: Vec<TriangleFrom>,
-}
 
 impl Intersector {
-    /// All triangles as seen from `origin`, for many rays from there.
-    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
-        SeenFrom { origin, triangles: self.leaf_triangles.par_iter().map(|&t| TriangleFrom::new(origin, t)).collect() }
+    /// [`Self::closest_hit`] of many rays from one origin. The nearer the unit directions of eight are to each other, the
+    /// faster it is.
+    pub fn closest_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
+        self.closest_hits_in(InstructionSet::widest(), origin, directions)
     }
 
-    /// [`Self::closest_hit`] of rays from an origin for which this mesh was prepared. The nearer the unit directions of
-    /// eight are to each other, the faster it is.
-    pub fn closest_hits_from(&self, seen: &SeenFrom, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
-        InstructionSet::widest().run(Eights { scene: self, seen, directions })
+    /// The same in the instructions of `set`.
+    pub(super) fn closest_hits_in(
+        &self,
+        set: InstructionSet,
+        origin: Vec3,
+        directions: &[[Vec3; 8]],
+    ) -> Vec<[Option<Hit>; 8]> {
+        set.run(Eights { scene: self, origin, directions })
+    }
+
+    /// A leaf triangle as seen from `origin`.
+    #[inline(always)]
+    fn leaf_from(&self, origin: Vec3, leaf: u32) -> TriangleFrom {
+        TriangleFrom::new(origin, self.leaf_triangles[leaf as usize])
     }
 }
 
 /// The first hits of eights of rays.
 struct Eights<'a> {
     scene: &'a Intersector,
-    seen: &'a SeenFrom,
+    origin: Vec3,
     directions: &'a [[Vec3; 8]],
 }
 
@@ -42,8 +50,10 @@ impl Kernel for Eights<'_> {
             let nearest = self.nearest::<L>(directions, &mut stack);
             let mut eight = [None; 8];
             for ((hit, leaf), &direction) in eight.iter_mut().zip(nearest.leaves).zip(directions) {
-                let met = self.seen.triangles.get(leaf as usize).and_then(|triangle| triangle.hit(direction));
-                *hit = met.map(|hit| Hit { triangle: self.scene.leaf_ids[leaf as usize], ..hit });
+                if let Some(leaf) = leaf {
+                    let met = self.scene.leaf_from(self.origin, leaf).hit(direction);
+                    *hit = met.map(|hit| Hit { triangle: self.scene.leaf_ids[leaf as usize], ..hit });
+                }
             }
             hits.push(eight);
         }
@@ -53,15 +63,14 @@ impl Kernel for Eights<'_> {
 
 /// The first leaf triangles that eight rays meet, so far.
 struct Nearest {
-    /// In the order of the leaves; `u32::MAX` where there is none.
-    leaves: [u32; 8],
+    leaves: [Option<u32>; 8],
     distances: [f32; 8],
 }
 
 impl Eights<'_> {
     #[inline(always)]
     fn nearest<L: Lanes>(&self, directions: &[Vec3; 8], stack: &mut Vec<u32>) -> Nearest {
-        let mut nearest = Nearest { leaves: [u32::MAX; 8], distances: [f32::INFINITY; 8] };
+        let mut nearest = Nearest { leaves: [None; 8], distances: [f32::INFINITY; 8] };
         let nodes = &self.scene.bvh.nodes[..];
         let rays: Vec3x8<L> = Vec3x8::from_array(*directions);
         let mut inverses = [Vec3::ZERO; 8];
@@ -73,8 +82,7 @@ impl Eights<'_> {
         stack.extend((!nodes.is_empty()).then_some(0));
         while let Some(index) = stack.pop() {
             let node = &nodes[index as usize];
-            let origin = self.seen.origin;
-            let (min, max) = (Vec3::from(node.aabb.min) - origin, Vec3::from(node.aabb.max) - origin);
+            let (min, max) = (Vec3::from(node.aabb.min) - self.origin, Vec3::from(node.aabb.max) - self.origin);
             let (entry, exit) = entry_and_exit(inverses, Vec3x8::splat(min), Vec3x8::splat(max));
             // The boxes are wider than their triangles by more than what is rounded here.
             let enters = entry.simd_le(exit) & entry.simd_le(L::new(nearest.distances));
@@ -86,7 +94,7 @@ impl Eights<'_> {
                     self.meet(&mut nearest, rays, leaf);
                 }
             } else {
-                let near = super::batch::nearer_child(nodes, node.first_index, axis);
+                let near = nearer_child(nodes, node.first_index, axis);
                 stack.push(node.first_index + 1 - near);
                 stack.push(node.first_index + near);
             }
@@ -97,7 +105,7 @@ impl Eights<'_> {
     /// Keeps the hits of a leaf triangle that are nearer than those known; the same arithmetic as [`TriangleFrom::hit`].
     #[inline(always)]
     fn meet<L: Lanes>(&self, nearest: &mut Nearest, rays: Vec3x8<L>, leaf: u32) {
-        let triangle = &self.seen.triangles[leaf as usize];
+        let triangle = self.scene.leaf_from(self.origin, leaf);
         let [a, b, c] = &triangle.edges;
         let (a, b, c) = (Vec3x8::splat(*a).dot(rays), Vec3x8::splat(*b).dot(rays), Vec3x8::splat(*c).dot(rays));
         let zero = L::splat(0.0);
@@ -112,9 +120,10 @@ impl Eights<'_> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
-            let known = (nearest.distances[lane], self.scene.leaf_ids.get(nearest.leaves[lane] as usize).copied());
+            let known =
+                (nearest.distances[lane], nearest.leaves[lane].map(|known| self.scene.leaf_ids[known as usize]));
             if is_nearer((distance[lane], self.scene.leaf_ids[leaf as usize]), known) {
-                (nearest.distances[lane], nearest.leaves[lane]) = (distance[lane], leaf);
+                (nearest.distances[lane], nearest.leaves[lane]) = (distance[lane], Some(leaf));
             }
         }
     }

@@ -55,13 +55,16 @@ fn eight_hits_at_a_time_are_those_of_single_rays() {
     for mesh in [soup(5, 700), doubled(soup(6, 300)), Mesh::default()] {
         let scene = Intersector::new(&mesh);
         for origin in [Vec3::ZERO, Vec3::new(0.0, 9.0, 0.0)] {
-            let hits = scene.closest_hits_from(&scene.seen_from(origin), &eights);
+            let hits = scene.closest_hits(origin, &eights);
             let single = |&d: &Vec3| scene.closest_hit(origin, d);
             let expected: Vec<_> = directions.iter().map(single).collect();
             assert_eq!(hits.as_flattened(), expected);
+            for set in InstructionSet::available() {
+                assert_eq!(scene.closest_hits_in(set, origin, &eights), hits, "{set:?}");
+            }
             let met = expected.iter().flatten().count();
             assert!(mesh.triangles.is_empty() || met > 10, "{met}");
-            let elsewhere = scene.closest_hits_from(&scene.seen_from(origin + 0.5), &eights);
+            let elsewhere = scene.closest_hits(origin + 0.5, &eights);
             assert!(elsewhere != hits || met == 0, "negative control: another origin");
         }
     }

@@ -46,7 +46,7 @@ impl EditorState {
     fn explanation_is_outdated(&self) -> bool {
         let (then, now) = (self.explain.picture.as_ref(), self.requests.last_sent());
         then.zip(now).is_some_and(|(then, now)| {
-            !Baked::are_same(Some(&then.baked), now.baked.as_ref()) || Redo::between(&then.look, &now.look).pixels.any()
+            !Baked::are_same(Some(&then.baked), now.baked.as_ref()) || Redo::between(&then.look, &now.look).renders()
         })
     }
 

@@ -1,10 +1,13 @@
-//! How often the window is drawn where graphics are emulated: the processor's time is then the renderer's loss.
+//! How often the window is drawn where graphics are emulated: what that takes, the renderer lacks.
 
-use super::EditorState;
 use std::{
     thread::sleep,
     time::{Duration, Instant},
 };
+
+/// The least time from one frame to the next while the renderer works: two frames for each picture of a drag. Without it
+/// the toolkit draws three for each movement of the pointer.
+const INTERVAL: Duration = Duration::from_millis(50);
 
 /// Keeps frames of the window apart.
 pub(super) struct Pacing {
@@ -16,19 +19,28 @@ impl Pacing {
         Self { last: Instant::now() }
     }
 
-    /// Waits until `interval` has passed since the last frame, if there is to be one.
-    pub fn wait(&mut self, interval: Option<Duration>) {
-        sleep(interval.unwrap_or_default().saturating_sub(self.last.elapsed()));
+    /// Waits for the time of the next frame, if the renderer works.
+    pub fn wait(&mut self, renderer_works: bool) {
+        if renderer_works {
+            sleep(INTERVAL.saturating_sub(self.last.elapsed()));
+        }
         self.last = Instant::now();
     }
 }
 
-impl EditorState {
-    /// The least time from one frame of the window to the next, as long as the renderer is at work: twice as many frames as
-    /// pictures are more than are seen, and each event is three frames to the toolkit.
-    pub(super) fn frame_interval(&self) -> Option<Duration> {
-        let is_at_work = self.pictures.shown().is_some_and(|frame| frame.samples < frame.of_samples);
-        let half_of_budget = Duration::from_secs_f32(0.5e-3 * self.document.view.frame_budget_ms.clamp(0.0, 200.0));
-        is_at_work.then_some(half_of_budget)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_apart_while_the_renderer_works() {
+        let mut pacing = Pacing::new();
+        let start = Instant::now();
+        pacing.wait(true);
+        pacing.wait(true);
+        assert!(start.elapsed() >= INTERVAL, "at least the second one waits in full");
+        let idle = Instant::now();
+        (0..10).for_each(|_| pacing.wait(false));
+        assert!(idle.elapsed() < INTERVAL);
     }
 }

@@ -36,6 +36,12 @@ pub struct Launch {
 pub fn run(launch: &Launch) -> Result<()> {
     let bundled = bundled(launch)?;
     let folders = Folders::find()?;
+    if is_display_missing() {
+        bail!(
+            "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or make pictures without a \
+             window: lapidary render --help"
+        );
+    }
     let is_emulated = !lapidary_render::gpu::has_hardware();
     let pacing = move || is_emulated.then(Pacing::new);
     let window = |renderer: eframe::Renderer| {
@@ -49,12 +55,6 @@ pub fn run(launch: &Launch) -> Result<()> {
     };
     let [first, second] = drawers(is_emulated);
     let Err(error) = window(first) else { return Ok(()) };
-    if is_display_missing() {
-        bail!(
-            "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or make pictures without a \
-             window: lapidary render --help"
-        );
-    }
     let Err(other) = window(second) else { return Ok(()) };
     bail!(
         "no window can be opened, neither by {} ({error}) nor by {} ({other}); install a Vulkan or OpenGL driver (Mesa \

@@ -141,6 +141,7 @@ pub struct RenderThread {
     frame: Arc<Mutex<Option<RenderedFrame>>>,
     events: Receiver<RenderEvent>,
     held: Arc<AtomicBool>,
+    works: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -152,14 +153,20 @@ impl RenderThread {
         let frame = Arc::new(Mutex::new(None));
         let outbox = Outbox { frame: frame.clone(), events: events_sender, wake };
         let held = Arc::new(AtomicBool::new(false));
-        let shared = held.clone();
+        let works = Arc::new(AtomicBool::new(false));
+        let shared = worker::Shared { held: held.clone(), works: works.clone() };
         let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox, shared).run());
-        Self { messages: Some(messages), frame, events, held, thread: Some(thread) }
+        Self { messages: Some(messages), frame, events, held, works, thread: Some(thread) }
     }
 
     /// Gives the cores to other work: only the first coarse picture is made meanwhile, and the full one goes on afterwards.
     pub fn hold(&self, held: bool) {
         self.held.store(held, SeqCst);
+    }
+
+    /// Whether it renders, and does not wait for anything.
+    pub fn works(&self) -> bool {
+        self.works.load(SeqCst)
     }
 
     /// Asks for a picture; costs nothing if nothing has changed since the last time.

@@ -238,6 +238,7 @@ impl Backend for CpuBackend {
         work.sketch.add_tiles(work.picture, &work.sampler, painter, patches, stride, tiles);
         if work.sketch.is_complete() {
             *work.complete = 1;
+            work.sketch.forget_last();
         }
         Ok(())
     }

@@ -347,36 +347,45 @@ impl Row<'_> {
         sample: u32,
     ) -> [u64; Part::COUNT] {
         let mut shaded = [0; Part::COUNT];
-        for x in 0..self.seen.len() {
-            let lacks = Part::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|s| s.samples == sample));
-            let surface = self.add_to_pixel(x, lacks, (sampler, painter), patches, sample);
+        let y = self.y;
+        let lacking: Vec<[u32; 2]> =
+            (0..self.seen.len()).filter(|&x| self.lacks_any(x, sample)).map(|x| [x as u32, y]).collect();
+        for (&pixel, hit) in lacking.iter().zip(sampler.hits(&lacking, sample as usize)) {
+            let lacks = self.lacks(pixel[0] as usize, sample);
+            let sight = sampler.sight_of(pixel, sample as usize, hit);
+            self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, &sight));
+            let surface = matches!(sight.seen, FirstHit::Surface(_));
             shaded.iter_mut().zip(lacks).for_each(|(count, lacks)| *count += u64::from(surface && lacks));
         }
         shaded
     }
 
-    /// Adds a sample to those parts of a pixel that lack it. Returns whether it met a surface to shade.
+    /// Which parts of a pixel lack a sample.
+    fn lacks(&self, x: usize, sample: u32) -> [bool; Part::COUNT] {
+        Part::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|sum| sum.samples == sample))
+    }
+
+    /// Whether a pixel lacks a sample of any part, or of what it shows.
+    fn lacks_any(&self, x: usize, sample: u32) -> bool {
+        self.lacks(x, sample).contains(&true) || self.seen[x].samples == sample
+    }
+
+    /// Adds a sample to those parts of a pixel that lack it.
     fn add_to_pixel(
         &mut self,
-        x: usize,
+        [x, y]: [u32; 2],
         lacks: [bool; Part::COUNT],
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
-        sample: u32,
-    ) -> bool {
-        let seen = &mut self.seen[x];
-        if !lacks.contains(&true) && seen.samples != sample {
-            return false;
-        }
-        let sight = sampler.sight(x as u32, self.y, sample as usize);
+        (sample, sight): (u32, &Sight),
+    ) {
+        let seen = &mut self.seen[x as usize];
         if seen.samples == sample {
             seen.add(sampler, sight.position, &sight.seen, patches);
         }
-        let pixel = [x as u32, self.y];
         for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
-            self.parts[part as usize][x].add(part, (sampler, painter), &sight, pixel_shift(pixel[0], pixel[1], sample));
+            self.parts[part as usize][x as usize].add(part, (sampler, painter), sight, pixel_shift(x, y, sample));
         }
-        matches!(sight.seen, FirstHit::Surface(_))
     }
 }
 

@@ -12,19 +12,13 @@ use crate::{
 };
 use filter::{Filter, Hole};
 use history::History;
-use lapidary_core::{
-    camera::Camera,
-    image::Region,
-    ray::{Hit, SeenFrom},
-};
+use lapidary_core::{camera::Camera, image::Region, ray::Hit};
 use rayon::prelude::*;
 
 /// What pixels see, kept while the camera stays, and how far the lattices of each tile are.
 #[derive(Default)]
 pub(crate) struct Sketch {
     seen_by: Option<(Camera, [u32; 2])>,
-    /// For the camera's rays, while there are pixels without one.
-    rays: Option<SeenFrom>,
     /// Those of one tile after another.
     guides: Vec<Guide>,
     /// For each tile, the number of the last change of materials that its guides have; `None` before it was looked at.
@@ -60,7 +54,6 @@ impl Sketch {
         if self.seen_by.as_ref().is_none_or(|(c, s)| c != camera || *s != size) {
             self.remember(last);
             self.seen_by = Some((camera.clone(), size));
-            self.rays = None;
             self.looked = vec![None; count];
         } else {
             self.history = None;
@@ -78,6 +71,11 @@ impl Sketch {
         } else {
             history
         };
+    }
+
+    /// All pixels have their sample: nothing is filled any more.
+    pub fn forget_last(&mut self) {
+        self.history = None;
     }
 
     /// Whether all tiles have all lattices.
@@ -107,18 +105,9 @@ impl Sketch {
         let (all, materials) = (self.tiles(), MaterialChanges { last: self.changes, of: &self.changed });
         self.guides.resize(all.count() as usize * Tiles::MOST_PIXELS, Guide::unlit(Guide::BACKGROUND));
         let wanted: Vec<bool> = mask(all.count(), tiles);
-        let needs_rays = tiles.iter().any(|&tile| self.looked[tile as usize].is_none());
-        let rays = self.rays.take().or_else(|| needs_rays.then(|| sampler.seen_from_eye()));
         let shade_tile =
             |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
-                let mut work = TileWork {
-                    tiles: all,
-                    region: all.region(tile as u32),
-                    guides,
-                    sampler,
-                    patches,
-                    rays: rays.as_ref(),
-                };
+                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler, patches };
                 work.look(*looked, &materials);
                 *looked = Some(materials.last);
                 work.shade(picture, painter, stride, self.strides[tile].is_none())
@@ -132,7 +121,6 @@ impl Sketch {
             .map_init(painter, shade_tile)
             .collect();
         shaded.into_iter().for_each(|samples| picture.set_first(samples));
-        self.rays = rays.filter(|_| self.looked.contains(&None));
         tiles.iter().for_each(|&tile| self.strides[tile as usize] = Some(stride));
     }
 
@@ -201,8 +189,6 @@ struct TileWork<'t, 's, 'a> {
     guides: &'t mut [Guide],
     sampler: &'s PixelSampler<'a>,
     patches: Option<&'s [u8]>,
-    /// There where pixels were not looked at.
-    rays: Option<&'s SeenFrom>,
 }
 
 impl TileWork<'_, '_, '_> {
@@ -211,9 +197,9 @@ impl TileWork<'_, '_, '_> {
         if looked == Some(materials.last) {
             return;
         }
-        if let (None, Some(rays)) = (looked, self.rays) {
-            let hits = self.sampler.first_hits(rays, self.region);
-            for ((x, y), hit) in pixels(self.region).zip(hits) {
+        if looked.is_none() {
+            let near: Vec<[u32; 2]> = by_blocks(self.region).collect();
+            for (&[x, y], hit) in near.iter().zip(self.sampler.hits(&near, 0)) {
                 self.guides[self.tiles.place(x, y).1] = looked_up(self.sampler, hit, x, y);
             }
             return;
@@ -245,6 +231,14 @@ impl TileWork<'_, '_, '_> {
 
 fn pixels(region: Region) -> impl Iterator<Item = (u32, u32)> {
     region.rows().flat_map(move |y| region.columns().map(move |x| (x, y)))
+}
+
+/// The pixels of a region, by blocks of four by two.
+fn by_blocks(region: Region) -> impl Iterator<Item = [u32; 2]> {
+    let part = |first: u32, side: u32, end: u32| first..(first + side).min(end);
+    let (right, below) = (region.columns().end, region.rows().end);
+    let blocks = region.rows().step_by(2).flat_map(move |y| region.columns().step_by(4).map(move |x| [x, y]));
+    blocks.flat_map(move |[x, y]| part(y, 2, below).flat_map(move |y| part(x, 4, right).map(move |x| [x, y])))
 }
 
 /// What steers the filter where the first sample of a pixel meets the mesh at `hit`.
@@ -291,7 +285,7 @@ fn first_sample(
     guide: &Guide,
     [x, y]: [u32; 2],
 ) -> FirstSample {
-    FirstSample::new(picture, (sampler, painter), patches, [x, y], &sampler.first_sight(x, y, hit(guide)))
+    FirstSample::new(picture, (sampler, painter), patches, [x, y], &sampler.sight_of([x, y], 0, hit(guide)))
 }
 
 #[cfg(test)]

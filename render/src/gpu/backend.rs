@@ -357,8 +357,9 @@ impl Backend for GpuBackend {
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
         // Other modes do not show the parts of the light one by one.
         let is_lost = view.mode != ViewMode::Shaded && stale.any();
+        self.check_size(view.size)?;
         if self.is_of_same_light(view, sampling, stale) {
-            self.remember(view.size)?;
+            self.remember()?;
         } else {
             self.history = None;
         }
@@ -414,6 +415,8 @@ impl Backend for GpuBackend {
         let Some(picture) = &mut self.picture else { return Ok(()) };
         picture.lattices.add(stride, tiles, all.count());
         if picture.lattices.complete == Some(1) {
+            // Nothing is filled any more.
+            self.history = None;
             self.sample_done(0);
         }
         Ok(())
@@ -427,12 +430,15 @@ impl Backend for GpuBackend {
         let areas: Vec<Region> =
             (0..all.count()).filter(|&tile| !lattices.has_sample(tile)).map(|tile| all.region(tile)).collect();
         self.write_frame(0, stride);
+        let is_unpredicted = self.take_unpredicted();
         self.submit(|s, encoder| {
-            s.encode_predicted(encoder);
+            if is_unpredicted {
+                s.encode_predicted(encoder);
+            }
             s.encode_sketch(encoder, stride, &areas);
         })?;
         if let Some(picture) = &mut self.picture {
-            picture.lattices.filled = true;
+            (picture.lattices.filled, picture.lattices.was_filled) = (true, true);
         }
         Ok(0)
     }

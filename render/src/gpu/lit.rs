@@ -11,7 +11,7 @@ use super::{
     scene::{GpuCuts, storage},
     shaders::{LIT, ShaderSource},
 };
-use crate::backend::BackendError;
+use crate::{backend::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use lapidary_core::cut::lit::{DEFAULT_TAU, LitCuts};
 use wgpu::{BindGroupLayout, BindingResource::TextureView as View, BufferUsages as Usages};
@@ -109,7 +109,9 @@ impl LitPass {
             if bytes <= gpu.max_storage_bytes() {
                 return work.write(self, gpu, &self.write[field as usize], bytes);
             }
-            // The largest share leaves one node a cut.
+            if tau >= 1.0 {
+                gpu.within("the lit cuts", "bytes", bytes, gpu.max_storage_bytes(), Remedy::SmallerCuts)?;
+            }
             tau = (2.0 * tau).clamp(DEFAULT_TAU, 1.0);
         }
     }
@@ -201,7 +203,9 @@ impl<'a> Work<'a> {
             pass.set_bind_group(0, &self.frame, &[]);
             pass.set_bind_group(2, &self.light, &[]);
             pass.set_bind_group(3, cuts, &[]);
-            pass.dispatch_workgroups(self.stored.count.div_ceil(CUTS_PER_GROUP), 1, 1);
+            let groups = self.stored.count.div_ceil(CUTS_PER_GROUP);
+            let columns = groups.min(gpu.limits.max_compute_workgroups_per_dimension);
+            pass.dispatch_workgroups(columns, groups.div_ceil(columns.max(1)), 1);
         }
         gpu.queue.submit([encoder.finish()]);
     }

@@ -1,7 +1,10 @@
 //! Looks one after another: what is lit and rendered again.
 
 use super::*;
-use crate::{Appearance, Components, CpuBackend, Illumination, PictureStats, test_looks::look};
+use crate::{
+    Appearance, Components, CpuBackend, Illumination, PictureStats, STRIDES, Tiles, test_looks::look,
+    test_scenes::rel_rmse,
+};
 use lapidary_core::test_scenes::dataset;
 
 fn scene() -> LitScene {
@@ -65,6 +68,41 @@ fn the_environment_is_lit_again_only_when_it_is_another_or_forgotten() {
     scene.forget_light();
     assert_eq!(revision(&mut scene, &turned), 3);
     assert_eq!(revision(&mut scene, &turned), 3, "once");
+}
+
+/// The coarsest sketch of a look, after finished ones of others.
+fn sketched_after(before: &[&Look], look: &Look) -> Image {
+    let mut scene = scene();
+    let tiles: Vec<u32> = (0..Tiles::of(look.view.size).count()).collect();
+    for look in before {
+        scene.light(look).unwrap();
+        scene.resume(&look.view, look.sampling).unwrap();
+        STRIDES.iter().for_each(|&stride| scene.sketch(stride, &tiles).unwrap());
+    }
+    scene.light(look).unwrap();
+    scene.resume(&look.view, look.sampling).unwrap();
+    scene.sketch(STRIDES[0], &tiles).unwrap();
+    scene.fill(0).unwrap();
+    scene.backend().read(0).unwrap().0
+}
+
+#[test]
+fn a_look_from_another_camera_has_the_detail_of_the_last_picture() {
+    let mut look = base();
+    look.view.size = [150, 110];
+    let mut moved = look.clone();
+    moved.view.camera.eye.x += 0.05;
+    let full = shown(&mut scene(), &moved).0.image;
+    let error = |image: &Image| rel_rmse(image, &full);
+    let (after, alone) = (sketched_after(&[&look], &moved), sketched_after(&[], &moved));
+    assert!(error(&after) < 0.7 * error(&alone), "{} {}", error(&after), error(&alone));
+    let turned = Look { light: Illumination { rotation: 0.5, ..look.light.clone() }, ..look.clone() };
+    let mut rough = look.clone();
+    rough.appearance.materials[0].parameters.roughness = 0.3;
+    for other in [turned, rough] {
+        assert!(sketched_after(&[&other], &moved) == alone, "negative control: another light or material");
+        assert!(sketched_after(&[&look, &other], &moved) == alone);
+    }
 }
 
 /// Counts what a renderer is given, and renders nothing.

@@ -10,11 +10,7 @@ use crate::{
     view::View,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    camera::Lens,
-    image::Region,
-    ray::{Hit, SeenFrom},
-};
+use lapidary_core::{camera::Lens, ray::Hit};
 use std::ops::Range;
 
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
@@ -53,9 +49,14 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
+    /// Where a sample is in its pixel.
+    fn offset(&self, sample: usize) -> Vec2 {
+        self.offsets[sample % self.offsets.len()]
+    }
+
     /// The view along one of a pixel's samples.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
-        self.sight_at(x, y, self.offsets[sample % self.offsets.len()])
+        self.sight_at(x, y, self.offset(sample))
     }
 
     /// The view from a position in the pixel's unit square.
@@ -69,35 +70,26 @@ impl<'a> PixelSampler<'a> {
         (position, self.lens.direction_through(position))
     }
 
-    /// Prepares the camera rays of many pixels.
-    pub fn seen_from_eye(&self) -> SeenFrom {
-        self.surfaces.seen_from(self.view.camera.eye)
+    /// Where the camera rays through one of the samples of each of some pixels meet the mesh. Eight at a time are traced
+    /// together, the faster the nearer they are.
+    pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
+        let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1;
+        let eight = |chunk: &[[u32; 2]]| std::array::from_fn(|i| direction(&chunk[i.min(chunk.len() - 1)]));
+        let eights: Vec<[Vec3; 8]> = pixels.chunks(8).map(eight).collect();
+        let mut hits = self.surfaces.hits_from(self.view.camera.eye, &eights).into_flattened();
+        hits.truncate(pixels.len());
+        hits
     }
 
-    /// Where the camera rays through the first samples of a region's pixels meet the mesh, row by row.
-    pub fn first_hits(&self, seen: &SeenFrom, region: Region) -> Vec<Option<Hit>> {
-        // Eight rays at a time are those of four by two pixels; the last ones of a row or column may lie beyond the region.
-        let [columns, rows] = [region.width.div_ceil(4), region.height.div_ceil(2)];
-        let direction = |block: u32, lane: u32| {
-            let (x, y) = (4 * (block % columns) + lane % 4, 2 * (block / columns) + lane / 4);
-            self.toward(region.x + x, region.y + y, self.offsets[0]).1
-        };
-        let eights: Vec<[Vec3; 8]> =
-            (0..columns * rows).map(|block| std::array::from_fn(|lane| direction(block, lane as u32))).collect();
-        let hits = self.surfaces.hits_from(seen, &eights);
-        let hit = |x: u32, y: u32| hits[(y / 2 * columns + x / 4) as usize][(y % 2 * 4 + x % 4) as usize];
-        (0..region.height).flat_map(|y| (0..region.width).map(move |x| (x, y))).map(|(x, y)| hit(x, y)).collect()
-    }
-
-    /// The view along a pixel's first sample, whose hit is known.
-    pub fn first_sight(&self, x: u32, y: u32, hit: Option<Hit>) -> Sight {
-        let (position, direction) = self.toward(x, y, self.offsets[0]);
+    /// The view along one of a pixel's samples, whose hit is known.
+    pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
+        let (position, direction) = self.toward(x, y, self.offset(sample));
         Sight { position, direction, seen: self.surfaces.seen_at(hit, direction) }
     }
 
     /// The surface that a pixel's first sample sees at `hit`; `None` for the back of a one-sided one.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
-        let (_, direction) = self.toward(x, y, self.offsets[0]);
+        let (_, direction) = self.toward(x, y, self.offset(0));
         (!self.surfaces.is_back(hit)).then(|| self.surfaces.point(hit, -direction))
     }
 
@@ -114,7 +106,7 @@ impl<'a> PixelSampler<'a> {
 
     /// [`Self::wire`] of a pixel's first sample.
     pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
-        self.wire(Vec2::new(x as f32, y as f32) + self.offsets[0], self.surfaces.corners(triangle))
+        self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.surfaces.corners(triangle))
     }
 
     /// Background along a direction that hits no surface.

@@ -6,7 +6,7 @@ use lapidary_core::{
     brdf::{LightsX8, LobeMomentsX8, SurfaceBrdf},
     dataset::Dataset,
     material::{BrdfParameters, MapKind, Material},
-    ray::{Hit, Intersector, SeenFrom, offset},
+    ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
@@ -200,14 +200,9 @@ impl<'a> Surfaces<'a> {
         self.seen_at(self.hit_along(origin, direction), direction)
     }
 
-    /// Prepares many rays from one origin.
-    pub fn seen_from(&self, origin: Vec3) -> SeenFrom {
-        self.intersector.seen_from(origin)
-    }
-
-    /// Where rays from a prepared origin first meet the mesh.
-    pub fn hits_from(&self, seen: &SeenFrom, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
-        self.intersector.closest_hits_from(seen, directions)
+    /// Where rays from one origin first meet the mesh.
+    pub fn hits_from(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
+        self.intersector.closest_hits(origin, directions)
     }
 
     /// Where a ray first meets the mesh.

@@ -56,12 +56,19 @@ fn millis_since(start: Instant) -> f64 {
     1e3 * start.elapsed().as_secs_f64()
 }
 
+/// What the thread and the window tell each other at any time.
+pub struct Shared {
+    /// Whether other work needs the cores.
+    pub held: Arc<AtomicBool>,
+    /// Whether the thread has something to do that waits for nothing.
+    pub works: Arc<AtomicBool>,
+}
+
 /// The state of the thread.
 pub struct Worker {
     inbox: Receiver<Message>,
     outbox: Outbox,
-    /// Whether other work needs the cores.
-    held: Arc<AtomicBool>,
+    shared: Shared,
     factory: BackendFactory,
     /// The scene on its renderer, once there is one.
     scene: Option<LitScene>,
@@ -93,11 +100,11 @@ pub struct Worker {
 
 impl Worker {
     /// With nothing to do yet.
-    pub fn new(factory: BackendFactory, inbox: Receiver<Message>, outbox: Outbox, held: Arc<AtomicBool>) -> Self {
+    pub fn new(factory: BackendFactory, inbox: Receiver<Message>, outbox: Outbox, shared: Shared) -> Self {
         Self {
             inbox,
             outbox,
-            held,
+            shared,
             factory,
             scene: None,
             lights_before: 0,
@@ -140,7 +147,9 @@ impl Worker {
         if self.is_urgent() {
             return true;
         }
-        let first = match self.patience() {
+        let patience = self.patience();
+        self.shared.works.store(patience == Some(Duration::ZERO), SeqCst);
+        let first = match patience {
             None => self.inbox.recv().map_err(RecvTimeoutError::from),
             Some(patience) => self.inbox.recv_timeout(patience),
         };
@@ -191,7 +200,7 @@ impl Worker {
             PictureStage::Sketch => self.shown_apart.is_some(),
             PictureStage::Rest | PictureStage::Begin => false,
         };
-        has_shown && self.held.load(SeqCst)
+        has_shown && self.shared.held.load(SeqCst)
     }
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
@@ -209,7 +218,7 @@ impl Worker {
     /// Decides what a new request sets going.
     fn accept(&mut self, request: RenderRequest) {
         let redo = self.wanted.as_ref().map_or(Redo::ALL, |wanted| wanted.redo(&request));
-        if redo.pixels.any() {
+        if redo.renders() {
             (self.stage, self.shown_apart) = (PictureStage::Begin, None);
         } else if redo.display {
             self.post_changed();

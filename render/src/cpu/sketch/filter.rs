@@ -4,7 +4,7 @@ use super::{Sketch, history::Detail};
 use crate::{
     cpu::picture::{Filled, FilledRow, Picture},
     shade::pixel_sampler::PixelSampler,
-    sketch::{Guide, Mean, around, pixel_angle},
+    sketch::{Guide, Mean, OTHER, around, pixel_angle},
     stale::Part,
     view_mode::ViewMode,
 };
@@ -107,7 +107,6 @@ impl<'a> Filter<'a> {
 
     /// The mean over the nearest surfaces, with those of the same material far ahead.
     fn guess(&self, part: Part, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
-        const OTHER: f32 = 1e-3;
         let fit = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
         let mut mean = Mean::default();
         for (other, weight) in around(pixel, self.stride(pixel), 2) {

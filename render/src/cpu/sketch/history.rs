@@ -4,7 +4,8 @@
 //! A surface point that the last picture also shows is found in it, with the light that it reflected there. That light is
 //! only the detail between the points of a lattice, whose light is computed anew: what the last picture shows at a pixel, less
 //! what its own filter would make of it. It is trusted as far as the last picture agrees with the lattice, so that a
-//! reflection that moves with the eye is dropped. Twin of `shaders/history_pass.wgsl` and `shaders/sketch_pass.wgsl`.
+//! reflection that moves with the eye is dropped. Twin of `history_pass.wgsl`, `past.wgsl` and `predict_pass.wgsl`, and of
+//! `detail` in `sketch_pass.wgsl`.
 
 use crate::{
     cpu::picture::Picture,
@@ -12,7 +13,7 @@ use crate::{
     sketch::{Guide, Mean},
     stale::Part,
 };
-use glam::{IVec2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lapidary_core::color::luminance;
 use rayon::prelude::*;
 
@@ -70,6 +71,7 @@ impl History {
         let Some(screen) = self.screen.take() else { return };
         let Self { points, values, predicted, size: from, .. } = self;
         for (values, predicted) in values.iter().zip(predicted).filter(|(values, _)| !values.is_empty()) {
+            // Found anew for each part: to keep where it was found would take longer.
             by_rows(predicted, size, |x, y| Found::of(guide(x, y), &screen, points, *from)?.mean(values));
         }
         self.width = size[0];
@@ -110,14 +112,15 @@ impl Found {
         let reach = projected.z / screen.focal();
         let (mut pixels, mut weights) = ([0; 4], [0.0; 4]);
         for (i, (pixel, weight)) in pixels.iter_mut().zip(&mut weights).enumerate() {
-            let corner = IVec2::new(i as i32 % 2, i as i32 / 2);
-            let IVec2 { x, y } = first.as_ivec2() + corner;
-            if x < 0 || y < 0 || x as u32 >= size[0] || y as u32 >= size[1] {
+            let corner = Vec2::new((i % 2) as f32, (i / 2) as f32);
+            let Vec2 { x, y } = first + corner;
+            // Compared as floats: a place near the eye's plane may lie beyond all integers.
+            if !(x >= 0.0 && y >= 0.0 && x < size[0] as f32 && y < size[1] as f32) {
                 continue;
             }
             *pixel = y as usize * size[0] as usize + x as usize;
             let Past { material, position, normal } = points[*pixel];
-            let tent = Vec2::ONE - (f - corner.as_vec2()).abs();
+            let tent = Vec2::ONE - (f - corner).abs();
             *weight = tent.x * tent.y * guide.fit_surface(material, position, normal, reach);
         }
         Some(Self { pixels, weights })
@@ -126,7 +129,8 @@ impl Found {
     /// The mean of the pixels' values, if enough of them fit.
     fn mean(&self, values: &[Vec3]) -> Option<Vec3> {
         let mut mean = Mean::default();
-        self.pixels.iter().zip(self.weights).for_each(|(&pixel, weight)| mean.add(values[pixel], weight));
+        let fitting = self.pixels.iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0);
+        fitting.for_each(|(&pixel, weight)| mean.add(values[pixel], weight));
         mean.fitting(1)
     }
 }

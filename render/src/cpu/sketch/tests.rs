@@ -1,5 +1,6 @@
 //! Sketches come close to the picture, keep its edges, and end as the picture.
 
+use super::by_blocks;
 use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Renderer, STRIDES, Stale, Tiles, View,
     ViewMode,
@@ -8,7 +9,7 @@ use crate::{
 use glam::{UVec2, Vec2, Vec3};
 use lapidary_core::{
     dataset::Dataset,
-    image::Image,
+    image::{Image, Region},
     material::{BrdfModel, BrdfParameters, Material},
     scene::Mesh,
 };
@@ -217,6 +218,11 @@ fn moved(view: &View) -> View {
 /// A sketch of the coarsest lattice after a whole sketch of another view, with edits between.
 fn sketched_after(backend: &mut CpuBackend, before: &View, view: &View, stale: &Stale) -> Image {
     sketched(backend, before, 1);
+    coarse(backend, view, stale)
+}
+
+/// The coarsest lattice of a picture that follows another.
+fn coarse(backend: &mut CpuBackend, view: &View, stale: &Stale) -> Image {
     backend.resume(view, BrdfSampling::Refine, stale).unwrap();
     sketch(backend, view, STRIDES[0]);
     backend.fill(0).unwrap();
@@ -251,10 +257,7 @@ fn pictures_with_several_samples_tell_of_the_next_too() {
     let alone = rel_rmse(&sketched(&mut backend, &moved, 8), &full);
     sketched(&mut backend, &view, 1);
     (1..4).for_each(|sample| backend.render_rows(sample, 0..view.size[1]).unwrap());
-    backend.resume(&moved, BrdfSampling::Refine, &Stale::NOTHING).unwrap();
-    sketch(&mut backend, &moved, STRIDES[0]);
-    backend.fill(0).unwrap();
-    let after = rel_rmse(&backend.read(0).unwrap().0, &full);
+    let after = rel_rmse(&coarse(&mut backend, &moved, &Stale::NOTHING), &full);
     assert!(after < 0.5 * alone, "{after} {alone}");
 }
 
@@ -267,14 +270,22 @@ fn a_sketch_knows_nothing_of_pictures_of_another_light_or_material() {
         sketched_after(backend, before, &moved, stale) == alone
     };
     assert!(after(&mut backend, &view, &Stale::ALL));
-    assert!(after(&mut backend, &View { mode: ViewMode::Albedo, ..view.clone() }, &Stale::NOTHING));
+    for other in [
+        View { mode: ViewMode::Albedo, ..view.clone() },
+        View { background: Background::Flat(Vec3::Y), ..view.clone() },
+    ] {
+        assert!(after(&mut backend, &other, &Stale::NOTHING));
+    }
+    sketched(&mut backend, &view, 1);
+    backend.resume(&moved, BrdfSampling::Once, &Stale::NOTHING).unwrap();
+    assert!(coarse(&mut backend, &moved, &Stale::NOTHING) == alone, "another way to merge was between");
     assert!(!after(&mut backend, &view, &Stale::NOTHING), "negative control");
     // Nor of the scene before.
     sketched(&mut backend, &view, 1);
     let lighting = Renderer::new(dataset.clone()).lighting(&light(), 64);
     backend.set_scene(&dataset.clone().into()).unwrap();
     backend.set_light(&light(), &lighting.into()).unwrap();
-    assert!(after(&mut backend, &View { mode: ViewMode::Albedo, ..view.clone() }, &Stale::NOTHING));
+    assert!(coarse(&mut backend, &moved, &Stale::NOTHING) == alone);
 }
 
 #[test]
@@ -287,4 +298,16 @@ fn what_comes_into_view_is_filled_as_without_a_last_picture() {
     assert!(sketched_after(&mut backend, &away, &view, &Stale::NOTHING) == alone, "it showed nothing of it");
     let unseen = View { size: [0, 0], ..view.clone() };
     assert!(sketched_after(&mut backend, &unseen, &view, &Stale::NOTHING) == alone);
+}
+
+#[test]
+fn blocks_hold_each_pixel_of_a_region_once() {
+    for (width, height) in [(64, 64), (1, 1), (7, 5), (3, 64)] {
+        let region = Region { x: 64, y: 128, width, height };
+        let mut pixels: Vec<[u32; 2]> = by_blocks(region).collect();
+        assert_eq!(pixels[..2.min(pixels.len())].last(), Some(&[64 + u32::from(width > 1), 128]));
+        pixels.sort_unstable_by_key(|&[x, y]| (y, x));
+        let rows: Vec<[u32; 2]> = region.rows().flat_map(|y| region.columns().map(move |x| [x, y])).collect();
+        assert_eq!(pixels, rows);
+    }
 }

@@ -96,7 +96,7 @@ impl GpuBackend {
             let pipeline = self.passes.merge(&self.gpu, variant).clone();
             let groups = &self.picture().groups;
             let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
-            let bound = light.zip(groups.merge[part as usize].as_ref());
+            let bound = light.zip(groups.sums[part as usize].as_ref());
             let Some(((light, merge), sums)) = bound.zip(self.written(part, stride)) else {
                 continue;
             };
@@ -150,7 +150,7 @@ impl GpuBackend {
     pub(super) fn encode_sketch(&self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let (groups, front) = (&self.picture().groups, self.state().front);
         for part in Part::ALL {
-            let bound = groups.filled[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
+            let bound = groups.sums[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
             let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
             let Some(lattice) = lattice(stride) else { continue };
             let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];

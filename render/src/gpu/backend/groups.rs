@@ -21,12 +21,10 @@ pub struct Groups {
     pub patches: wgpu::BindGroup,
     /// Indexed by which of the marks is read.
     pub marks: [wgpu::BindGroup; 2],
-    /// By part, as far as it is merged and the light has it; indexed by which of the sums is read.
-    pub merge: [Option<[wgpu::BindGroup; 2]>; 2],
     /// Indexed by which of the sums is read.
     pub display: [wgpu::BindGroup; 2],
-    /// Sums of all parts that the light has, indexed as [`Self::merge`]; and their lattices.
-    pub filled: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
+    /// Surfaces, with the sums of each part that the light has, indexed by which of them is read; and their lattices.
+    pub sums: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
     pub lattices: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
 }
 
@@ -101,10 +99,8 @@ impl GpuBackend {
             }),
             patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
             marks: [0, 1].map(marks),
-            merge: [Part::Environment, Part::Bounce]
-                .map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
             display: [0, 1].map(display),
-            filled: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
+            sums: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
             lattices: Part::ALL.map(|part| {
                 let lattices = targets.lattices[part as usize].as_ref();
                 lattices.map(|lattices| lattices.each_ref().map(|sums| lattice(part, sums)))

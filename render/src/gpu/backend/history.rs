@@ -20,18 +20,21 @@ pub struct History {
     past: PastUniforms,
     /// By [`Part`], as far as the light had them: values, and places on surfaces.
     parts: [Option<Sums>; Part::COUNT],
-    /// What it tells of the pixels of the new picture, by [`Part`].
+    /// What it tells of the pixels of the new picture, by [`Part`], and their size.
     predicted: [Option<Target>; Part::COUNT],
+    predicted_size: [u32; 2],
     is_predicted: bool,
 }
 
 impl History {
     /// Makes room for what it tells of a picture of `size`.
-    fn prepare(&mut self, gpu: &GpuDevice, size: [u32; 2]) {
+    pub fn prepare(&mut self, gpu: &GpuDevice, size: [u32; 2]) {
+        let fits = self.predicted_size == size;
         for (predicted, part) in self.predicted.iter_mut().zip(&self.parts) {
-            *predicted = part.as_ref().map(|_| target(gpu, "predicted", format::FLOATS, size));
+            let known = predicted.take().filter(|_| fits);
+            *predicted = part.as_ref().map(|_| known.unwrap_or_else(|| target(gpu, "predicted", format::FLOATS, size)));
         }
-        self.is_predicted = false;
+        (self.predicted_size, self.is_predicted) = (size, false);
     }
 
     /// What it tells of a part of the light.
@@ -41,20 +44,20 @@ impl History {
 }
 
 impl GpuBackend {
-    /// Keeps the picture for one of `size` from another camera. What was never shown tells less than the picture before it.
-    pub(super) fn remember(&mut self, size: [u32; 2]) -> Result<(), BackendError> {
-        if self.picture().lattices.complete.is_some() && self.state().complete == 0 && !self.picture().lattices.filled {
+    /// Keeps a picture that was sketched for one from another camera. What was never shown tells less than the picture
+    /// before it.
+    pub(super) fn remember(&mut self) -> Result<(), BackendError> {
+        let (is_complete, lattices) = (self.state().complete > 0, &self.picture().lattices);
+        let (is_filled, is_shown) = (lattices.filled, is_complete || lattices.was_filled);
+        if lattices.making.is_none() || !is_shown {
+            return Ok(());
+        }
+        if !is_complete && !is_filled {
             self.fill(0)?;
         }
-        if self.state().complete > 0 || self.picture().lattices.filled {
-            let kept = self.kept_history();
-            self.history = Some(kept);
-            self.submit(|s, encoder| s.encode_history(encoder))?;
-        }
-        if let Some(history) = &mut self.history {
-            history.prepare(&self.gpu, size);
-        }
-        Ok(())
+        let kept = self.kept_history();
+        self.history = Some(kept);
+        self.submit(|s, encoder| s.encode_history(encoder))
     }
 
     /// Room for the picture. That of the last one is used again.
@@ -62,19 +65,23 @@ impl GpuBackend {
         let (targets, size) = (self.targets(), self.targets().size);
         let has = |part: Part| part != Part::Added && targets.parts[part as usize].is_some();
         let wanted = Part::ALL.map(has);
-        let before = self.history.take().filter(|history| history.size == size);
-        let mut parts = before.map(|history| history.parts).unwrap_or_default();
+        let before = self.history.take();
+        let predicted_size = before.as_ref().map_or([0, 0], |before| before.predicted_size);
+        let (fits, before) =
+            (before.as_ref().is_some_and(|before| before.size == size), before.map(|b| (b.parts, b.predicted)));
+        let (parts, predicted) = before.unwrap_or_default();
+        let mut parts = if fits { parts } else { Default::default() };
         for (part, wanted) in parts.iter_mut().zip(wanted) {
             *part = part.take().filter(|_| wanted).or_else(|| wanted.then(|| Sums::new(&self.gpu, size)));
         }
-        History { size, past: past(self.picture()), parts, predicted: Default::default(), is_predicted: true }
+        History { size, past: past(self.picture()), parts, predicted, predicted_size, is_predicted: true }
     }
 
     fn encode_history(&self, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
         let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
         for part in Part::ALL {
-            let bound = history.parts[part as usize].as_ref().zip(groups.filled[part as usize].as_ref());
+            let bound = history.parts[part as usize].as_ref().zip(groups.sums[part as usize].as_ref());
             let Some((to, sums)) = bound else { continue };
             // A new picture has all of its local lights in one part.
             let added = targets.parts[Part::Added as usize].as_ref().filter(|_| part == Part::Direct);
@@ -86,10 +93,13 @@ impl GpuBackend {
         }
     }
 
-    /// Finds the pixels of the picture in the last one, unless that is done.
-    pub(super) fn encode_predicted(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let Some(history) = self.history.as_mut().filter(|history| !history.is_predicted) else { return };
-        history.is_predicted = true;
+    /// Whether the pixels of the picture are yet to be found in the last one; they will be.
+    pub(super) fn take_unpredicted(&mut self) -> bool {
+        self.history.as_mut().is_some_and(|history| !std::mem::replace(&mut history.is_predicted, true))
+    }
+
+    /// Finds the pixels of the picture in the last one.
+    pub(super) fn encode_predicted(&self, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
         let uniforms = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("past"),
@@ -99,7 +109,7 @@ impl GpuBackend {
         let (groups, front) = (&self.picture().groups, self.state().front);
         for part in Part::ALL {
             let kept = history.parts[part as usize].as_ref().zip(history.predicted(part));
-            let Some(((from, to), sums)) = kept.zip(groups.filled[part as usize].as_ref()) else { continue };
+            let Some(((from, to), sums)) = kept.zip(groups.sums[part as usize].as_ref()) else { continue };
             let inputs = [uniforms.as_entire_binding(), View(&from.value.view), View(&from.work.view)];
             let past = bind(&self.gpu, "past", &self.passes.layouts.past, &inputs);
             let bound = [&groups.frame, &groups.scene, &past, &sums[front]];

@@ -48,6 +48,8 @@ pub struct Lattices {
     pub making: Option<(u32, Vec<u32>)>,
     /// Whether what is shown is filled between them.
     pub filled: bool,
+    /// Whether it ever was.
+    pub was_filled: bool,
 }
 
 impl Lattices {
@@ -99,6 +101,9 @@ impl GpuBackend {
         let parts = self.parts(view.mode);
         if let Some(targets) = &mut self.targets {
             targets.set_parts(&self.gpu, parts);
+        }
+        if let Some(history) = &mut self.history {
+            history.prepare(&self.gpu, view.size);
         }
         let additions = if view.mode == ViewMode::Shaded { self.additions() } else { Vec::new() };
         let groups = self.groups(self.loaded(), &light, &map, self.targets());

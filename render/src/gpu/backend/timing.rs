@@ -29,6 +29,7 @@ impl GpuBackend {
     pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
         let whole = Region::whole(self.picture().view.size);
         self.write_frame(sample, 1);
+        self.leave_sketch(sample);
         self.gpu.wait()?;
         self.write_display(post);
         Ok(PassTimes {

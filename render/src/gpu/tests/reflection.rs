@@ -305,6 +305,9 @@ fn shared_constants_have_the_same_values() {
         ("LINE_WIDTH", crate::shade::wireframe::LINE_WIDTH),
         ("LINE_FADE", crate::shade::wireframe::LINE_FADE),
         ("LINE_OPACITY", crate::shade::wireframe::LINE_OPACITY),
+        ("LEAST_ALBEDO", crate::sketch::LEAST_ALBEDO),
+        ("LEAST_SHARE", crate::sketch::LEAST_SHARE),
+        ("OTHER", crate::sketch::OTHER),
     ] {
         expected.push((name.into(), value.into()));
     }

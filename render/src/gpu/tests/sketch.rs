@@ -2,7 +2,8 @@
 
 use super::twin::{appearance, backend, maps, scene, view};
 use crate::{
-    Backend, BrdfSampling, CpuBackend, Illumination, LocalLighting, Renderer, STRIDES, Stale, Tiles, View, ViewMode,
+    Backend, BackendError, BrdfSampling, CpuBackend, Illumination, LocalLighting, Renderer, STRIDES, Stale, Tiles,
+    View, ViewMode,
     test_scenes::{illumination, point_light, rel_rmse},
 };
 use glam::Vec3;
@@ -88,6 +89,45 @@ fn after_a_move_sketches_are_those_of_the_cpu() {
     }
     let other_light = sketched_after(&mut gpu, (&view, 1), &moved, &Stale::ALL);
     assert!(other_light == sketched(&mut gpu, &moved, 8));
+}
+
+#[test]
+fn lights_that_were_added_are_in_the_detail() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    let mut cpu = CpuBackend::new();
+    let view = View { size: [150, 100], ..view(ViewMode::Shaded) };
+    let mut moved = view.clone();
+    moved.camera.eye += 0.1;
+    let lamps = [point_light(Vec3::new(0.5, 2.0, 0.5), 3.0), point_light(Vec3::new(-1.0, 1.5, 0.8), 4.0)];
+    let added = LocalLighting { lights: lamps.into(), ..Default::default() };
+    let tiles: Vec<u32> = (0..Tiles::of(view.size).count()).collect();
+    let after = |backend: &mut dyn Backend, keeps: bool| {
+        prepare(backend);
+        sketched(backend, &view, 1);
+        backend.set_local_lighting(&added).unwrap();
+        backend.resume(&view, BrdfSampling::Refine, &Stale { lights: true, ..Stale::NOTHING }).unwrap();
+        STRIDES.iter().for_each(|&stride| backend.sketch(stride, &tiles).unwrap());
+        let stale = if keeps { Stale::NOTHING } else { Stale::ALL };
+        backend.resume(&moved, BrdfSampling::Refine, &stale).unwrap();
+        backend.sketch(8, &tiles).unwrap();
+        backend.fill(0).unwrap();
+        backend.read(0).unwrap().0
+    };
+    let [on_gpu, on_cpu] = [&mut gpu as &mut dyn Backend, &mut cpu].map(|backend| after(backend, true));
+    let (apart, alone) = (rel_rmse(&on_gpu, &on_cpu), rel_rmse(&on_gpu, &after(&mut cpu, false)));
+    assert!(apart < 0.05 && alone > 1.5 * apart, "{apart} {alone}");
+}
+
+#[test]
+fn a_picture_that_is_too_large_leaves_the_renderer_as_it_was() {
+    let Some((_guard, mut gpu)) = backend() else { return };
+    prepare(&mut gpu);
+    let view = View { size: [150, 100], ..view(ViewMode::Shaded) };
+    let sketch = sketched(&mut gpu, &view, 1);
+    let large = View { size: [100_000, 4], ..view.clone() };
+    let error = gpu.resume(&large, BrdfSampling::Refine, &Stale::NOTHING).unwrap_err();
+    assert!(matches!(error, BackendError::Limit { .. }), "{error}");
+    assert!(sketched(&mut gpu, &view, 1) == sketch);
 }
 
 #[test]

@@ -25,6 +25,10 @@ fn a_point_is_found_between_the_pixels_that_show_its_surface() {
     assert!(tell(&points, &floor(Vec3::new(9.0, 0.0, 0.0))).is_none(), "beyond the picture");
     assert!(tell(&points, &floor(3.0 * Vec3::Y)).is_none(), "behind the eye");
     assert!(tell(&points, &Guide { material: 2, ..floor(place) }).is_none());
+    for height in [2.0, 2.0 - 1e-7, 2.0 - 1e-30] {
+        let beside_the_eye = Vec3::new(1.0, height, 0.0);
+        assert!(tell(&points, &floor(beside_the_eye)).is_none(), "beyond all integers");
+    }
     points.iter_mut().for_each(|past| past.position.y += 1.1);
     assert!(tell(&points, &floor(place)).is_none(), "hidden by another floor");
 }

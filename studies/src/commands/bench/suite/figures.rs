@@ -73,9 +73,7 @@ impl Subject<'_> {
             let parameters = &mut self.look.appearance.materials[self.case.edited].parameters;
             parameters.roughness *= factor;
             parameters.base_color *= factor;
-            let start = Instant::now();
-            self.scene.light(&self.look)?;
-            sketched(&mut self.scene, &self.look, start, &tiles)
+            sketched(&mut self.scene, &self.look, &tiles)
         })
     }
 
@@ -87,7 +85,7 @@ impl Subject<'_> {
         meter.measure(names, || {
             let arm = Quat::from_rotation_y(steps.next().unwrap_or(0.0)) * (view.camera.eye - view.camera.target);
             self.look.view.camera.eye = view.camera.target + arm;
-            sketched(&mut self.scene, &self.look, Instant::now(), &tiles)
+            sketched(&mut self.scene, &self.look, &tiles)
         })?;
         self.look.view = view;
         Ok(())
@@ -123,9 +121,11 @@ impl Subject<'_> {
     }
 }
 
-/// Renders the first sample of a look as the window does. Times since `start` when the coarsest sketch was displayed, and
-/// when the sample was.
-fn sketched(scene: &mut LitScene<CpuBackend>, look: &Look, start: Instant, tiles: &[u32]) -> Result<[Duration; 2]> {
+/// Lights a look and renders its first sample in the steps of the window, which also shades pixels that nothing resembles.
+/// Times when the coarsest sketch was displayed, and when the sample was.
+fn sketched(scene: &mut LitScene<CpuBackend>, look: &Look, tiles: &[u32]) -> Result<[Duration; 2]> {
+    let start = Instant::now();
+    scene.light(look)?;
     scene.resume(&look.view, look.sampling)?;
     let [first, finer @ ..] = STRIDES;
     scene.sketch(first, tiles)?;
