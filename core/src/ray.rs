@@ -6,6 +6,7 @@
 mod batch;
 mod closest;
 mod directions;
+mod hierarchy;
 mod leaves;
 pub mod offset;
 mod segments;
@@ -21,12 +22,8 @@ use crate::{
 use closest::is_nearer;
 use glam::{Vec2, Vec3, Vec3A};
 use leaves::LeafBlocks;
-use obvhs::{
-    BvhBuildParams,
-    bvh2::{Bvh2, builder::build_bvh2_from_tris},
-    ray::Ray,
-    triangle::Triangle,
-};
+use obvhs::{bvh2::Bvh2, ray::Ray, triangle::Triangle};
+use std::collections::HashSet;
 use triangle::TriangleFrom;
 
 /// Where a ray first meets the mesh.
@@ -42,11 +39,6 @@ pub struct Hit {
     pub back_face: bool,
 }
 
-/// Leaves are large because batches test eight triangles at a time. On the armadillo scene 16 triangles at a traversal
-/// cost of 6 gave 15.8 million pairs per second and core; the preset's 8 at 3 gave 13.0.
-const BUILD: BvhBuildParams =
-    BvhBuildParams { max_prims_per_leaf: 16, collapse_traversal_cost: 6.0, ..BvhBuildParams::slow_build() };
-
 /// A mesh prepared for ray casting. Keeps its own copy of the corners, so that the mesh may change.
 pub struct Intersector {
     bvh: Bvh2,
@@ -61,15 +53,15 @@ pub struct Intersector {
 impl Intersector {
     /// Builds the hierarchy; a few seconds for a million triangles.
     pub fn new(mesh: &Mesh) -> Self {
-        let triangles: Vec<Triangle> = (0..mesh.triangles.len())
-            .map(|t| {
-                let [v0, v1, v2] = mesh.corners(t).map(Vec3A::from);
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
-        let mut bvh = build_bvh2_from_tris(&triangles, BUILD, &mut std::time::Duration::default());
+        let distinct = distinct_triangles(mesh);
+        let triangle = |&t: &u32| {
+            let [v0, v1, v2] = mesh.corners(t as usize).map(Vec3A::from);
+            Triangle { v0, v1, v2 }
+        };
+        let triangles: Vec<Triangle> = distinct.iter().map(triangle).collect();
+        let mut bvh = hierarchy::build(&triangles);
         widen_boxes(&mut bvh);
-        let leaf_ids = bvh.primitive_indices.clone();
+        let leaf_ids: Vec<u32> = bvh.primitive_indices.iter().map(|&i| distinct[i as usize]).collect();
         let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
         let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
         Self { bvh, leaf_triangles, leaf_ids, blocks }
@@ -100,7 +92,8 @@ impl Intersector {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         self.bvh.ray_traverse(ray, &mut leaf_hit, |ray, leaf| {
             let known = (ray.tmax, closest.map(|(leaf, _): (usize, Hit)| self.leaf_ids[leaf]));
-            match TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction) {
+            let triangle = TriangleFrom::unless_missed(origin, self.leaf_triangles[leaf], direction);
+            match triangle.and_then(|triangle| triangle.hit(direction)) {
                 Some(hit) if is_nearer((hit.distance, self.leaf_ids[leaf]), known) => {
                     closest = Some((leaf, hit));
                     hit.distance
@@ -115,8 +108,8 @@ impl Intersector {
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
         let ray = Ray::new_inf(origin.into(), direction.into());
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
-            let crossed = TriangleFrom::new(origin, self.leaf_triangles[leaf]).crosses(direction);
-            if crossed { 0.0 } else { f32::INFINITY }
+            let triangle = TriangleFrom::unless_missed(origin, self.leaf_triangles[leaf], direction);
+            if triangle.is_some_and(|triangle| triangle.crosses(direction)) { 0.0 } else { f32::INFINITY }
         })
     }
 
@@ -124,7 +117,8 @@ impl Intersector {
     pub fn occluded_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
-            let hit = TriangleFrom::new(origin, self.leaf_triangles[leaf]).hit(direction);
+            let triangle = TriangleFrom::unless_missed(origin, self.leaf_triangles[leaf], direction);
+            let hit = triangle.and_then(|triangle| triangle.hit(direction));
             if hit.is_some_and(|h| h.distance < distance) { 0.0 } else { f32::INFINITY }
         })
     }
@@ -134,8 +128,8 @@ impl Intersector {
         let segment = to - from;
         let ray = Ray::new(from.into(), segment.into(), 0.0, 1.0);
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
-            let crossed = TriangleFrom::new(from, self.leaf_triangles[leaf]).crosses_before(segment);
-            if crossed { 0.0 } else { f32::INFINITY }
+            let triangle = TriangleFrom::unless_missed(from, self.leaf_triangles[leaf], segment);
+            if triangle.is_some_and(|triangle| triangle.crosses_before(segment)) { 0.0 } else { f32::INFINITY }
         })
     }
 
@@ -144,6 +138,14 @@ impl Intersector {
     pub(crate) fn occluded_by_brute_force(&self, origin: Vec3, direction: Vec3) -> bool {
         self.leaf_triangles.iter().any(|&t| TriangleFrom::new(origin, t).crosses(direction))
     }
+}
+
+/// The triangles but for later copies of others, which no ray would tell apart: of triangles at the same distance the first
+/// counts. Building takes a time that grows with the square of copies in one place.
+fn distinct_triangles(mesh: &Mesh) -> Vec<u32> {
+    let mut known = HashSet::with_capacity(mesh.triangles.len());
+    let corners = |t: u32| mesh.corners(t as usize).map(|corner| corner.to_array().map(f32::to_bits));
+    (0..mesh.triangles.len() as u32).filter(|&t| known.insert(corners(t))).collect()
 }
 
 /// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes.

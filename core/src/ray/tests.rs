@@ -241,3 +241,19 @@ fn surfels_are_closest_hits_with_the_normal_toward_the_origin() {
     }
     assert!(fronts > 50 && backs > 50);
 }
+
+#[test]
+fn thousands_of_copies_of_a_triangle_are_one_to_the_hierarchy() {
+    let mut mesh = soup(3, 200);
+    let copies = mesh.triangles[7];
+    mesh.triangles.extend(std::iter::repeat_n(copies, 50_000));
+    let (scene, alone) = (Intersector::new(&mesh), Intersector::new(&soup(3, 200)));
+    assert_eq!((scene.leaf_ids.len(), scene.bvh.nodes.len()), (alone.leaf_ids.len(), alone.bvh.nodes.len()));
+    for d in fibonacci_directions(300) {
+        assert_eq!(scene.closest_hit(Vec3::ZERO, d), alone.closest_hit(Vec3::ZERO, d));
+    }
+    // The same corners in another order are another triangle.
+    let [a, b, c] = copies;
+    mesh.triangles.push([b, c, a]);
+    assert!(Intersector::new(&mesh).leaf_ids.contains(&(mesh.triangles.len() as u32 - 1)), "negative control");
+}

@@ -31,6 +31,23 @@ impl TriangleFrom {
         Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], normal, corner: a, side }
     }
 
+    /// The triangle, if a ray along `direction` may hit it. Most that miss are told by the signs of two edge planes, before
+    /// anything else is computed.
+    #[inline(always)]
+    pub fn unless_missed(origin: Vec3, corners: [Vec3; 3], direction: Vec3) -> Option<Self> {
+        let [a, b, c] = corners.map(|p| p - origin);
+        // The planes point inward or all outward, which a product with -1 does not round.
+        let (u, v) = (dot(b.cross(c), direction), dot(c.cross(a), direction));
+        if (u > 0.0 && v < 0.0) || (u < 0.0 && v > 0.0) {
+            return None;
+        }
+        let w = dot(a.cross(b), direction);
+        if (w > 0.0 && (u < 0.0 || v < 0.0)) || (w < 0.0 && (u > 0.0 || v > 0.0)) {
+            return None;
+        }
+        Some(Self::new(origin, corners))
+    }
+
     /// Whether the ray along `direction` hits the triangle. A ray from the triangle's plane never does.
     #[inline(always)]
     pub fn crosses(&self, direction: Vec3) -> bool {
