@@ -172,18 +172,12 @@ impl Texture {
         let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;
         let (base, f) = (p.floor(), p - p.floor());
         // Texels beyond an edge are those of the other one.
-        let [(left, right), (above, below)] = [(base.x, self.size[0]), (base.y, self.size[1])].map(|(first, size)| {
-            let wrapped = |i: i64| {
-                if i < 0 {
-                    i64::from(size) - 1
-                } else if i >= i64::from(size) {
-                    0
-                } else {
-                    i
-                }
-            };
-            (wrapped(first as i64) as usize, wrapped(first as i64 + 1) as usize)
-        });
+        let neighbours = |first: f32, size: u32| {
+            let first = if first < 0.0 { size as usize - 1 } else { first as usize % size as usize };
+            (first, if first + 1 == size as usize { 0 } else { first + 1 })
+        };
+        let (left, right) = neighbours(base.x, self.size[0]);
+        let (above, below) = neighbours(base.y, self.size[1]);
         let width = self.size[0] as usize;
         let texel = |x: usize, y: usize| self.texel_at(y * width + x, color_space);
         let top = texel(left, above).lerp(texel(right, above), f.x);

@@ -117,14 +117,15 @@ mod tests {
 
     #[test]
     fn clamped_cosines_are_near_those_of_brute_force() {
-        for inv_kappa in [0.003, 0.03, 0.1, 0.3, 1.0, 10.0] {
+        // Between a cap and the sphere, a lobe has a tail below the horizon that an even distribution lacks.
+        for (inv_kappa, bound) in [(0.003, 0.02), (0.03, 0.02), (0.1, 0.02), (0.3, 0.026), (1.0, 0.02), (10.0, 0.02)] {
             for cosine in [-0.3, -0.05, 0.0, 0.1, 0.3, 0.6, 0.9, 1.0] {
                 let (expected, share) = brute_force(inv_kappa, cosine);
                 let moments = LobeMomentsX8::new(f32x8::splat(inv_kappa as f32));
                 let cosines = moments.cosines(f32x8::splat(cosine as f32));
                 let found_share = f64::from(cosines.share_above().to_array()[0]);
                 let received = f64::from(cosines.above_horizon().to_array()[0]) * found_share;
-                assert!((received - expected).abs() < 0.03, "{inv_kappa} {cosine}: {received}, {expected}");
+                assert!((received - expected).abs() < bound, "{inv_kappa} {cosine}: {received}, {expected}");
                 assert!((found_share - share).abs() < 0.07, "{inv_kappa} {cosine}: {found_share}, {share}");
             }
         }

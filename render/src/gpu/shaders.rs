@@ -55,130 +55,55 @@ parts!(
 pub struct Program {
     /// Name of the pass.
     pub name: &'static str,
-    parts: &'static [&'static str],
+    /// What several programs begin with, and the rest.
+    parts: [&'static [&'static str]; 2],
 }
 
+/// What programs begin with that shade the points of surfaces.
+const SHADING: &[&str] = &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "sums", "shading_point"];
+
 /// Which triangle each pixel sees.
-pub const VISIBILITY: Program = Program { name: "visibility_pass", parts: &["frame", "scene", "visibility_pass"] };
+pub const VISIBILITY: Program =
+    Program { name: "visibility_pass", parts: [&[], &["frame", "scene", "visibility_pass"]] };
 /// Barycentric weights and frames.
 pub const SURFACE: Program = Program {
     name: "surface_pass",
-    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "surface_pass"],
+    parts: [&[], &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "surface_pass"]],
 };
 /// The BRDF's parameters.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
-    parts: &["frame", "fullscreen", "scene", "surface", "materials", "parameters_pass"],
+    parts: [&[], &["frame", "fullscreen", "scene", "surface", "materials", "parameters_pass"]],
 };
 /// The merge of cuts.
 pub const MERGE: Program = Program {
     name: "merge_pass",
-    parts: &[
-        "frame",
-        "fullscreen",
-        "scene",
-        "surface",
-        "geometry",
-        "brdf",
-        "sums",
-        "shading_point",
-        "receiver",
-        "tree",
-        "cut",
-        "lit_cut",
-        "refine",
-        "environment",
-        "wireframe",
-        "merge_pass",
-    ],
+    parts: [SHADING, &["receiver", "tree", "cut", "lit_cut", "refine", "environment", "wireframe", "merge_pass"]],
 };
 /// Lit cuts.
-pub const LIT: Program = Program { name: "lit_pass", parts: &["frame", "tree", "cut", "lit_pass"] };
+pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "tree", "cut", "lit_pass"]] };
 /// Depth from a light.
-pub const SHADOW: Program = Program { name: "shadow_pass", parts: &["scene", "shadow", "shadow_pass"] };
+pub const SHADOW: Program = Program { name: "shadow_pass", parts: [&[], &["scene", "shadow", "shadow_pass"]] };
 /// Local lights.
-pub const DIRECT: Program = Program {
-    name: "direct_pass",
-    parts: &[
-        "frame",
-        "fullscreen",
-        "scene",
-        "surface",
-        "geometry",
-        "brdf",
-        "sums",
-        "shading_point",
-        "shadow",
-        "shadow_filter",
-        "direct_lights",
-        "direct_pass",
-    ],
-};
+pub const DIRECT: Program =
+    Program { name: "direct_pass", parts: [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]] };
 /// Bounced light at the vertices.
-pub const BOUNCE: Program = Program {
-    name: "bounce_pass",
-    parts: &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "sums", "shading_point", "bounce_pass"],
-};
+pub const BOUNCE: Program = Program { name: "bounce_pass", parts: [SHADING, &["bounce_pass"]] };
 /// The post pass.
 pub const DISPLAY: Program =
-    Program { name: "display_pass", parts: &["fullscreen", "tonemap", "sums", "display_pass"] };
+    Program { name: "display_pass", parts: [&[], &["fullscreen", "tonemap", "sums", "display_pass"]] };
 /// What the pixels show.
-pub const MARKS: Program = Program { name: "marks_pass", parts: &["fullscreen", "scene", "marks_pass"] };
+pub const MARKS: Program = Program { name: "marks_pass", parts: [&[], &["fullscreen", "scene", "marks_pass"]] };
 /// What an edit leaves of the pixels.
-pub const KEEP: Program = Program { name: "keep_pass", parts: &["fullscreen", "sums", "keep_pass"] };
+pub const KEEP: Program = Program { name: "keep_pass", parts: [&[], &["fullscreen", "sums", "keep_pass"]] };
 
 /// The filter between the pixels of a lattice.
-pub const SKETCH: Program = Program {
-    name: "sketch_pass",
-    parts: &[
-        "frame",
-        "fullscreen",
-        "scene",
-        "surface",
-        "geometry",
-        "brdf",
-        "sums",
-        "shading_point",
-        "environment",
-        "wireframe",
-        "guide",
-        "sketch_pass",
-    ],
-};
+pub const SKETCH: Program =
+    Program { name: "sketch_pass", parts: [SHADING, &["environment", "wireframe", "guide", "sketch_pass"]] };
 /// What is kept of a picture for one from another camera.
-pub const HISTORY: Program = Program {
-    name: "history_pass",
-    parts: &[
-        "frame",
-        "fullscreen",
-        "scene",
-        "surface",
-        "geometry",
-        "brdf",
-        "sums",
-        "shading_point",
-        "guide",
-        "past",
-        "history_pass",
-    ],
-};
+pub const HISTORY: Program = Program { name: "history_pass", parts: [SHADING, &["guide", "past", "history_pass"]] };
 /// What the last picture tells of this one.
-pub const PREDICT: Program = Program {
-    name: "predict_pass",
-    parts: &[
-        "frame",
-        "fullscreen",
-        "scene",
-        "surface",
-        "geometry",
-        "brdf",
-        "sums",
-        "shading_point",
-        "guide",
-        "past",
-        "predict_pass",
-    ],
-};
+pub const PREDICT: Program = Program { name: "predict_pass", parts: [SHADING, &["guide", "past", "predict_pass"]] };
 
 /// All of them.
 #[cfg(test)]
@@ -202,7 +127,8 @@ impl ShaderSource {
     /// # Errors
     /// A file that cannot be read.
     pub fn text(&self, program: &Program) -> std::io::Result<String> {
-        let texts: std::io::Result<Vec<Cow<str>>> = program.parts.iter().map(|part| self.part(part)).collect();
+        let texts: std::io::Result<Vec<Cow<str>>> =
+            program.parts.concat().into_iter().map(|part| self.part(part)).collect();
         Ok(texts?.join("\n"))
     }
 

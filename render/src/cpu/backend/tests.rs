@@ -108,7 +108,7 @@ fn lit_picture(
 
 #[test]
 fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_ones_nearly() {
-    for parameters in [white(), glossy(0.4)] {
+    for (parameters, is_broad) in [(white(), true), (glossy(0.4), false)] {
         let dataset = microfacets(mesh(8, true), parameters);
         let light = illumination([64, 32], |x, y| Vec3::splat(if x == 20 && y < 8 { 300.0 } else { 0.02 * x as f32 }));
         let (stored, stored_stats) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Refine);
@@ -118,6 +118,13 @@ fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_one
         let (coarse, _) = lit_picture(&dataset, &light, 1.0, BrdfSampling::Lit);
         let error = |image: &Image| compare(image, &stored).unwrap().rel_rmse;
         assert!(error(&lit) < 0.02 && lit != stored && coarse != lit, "{} {}", error(&lit), error(&coarse));
+        // A narrow lobe goes down to the stored nodes, however coarse the lit ones are.
+        assert!(
+            !is_broad || error(&coarse) > 2.0 * error(&lit),
+            "negative control: {} {}",
+            error(&lit),
+            error(&coarse)
+        );
         assert!(stats.mean_merged_nodes < 0.6 * stored_stats.mean_merged_nodes, "{stats:?} {stored_stats:?}");
     }
 }
