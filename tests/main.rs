@@ -8,6 +8,7 @@ mod crosscheck;
 mod evidence;
 mod explain;
 mod export;
+mod farm;
 mod faults;
 mod gpu;
 mod kills;

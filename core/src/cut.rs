@@ -13,7 +13,7 @@ mod visibility;
 pub use solid_angles::{
     LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code, solid_angles,
 };
-pub use visibility::{CutCriterion, CutSelector, prune};
+pub use visibility::{CutCriterion, CutSelector, prune, squared_error};
 
 use thiserror::Error;
 

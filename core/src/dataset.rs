@@ -32,6 +32,7 @@
 //! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
 //! before they are written and before they are used.
 
+mod audit;
 mod error;
 mod header;
 mod indirect;
@@ -43,6 +44,7 @@ mod tensors;
 mod validate;
 mod write;
 
+pub use audit::BakeAudit;
 pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
 #[cfg(any(test, feature = "test-scenes"))]
 pub(crate) use header::METADATA_KEY;
@@ -67,7 +69,8 @@ use std::collections::BTreeMap;
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
 /// Version 3 added lights, modes, surface sources and the meshless basis.
 /// Version 4 added the spacing of each source; sources of version 3 are all as far apart as was reported.
-pub const FORMAT_VERSION: u32 = 4;
+/// Version 5 added bakes that follow boundaries; those of version 4 are exhaustive.
+pub const FORMAT_VERSION: u32 = 5;
 
 /// A baked scene.
 #[derive(Clone, Debug)]
@@ -137,6 +140,9 @@ pub struct BakeSettings {
     /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
     /// they fit. It does not limit surface sources and the meshless basis.
     pub max_bytes: Option<u64>,
+    /// Whether every light is traced from every vertex, where otherwise boundaries are followed ([`crate::ray::BoundarySet`]).
+    #[serde(default = "before_boundaries")]
+    pub exhaustive: bool,
     /// Which parts are baked.
     #[serde(default)]
     pub mode: BakeParts,
@@ -160,11 +166,17 @@ impl Default for BakeSettings {
             max_vertices: Some(100_000),
             shots: Vec::new(),
             max_bytes: None,
+            exhaustive: false,
             mode: BakeParts::default(),
             indirect: IndirectSettings::default(),
             meshless: MeshlessSettings::default(),
         }
     }
+}
+
+/// Datasets before version 5 do not say how they were traced.
+fn before_boundaries() -> bool {
+    true
 }
 
 /// Report of a bake; the keys are those of `--report`.
@@ -195,8 +207,11 @@ pub struct BakeReport {
     pub bytes_total: u64,
     /// (vertex, light) pairs.
     pub samples_resolved: u64,
-    /// Rays traced for them; directions below the horizon of a closed surface need none.
+    /// Rays traced for them; directions below the horizon of a closed surface need none, and those far from boundaries.
     pub rays_traced: u64,
+    /// What following boundaries has missed; `None` for an exhaustive bake.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<BakeAudit>,
     /// Which parts were baked.
     pub mode: BakeParts,
     /// The part of the surface sources.
@@ -231,6 +246,11 @@ pub struct BakeRun {
 }
 
 impl BakeReport {
+    /// How the environment was traced: lights for each that is probed, 1 if every light is.
+    pub fn lights_per_probe(&self) -> usize {
+        self.audit.map_or(1, |audit| audit.lights_per_probe)
+    }
+
     /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.
     pub fn seconds(&self, phase: &str) -> Option<f64> {
         self.run.as_ref()?.seconds.get(phase).copied()

@@ -1,18 +1,25 @@
 //! Ray casting against a triangle mesh: closest hits one by one or, from one origin, eight at a time (`ray::closest`), and
-//! occlusion of whole direction sets from one origin (`ray::batch`), the inner loop of every bake.
+//! occlusion of whole direction sets from one origin, the inner loop of every bake: all of them (`ray::batch`), or those along
+//! the boundaries of what is seen (`ray::boundaries`).
 //!
 //! All use one predicate (`ray::triangle`), so that a batch gives bit for bit the results of its single rays.
 
 mod batch;
+mod boundaries;
 mod closest;
 mod directions;
+mod eight;
+mod frontier;
+mod group;
 mod hierarchy;
 mod leaves;
 pub mod offset;
 mod segments;
 mod triangle;
 
-pub use directions::DirectionSet;
+pub use boundaries::{BoundarySet, BoundaryTracer};
+pub use directions::{DirectionSet, HalfSpace};
+pub use eight::EightRays;
 pub use segments::SegmentBatch;
 
 use crate::{

@@ -14,7 +14,7 @@ pub use job::BakeJob;
 pub use phases::geometry::Geometry;
 
 use self::{
-    checkpoint::Checkpoint,
+    checkpoint::{Checkpoint, Work},
     clock::Clock,
     phases::{
         bounces::bake_bounces,
@@ -25,16 +25,19 @@ use self::{
     },
     remarks::Remarks,
     report::{finish_report, report},
-    settings::ResolvedBake,
+    settings::{ResolvedBake, resolve},
 };
 use crate::{
     errors::{BakeError, CutsOf, cancelled},
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
+    shard::Shard,
     warning::Warning,
 };
 use lapidary_core::{
-    dataset::{BakeReport, Dataset, scene_hash},
+    cut::packed::PackedCuts,
+    dataset::{BakeAudit, BakeReport, Dataset, scene_hash},
+    light_tree::LightTree,
     lock::OutputLock,
     output::check_output,
     scene::Scene,
@@ -50,56 +53,150 @@ use std::{
 /// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once. One bake at
 /// a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    let inputs: Vec<&Path> = job.inputs.iter().map(PathBuf::as_path).collect();
-    check_output(&job.output, &inputs)?;
-    let settings = &job.settings;
+    check_outputs(job)?;
     let remarks = Remarks::before(observer);
-    let observer: &dyn Observer = &remarks;
     let _lock = OutputLock::acquire(&job.output)?;
-    Checkpoint::is_left(&job.output)?;
-    check_memory(&scene, settings)?;
-    if settings.mode.meshless() {
-        check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
-    }
-    let hash = scene_hash(&scene);
-    let resumed = if job.resume { Checkpoint::open(&job.output, &hash, settings)? } else { None };
-    let mut clock = Clock::new(observer, job.import_secs);
-    let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
-    let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
-        Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
-    })?;
-    cancelled(observer)?;
-    let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, &hash, resumed, &mut clock)?;
-    let chunks = bake_environment(&geometry, &tree, settings, &checkpoint, &mut clock)?;
-    let bounces = bake_bounces(&geometry, &tree, settings, &checkpoint, &mut clock)?;
-    observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
-    let packing = Instant::now();
-    let (cuts, sigma) = fit_environment(concatenate(&chunks), tree.height(), settings, observer);
-    let packed = pack(cuts, &chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
-    let report = report(&geometry, settings, &packed, job.warnings.clone());
-    let report = BakeReport { sigma, indirect: bounces.report, meshless: bounces.meshless_report, ..report };
-    let vertex_valid = geometry.vertex_valid();
-    let two_sided = geometry.sides.two_sided;
-    let mut dataset = Dataset {
-        scene: geometry.scene,
-        two_sided,
-        vertex_valid,
-        tree,
-        cuts: packed.cuts,
-        indirect: bounces.indirect,
-        meshless: bounces.meshless,
-        settings: settings.clone().into_settings(),
-        scene_hash: hash,
-        report,
-    };
-    clock.add(Phase::Pack, packing.elapsed());
-    finish_report(&mut dataset, clock);
+    let mut clock = Clock::new(&remarks, job.import_secs);
+    let begun = Begun::new(scene, job, &Work::All, &mut clock)?;
+    let (dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
+    finish(dataset, checkpoint, &job.output, &remarks)
+}
+
+/// Bakes the share of a shard, and leaves it beside the output for [`merge`]. It goes on from where it was
+/// interrupted, and a share that is complete stays as it is.
+///
+/// # Errors
+/// See [`BakeError`]. One process at a time bakes a share.
+pub fn bake_shard(scene: Scene, job: &BakeJob, shard: Shard, observer: &dyn Observer) -> Result<BakeReport, BakeError> {
+    check_outputs(job)?;
+    let remarks = Remarks::before(observer);
+    let work = Work::Share(shard);
+    let _lock = OutputLock::acquire(&work.folder_of(&job.output))?;
+    let mut clock = Clock::new(&remarks, job.import_secs);
+    let begun = Begun::new(scene, job, &work, &mut clock)?;
+    let before = remarks.warnings();
+    let (mut dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
+    let report = dataset.report.clone();
+    // What is remarked after the tessellation, the merge remarks again.
+    dataset.report.warnings.extend(before);
+    checkpoint.keep_scene(&without_cuts(dataset))?;
+    Ok(report)
+}
+
+/// The dataset with cuts that see nothing.
+fn without_cuts(dataset: Dataset) -> Dataset {
+    let mut cuts = PackedCuts::default();
+    let offset = cuts.push_cut(&[0]);
+    dataset.vertex_valid.iter().for_each(|_| cuts.push_vertex(offset));
+    Dataset { cuts, indirect: None, meshless: None, ..dataset }
+}
+
+/// Makes the dataset `output` of the shares of all shards beside it: the same as one bake makes. Then it removes the shares.
+///
+/// # Errors
+/// Shares that are missing, not complete, or of different bakes; see [`BakeError`]. An existing output and all shares are
+/// kept unless it succeeds.
+pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    check_output(output, &[])?;
+    let remarks = Remarks::before(observer);
+    let _lock = OutputLock::acquire(output)?;
+    let checkpoint = Checkpoint::of_shares(output)?;
+    let scene = checkpoint.scene()?;
+    let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
+    let settings = resolve(scene.settings.clone())?;
+    let geometry = Geometry::of_dataset(scene);
+    let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
+    let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&hash, &settings, points));
+    let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
+    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint };
+    let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
+    finish(dataset, checkpoint, output, &remarks)
+}
+
+fn check_outputs(job: &BakeJob) -> Result<(), BakeError> {
+    let inputs: Vec<&Path> = job.inputs.iter().map(PathBuf::as_path).collect();
+    Ok(check_output(&job.output, &inputs)?)
+}
+
+/// Writes a dataset and removes its checkpoint.
+fn finish(
+    mut dataset: Dataset,
+    checkpoint: Checkpoint,
+    output: &Path,
+    remarks: &Remarks,
+) -> Result<Dataset, BakeError> {
     dataset.report.warnings.extend(remarks.warnings());
-    dataset.write(&job.output)?;
+    dataset.write(output)?;
     if let Some(path) = checkpoint.remove()? {
-        observer.event(Event::Warning { message: Warning::KeptFolder { path } });
+        remarks.event(Event::Warning { message: Warning::KeptFolder { path } });
     }
     Ok(dataset)
+}
+
+/// A bake whose geometry and light tree are made.
+struct Begun {
+    settings: ResolvedBake,
+    hash: String,
+    geometry: Geometry,
+    tree: LightTree,
+    /// The audit of its visibility, if it is known.
+    audit: Option<BakeAudit>,
+    checkpoint: Checkpoint,
+}
+
+impl Begun {
+    /// Makes geometry and light tree.
+    fn new(scene: Scene, job: &BakeJob, work: &Work, clock: &mut Clock) -> Result<Self, BakeError> {
+        let settings = job.settings.clone();
+        let observer = clock.observer;
+        Checkpoint::is_left(&work.folder_of(&job.output))?;
+        check_memory(&scene, &settings)?;
+        if settings.mode.meshless() {
+            check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
+        }
+        let hash = scene_hash(&scene);
+        // The share of a shard always goes on.
+        let resumes = job.resume || *work != Work::All;
+        let resumed = if resumes { Checkpoint::open(&job.output, work, &hash, &settings)? } else { None };
+        let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
+        let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
+            Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
+        })?;
+        cancelled(observer)?;
+        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, clock)?;
+        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint })
+    }
+
+    /// Makes or reads the chunks, and packs them. `warnings` are those that came before.
+    fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
+        let Self { settings, hash, geometry, tree, audit, checkpoint } = self;
+        let observer = clock.observer;
+        let seen = bake_environment(&geometry, &tree, &settings, audit, &checkpoint, &mut clock)?;
+        let bounces = bake_bounces(&geometry, &tree, &settings, seen.lights_per_probe(), &checkpoint, &mut clock)?;
+        observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
+        let packing = Instant::now();
+        let (cuts, sigma) = fit_environment(concatenate(&seen.chunks), tree.height(), &settings, observer);
+        let packed = pack(cuts, &seen.chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
+        let report = report(&geometry, &settings, &packed, warnings);
+        let (indirect, meshless) = (bounces.report, bounces.meshless_report);
+        let report = BakeReport { sigma, audit: seen.audit, indirect, meshless, ..report };
+        let vertex_valid = geometry.vertex_valid();
+        let mut dataset = Dataset {
+            scene: geometry.scene,
+            two_sided: geometry.sides.two_sided,
+            vertex_valid,
+            tree,
+            cuts: packed.cuts,
+            indirect: bounces.indirect,
+            meshless: bounces.meshless,
+            settings: settings.into_settings(),
+            scene_hash: hash,
+            report,
+        };
+        clock.add(Phase::Pack, packing.elapsed());
+        finish_report(&mut dataset, clock);
+        Ok((dataset, checkpoint))
+    }
 }
 
 fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<(), BakeError> {

@@ -19,6 +19,7 @@ mod mesh_surface;
 mod meshless;
 mod observer;
 mod setting;
+mod shard;
 mod sources;
 #[cfg(test)]
 mod test_scenes;
@@ -28,15 +29,17 @@ mod vertices;
 mod warning;
 
 pub use bake::{
-    BakeJob, Geometry, bake,
+    BakeJob, Geometry, bake, bake_shard,
     checkpoint::{Chunk, Leftover, leftover},
+    merge,
     settings::{Preset, ResolvedBake, resolve, with_room},
 };
-pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError};
+pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use setting::{Naming, Setting};
+pub use shard::Shard;
 pub use sources::{
     candidates::Candidates,
     disk::{Darts, poisson_disk},

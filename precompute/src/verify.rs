@@ -16,11 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    cut::{
-        CutSelector, SourceCutSelector,
-        packed::{depth, value},
-        prune_sources,
-    },
+    cut::{CutSelector, SourceCutSelector, prune_sources, squared_error},
     dataset::Dataset,
     ray::Intersector,
     surfel::Surface,
@@ -30,6 +26,9 @@ use serde::Serialize;
 
 /// Largest number of vertices whose cuts over the sources are recomputed: each takes some 30 ms.
 const SOURCE_VERTICES: usize = 64;
+/// Largest root mean square of stored minus traced visibility, as a multiple of that of an exhaustive bake. The audit of
+/// the bake allows 1 % over more vertices.
+const MOST_ERROR: f64 = 1.1;
 /// Largest number of sources whose cuts over the environment are recomputed.
 const SOURCES: usize = 64;
 
@@ -42,7 +41,11 @@ pub struct Verification {
     pub rms_visibility: f64,
     /// The same error of the whole bake, from its report.
     pub expected_rms: f64,
-    /// Vertices whose cut, selected again from what was traced, differs from the stored one.
+    /// The same of cuts that are selected from what was traced: what an exhaustive bake would have.
+    pub exhaustive_rms: f64,
+    /// Share of the lights of these vertices that the bake takes for seen and are blocked, or the reverse; 0 to 1.
+    pub leaves_wrong: f64,
+    /// Vertices whose cut, made again as the bake does, differs from the stored one.
     pub different_cuts: usize,
     /// Largest root mean square of one vertex.
     pub worst_rms: f64,
@@ -68,11 +71,11 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
     let points = bake_points(dataset);
     let intersector = Intersector::new(mesh);
-    let sampler = VisibilitySampler::new(&intersector, &dataset.tree);
+    let sampler = VisibilitySampler::new(&intersector, &dataset.tree, dataset.report.lights_per_probe());
     let check = |vertex: &usize| check_vertex(dataset, &points, &sampler, *vertex);
     let picked = picked_vertices(dataset, count.min(mesh.positions.len()));
     let environment = if dataset.settings.mode.environment() { &picked[..] } else { &[] };
-    let results: Vec<(f64, bool)> = environment.par_iter().map(check).collect();
+    let results: Vec<Checked> = environment.par_iter().map(check).collect();
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
     let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
     let (sources, different_source_environment_cuts) =
@@ -81,10 +84,11 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let made = results.len() + source_vertices + sources + meshless.as_ref().map_or(0, |m| m.functions);
     let different_links = meshless.as_ref().is_some_and(|m| m.different_functions > 0);
     let lights = dataset.tree.len() as f64;
-    let total = results.iter().fold(0.0, |sum, r| sum + r.0);
-    let worst = results.iter().map(|r| r.0).fold(0.0, f64::max);
-    let different_cuts = results.iter().filter(|r| !r.1).count();
-    let rms = (total / (results.len().max(1) as f64 * lights)).sqrt();
+    let pairs = results.len().max(1) as f64 * lights;
+    let rms_of = |error: fn(&Checked) -> f64| (results.iter().map(error).sum::<f64>() / pairs).sqrt();
+    let (rms, exhaustive_rms) = (rms_of(|r| r.squared_error), rms_of(|r| r.squared_error_exhaustive));
+    let worst = results.iter().map(|r| r.squared_error).fold(0.0, f64::max);
+    let different_cuts = results.iter().filter(|r| !r.is_equal).count();
     let coarsened = dataset.report.sigma != dataset.settings.criterion.sigma;
     Verification {
         vertices: results.len(),
@@ -94,6 +98,8 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
         different_source_environment_cuts,
         rms_visibility: rms,
         expected_rms: dataset.report.rms_visibility,
+        exhaustive_rms,
+        leaves_wrong: results.iter().map(|r| r.wrong).sum::<u64>() as f64 / pairs,
         different_cuts,
         worst_rms: (worst / lights).sqrt(),
         meshless,
@@ -101,7 +107,11 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
             && different_source_cuts == 0
             && different_source_environment_cuts == 0
             && !different_links
-            && if coarsened { rms < 4.0 * dataset.report.rms_visibility.max(0.02) } else { different_cuts == 0 },
+            && if coarsened {
+                rms < 4.0 * dataset.report.rms_visibility.max(0.02)
+            } else {
+                different_cuts == 0 && rms <= MOST_ERROR * exhaustive_rms
+            },
     }
 }
 
@@ -144,7 +154,7 @@ fn check_source_environments(
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
     let differs = |source: &&usize| {
         let mut visible = vec![0; dataset.tree.len()];
-        sampler.sample_singly(
+        sampler.sample_again(
             &dataset.tree,
             &BakePoint::of_surfel(indirect.sources[**source].surfel, offset),
             &mut visible,
@@ -167,24 +177,33 @@ fn seed(dataset: &Dataset) -> u64 {
     u64::from_str_radix(dataset.scene_hash.get(..16).unwrap_or("0"), 16).unwrap_or(0)
 }
 
-/// Sum of squared differences over the lights, and whether selecting again gives the stored cut.
-fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySampler, vertex: usize) -> (f64, bool) {
+/// A vertex that was traced again.
+struct Checked {
+    /// Sum over the lights of squared differences between stored and traced visibility.
+    squared_error: f64,
+    squared_error_exhaustive: f64,
+    /// Lights that the bake is wrong about.
+    wrong: u64,
+    /// Whether its cut, made again, is the stored one.
+    is_equal: bool,
+}
+
+fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySampler, vertex: usize) -> Checked {
     let height = dataset.tree.height();
-    let mut visible = vec![0; dataset.tree.len()];
+    let (mut traced, mut seen) = (vec![0; dataset.tree.len()], vec![0; dataset.tree.len()]);
     let point = &points.points[points.of_vertex[vertex] as usize];
-    sampler.sample_singly(&dataset.tree, point, &mut visible);
+    sampler.sample_singly(&dataset.tree, point, &mut traced);
+    sampler.sample_again(&dataset.tree, point, &mut seen);
     let stored = dataset.cuts.cut(height, vertex as u32);
-    let mut again = Vec::new();
-    CutSelector::new(height, dataset.settings.criterion).select(&visible, &mut again);
-    let mut leaf = 0;
-    let mut squared_error = 0.0;
-    for &node in stored {
-        let end = leaf + (1 << (height - depth(node)));
-        squared_error +=
-            visible[leaf..end].iter().map(|&v| (f64::from(v) - f64::from(value(node))).powi(2)).sum::<f64>();
-        leaf = end;
+    let mut selector = CutSelector::new(height, dataset.settings.criterion);
+    let (mut again, mut exhaustive) = (Vec::new(), Vec::new());
+    selector.select(&seen, &mut again);
+    Checked {
+        squared_error: squared_error(height, stored, &traced),
+        squared_error_exhaustive: selector.select(&traced, &mut exhaustive),
+        wrong: traced.iter().zip(&seen).filter(|(a, b)| a != b).count() as u64,
+        is_equal: again == stored,
     }
-    (squared_error, again == stored)
 }
 
 #[cfg(test)]
@@ -243,6 +262,22 @@ mod tests {
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.rms_visibility > 1.7 * good.rms_visibility, "{bad:?}");
         assert!(!verify(&dataset, 0).passed, "nothing was checked");
+    }
+
+    #[test]
+    fn what_boundaries_tell_is_made_again_and_its_error_told() {
+        let settings = BakeSettings { lights: 2048, max_vertices: Some(300), ..Preset::Draft.settings() };
+        let mut dataset = box_over_floor(settings);
+        let all = dataset.scene.mesh.positions.len();
+        let good = verify(&dataset, all);
+        let mut audit = dataset.report.audit.unwrap();
+        assert!(audit.lights_per_probe > 1 && good.passed && good.different_cuts == 0, "{good:?}");
+        assert!(good.leaves_wrong < 1e-3 && good.rms_visibility <= 1.02 * good.exhaustive_rms, "{good:?}");
+        // Probes so far apart that shadows are missed: the cuts are other ones.
+        audit.lights_per_probe = 512;
+        dataset.report.audit = Some(audit);
+        let bad = verify(&dataset, all);
+        assert!(!bad.passed && bad.different_cuts > 0 && bad.leaves_wrong > good.leaves_wrong, "{bad:?}");
     }
 
     #[test]

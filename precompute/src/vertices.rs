@@ -9,3 +9,4 @@ pub mod sidedness;
 mod spread;
 pub mod tessellate;
 pub mod visibility;
+mod z_order;

@@ -8,6 +8,7 @@ mod explain;
 mod export;
 pub mod info;
 mod ladder;
+pub mod merge;
 mod predict;
 mod reference;
 mod render;
@@ -30,6 +31,7 @@ use explain::ExplainArgs;
 use export::ExportArgs;
 use info::InfoArgs;
 use ladder::LadderArgs;
+use merge::MergeArgs;
 use predict::PredictArgs;
 use reference::ReferenceArgs;
 use render::RenderArgs;
@@ -56,6 +58,15 @@ Examples:
   lapidary bake scene.gltf -o scene.cuts --sigma 1.5 --max-vertices 200000 --report bake.json
   lapidary bake scene.gltf -o scene.cuts --resume")]
     Bake(BakeArgs),
+    /// Make a dataset of the shares that machines baked with --shard
+    #[command(after_help = "\
+All shares lie beside the dataset. It is the one that a single bake makes, bit for bit; then the shares are removed.
+
+Example, for two machines that see the same folder:
+  lapidary bake scene.gltf -o scene.cuts --shard 1/2
+  lapidary bake scene.gltf -o scene.cuts --shard 2/2
+  lapidary merge scene.cuts")]
+    Merge(MergeArgs),
     /// Describe a dataset
     #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
     Info(InfoArgs),
@@ -195,6 +206,7 @@ impl Command {
         Ok(match self {
             Self::Demo(args) => args.files(),
             Self::Bake(args) => args.files(),
+            Self::Merge(args) => args.files(),
             Self::Info(args) => args.files(),
             Self::Verify(args) => args.files(),
             Self::Render(args) => args.files()?,
@@ -220,6 +232,7 @@ impl Command {
         match self {
             Self::Demo(args) => demo::run(args, console),
             Self::Bake(args) => bake::run(args, console),
+            Self::Merge(args) => merge::run(args, console),
             Self::Info(args) => args.run().map(|()| Outcome::Done),
             Self::Verify(args) => args.run().map(|()| Outcome::Done),
             Self::Render(args) => render::run(args, console),

@@ -175,7 +175,7 @@ pub(super) fn entry_and_exit<L: Lanes>(inverse: Vec3x8<L>, min: Vec3x8<L>, max: 
 
 /// Which of eight rays enter the box, one bit each, with a margin above the rounding of the slab test.
 #[inline(always)]
-fn entering<const SEGMENTS: bool, L: Lanes>((entry, exit): (L, L)) -> u8 {
+pub(super) fn entering<const SEGMENTS: bool, L: Lanes>((entry, exit): (L, L)) -> u8 {
     let margin = L::splat(1.0 + 1e-6);
     let entered = entry.simd_le(exit * margin);
     // The parameter along a segment is 1 at its end.
@@ -215,7 +215,7 @@ fn block<const SEGMENTS: bool, L: Lanes>(packet: &Packet, triangles: &BlockFrom<
 
 /// Which of eight rays cross the triangle, one bit each; the same arithmetic as [`super::triangle::TriangleFrom::crosses`].
 #[inline(always)]
-fn crossings<L: Lanes>(rays: Vec3x8<L>, edges: &[Vec3x8<L>; 3]) -> u8 {
+pub(super) fn crossings<L: Lanes>(rays: Vec3x8<L>, edges: &[Vec3x8<L>; 3]) -> u8 {
     let zero = L::splat(0.0);
     let [a, b, c] = [edges[0].dot(rays), edges[1].dot(rays), edges[2].dot(rays)];
     (a.simd_ge(zero) & b.simd_ge(zero) & c.simd_ge(zero)).to_bitmask() as u8

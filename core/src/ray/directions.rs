@@ -35,6 +35,25 @@ pub(super) struct Packet {
     pub count: usize,
 }
 
+/// Directions above or below a plane through the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// Unit normal of the plane.
+    pub normal: Vec3,
+    /// Cosine to the normal that separates the two.
+    pub height: f32,
+    /// Whether directions of a greater cosine are meant, or all others.
+    pub is_above: bool,
+}
+
+impl HalfSpace {
+    /// Whether it has a direction.
+    #[inline]
+    pub fn has(&self, direction: Vec3) -> bool {
+        (direction.dot(self.normal) > self.height) == self.is_above
+    }
+}
+
 /// Directions that are traced together from one origin after another.
 #[derive(Clone)]
 pub struct DirectionSet {
@@ -45,9 +64,7 @@ pub struct DirectionSet {
 impl DirectionSet {
     /// Arranges unit `directions` into packets. Results come back in the order given here.
     pub fn new(directions: &[Vec3]) -> Self {
-        let mut order: Vec<u32> = (0..directions.len() as u32).collect();
-        sort_spatially(&mut order, directions);
-        let packets = order.chunks(PACKET).map(|chunk| Packet::new(chunk, directions)).collect();
+        let packets = spatial_order(directions).chunks(PACKET).map(|chunk| Packet::new(chunk, directions)).collect();
         Self { packets, len: directions.len() }
     }
 
@@ -60,6 +77,13 @@ impl DirectionSet {
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
+}
+
+/// The directions in an order in which each run of [`GROUP`] and of [`PACKET`] from the start lies close together.
+pub(super) fn spatial_order(directions: &[Vec3]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..directions.len() as u32).collect();
+    sort_spatially(&mut order, directions);
+    order
 }
 
 /// Halves the set across its widest axis until groups are reached, so that neighbours in order are neighbours in space.
@@ -121,7 +145,7 @@ impl Packet {
 }
 
 /// Squared sine of the half-angle of the cone around `axis` that holds all directions, widened by more than rounding.
-fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
+pub(super) fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
     let cos = directions.iter().map(|d| d.dot(axis)).fold(1.0, f32::min);
     if cos > 0.2 { (1.0 - cos * cos + 1e-4).min(1.0) } else { 1.0 }
 }

@@ -257,3 +257,145 @@ fn thousands_of_copies_of_a_triangle_are_one_to_the_hierarchy() {
     mesh.triangles.push([b, c, a]);
     assert!(Intersector::new(&mesh).leaf_ids.contains(&(mesh.triangles.len() as u32 - 1)), "negative control");
 }
+
+/// What following boundaries sets, and what single rays say.
+fn seen_along_boundaries(
+    scene: &Intersector,
+    directions: &[Vec3],
+    directions_per_probe: usize,
+    half: &HalfSpace,
+) -> (Vec<u8>, Vec<u8>, u64) {
+    let set = BoundarySet::new(directions, directions_per_probe);
+    let mut seen = vec![0; directions.len()];
+    let rays = BoundaryTracer::default().trace(scene, Vec3::ZERO, &set, half, &mut seen);
+    let single = |&d: &Vec3| u8::from(half.has(d) && !scene.occluded(Vec3::ZERO, d));
+    (seen, directions.iter().map(single).collect(), rays)
+}
+
+/// A disc with a hole around an axis, at distance 2 from the origin: triangles between rings.
+fn disc(axis: Vec3, [inner, outer]: [f32; 2]) -> Mesh {
+    let (u, v) = axis.any_orthonormal_pair();
+    let mut mesh = Mesh::default();
+    for step in 0..64 {
+        let at = |step: u32, radius: f32| {
+            let (sin, cos) = (std::f32::consts::TAU * step as f32 / 64.0).sin_cos();
+            2.0 * axis + radius * (cos * u + sin * v)
+        };
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([at(step, inner), at(step, outer), at(step + 1, outer), at(step + 1, inner)]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    mesh
+}
+
+const ABOVE: HalfSpace = HalfSpace { normal: Vec3::Y, height: 0.0, is_above: true };
+
+#[test]
+fn boundaries_lead_around_all_that_probes_meet() {
+    let directions = fibonacci_directions(8192);
+    for axis in [Vec3::Y, Vec3::new(0.6, 0.8, 0.0), Vec3::X, Vec3::new(0.3, 0.2, -0.9).normalize()] {
+        // Wide enough that its inside and its outside have probes.
+        let scene = Intersector::new(&disc(axis, [0.7, 1.3]));
+        let (seen, expected, rays) = seen_along_boundaries(&scene, &directions, 16, &ABOVE);
+        assert!(seen == expected, "around {axis}");
+        assert!(seen.contains(&1) && rays < 8192 / 5, "{rays}");
+        let below = HalfSpace { is_above: false, ..ABOVE };
+        let (seen, expected, _) = seen_along_boundaries(&scene, &directions, 16, &below);
+        assert!(seen == expected, "below, around {axis}");
+    }
+}
+
+#[test]
+fn what_no_probe_meets_is_missed_and_finer_probes_find_it() {
+    let directions = fibonacci_directions(8192);
+    // Some twenty directions meet it.
+    let small = Intersector::new(&disc(Vec3::new(0.35, 0.9, 0.2).normalize(), [0.0, 0.22]));
+    let wrong = |directions_per_probe| {
+        let (seen, expected, _) = seen_along_boundaries(&small, &directions, directions_per_probe, &ABOVE);
+        assert!(
+            (10..40).contains(&expected.iter().zip(&directions).filter(|(e, d)| **e == 0 && ABOVE.has(**d)).count())
+        );
+        seen.iter().zip(&expected).filter(|(a, b)| a != b).count()
+    };
+    assert_eq!([wrong(8), wrong(16)], [0, 0]);
+    assert!(wrong(512) >= 10, "negative control");
+}
+
+#[test]
+fn hardly_any_direction_is_wrong_even_among_small_triangles_and_fewer_with_more_probes() {
+    let directions = fibonacci_directions(8192);
+    for seed in 1..5 {
+        let scene = Intersector::new(&soup(seed, 400));
+        let wrong = |directions_per_probe| {
+            let (seen, expected, rays) = seen_along_boundaries(&scene, &directions, directions_per_probe, &ABOVE);
+            assert!(rays < 4096, "{rays} for half of the directions");
+            seen.iter().zip(&expected).filter(|(a, b)| a != b).count()
+        };
+        let [fine, usual, coarse] = [8, 16, 256].map(wrong);
+        assert!(fine <= usual && usual <= coarse && coarse > 60, "{fine}, {usual}, {coarse}");
+        assert!(usual < 82, "1 %: {usual}");
+        let (seen, ..) = seen_along_boundaries(&scene, &directions, 16, &ABOVE);
+        let below = HalfSpace { is_above: false, ..ABOVE };
+        assert_ne!(seen_along_boundaries(&scene, &directions, 16, &below).0, seen, "negative control");
+    }
+}
+
+#[test]
+fn few_directions_and_an_empty_scene_have_boundaries_too() {
+    let nothing = Intersector::new(&Mesh::default());
+    let scene = Intersector::new(&soup(3, 400));
+    for count in [1, 2, 7, 9, 64, 100] {
+        let directions = fibonacci_directions(count);
+        for scene in [&nothing, &scene] {
+            // Every group has a probe of its own: it is blocked, or it is traced.
+            let (seen, expected, _) = seen_along_boundaries(scene, &directions, 8, &ABOVE);
+            assert!(
+                seen.iter().zip(&expected).zip(&directions).all(|((a, b), d)| a == b || !ABOVE.has(*d) || count > 8)
+            );
+            assert!(seen.iter().zip(&directions).all(|(seen, d)| ABOVE.has(*d) || *seen == 0));
+        }
+        let open = seen_along_boundaries(&nothing, &directions, 16, &ABOVE);
+        assert_eq!(open.0, open.1);
+    }
+}
+
+#[test]
+fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
+    for (mesh, seed) in [(soup(7, 500), 1), (doubled(soup(8, 200)), 2), (Mesh::default(), 3)] {
+        let scene = Intersector::new(&mesh);
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5);
+        // Side by side in one direction, and all over the place.
+        let eight = |i: usize| {
+            let (at, along) = (6.0 * point(), point().normalize());
+            let origins: [Vec3; 8] =
+                std::array::from_fn(|_| if i.is_multiple_of(2) { at + 0.1 * point() } else { 6.0 * point() });
+            let directions = std::array::from_fn(|_| if i.is_multiple_of(2) { along } else { point().normalize() });
+            (origins, directions, 0b1101_1011 | (i % 7) as u8)
+        };
+        let eights: Vec<([Vec3; 8], [Vec3; 8], u8)> = (0..200).map(eight).collect();
+        let rays: Vec<EightRays> = eights.iter().map(|&(o, d, active)| EightRays::new(o, d, active)).collect();
+        let (open, distances) = (scene.open(&rays), scene.closest_distances(&rays));
+        let mut met = 0;
+        for (i, (origins, directions, active)) in eights.iter().enumerate() {
+            for lane in 0..8 {
+                let is_active = active >> lane & 1 == 1;
+                let hit = scene.closest_hit(origins[lane], directions[lane]).filter(|_| is_active);
+                let is_open = is_active && !scene.occluded_by_brute_force(origins[lane], directions[lane]);
+                assert_eq!(open[i] >> lane & 1 == 1, is_open, "{i}, {lane}");
+                assert_eq!(distances[i][lane], hit.map_or(f32::INFINITY, |hit| hit.distance), "{i}, {lane}");
+                met += usize::from(hit.is_some());
+            }
+        }
+        assert!(mesh.triangles.is_empty() || (met > 100 && met < 1400), "{met}");
+        for set in InstructionSet::available() {
+            assert_eq!(
+                (scene.open_in(set, &rays), scene.closest_distances_in(set, &rays)),
+                (open.clone(), distances.clone())
+            );
+        }
+        let elsewhere: Vec<EightRays> =
+            eights.iter().map(|&(o, d, active)| EightRays::new(o.map(|o| o + 1.0), d, active)).collect();
+        assert!(scene.open(&elsewhere) != open || met == 0, "negative control: other origins");
+    }
+}

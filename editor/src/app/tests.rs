@@ -73,8 +73,10 @@ impl Place {
     }
 }
 
+/// Of so few lights boundaries tell little.
 fn few_lights() -> BakeSettings {
-    BakeSettings { lights: 256, pilot_clusters: 8, max_vertices: None, ..Preset::Draft.settings() }
+    let draft = Preset::Draft.settings();
+    BakeSettings { lights: 256, pilot_clusters: 8, max_vertices: None, exhaustive: true, ..draft }
 }
 
 struct Window(Harness<'static, EditorState>);

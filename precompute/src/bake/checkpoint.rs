@@ -10,12 +10,16 @@ mod folder;
 mod identity;
 mod manifest;
 mod rows;
+mod share;
+mod work;
 
 pub use chunk::Chunk;
 pub use identity::Places;
+pub use work::{Work, shards_beside};
 
 use super::settings::ResolvedBake;
-use crate::errors::CheckpointError;
+use crate::errors::{BakeError, CheckpointError, ShardError};
+use crate::shard::Shard;
 use folder::{Contents, is_there, remove};
 use identity::{Identity, Seal};
 use lapidary_core::{dataset::BakeSettings, input, output::write_atomically};
@@ -73,7 +77,7 @@ pub enum Leftover {
 
 /// What an interrupted bake left beside `output`, judged for a bake of this scene with these settings.
 pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Leftover {
-    match Checkpoint::open(output, scene_hash, settings) {
+    match Checkpoint::open(output, &Work::All, scene_hash, settings) {
         Ok(Some(_)) => Leftover::Fitting,
         Ok(None) => Leftover::Nothing,
         Err(_) => Leftover::OfAnother,
@@ -85,8 +89,9 @@ pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Lef
 pub struct Checkpoint {
     folder: PathBuf,
     manifest: Manifest,
-    /// Whether files that were there before may be used.
-    resumes: bool,
+    /// Folders whose files may be used, with the shards that they are of.
+    known: Vec<(PathBuf, Option<Shard>)>,
+    work: Work,
 }
 
 impl Checkpoint {
@@ -97,56 +102,90 @@ impl Checkpoint {
         name.into()
     }
 
-    /// Whether an interrupted bake has left files beside `output`.
+    /// Whether an interrupted bake has left files in a folder.
     ///
     /// # Errors
     /// Something else lies where the checkpoint would be.
-    pub fn is_left(output: &Path) -> Result<bool, CheckpointError> {
-        let folder = Self::folder_of(output);
-        Ok(is_there(&folder)? && !Contents::of(&folder)?.all_ours()?.is_empty())
+    pub fn is_left(folder: &Path) -> Result<bool, CheckpointError> {
+        Ok(is_there(folder)? && !Contents::of(folder)?.all_ours()?.is_empty())
     }
 
-    /// Starts anew and discards an earlier checkpoint.
+    /// Starts work anew and discards an earlier checkpoint.
     ///
     /// # Errors
     /// A folder that is no checkpoint's, or that cannot be written.
     pub fn create(
         output: &Path,
+        work: &Work,
         scene_hash: &str,
         settings: &BakeSettings,
         points: usize,
         chunks: usize,
         tree_order: &[u32],
     ) -> Result<Self, CheckpointError> {
-        let folder = Self::folder_of(output);
+        let folder = work.folder_of(output);
         if is_there(&folder)? {
             remove(&Contents::of(&folder)?.all_ours()?)?;
         } else {
             fs::create_dir(&folder).map_err(|e| io_error("write", &folder, e))?;
         }
         let manifest = Manifest::new(scene_hash, settings, points, chunks, tree_order);
-        let checkpoint = Self { folder, manifest, resumes: false };
+        let checkpoint = Self { folder, manifest, known: Vec::new(), work: work.clone() };
         checkpoint.write(manifest::FILE, &checkpoint.manifest.sealed())?;
+        checkpoint.sign()?;
         Ok(checkpoint)
     }
 
-    /// Opens what an interrupted bake left, if anything.
+    /// Opens what interrupted work left, if anything.
     ///
     /// # Errors
     /// A checkpoint of another scene or other settings, or a damaged one.
-    pub fn open(output: &Path, scene_hash: &str, settings: &BakeSettings) -> Result<Option<Self>, CheckpointError> {
-        let folder = Self::folder_of(output);
-        let file = folder.join(manifest::FILE);
-        let bytes = match input::read(&file) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(io_error("read", &file, e)),
-        };
-        let manifest = Manifest::unsealed(&bytes).map_err(|reason| CheckpointError::Damaged { path: file, reason })?;
+    pub fn open(
+        output: &Path,
+        work: &Work,
+        scene_hash: &str,
+        settings: &BakeSettings,
+    ) -> Result<Option<Self>, CheckpointError> {
+        let folder = work.folder_of(output);
+        let Some(manifest) = manifest_in(&folder)? else { return Ok(None) };
         if !manifest.is_of(scene_hash, settings) {
             return Err(CheckpointError::Mismatch { path: folder });
         }
-        Ok(Some(Self { folder, manifest, resumes: true }))
+        let known = vec![(folder.clone(), None)];
+        Ok(Some(Self { folder, manifest, known, work: work.clone() }))
+    }
+
+    /// The shares of all shards beside `output`, for a bake that makes no chunk.
+    ///
+    /// # Errors
+    /// Shares that are missing, or of different bakes.
+    pub fn of_shares(output: &Path) -> Result<Self, BakeError> {
+        let shards = shards_beside(output)?;
+        let folder_of = |shard: &Shard| shard.folder_of(output);
+        let known: Vec<(PathBuf, Option<Shard>)> = shards.iter().map(|s| (folder_of(s), Some(*s))).collect();
+        let mut first: Option<Manifest> = None;
+        for (folder, shard) in shards.iter().map(|shard| (folder_of(shard), *shard)) {
+            let incomplete = || ShardError::Incomplete { shard, path: folder.clone() };
+            let manifest = manifest_in(&folder)?.ok_or_else(incomplete)?;
+            let found = share::shard_in(&folder).ok_or_else(incomplete)?;
+            if found != shard {
+                return Err(ShardError::Renamed { shard, found, path: folder }.into());
+            }
+            match &first {
+                Some(first) if *first != manifest => {
+                    let first = folder_of(&shards[0]);
+                    return Err(ShardError::OfAnother { shard, path: folder, first }.into());
+                }
+                _ => first = Some(manifest),
+            }
+        }
+        let manifest = first.ok_or_else(|| ShardError::NoShares { path: output.into() })?;
+        Ok(Self { folder: known[0].0.clone(), manifest, known, work: Work::Merge(shards) })
+    }
+
+    /// Whether it is of a bake of this scene with these settings and so many bake points.
+    pub fn is_of(&self, scene_hash: &str, settings: &BakeSettings, points: usize) -> bool {
+        self.manifest.is_of(scene_hash, settings) && self.points() == points
     }
 
     /// Number of bake points in all chunks.
@@ -165,17 +204,25 @@ impl Checkpoint {
         Kept { checkpoint: self, series, identity, places, others: Cell::new(false) }
     }
 
-    /// Removes the checkpoint when its bake is complete. Returns a file of others, with which the folder stays.
+    /// Removes the checkpoint, or all shares, when its bake is complete. Returns a file of others, with which its folder stays.
     ///
     /// # Errors
     /// Files that cannot be removed.
     pub fn remove(self) -> Result<Option<PathBuf>, CheckpointError> {
-        let Contents { ours, foreign } = Contents::of(&self.folder)?;
-        remove(&ours)?;
-        if foreign.is_none() {
-            fs::remove_dir(&self.folder).map_err(|e| io_error("remove", &self.folder, e))?;
+        let folders = match self.work {
+            Work::Merge(_) => self.known.into_iter().map(|(folder, _)| folder).collect(),
+            Work::All | Work::Share(_) => vec![self.folder],
+        };
+        let mut kept = None;
+        for folder in folders {
+            let Contents { ours, foreign } = Contents::of(&folder)?;
+            remove(&ours)?;
+            if foreign.is_none() {
+                fs::remove_dir(&folder).map_err(|e| io_error("remove", &folder, e))?;
+            }
+            kept = kept.or(foreign);
         }
-        Ok(foreign)
+        Ok(kept)
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CheckpointError> {
@@ -197,6 +244,27 @@ impl Kept<'_> {
     /// Number of chunks.
     pub fn chunks(&self) -> usize {
         self.checkpoint.manifest.chunks
+    }
+
+    /// Whether this bake makes or reads the chunk of an index; otherwise another shard makes it.
+    pub fn has(&self, index: usize) -> bool {
+        self.checkpoint.work.has(index)
+    }
+
+    /// Whether a chunk may be made that is not there.
+    ///
+    /// # Errors
+    /// Where shares are merged: the share that lacks it.
+    pub fn may_make(&self, index: usize) -> Result<(), ShardError> {
+        let Work::Merge(_) = self.checkpoint.work else { return Ok(()) };
+        let lacking = self
+            .checkpoint
+            .known
+            .iter()
+            .find_map(|(folder, shard)| Some((folder, (*shard)?)).filter(|(_, s)| s.makes(index)));
+        lacking.map_or(Ok(()), |(folder, shard)| {
+            Err(ShardError::Incomplete { shard, path: folder.join(self.series.file_name(index)) })
+        })
     }
 
     /// Which of `count` points a chunk holds.
@@ -221,24 +289,35 @@ impl Kept<'_> {
     }
 
     fn load_body(&self, index: usize) -> Option<Vec<u8>> {
-        if !self.checkpoint.resumes {
-            return None;
-        }
-        let bytes = input::read(&self.checkpoint.folder.join(self.series.file_name(index))).ok()?;
-        match self.identity.unsealed(&bytes, self.places, index) {
-            Seal::Fits(body) => Some(body.to_vec()),
-            Seal::OtherPlaces => {
-                self.others.set(true);
-                None
+        self.checkpoint.known.iter().find_map(|(folder, _)| {
+            let bytes = input::read(&folder.join(self.series.file_name(index))).ok()?;
+            match self.identity.unsealed(&bytes, self.places, index) {
+                Seal::Fits(body) => Some(body.to_vec()),
+                Seal::OtherPlaces => {
+                    self.others.set(true);
+                    None
+                }
+                Seal::Broken => None,
             }
-            Seal::Broken => None,
-        }
+        })
     }
 
     fn store_body(&self, index: usize, body: &[u8]) -> Result<(), CheckpointError> {
         let sealed = self.identity.sealed(body, self.places, index);
         self.checkpoint.write(&self.series.file_name(index), &sealed)
     }
+}
+
+/// The manifest of a checkpoint's folder, if there is one.
+fn manifest_in(folder: &Path) -> Result<Option<Manifest>, CheckpointError> {
+    let file = folder.join(manifest::FILE);
+    let bytes = match input::read(&file) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(io_error("read", &file, e)),
+    };
+    let manifest = Manifest::unsealed(&bytes).map_err(|reason| CheckpointError::Damaged { path: file, reason })?;
+    Ok(Some(manifest))
 }
 
 fn io_error(action: &'static str, path: &Path, source: io::Error) -> CheckpointError {

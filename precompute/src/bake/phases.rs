@@ -1,5 +1,6 @@
 //! The phases of a bake, one file each, and the making and packing of their chunks.
 
+mod audit;
 pub mod bounces;
 mod chunks;
 pub mod environment;

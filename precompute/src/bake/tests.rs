@@ -30,6 +30,7 @@ use std::{
 };
 
 mod resumed;
+mod shards;
 mod viewpoint;
 
 fn scene() -> Scene {
@@ -158,6 +159,45 @@ fn report_adds_up_and_a_floor_of_two_triangles_gets_a_shadow() {
     };
     assert!(zenith(Vec3::new(0.3, 0.0, 0.2)) < 0.5);
     assert!(zenith(Vec3::new(-1.8, 0.0, -1.8)) > 0.8);
+}
+
+#[test]
+fn a_bake_follows_boundaries_and_is_as_good_as_an_exhaustive_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, exhaustive| {
+        let job =
+            with(job(folder.path(), name), |settings| (settings.lights, settings.exhaustive) = (4096, exhaustive));
+        bake(scene(), &job, &Silent).unwrap()
+    };
+    let (followed, exhaustive) = (run("a.cuts", false).report, run("b.cuts", true).report);
+    let audit = followed.audit.expect("an audit");
+    assert!(exhaustive.audit.is_none() && audit.lights_per_probe == 16, "{audit:?}");
+    assert_eq!(audit.vertices, 64);
+    assert!(audit.leaves_wrong < 1e-3 && audit.rms_exhaustive > 0.0, "{audit:?}");
+    assert!(audit.rms_error <= 1.01 * audit.rms_exhaustive, "{audit:?}");
+    assert!(10 * followed.rays_traced < 4 * exhaustive.rays_traced, "{} rays", followed.rays_traced);
+    assert!((followed.mean_cut / exhaustive.mean_cut - 1.0).abs() < 0.01);
+    assert!((followed.rms_visibility / exhaustive.rms_visibility - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn what_is_too_fine_for_boundaries_is_traced_exhaustively() {
+    // Specks over a floor, each as wide as a light or two, so that most stand between probes.
+    let mut triangles = floor(1.0, 0.0).to_vec();
+    for speck in 0..49 {
+        let (x, z) = (0.3 * (speck % 7 - 3) as f32, 0.3 * (speck / 7 - 3) as f32);
+        triangles.extend(cuboid(Vec3::new(x, 0.5, z), Vec3::splat(0.012)));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let job = with(job(folder.path(), "a.cuts"), |settings| {
+        (settings.lights, settings.criterion.sigma) = (2048, 0.6);
+    });
+    let dataset = bake(scene_of(&triangles), &job, &Silent).unwrap();
+    let audit = dataset.report.audit.expect("an audit");
+    assert_eq!((audit.lights_per_probe, audit.leaves_wrong), (1, 0.0), "{audit:?}");
+    assert_eq!(audit.rms_error, audit.rms_exhaustive);
+    assert!(3 * dataset.report.rays_traced > dataset.report.samples_resolved, "all above the horizons");
+    assert!(crate::verify(&dataset, 64).passed);
 }
 
 #[test]

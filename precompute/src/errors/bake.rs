@@ -1,6 +1,6 @@
 //! Why a bake did not finish.
 
-use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError};
+use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError, shard::ShardError};
 use crate::{
     observer::Observer,
     setting::{Naming, Setting},
@@ -29,6 +29,8 @@ pub enum BakeError {
     Lock(#[from] LockError),
     /// The checkpoint cannot be used or written.
     Checkpoint(#[from] CheckpointError),
+    /// Shards make no dataset.
+    Shard(#[from] ShardError),
     /// Nothing can be written where the dataset is to go.
     Output(#[from] OutputError),
     /// The dataset cannot be written.
@@ -77,6 +79,7 @@ impl BakeError {
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),
+            Self::Shard(error) => error.to_string(),
             Self::Output(error) => error.to_string(),
             Self::Dataset(error) => error.to_string(),
             Self::Memory { mode, needed, available } => format!(

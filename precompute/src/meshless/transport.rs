@@ -51,7 +51,8 @@ pub fn transport_operator(
     resumable_operator(surface, basis, settings, &Forget, observer)
 }
 
-/// The same, resumable: steps that `kept` holds are not made again.
+/// The same, resumable: steps that `kept` holds are not made again. Of the finest level, those that it does not have
+/// have no links.
 pub fn resumable_operator(
     surface: &dyn Surface,
     basis: &Basis,
@@ -68,6 +69,10 @@ pub fn resumable_operator(
     for level in 0..basis.levels() {
         for step in receivers.chunks(RECEIVERS_PER_STEP) {
             cancelled(observer)?;
+            if level + 1 == basis.levels() && !kept.has(steps_done) {
+                steps_done += 1;
+                continue;
+            }
             let make = || {
                 let gather = |scratch: &mut _, &receiver: &usize| {
                     let (mut row, is_root) = gatherer.gather(scratch, receiver, level, &rows);

@@ -38,10 +38,11 @@ pub fn order_sources(
         return Ok(sources);
     }
     let sampler = SourceSampler::new(scene, &sources, surface.offset());
-    let sample = |point: &BakePoint, seen: &mut [u8]| {
-        let mut solid_angles = vec![0.0; sources.len()];
-        sampler.sample(point, &mut SourceScratch::default(), &mut solid_angles);
-        seen.iter_mut().zip(solid_angles).for_each(|(s, angle)| *s = u8::from(angle > 0.0));
+    let sample = |point: &BakePoint, scratch: &mut (SourceScratch, Vec<f32>), seen: &mut [u8]| {
+        let (scratch, solid_angles) = scratch;
+        solid_angles.resize(sources.len(), 0.0);
+        sampler.sample(point, scratch, solid_angles);
+        seen.iter_mut().zip(solid_angles).for_each(|(s, angle)| *s = u8::from(*angle > 0.0));
     };
     let pilot = pilot_of(points, diagonal, sources.len(), settings.pilot_clusters, observer, sample)?;
     Ok(clustered(&sources, settings.tree, settings.beta, diagonal, &pilot))

@@ -15,7 +15,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     light_tree::{Features, PilotVisibility, cluster_order},
-    ray::Intersector,
+    ray::BoundaryTracer,
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -25,44 +25,43 @@ const K: f32 = 30.0;
 /// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
 
-/// Clusters the points by position and normal and samples each cluster's visibility of `directions`.
+/// Clusters the points by position and normal and samples each cluster's visibility of the sampler's directions.
 pub fn sample_pilot(
     points: &BakePoints,
-    scene: &Intersector,
+    sampler: &VisibilitySampler,
     diagonal: f32,
-    directions: &[Vec3],
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    let sampler = VisibilitySampler::of_directions(scene, directions);
-    let sample = |point: &BakePoint, visible: &mut [u8]| {
-        sampler.sample(point, visible);
+    let sample = |point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]| {
+        sampler.sample(point, tracer, visible);
     };
-    pilot_of(points, diagonal, directions.len(), clusters, observer, sample)
+    pilot_of(points, diagonal, sampler.len(), clusters, observer, sample)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each.
-pub fn pilot_of(
+/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each and has
+/// buffers that are kept.
+pub fn pilot_of<S: Default>(
     points: &BakePoints,
     diagonal: f32,
     lights: usize,
     clusters: usize,
     observer: &dyn Observer,
-    sample: impl Fn(&BakePoint, &mut [u8]) + Sync,
+    sample: impl Fn(&BakePoint, &mut S, &mut [u8]) + Sync,
 ) -> Result<PilotVisibility, BakeError> {
     let order = cluster_order(&point_features(&points.points, diagonal));
     let clusters = clusters.min(order.len());
     let done = AtomicU64::new(0);
-    let row = |cluster: usize| {
+    let row = |scratch: &mut S, cluster: usize| {
         if observer.cancelled() {
             return Err(BakeError::Cancelled);
         }
         let members = &order[cluster * order.len() / clusters..(cluster + 1) * order.len() / clusters];
-        let row = cluster_visibility(&sample, &points.points, members, lights);
+        let row = cluster_visibility(|point, visible| sample(point, scratch, visible), &points.points, members, lights);
         observer.event(Event::Advanced { done: done.fetch_add(1, Ordering::Relaxed) + 1 });
         Ok(row)
     };
-    let rows = (0..clusters).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    let rows = (0..clusters).into_par_iter().map_init(S::default, row).collect::<Result<Vec<_>, _>>()?;
     Ok(PilotVisibility { lights, fractions: rows.concat() })
 }
 
@@ -76,7 +75,7 @@ fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
 }
 
 fn cluster_visibility(
-    sample: &impl Fn(&BakePoint, &mut [u8]),
+    mut sample: impl FnMut(&BakePoint, &mut [u8]),
     points: &[BakePoint],
     members: &[u32],
     lights: usize,
@@ -94,12 +93,13 @@ fn cluster_visibility(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vertices::visibility::EXHAUSTIVE;
     use crate::{
         observer::Silent,
         test_scenes::{cuboid, floor, scene_of},
         vertices::sidedness::classify,
     };
-    use lapidary_core::sphere::fibonacci_directions;
+    use lapidary_core::{ray::Intersector, sphere::fibonacci_directions};
 
     #[test]
     fn clusters_hold_points_that_see_alike() {
@@ -108,14 +108,14 @@ mod tests {
         let scene = scene_of(&triangles);
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
-        let directions = fibonacci_directions(256);
-        let pilot = sample_pilot(&points, &intersector, 4.0, &directions, 4, &Silent).unwrap();
+        let sampler = VisibilitySampler::of_directions(&intersector, &fibonacci_directions(256), EXHAUSTIVE);
+        let pilot = sample_pilot(&points, &sampler, 4.0, 4, &Silent).unwrap();
         assert_eq!((pilot.clusters(), pilot.fractions.len()), (4, 1024));
         // Every cluster sees something and none sees everything; the floor's light comes from above.
         for row in pilot.fractions.chunks(256) {
             assert!(row.iter().any(|&f| f > 0) && row.contains(&0));
         }
-        let more = sample_pilot(&points, &intersector, 4.0, &directions, 9999, &Silent).unwrap();
+        let more = sample_pilot(&points, &sampler, 4.0, 9999, &Silent).unwrap();
         assert_eq!(more.clusters(), points.points.len(), "never more clusters than points");
     }
 }

@@ -13,7 +13,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::{Intersector, offset},
+    ray::{HalfSpace, Intersector, offset},
     scene::Mesh,
     shot::Shot,
     sources::Origin,
@@ -88,11 +88,16 @@ impl BakePoint {
         Origin::SAME_SURFACE_COSINE.min(0.99 * tilted)
     }
 
-    /// The side from which a direction is sampled. A one-sided point does not sample directions behind it.
+    /// The directions that are sampled from a side. A one-sided point does not sample those behind it.
+    pub fn half_of(&self, side: Side) -> HalfSpace {
+        // The greatest number below zero: in the plane of a two-sided point is in front of it.
+        let height = if self.two_sided { 0.0_f32.next_down() } else { self.horizon };
+        HalfSpace { normal: self.normal, height, is_above: side == Side::Front }
+    }
+
+    /// The side from which a direction is sampled.
     pub fn side_of(&self, direction: Vec3) -> Side {
-        let height = direction.dot(self.normal);
-        let is_front = if self.two_sided { height >= 0.0 } else { height > self.horizon };
-        if is_front { Side::Front } else { Side::Back }
+        if self.half_of(Side::Front).has(direction) { Side::Front } else { Side::Back }
     }
 }
 

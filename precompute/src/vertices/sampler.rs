@@ -1,7 +1,14 @@
-//! Visibility of vertices of a dataset, traced again as its bake did.
+//! Visibility of vertices of a dataset, traced again from where its bake did, against every light.
 
-use crate::vertices::{points::BakePoints, sidedness::Sidedness, visibility::VisibilitySampler};
-use lapidary_core::{dataset::Dataset, ray::Intersector};
+use crate::vertices::{
+    points::BakePoints,
+    sidedness::Sidedness,
+    visibility::{EXHAUSTIVE, VisibilitySampler},
+};
+use lapidary_core::{
+    dataset::Dataset,
+    ray::{BoundaryTracer, Intersector},
+};
 
 /// Traces vertices of a dataset.
 pub struct VertexSampler<'a> {
@@ -19,12 +26,12 @@ pub fn bake_points(dataset: &Dataset) -> BakePoints {
 impl<'a> VertexSampler<'a> {
     /// For a dataset and the rays of its mesh.
     pub fn new(dataset: &Dataset, intersector: &'a Intersector) -> Self {
-        Self { points: bake_points(dataset), lights: VisibilitySampler::new(intersector, &dataset.tree) }
+        Self { points: bake_points(dataset), lights: VisibilitySampler::new(intersector, &dataset.tree, EXHAUSTIVE) }
     }
 
     /// Sets `visible[leaf]` to 1 for every light that a vertex sees and to 0 for all others, before they become a cut.
     pub fn sample(&self, vertex: u32, visible: &mut [u8]) {
         let point = self.points.of_vertex[vertex as usize];
-        self.lights.sample(&self.points.points[point as usize], visible);
+        self.lights.sample(&self.points.points[point as usize], &mut BoundaryTracer::default(), visible);
     }
 }

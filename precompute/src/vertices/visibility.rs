@@ -1,36 +1,66 @@
-//! Visibility of all light samples from one bake point: one batch behind one function.
+//! Visibility of all light samples from one bake point: one batch, or what boundaries tell, behind one function.
 
 use crate::vertices::{points::BakePoint, side::Side};
 use glam::Vec3;
 use lapidary_core::{
     light_tree::LightTree,
-    ray::{DirectionSet, Intersector},
+    ray::{BoundarySet, BoundaryTracer, DirectionSet, Intersector},
 };
+
+/// Lights for each that is probed, if every light is traced.
+pub const EXHAUSTIVE: usize = 1;
+
+/// Lights for each that is probed, of bakes that follow boundaries: usually, and at least.
+pub const USUAL: usize = 16;
+/// See [`USUAL`].
+pub const FINEST: usize = 8;
 
 /// A scene and the directions to its lights.
 pub struct VisibilitySampler<'a> {
     scene: &'a Intersector,
-    directions: DirectionSet,
+    directions: Directions,
+}
+
+enum Directions {
+    All(DirectionSet),
+    Boundaries(BoundarySet),
 }
 
 impl<'a> VisibilitySampler<'a> {
-    /// For the leaves of `tree`, in tree order.
-    pub fn new(scene: &'a Intersector, tree: &LightTree) -> Self {
-        Self::of_directions(scene, tree.leaf_directions())
+    /// For the leaves of `tree`, in tree order. Boundaries are followed between probes, of which each stands for
+    /// `lights_per_probe`, or every light is traced ([`EXHAUSTIVE`]).
+    pub fn new(scene: &'a Intersector, tree: &LightTree, lights_per_probe: usize) -> Self {
+        Self::of_directions(scene, tree.leaf_directions(), lights_per_probe)
     }
 
     /// For any unit directions, in the order given.
-    pub fn of_directions(scene: &'a Intersector, directions: &[Vec3]) -> Self {
-        Self { scene, directions: DirectionSet::new(directions) }
+    pub fn of_directions(scene: &'a Intersector, directions: &[Vec3], lights_per_probe: usize) -> Self {
+        let directions = match lights_per_probe {
+            EXHAUSTIVE => Directions::All(DirectionSet::new(directions)),
+            _ => Directions::Boundaries(BoundarySet::new(directions, lights_per_probe)),
+        };
+        Self { scene, directions }
+    }
+
+    /// Number of directions.
+    pub fn len(&self) -> usize {
+        match &self.directions {
+            Directions::All(set) => set.len(),
+            Directions::Boundaries(set) => set.len(),
+        }
     }
 
     /// Sets `visible[leaf]` to 1 for every light that the point sees and to 0 for all others. Returns the rays traced.
-    pub fn sample(&self, point: &BakePoint, visible: &mut [u8]) -> u64 {
+    pub fn sample(&self, point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
         visible.fill(0);
-        let trace = |&side: &Side| {
-            self.scene.trace_batch(point.origin(side), &self.directions, |d| point.side_of(d) == side, &mut *visible)
+        let mut trace = |&side: &Side| {
+            let (origin, half) = (point.origin(side), point.half_of(side));
+            match &self.directions {
+                Directions::All(set) => self.scene.trace_batch(origin, set, |d| half.has(d), &mut *visible),
+                Directions::Boundaries(set) => tracer.trace(self.scene, origin, set, &half, &mut *visible),
+            }
         };
-        point.sides().iter().map(trace).sum()
+        point.sides().iter().map(&mut trace).sum()
     }
 
     /// [`Self::sample`] ray by ray and without packets, for verification.
@@ -39,6 +69,16 @@ impl<'a> VisibilitySampler<'a> {
             let side = point.side_of(d);
             let traced = point.sides().contains(&side);
             *v = u8::from(traced && !self.scene.occluded(point.origin(side), d));
+        }
+    }
+
+    /// What [`Self::sample`] sets, for verification: ray by ray if every light is traced, else by the same boundaries.
+    pub fn sample_again(&self, tree: &LightTree, point: &BakePoint, visible: &mut [u8]) {
+        match &self.directions {
+            Directions::All(_) => self.sample_singly(tree, point, visible),
+            Directions::Boundaries(_) => {
+                self.sample(point, &mut BoundaryTracer::default(), visible);
+            }
         }
     }
 }
@@ -61,11 +101,12 @@ mod tests {
         let tree = LightTree::geometric(1024).unwrap();
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
-        let sampler = VisibilitySampler::new(&intersector, &tree);
+        let sampler = VisibilitySampler::new(&intersector, &tree, EXHAUSTIVE);
+        let mut tracer = BoundaryTracer::default();
         let (mut batch, mut single) = (vec![0; 1024], vec![0; 1024]);
         let mut both_sides = 0;
         for point in &points.points {
-            let rays = sampler.sample(point, &mut batch);
+            let rays = sampler.sample(point, &mut tracer, &mut batch);
             sampler.sample_singly(&tree, point, &mut single);
             assert_eq!(batch, single);
             assert!(rays <= 1024);
@@ -83,7 +124,8 @@ mod tests {
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
         let mut visible = vec![0; 4096];
-        let rays = VisibilitySampler::new(&intersector, &tree).sample(&points.points[0], &mut visible);
+        let sampler = VisibilitySampler::new(&intersector, &tree, EXHAUSTIVE);
+        let rays = sampler.sample(&points.points[0], &mut BoundaryTracer::default(), &mut visible);
         assert_eq!(visible.iter().map(|&v| u64::from(v)).sum::<u64>(), rays);
         for (v, d) in visible.iter().zip(tree.leaf_directions()) {
             assert_eq!(*v == 1, d.y > points.points[0].horizon);

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use lapidary_studies::{
-    commands::{bake::BakeArgs, info::InfoArgs, verify::VerifyArgs},
+    commands::{bake::BakeArgs, info::InfoArgs, merge::MergeArgs, verify::VerifyArgs},
     terminal::error_text,
 };
 use std::process::ExitCode;
@@ -22,6 +22,8 @@ struct Cli {
 enum Command {
     /// Bake a scene's visibility, and its bounced light with --mode
     Bake(Box<BakeArgs>),
+    /// Make a dataset of the shares that machines baked with --shard
+    Merge(MergeArgs),
     /// Describe a dataset
     Info(InfoArgs),
     /// Trace random vertices and surface sources of a dataset and make random links again, and compare
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Bake(args) => args.files().check().and_then(|()| args.run(cli.quiet)).map(|_| ()),
+        Command::Merge(args) => args.files().check().and_then(|()| args.run(cli.quiet)).map(|_| ()),
         Command::Info(args) => args.run(),
         Command::Verify(args) => args.run(),
     };

@@ -7,6 +7,7 @@ pub use args::BakeArgs;
 use crate::terminal::{Console, Outcome};
 use anyhow::Result;
 use lapidary_core::dataset::BakeReport;
+use std::path::Path;
 
 /// Bakes and says what came of it.
 ///
@@ -14,15 +15,29 @@ use lapidary_core::dataset::BakeReport;
 /// See [`BakeArgs::run`].
 pub fn run(args: &BakeArgs, console: Console) -> Result<Outcome> {
     let report = args.run(console.quiet)?;
+    if let Some(shard) = args.shard {
+        console.summary(format_args!(
+            "{}: share {shard} is complete, {:.1} s; when all are, run: lapidary merge {}",
+            shard.folder_of(&args.output).display(),
+            report.seconds("total").unwrap_or(0.0),
+            args.output.display(),
+        ))?;
+        return Ok(Outcome::Done);
+    }
+    summarize(&report, &args.output, console)?;
+    Ok(Outcome::Done)
+}
+
+/// Says what came of a bake or a merge.
+pub(super) fn summarize(report: &BakeReport, output: &Path, console: Console) -> Result<()> {
     console.summary(format_args!(
         "{}: {} vertices, {}, {:.1} MB, {:.1} s",
-        args.output.display(),
+        output.display(),
         report.vertices,
-        parts(&report).join("; "),
+        parts(report).join("; "),
         report.bytes_total as f64 / 1e6,
         report.seconds("total").unwrap_or(0.0),
-    ))?;
-    Ok(Outcome::Done)
+    ))
 }
 
 /// What was baked, with how fine it is.

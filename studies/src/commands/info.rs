@@ -6,7 +6,7 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::dataset::{BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
+use lapidary_core::dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
 use std::path::PathBuf;
 
 /// Options of `info`.
@@ -71,6 +71,7 @@ fn info_text(dataset: &Dataset) -> String {
         let sigma = sigma_text(r.sigma, s.criterion.sigma);
         text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {sigma}\n", r.mean_cut, r.max_cut);
         text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
+        text += &r.audit.as_ref().map_or(String::new(), audit_text);
     } else {
         text += "cuts       not baked: the environment is dark\n";
     }
@@ -90,6 +91,18 @@ fn info_text(dataset: &Dataset) -> String {
         text += &format!("warning    {warning}\n");
     }
     text
+}
+
+fn audit_text(audit: &BakeAudit) -> String {
+    let wrong = 100.0 * audit.leaves_wrong;
+    match audit.lights_per_probe {
+        1 => "audit      too fine for boundaries: every light was traced\n".into(),
+        lights => format!(
+            "audit      {wrong:.3} % of visibility wrong, {:.4} RMS where {:.4} is possible, over {} vertices; a probe for \
+             {lights} lights\n",
+            audit.rms_error, audit.rms_exhaustive, audit.vertices
+        ),
+    }
 }
 
 fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {

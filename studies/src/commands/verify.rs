@@ -55,6 +55,13 @@ fn verification_text(v: &Verification) -> String {
             "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
             v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
         );
+        if v.leaves_wrong > 0.0 {
+            text += &format!(
+                "boundaries have missed {:.3} % of their visibility; cuts of all that was traced have an RMS of {:.4}\n",
+                100.0 * v.leaves_wrong,
+                v.exhaustive_rms
+            );
+        }
     }
     if v.source_vertices > 0 {
         text += &format!(

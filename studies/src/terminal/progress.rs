@@ -1,4 +1,4 @@
-//! Progress on standard error: a bar with rate and time left, JSON lines, or nothing.
+//! Progress: a bar with rate and time left or JSON lines on standard error, lines for a farm on standard output, or nothing.
 
 use super::{Console, option_name};
 use clap::ValueEnum;
@@ -20,6 +20,8 @@ pub enum ProgressStyle {
     Bar,
     /// One JSON object a line
     Json,
+    /// Lines on standard output by which a worker of Open Job Description knows percentage, phase and warnings
+    Openjd,
     /// Nothing
     None,
 }
@@ -28,13 +30,14 @@ pub enum ProgressStyle {
 pub struct ProgressReporter {
     style: ProgressStyle,
     bar: Mutex<ProgressBar>,
+    percentage: Mutex<Percentage>,
     cancelled: Arc<AtomicBool>,
 }
 
 impl ProgressReporter {
     /// Shows nothing until the first message.
     pub fn new(style: ProgressStyle) -> Self {
-        Self { style, bar: Mutex::new(ProgressBar::hidden()), cancelled: Arc::default() }
+        Self { style, bar: Mutex::new(ProgressBar::hidden()), percentage: Mutex::default(), cancelled: Arc::default() }
     }
 
     /// A bar unless the console is quiet; cancels as [`Self::cancel_on_interrupt`].
@@ -62,6 +65,7 @@ impl ProgressReporter {
         match self.style {
             ProgressStyle::Json => self.print_json(&Event::Warning { message: Warning::Text(message.to_owned()) }),
             ProgressStyle::Bar => self.bar().suspend(|| eprintln!("warning: {message}")),
+            ProgressStyle::Openjd => println!("openjd_status: warning: {message}"),
             ProgressStyle::None => {}
         }
     }
@@ -81,10 +85,49 @@ impl ProgressReporter {
         }
     }
 
+    fn print_openjd(&self, event: &Event) {
+        let mut percentage = self.percentage.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Event::Started { phase, .. } = event {
+            println!("openjd_status: {}", phase.name());
+        }
+        if let Some(percent) = percentage.after(event) {
+            println!("openjd_progress: {percent}");
+        }
+    }
+
     fn start_bar(&self, phase: Phase, total: u64, unit: &str) {
         let mut bar = self.bar();
         bar.finish_and_clear();
         *bar = phase_bar(phase.name(), total, unit);
+    }
+}
+
+/// How much of a bake is done: each phase is as much as any other, and it never falls.
+#[derive(Default)]
+struct Percentage {
+    phase: usize,
+    total: u64,
+    told: Option<u64>,
+}
+
+impl Percentage {
+    /// The percentage after a message, if it has risen.
+    fn after(&mut self, event: &Event) -> Option<u64> {
+        let done = match *event {
+            Event::Started { phase, total, .. } => {
+                (self.phase, self.total) = (Phase::ALL.iter().position(|p| *p == phase).unwrap_or(0), total);
+                0
+            }
+            Event::Advanced { done } => done,
+            Event::Warning { .. } => return None,
+        };
+        let part = done.min(self.total) as f64 / self.total.max(1) as f64;
+        let percent = (100.0 * (self.phase as f64 + part) / Phase::ALL.len() as f64) as u64;
+        if self.told.is_some_and(|told| told >= percent) {
+            return None;
+        }
+        self.told = Some(percent);
+        self.told
     }
 }
 
@@ -112,6 +155,7 @@ impl Observer for ProgressReporter {
             (ProgressStyle::None, _) => {}
             (_, Event::Warning { message }) => self.warn(&message.text(option_name)),
             (ProgressStyle::Json, event) => self.print_json(&event),
+            (ProgressStyle::Openjd, event) => self.print_openjd(&event),
             (ProgressStyle::Bar, Event::Started { phase, total, unit }) => self.start_bar(phase, total, unit),
             (ProgressStyle::Bar, Event::Advanced { done }) => self.bar().set_position(done),
         }
@@ -119,5 +163,26 @@ impl Observer for ProgressReporter {
 
     fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::SeqCst)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percentage_rises_through_all_phases_and_is_told_once() {
+        let mut percentage = Percentage::default();
+        let mut told = Vec::new();
+        for phase in Phase::ALL {
+            told.extend(percentage.after(&Event::Started { phase, total: 4, unit: "points" }));
+            // Threads may report out of order.
+            for done in [1, 3, 2, 4, 4, 9] {
+                told.extend(percentage.after(&Event::Advanced { done }));
+            }
+        }
+        assert!(told.is_sorted_by(|a, b| a < b), "{told:?}");
+        assert_eq!((told.first(), told.last()), (Some(&0), Some(&100)));
+        assert!(told.len() > 2 * Phase::ALL.len());
     }
 }

@@ -118,7 +118,7 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
             ("Pilot visibility", "Tracing a few vertices, by whose visibility light directions are clustered.")
         }
         Phase::Tree => ("Building the light tree", "Clustering directions of the environment that are alike."),
-        Phase::Visibility => ("Environment visibility", "Tracing every vertex against the environment."),
+        Phase::Visibility => ("Environment visibility", "Following what every vertex sees of the environment."),
         Phase::Points => ("Placing surface sources", "Points that send bounced light, where light can reach."),
         Phase::SourceTree => ("Building the source tree", "Clustering surface sources that send similar light."),
         Phase::SourceVisibility => ("Source visibility", "Tracing every vertex against the surface sources."),

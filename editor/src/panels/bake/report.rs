@@ -7,7 +7,7 @@ use crate::panels::{
 };
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};
-use lapidary_core::dataset::{BakeReport, BakeRun, BakeSettings, sigma_text};
+use lapidary_core::dataset::{BakeAudit, BakeReport, BakeRun, BakeSettings, sigma_text};
 use lapidary_precompute::Phase;
 
 /// Height of the histogram in points.
@@ -68,9 +68,19 @@ fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'stat
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
     ];
+    rows.extend(report.audit.as_ref().map(|audit| ("Audit", audit_text(audit))));
     let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));
     rows.extend(report.run.as_ref().map(speed));
     rows
+}
+
+/// What following boundaries has missed.
+fn audit_text(audit: &BakeAudit) -> String {
+    let wrong = format!("{:.3} % of visibility wrong", 100.0 * audit.leaves_wrong);
+    match audit.lights_per_probe {
+        1 => "too fine for boundaries: every light traced".into(),
+        _ => format!("{wrong}, {:.4} RMS over {} vertices", audit.rms_error, count(audit.vertices)),
+    }
 }
 
 /// What was baked of bounced light.

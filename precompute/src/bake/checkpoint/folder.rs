@@ -1,6 +1,6 @@
 //! The files of a checkpoint's folder, and what is not one of them.
 
-use super::{Series, io_error, manifest};
+use super::{Series, io_error, manifest, share};
 use crate::errors::CheckpointError;
 use std::{
     fs, io,
@@ -67,5 +67,11 @@ fn is_name_of_ours(name: &str) -> bool {
     let is_temporary = name.starts_with(".lapidary-") && name.ends_with(".tmp");
     let is_earlier = ["places-sources.txt", "places-transport.txt"].contains(&name);
     let is_of_file_manager = [".DS_Store", "desktop.ini", "Thumbs.db"].contains(&name);
-    name == manifest::FILE || is_temporary || is_earlier || is_of_file_manager || Series::ALL.into_iter().any(is_chunk)
+    let is_of_share = [share::SHARD, share::SCENE].contains(&name);
+    name == manifest::FILE
+        || is_of_share
+        || is_temporary
+        || is_earlier
+        || is_of_file_manager
+        || Series::ALL.into_iter().any(is_chunk)
 }

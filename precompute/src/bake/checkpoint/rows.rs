@@ -1,6 +1,6 @@
 //! Finished rows of the meshless operator in a checkpoint: one file per step.
 
-use super::{CheckpointError, Kept};
+use super::{CheckpointError, Kept, ShardError};
 use crate::meshless::transport::{gather::Row, steps::KeepsRows};
 use glam::Vec3;
 
@@ -12,6 +12,14 @@ impl KeepsRows for Kept<'_> {
 
     fn store_rows(&self, step: usize, rows: &[Row]) -> Result<(), CheckpointError> {
         self.store_body(step, &encode(rows))
+    }
+
+    fn has(&self, step: usize) -> bool {
+        Kept::has(self, step)
+    }
+
+    fn may_make(&self, step: usize) -> Result<(), ShardError> {
+        Kept::may_make(self, step)
     }
 }
 

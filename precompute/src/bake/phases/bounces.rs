@@ -42,6 +42,7 @@ pub fn bake_bounces(
     geometry: &Geometry,
     tree: &LightTree,
     settings: &ResolvedBake,
+    lights_per_probe: usize,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
@@ -54,7 +55,8 @@ pub fn bake_bounces(
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
     if settings.mode.sources() {
-        let phases = SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, checkpoint };
+        let phases =
+            SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, lights_per_probe, checkpoint };
         let (indirect, report) = phases.bake_indirect(clock)?;
         (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
     }

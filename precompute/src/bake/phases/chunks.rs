@@ -1,5 +1,6 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
+use super::pack::unbaked;
 use crate::{
     bake::checkpoint::{Chunk, Kept},
     errors::{BakeError, cancelled},
@@ -7,7 +8,10 @@ use crate::{
     sources::sampler::{SourceSampler, SourceScratch},
     vertices::{points::BakePoint, visibility::VisibilitySampler},
 };
-use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector};
+use lapidary_core::{
+    cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector},
+    ray::BoundaryTracer,
+};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -39,7 +43,7 @@ pub struct EnvironmentCuts<'a> {
 }
 
 impl CutMaker for EnvironmentCuts<'_> {
-    type Scratch = (CutSelector, Vec<u8>);
+    type Scratch = (CutSelector, BoundaryTracer, Vec<u8>);
 
     fn points(&self) -> &[BakePoint] {
         self.points
@@ -50,11 +54,16 @@ impl CutMaker for EnvironmentCuts<'_> {
     }
 
     fn scratch(&self) -> Self::Scratch {
-        (CutSelector::new(self.height, self.criterion), vec![0; 1 << self.height])
+        (CutSelector::new(self.height, self.criterion), BoundaryTracer::default(), vec![0; 1 << self.height])
     }
 
-    fn make(&self, point: &BakePoint, (selector, visible): &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64) {
-        let rays = self.sampler.sample(point, visible);
+    fn make(
+        &self,
+        point: &BakePoint,
+        (selector, tracer, visible): &mut Self::Scratch,
+        cut: &mut Vec<u16>,
+    ) -> (f64, u64) {
+        let rays = self.sampler.sample(point, tracer, visible);
         (selector.select(visible, cut), rays)
     }
 }
@@ -90,15 +99,21 @@ impl CutMaker for SourceCuts<'_> {
     }
 }
 
-/// The cuts of all points; chunks that a checkpoint has kept are not made again.
+/// The cuts of all points; chunks that a checkpoint has kept are not made again. Cuts of chunks that other shards make see
+/// nothing.
 pub fn bake_chunks<M: CutMaker>(maker: &M, kept: &Kept, observer: &dyn Observer) -> Result<Vec<Chunk>, BakeError> {
     let count = maker.points().len();
     let mut chunks = Vec::new();
     for index in 0..kept.chunks() {
         let range = kept.range(count, index);
+        if !kept.has(index) {
+            chunks.push(unbaked(range.len()));
+            continue;
+        }
         let chunk = match kept.load(index, range.len(), maker.height()) {
             Some(chunk) => chunk,
             None => {
+                kept.may_make(index)?;
                 let chunk = bake_chunk(maker, range.clone(), observer)?;
                 kept.store(index, &chunk)?;
                 chunk

@@ -1,6 +1,7 @@
-//! The phase of distant light: what the bake points see of it, and their cuts.
+//! The phase of distant light: how it is traced, what the bake points see of it, and their cuts.
 
 use super::{
+    audit::audit_environment,
     chunks::{EnvironmentCuts, bake_chunks},
     geometry::Geometry,
     pack::unbaked,
@@ -13,29 +14,52 @@ use crate::{
     },
     errors::BakeError,
     observer::Phase,
-    vertices::visibility::VisibilitySampler,
+    vertices::visibility::{EXHAUSTIVE, VisibilitySampler},
 };
-use lapidary_core::light_tree::LightTree;
+use lapidary_core::{dataset::BakeAudit, light_tree::LightTree};
 
-/// Visibility of distant light from the bake points, if it is asked for.
+/// Visibility of distant light.
+pub struct EnvironmentVisibility {
+    /// The cuts of the bake points.
+    pub chunks: Vec<Chunk>,
+    pub audit: Option<BakeAudit>,
+}
+
+impl EnvironmentVisibility {
+    /// How it was traced, see [`VisibilitySampler::new`].
+    pub fn lights_per_probe(&self) -> usize {
+        self.audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe)
+    }
+}
+
+/// Visibility of distant light from the bake points, if it is asked for. An audit that is known is not made again.
 pub fn bake_environment(
     geometry: &Geometry,
     tree: &LightTree,
     settings: &ResolvedBake,
+    known: Option<BakeAudit>,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
-) -> Result<Vec<Chunk>, BakeError> {
+) -> Result<EnvironmentVisibility, BakeError> {
     let points = &geometry.points.points;
     if !settings.mode.environment() {
-        return Ok(unbaked(points.len()));
+        return Ok(EnvironmentVisibility { chunks: vec![unbaked(points.len())], audit: None });
     }
-    let maker = EnvironmentCuts {
-        points,
-        sampler: VisibilitySampler::new(&geometry.intersector, tree),
-        height: tree.height(),
-        criterion: settings.criterion,
-    };
-    let kept = checkpoint.series(Series::Environment, Places::of_scene());
     let observer = clock.observer;
-    clock.time(Phase::Visibility, points.len() as u64, "points", || bake_chunks(&maker, &kept, observer))
+    clock.time(Phase::Visibility, points.len() as u64, "points", || {
+        let audit = match known {
+            Some(audit) => Some(audit),
+            None => audit_environment(geometry, tree, settings, observer)?,
+        };
+        let mut visibility = EnvironmentVisibility { chunks: Vec::new(), audit };
+        let maker = EnvironmentCuts {
+            points,
+            sampler: VisibilitySampler::new(&geometry.intersector, tree, visibility.lights_per_probe()),
+            height: tree.height(),
+            criterion: settings.criterion,
+        };
+        let kept = checkpoint.series(Series::Environment, Places::of_scene());
+        visibility.chunks = bake_chunks(&maker, &kept, observer)?;
+        Ok(visibility)
+    })
 }

@@ -8,14 +8,21 @@ use crate::{
     vertices::{
         pilot::sample_pilot,
         points::{BakePoint, BakePoints},
+        sampler::bake_points,
         sidedness::{Sidedness, classify},
         tessellate::{Stored, Wanted, tessellate},
-        visibility::VisibilitySampler,
+        visibility::{EXHAUSTIVE, VisibilitySampler},
     },
     warning::Warning,
 };
 use glam::Vec3;
-use lapidary_core::{dataset::BakeParts, light_tree::PilotVisibility, ray::Intersector, scene::Scene, shot::Shot};
+use lapidary_core::{
+    dataset::{BakeParts, Dataset},
+    light_tree::PilotVisibility,
+    ray::{BoundaryTracer, Intersector},
+    scene::Scene,
+    shot::Shot,
+};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -63,6 +70,23 @@ impl Geometry {
         Ok(Self { scene, intersector, source_vertices, sides, points, buried })
     }
 
+    /// That of a dataset, whose mesh is tessellated.
+    pub(crate) fn of_dataset(dataset: Dataset) -> Self {
+        let intersector = Intersector::new(&dataset.scene.mesh);
+        let points = bake_points(&dataset);
+        let mut buried = vec![false; points.points.len()];
+        points.of_vertex.iter().zip(&dataset.vertex_valid).for_each(|(&p, valid)| buried[p as usize] = !valid);
+        let closed = vec![true; dataset.scene.mesh.triangles.len()]; // only burial needs it, and that is stored
+        Self {
+            sides: Sidedness { two_sided: dataset.two_sided, closed },
+            source_vertices: dataset.report.source_vertices,
+            scene: dataset.scene,
+            intersector,
+            points,
+            buried,
+        }
+    }
+
     /// Number of bake points: vertices that agree in position and normal share one.
     pub fn bake_points(&self) -> usize {
         self.points.points.len()
@@ -78,7 +102,7 @@ impl Geometry {
         self.points.of_vertex.iter().map(|&p| !self.buried[p as usize]).collect()
     }
 
-    /// What `each` makes of the visibility (0 or 1) of `directions` from each of `points`, and of the number of rays that were
+    /// What `each` makes of the visibility (0 or 1), traced exhaustively, of `directions` from each of `points`, and of the number of rays that were
     /// traced for it; on all cores, in the order of the points. `scratch` makes what is kept from point to point.
     ///
     /// # Errors
@@ -92,15 +116,15 @@ impl Geometry {
         each: impl Fn(&[u8], u64, &mut S) -> T + Sync,
     ) -> Result<Vec<T>, BakeError> {
         observer.event(Event::Started { phase: Phase::Visibility, total: points.len() as u64, unit: "points" });
-        let sampler = VisibilitySampler::of_directions(&self.intersector, directions);
-        let scratch = || (vec![0; directions.len()], scratch());
+        let sampler = VisibilitySampler::of_directions(&self.intersector, directions, EXHAUSTIVE);
+        let scratch = || (vec![0; directions.len()], BoundaryTracer::default(), scratch());
         let done = AtomicU64::new(0);
         let mut results = Vec::with_capacity(points.len());
         for step in points.chunks(POINTS_PER_STEP) {
             cancelled(observer)?;
-            let one = |(visible, scratch): &mut (Vec<u8>, S), &point: &u32| {
+            let one = |(visible, tracer, scratch): &mut (Vec<u8>, BoundaryTracer, S), &point: &u32| {
                 let point: &BakePoint = &self.points.points[point as usize];
-                let rays = sampler.sample(point, visible);
+                let rays = sampler.sample(point, tracer, visible);
                 let result = each(visible, rays, scratch);
                 observer.event(Event::Advanced { done: done.fetch_add(1, Ordering::Relaxed) + 1 });
                 result
@@ -122,7 +146,8 @@ impl Geometry {
     ) -> Result<PilotVisibility, BakeError> {
         observer.event(Event::Started { phase: Phase::Pilot, total: clusters as u64, unit: "clusters" });
         let diagonal = self.scene.mesh.bounds().diagonal();
-        sample_pilot(&self.points, &self.intersector, diagonal, directions, clusters, observer)
+        let sampler = VisibilitySampler::of_directions(&self.intersector, directions, EXHAUSTIVE);
+        sample_pilot(&self.points, &sampler, diagonal, clusters, observer)
     }
 }
 

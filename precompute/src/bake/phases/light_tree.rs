@@ -3,10 +3,18 @@
 
 use super::geometry::Geometry;
 use crate::{
-    bake::{checkpoint::Checkpoint, clock::Clock, job::BakeJob, settings::ResolvedBake},
+    bake::{
+        checkpoint::{Checkpoint, Work},
+        clock::Clock,
+        job::BakeJob,
+        settings::ResolvedBake,
+    },
     errors::{BakeError, SettingsError},
     observer::{Event, Phase},
-    vertices::pilot::sample_pilot,
+    vertices::{
+        pilot::sample_pilot,
+        visibility::{EXHAUSTIVE, FINEST, VisibilitySampler},
+    },
     warning::Warning,
 };
 use lapidary_core::{
@@ -21,6 +29,7 @@ const POINTS_PER_CHUNK: usize = 4096;
 pub fn checkpoint_and_tree(
     geometry: &Geometry,
     job: &BakeJob,
+    work: &Work,
     hash: &str,
     resumed: Option<Checkpoint>,
     clock: &mut Clock,
@@ -35,11 +44,11 @@ pub fn checkpoint_and_tree(
         clock.observer.event(Event::Warning { message: Warning::OtherCheckpoint });
     }
     let tree = build_tree(geometry, settings, clock)?;
-    if !job.resume && Checkpoint::is_left(&job.output)? {
+    if !job.resume && *work == Work::All && Checkpoint::is_left(&work.folder_of(&job.output))? {
         clock.observer.event(Event::Warning { message: Warning::Discarded });
     }
     let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
-    let checkpoint = Checkpoint::create(&job.output, hash, settings, points, chunks, tree.order())?;
+    let checkpoint = Checkpoint::create(&job.output, work, hash, settings, points, work.chunks(chunks), tree.order())?;
     Ok((checkpoint, tree))
 }
 
@@ -54,7 +63,10 @@ fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -
         let diagonal = geometry.scene.mesh.bounds().diagonal();
         let clusters = settings.pilot_clusters;
         clock.time(Phase::Pilot, clusters as u64, "clusters", || {
-            sample_pilot(&geometry.points, &geometry.intersector, diagonal, &directions, clusters, observer)
+            // By the finest probes, for there is no audit yet. What is missed makes the tree a little worse, and no cut wrong.
+            let lights_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
+            let sampler = VisibilitySampler::of_directions(&geometry.intersector, &directions, lights_per_probe);
+            sample_pilot(&geometry.points, &sampler, diagonal, clusters, observer)
         })?
     };
     clock.time(Phase::Tree, settings.lights as u64, "lights", || {

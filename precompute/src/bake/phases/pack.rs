@@ -31,8 +31,8 @@ impl Packed {
 }
 
 /// One-node cuts of zero, for a part that is not baked.
-pub fn unbaked(points: usize) -> Vec<Chunk> {
-    vec![Chunk { nodes: vec![0; points], lengths: vec![1; points], squared_errors: vec![0.0; points], rays: 0 }]
+pub fn unbaked(points: usize) -> Chunk {
+    Chunk { nodes: vec![0; points], lengths: vec![1; points], squared_errors: vec![0.0; points], rays: 0 }
 }
 
 /// The cut of each point.

@@ -37,6 +37,8 @@ pub struct SourcePhases<'a> {
     pub viewpoint: Vec3,
     pub tree: &'a LightTree,
     pub settings: &'a ResolvedBake,
+    /// How the environment is traced, see [`VisibilitySampler::new`].
+    pub lights_per_probe: usize,
     pub checkpoint: &'a Checkpoint,
 }
 
@@ -121,7 +123,7 @@ impl SourcePhases<'_> {
                 sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
             let maker = EnvironmentCuts {
                 points: &points,
-                sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree),
+                sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree, self.lights_per_probe),
                 height: self.tree.height(),
                 criterion: self.settings.criterion,
             };
@@ -131,7 +133,7 @@ impl SourcePhases<'_> {
                 bake_chunks(&maker, &kept, observer)
             })?
         } else {
-            unbaked(sources.len())
+            vec![unbaked(sources.len())]
         };
         pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, CutsOf::SourceEnvironment)
     }

@@ -1,7 +1,7 @@
 //! Keeps finished rows of the operator, so that an interrupted computation can resume.
 
 use super::gather::Row;
-use crate::errors::CheckpointError;
+use crate::errors::{BakeError, CheckpointError, ShardError};
 
 /// Keeps the rows of finished steps.
 pub trait KeepsRows {
@@ -10,6 +10,19 @@ pub trait KeepsRows {
 
     /// Stores them.
     fn store_rows(&self, step: usize, rows: &[Row]) -> Result<(), CheckpointError>;
+
+    /// Whether a step of the finest level is needed here, to be made or read. Finer levels follow from all coarser ones.
+    fn has(&self, _step: usize) -> bool {
+        true
+    }
+
+    /// Whether a step may be made that is not kept.
+    ///
+    /// # Errors
+    /// What should have kept it.
+    fn may_make(&self, _step: usize) -> Result<(), ShardError> {
+        Ok(())
+    }
 }
 
 /// Keeps nothing.
@@ -32,10 +45,11 @@ pub fn kept_or_made(
     rows: usize,
     senders: usize,
     make: impl FnOnce() -> Vec<Row>,
-) -> Result<Vec<Row>, CheckpointError> {
+) -> Result<Vec<Row>, BakeError> {
     if let Some(rows) = kept.load_rows(step, rows, senders) {
         return Ok(rows);
     }
+    kept.may_make(step)?;
     let made = make();
     kept.store_rows(step, &made)?;
     Ok(made)

@@ -7,16 +7,17 @@ use crate::{
     vertices::{
         points::{BakePoint, BakePoints},
         sidedness::Sidedness,
+        z_order::z_order,
     },
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::{DirectionSet, Intersector},
+    ray::{EightRays, Intersector},
     scene::Mesh,
     sphere::fibonacci_directions,
 };
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √256.
 const DIRECTIONS: usize = 256;
@@ -38,7 +39,6 @@ const HALF_DISTANCE: f32 = 24.0;
 /// Visibility and nearness from single points over few directions.
 pub(super) struct Pilot<'a> {
     scene: &'a Intersector,
-    directions: DirectionSet,
     toward: Vec<Vec3>,
     stored: Stored,
     /// Distance in metres at which nearness is a half.
@@ -50,6 +50,7 @@ pub(super) struct Pilot<'a> {
 }
 
 /// For each direction, as a fraction of 255: whether light arrives from far away, and the nearness of a surface.
+#[derive(Clone)]
 struct PilotSample {
     open: [u8; DIRECTIONS],
     nearness: [u8; DIRECTIONS],
@@ -59,36 +60,43 @@ impl<'a> Pilot<'a> {
     /// `unit` is the edge length in metres that equal triangles would have.
     pub fn new(scene: &'a Intersector, stored: Stored, unit: f32, observer: &'a dyn Observer) -> Self {
         let toward = fibonacci_directions(DIRECTIONS);
-        let directions = DirectionSet::new(&toward);
-        Self {
-            scene,
-            directions,
-            toward,
-            stored,
-            half_distance: HALF_DISTANCE * unit,
-            errors: HashMap::new(),
-            observer,
-        }
+        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors: HashMap::new(), observer }
     }
 
-    fn seen(&self, point: &BakePoint) -> Result<PilotSample, BakeError> {
-        cancelled(self.observer)?;
-        let mut seen = PilotSample { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] };
-        for &side in point.sides() {
-            let origin = point.origin(side);
-            let traced = |d: Vec3| point.side_of(d) == side;
-            if !self.stored.bounces {
-                self.scene.trace_batch(origin, &self.directions, traced, &mut seen.open);
-                continue;
+    /// Samples of the points, in their order. Neighbours are traced together: their rays in one direction lie side by side.
+    fn seen_from(&self, points: &[BakePoint]) -> Result<Vec<PilotSample>, BakeError> {
+        let order = z_order(points);
+        let eights = order.par_chunks(8).map(|members| {
+            cancelled(self.observer)?;
+            let eight: Vec<&BakePoint> = members.iter().map(|&i| &points[i as usize]).collect();
+            Ok(members.iter().copied().zip(self.seen_from_eight(&eight)).collect::<Vec<_>>())
+        });
+        let mut samples: Vec<(u32, PilotSample)> = eights.collect::<Result<Vec<_>, BakeError>>()?.concat();
+        samples.sort_unstable_by_key(|(index, _)| *index);
+        Ok(samples.into_iter().map(|(_, sample)| sample).collect())
+    }
+
+    /// Samples of one to eight points.
+    fn seen_from_eight(&self, points: &[&BakePoint]) -> Vec<PilotSample> {
+        let rays: Vec<EightRays> = self.toward.iter().map(|&d| rays_in_direction(points, d)).collect();
+        let mut seen = vec![PilotSample { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] }; points.len()];
+        if self.stored.bounces {
+            for (i, (rays, distances)) in rays.iter().zip(self.scene.closest_distances(&rays)).enumerate() {
+                for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
+                    let distance = distances[lane];
+                    sample.open[i] = u8::from(distance == f32::INFINITY && self.stored.environment) * u8::MAX;
+                    // Zero at an infinite distance.
+                    sample.nearness[i] = (255.0 / (1.0 + distance / self.half_distance)) as u8;
+                }
             }
-            for (i, &d) in self.toward.iter().enumerate().filter(|(_, d)| traced(**d)) {
-                let hit = self.scene.closest_hit(origin, d);
-                seen.open[i] = u8::from(hit.is_none() && self.stored.environment);
-                seen.nearness[i] = hit.map_or(0, |hit| (255.0 / (1.0 + hit.distance / self.half_distance)) as u8);
+        } else {
+            for (i, open) in self.scene.open(&rays).into_iter().enumerate() {
+                for (lane, sample) in seen.iter_mut().enumerate() {
+                    sample.open[i] = (open >> lane & 1) * u8::MAX;
+                }
             }
         }
-        seen.open.iter_mut().for_each(|open| *open *= 255);
-        Ok(seen)
+        seen
     }
 
     /// Traces the ends and midpoints of those edges whose error is not known yet.
@@ -103,18 +111,36 @@ impl<'a> Pilot<'a> {
             candidates.iter().copied().filter(|&e| !self.errors.contains_key(&edges.key(mesh, e))).collect();
         let points = BakePoints::new(mesh, sides);
         let ends = |e: u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
-        let needed: HashSet<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
-        let seen_from = |p: u32| Ok((p, self.seen(&points.points[p as usize])?));
-        let seen = needed.into_par_iter().map(seen_from).collect::<Result<HashMap<u32, PilotSample>, BakeError>>()?;
-        let error = |&e: &u32| {
-            let [a, b] = ends(e);
-            let middle = self.seen(&midpoint(&points.points[a as usize], &points.points[b as usize]))?;
-            Ok((edges.key(mesh, e), midpoint_error(&middle, &seen[&a], &seen[&b])))
+        let mut needed: Vec<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        let of_ends = self.seen_from(&needed.iter().map(|&p| points.points[p as usize]).collect::<Vec<_>>())?;
+        let middle = |&e: &u32| {
+            let [a, b] = ends(e).map(|p| &points.points[p as usize]);
+            midpoint(a, b)
         };
-        let found = unknown.par_iter().map(error).collect::<Result<Vec<(EdgeKey, f32)>, BakeError>>()?;
+        let of_middles = self.seen_from(&unknown.par_iter().map(middle).collect::<Vec<_>>())?;
+        let error = |(&e, middle): (&u32, &PilotSample)| {
+            let [a, b] = ends(e).map(|p| &of_ends[needed.partition_point(|&known| known < p)]);
+            (edges.key(mesh, e), midpoint_error(middle, a, b))
+        };
+        let found: Vec<(EdgeKey, f32)> = unknown.par_iter().zip(&of_middles).map(error).collect();
         self.errors.extend(found);
         Ok(())
     }
+}
+
+/// Rays of one to eight points in one direction, each from the side that samples it.
+fn rays_in_direction(points: &[&BakePoint], direction: Vec3) -> EightRays {
+    let (mut origins, mut active) = ([points[0].position; 8], 0);
+    for (lane, point) in points.iter().enumerate() {
+        let side = point.side_of(direction);
+        if point.sides().contains(&side) {
+            origins[lane] = point.origin(side);
+            active |= 1 << lane;
+        }
+    }
+    EightRays::new(origins, [direction; 8], active)
 }
 
 fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {

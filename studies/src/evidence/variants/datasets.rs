@@ -38,7 +38,9 @@ impl VariantBaker {
         let Variant { tree, beta, criterion } = variant;
         let normal = Preset::Normal.settings();
         let max_vertices = self.max_vertices;
-        Ok(resolve(BakeSettings { lights, tree, beta, criterion, pilot_clusters, max_vertices, ..normal })?)
+        // All variants share one tracing, of every light in its own order.
+        let of_variant = BakeSettings { lights, tree, beta, criterion, exhaustive: true, ..normal };
+        Ok(resolve(BakeSettings { pilot_clusters, max_vertices, ..of_variant })?)
     }
 
     /// The tree of each settings; equal ones are clustered once.

@@ -1,0 +1,217 @@
+//! Eight rays with an origin and a direction each: those of neighbouring points in one direction enter the same boxes.
+
+use super::{
+    Intersector,
+    batch::{entering, entry_and_exit, nearer_child},
+    directions::inverse,
+};
+use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
+use glam::Vec3;
+
+/// Eight rays.
+#[derive(Clone, Copy, Debug)]
+pub struct EightRays {
+    origins: Vec3x8,
+    directions: Vec3x8,
+    inverse_directions: Vec3x8,
+    active: u8,
+}
+
+impl EightRays {
+    /// Rays from `origins` along unit `directions`; those that count are `active`, one bit each.
+    pub fn new(origins: [Vec3; 8], directions: [Vec3; 8], active: u8) -> Self {
+        Self {
+            origins: Vec3x8::from_array(origins),
+            directions: Vec3x8::from_array(directions),
+            inverse_directions: Vec3x8::from_array(directions.map(inverse)),
+            active,
+        }
+    }
+}
+
+impl EightRays {
+    /// Those that count, one bit each.
+    pub fn active(&self) -> u8 {
+        self.active
+    }
+}
+
+impl Intersector {
+    /// For each eight rays those that are active and meet nothing, one bit each: what [`Self::occluded`] says of each.
+    pub fn open(&self, rays: &[EightRays]) -> Vec<u8> {
+        self.open_in(InstructionSet::widest(), rays)
+    }
+
+    pub(super) fn open_in(&self, set: InstructionSet, rays: &[EightRays]) -> Vec<u8> {
+        set.run(Open { scene: self, rays })
+    }
+
+    /// For each eight rays the distances in metres of their closest hits, as [`Self::closest_hit`] has them; infinite for
+    /// those that meet nothing or are not active.
+    pub fn closest_distances(&self, rays: &[EightRays]) -> Vec<[f32; 8]> {
+        self.closest_distances_in(InstructionSet::widest(), rays)
+    }
+
+    pub(super) fn closest_distances_in(&self, set: InstructionSet, rays: &[EightRays]) -> Vec<[f32; 8]> {
+        set.run(Closest { scene: self, rays })
+    }
+}
+
+/// Rays that meet nothing.
+struct Open<'a> {
+    scene: &'a Intersector,
+    rays: &'a [EightRays],
+}
+
+impl Kernel for Open<'_> {
+    type Output = Vec<u8>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<u8> {
+        let (mut open, mut stack) = (Vec::with_capacity(self.rays.len()), Vec::with_capacity(128));
+        for eight in self.rays {
+            let rays = Rays::<L>::new(eight);
+            let mut active = eight.active;
+            stack.clear();
+            stack.extend((!self.scene.bvh.nodes.is_empty() && active != 0).then_some(0));
+            while let Some(index) = stack.pop() {
+                let entered = rays.enter(self.scene, index, L::splat(f32::INFINITY)) & active;
+                if entered == 0 {
+                    continue;
+                }
+                for leaf in rays.leaves_or_children(self.scene, index, &mut stack) {
+                    active &= !(rays.crosses(self.scene.leaf_triangles[leaf as usize]).to_bitmask() as u8);
+                }
+                if active == 0 {
+                    break;
+                }
+            }
+            open.push(active);
+        }
+        open
+    }
+}
+
+/// Distances of first hits.
+struct Closest<'a> {
+    scene: &'a Intersector,
+    rays: &'a [EightRays],
+}
+
+impl Kernel for Closest<'_> {
+    type Output = Vec<[f32; 8]>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<[f32; 8]> {
+        let (mut distances, mut stack) = (Vec::with_capacity(self.rays.len()), Vec::with_capacity(128));
+        for eight in self.rays {
+            let rays = Rays::<L>::new(eight);
+            let mut nearest = L::splat(f32::INFINITY);
+            stack.clear();
+            stack.extend((!self.scene.bvh.nodes.is_empty() && eight.active != 0).then_some(0));
+            while let Some(index) = stack.pop() {
+                if rays.enter(self.scene, index, nearest) & eight.active == 0 {
+                    continue;
+                }
+                for leaf in rays.leaves_or_children(self.scene, index, &mut stack) {
+                    nearest = rays.nearest(self.scene.leaf_triangles[leaf as usize], nearest);
+                }
+            }
+            let mut eight_distances = nearest.to_array();
+            for (lane, distance) in eight_distances.iter_mut().enumerate() {
+                if eight.active >> lane & 1 == 0 {
+                    *distance = f32::INFINITY;
+                }
+            }
+            distances.push(eight_distances);
+        }
+        distances
+    }
+}
+
+/// Eight rays in registers.
+struct Rays<L> {
+    origins: Vec3x8<L>,
+    directions: Vec3x8<L>,
+    inverse_directions: Vec3x8<L>,
+    /// Near boxes along it are visited first.
+    axis: Vec3,
+}
+
+impl<L: Lanes> Rays<L> {
+    #[inline(always)]
+    fn new(eight: &EightRays) -> Self {
+        Self {
+            origins: Vec3x8::load(&eight.origins),
+            directions: Vec3x8::load(&eight.directions),
+            inverse_directions: Vec3x8::load(&eight.inverse_directions),
+            axis: eight.directions.lane(0) + eight.directions.lane(7),
+        }
+    }
+
+    /// Those that enter the box of a node before `nearest`, one bit each.
+    #[inline(always)]
+    fn enter(&self, scene: &Intersector, index: u32, nearest: L) -> u8 {
+        let aabb = &scene.bvh.nodes[index as usize].aabb;
+        let (min, max): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(aabb.min.into()), Vec3x8::splat(aabb.max.into()));
+        let (entry, exit) = entry_and_exit(self.inverse_directions, min - self.origins, max - self.origins);
+        entering::<false, L>((entry, exit)) & entry.simd_le(nearest).to_bitmask() as u8
+    }
+
+    /// The triangles of a leaf; of another node none, and its children go to the stack.
+    #[inline(always)]
+    fn leaves_or_children(&self, scene: &Intersector, index: u32, stack: &mut Vec<u32>) -> std::ops::Range<u32> {
+        let node = &scene.bvh.nodes[index as usize];
+        let first = node.first_index;
+        if node.prim_count == 0 {
+            let near = nearer_child(&scene.bvh.nodes, first, self.axis);
+            stack.extend([first + 1 - near, first + near]);
+        }
+        first..first + node.prim_count
+    }
+
+    /// Those that cross a triangle, as a mask; the same arithmetic as [`super::triangle::TriangleFrom::crosses`].
+    #[inline(always)]
+    fn crosses(&self, corners: [Vec3; 3]) -> L {
+        self.crossing(corners).0
+    }
+
+    /// Those that cross a triangle, as a mask, and the sums of their weights, which are right where they cross.
+    #[inline(always)]
+    fn crossing(&self, [p, q, r]: [Vec3; 3]) -> (L, L) {
+        let zero = L::splat(0.0);
+        let (a, b, c) = (self.toward(p), self.toward(q), self.toward(r));
+        // The planes of all edges point inward, or all outward: a product with -1, which is exact, turns them.
+        let (u, v) = (b.cross(c).dot(self.directions), c.cross(a).dot(self.directions));
+        let (inward, outward) = (u.simd_ge(zero) & v.simd_ge(zero), u.simd_le(zero) & v.simd_le(zero));
+        if (inward | outward).to_bitmask() == 0 {
+            return (zero, zero);
+        }
+        let w = a.cross(b).dot(self.directions);
+        let side = a.dot(Vec3x8::splat((q - p).cross(r - p)));
+        let inward = inward & w.simd_ge(zero) & side.simd_gt(zero);
+        let outward = outward & w.simd_le(zero) & side.simd_lt(zero);
+        (inward | outward, (u + v + w).abs())
+    }
+
+    /// `nearest`, or the distance of a hit on a triangle where it is less; as [`super::triangle::TriangleFrom::hit`] has it.
+    #[inline(always)]
+    fn nearest(&self, corners: [Vec3; 3], nearest: L) -> L {
+        let zero = L::splat(0.0);
+        let (crosses, weights) = self.crossing(corners);
+        if crosses.to_bitmask() == 0 {
+            return nearest;
+        }
+        let [p, q, r] = corners;
+        let normal = Vec3x8::splat((q - p).cross(r - p));
+        let distance = self.toward(p).dot(normal) / self.directions.dot(normal);
+        let is_hit = crosses & weights.simd_gt(zero) & distance.simd_gt(zero) & distance.simd_lt(nearest);
+        is_hit.select(distance, nearest)
+    }
+
+    #[inline(always)]
+    fn toward(&self, point: Vec3) -> Vec3x8<L> {
+        let point: Vec3x8<L> = Vec3x8::splat(point);
+        point - self.origins
+    }
+}

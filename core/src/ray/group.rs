@@ -1,0 +1,131 @@
+//! Eight rays that lie close together, from one origin: fewer than a packet, for rays that are asked for here and there.
+
+use super::{
+    Intersector,
+    batch::{crossings, entering, entry_and_exit, nearer_child},
+    directions::{GROUP, HalfSpace, cone_sin_sq, inverse},
+    frontier::Frontier,
+    leaves::BlockFrom,
+};
+use crate::simd::{Lanes, Vec3x8};
+use glam::Vec3;
+use obvhs::bvh2::node::Bvh2Node;
+
+/// Eight directions. Unused lanes repeat the first.
+pub(super) struct RayGroup {
+    rays: Vec3x8,
+    inverse_rays: Vec3x8,
+    /// Mean direction; near boxes along it are visited first.
+    axis: Vec3,
+    /// Squared sine of the half-angle of the cone around `axis` that holds all; 1 if it is no cone.
+    sin_sq: f32,
+    /// Least and greatest inverses of the components; anything where the directions have both signs.
+    inverse_bounds: [Vec3; 2],
+}
+
+impl RayGroup {
+    /// Of one to eight unit directions.
+    pub fn new(directions: &[Vec3]) -> Self {
+        let rays: [Vec3; GROUP] = std::array::from_fn(|lane| *directions.get(lane).unwrap_or(&directions[0]));
+        let axis = rays.iter().sum::<Vec3>().normalize_or(Vec3::Y);
+        Self {
+            rays: Vec3x8::from_array(rays),
+            inverse_rays: Vec3x8::from_array(rays.map(inverse)),
+            axis,
+            sin_sq: cone_sin_sq(axis, &rays),
+            inverse_bounds: inverse_bounds(rays.map(inverse)),
+        }
+    }
+
+    /// Which of the directions lie in a half of space, one bit each.
+    #[inline(always)]
+    pub fn within<L: Lanes>(&self, half: &HalfSpace) -> u8 {
+        let heights = Vec3x8::<L>::load(&self.rays).dot(Vec3x8::splat(half.normal));
+        let above = heights.simd_gt(L::splat(half.height)).to_bitmask() as u8;
+        if half.is_above { above } else { !above }
+    }
+
+    /// Which of the rays `active`, one bit each, meet nothing; the same as [`Intersector::occluded`] says of each. `frontier` is
+    /// that of the origin.
+    #[inline(always)]
+    pub fn open<L: Lanes>(
+        &self,
+        scene: &Intersector,
+        frontier: &Frontier,
+        origin: Vec3,
+        mut active: u8,
+        stack: &mut Vec<(u32, u8)>,
+    ) -> u8 {
+        let nodes = &scene.bvh.nodes[..];
+        let (from, inverse_rays): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(origin), Vec3x8::load(&self.inverse_rays));
+        let mut reached = frontier.reached::<L>(self.inverse_bounds);
+        while reached != 0 {
+            let root = frontier.roots[reached.trailing_zeros() as usize];
+            reached &= reached - 1;
+            let entered = enters::<L>(inverse_rays, &nodes[root as usize], from);
+            stack.clear();
+            stack.push((root, entered));
+            while let Some((mut index, entered)) = stack.pop() {
+                if entered & active == 0 {
+                    continue;
+                }
+                loop {
+                    let node = &nodes[index as usize];
+                    let first = node.first_index;
+                    if node.prim_count > 0 {
+                        for corners in scene.blocks.of_leaf(first, node.prim_count) {
+                            active &= !self.crossing::<L>(&BlockFrom::new(origin, corners));
+                        }
+                        break;
+                    }
+                    let one = enters::<L>(inverse_rays, &nodes[first as usize], from) & active;
+                    let other = enters::<L>(inverse_rays, &nodes[first as usize + 1], from) & active;
+                    if one != 0 && other != 0 {
+                        let near = nearer_child(nodes, first, self.axis);
+                        stack.push((first + 1 - near, if near == 0 { other } else { one }));
+                        index = first + near;
+                    } else if one != 0 {
+                        index = first;
+                    } else if other != 0 {
+                        index = first + 1;
+                    } else {
+                        break;
+                    }
+                }
+            }
+            if active == 0 {
+                break;
+            }
+        }
+        active
+    }
+
+    /// Which of the rays cross any of eight triangles, one bit each.
+    #[inline(always)]
+    fn crossing<L: Lanes>(&self, triangles: &BlockFrom<L>) -> u8 {
+        let mut near = triangles.near_cone(Vec3x8::splat(self.axis), L::splat(self.sin_sq));
+        let (rays, mut crossing) = (Vec3x8::load(&self.rays), 0);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            crossing |= crossings(rays, &triangles.edges_of(lane));
+        }
+        crossing
+    }
+}
+
+/// Bounds of the inverses of directions: infinite along axes on which these have both signs.
+fn inverse_bounds(inverses: [Vec3; GROUP]) -> [Vec3; 2] {
+    let least = inverses.into_iter().fold(Vec3::INFINITY, Vec3::min);
+    let most = inverses.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let mixed = least.cmplt(Vec3::ZERO) & most.cmpgt(Vec3::ZERO);
+    // Finite, so that zero times it is zero.
+    [Vec3::select(mixed, Vec3::splat(-1e30), least), Vec3::select(mixed, Vec3::splat(1e30), most)]
+}
+
+/// Which of eight rays enter the box of a node, one bit each.
+#[inline(always)]
+fn enters<L: Lanes>(inverse_rays: Vec3x8<L>, node: &Bvh2Node, from: Vec3x8<L>) -> u8 {
+    let (min, max): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(node.aabb.min.into()), Vec3x8::splat(node.aabb.max.into()));
+    entering::<false, L>(entry_and_exit(inverse_rays, min - from, max - from))
+}

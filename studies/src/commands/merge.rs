@@ -1,0 +1,57 @@
+//! The `merge` command.
+
+use super::bake::summarize;
+use crate::{
+    outputs::CommandFiles,
+    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, write_json},
+};
+use anyhow::Result;
+use clap::Args;
+use lapidary_core::dataset::BakeReport;
+use lapidary_precompute::merge;
+use std::path::PathBuf;
+
+/// Options of `merge`.
+#[derive(Args, Clone, Debug)]
+pub struct MergeArgs {
+    /// Dataset to write; the shares of all shards lie beside it
+    #[arg(value_name = "FILE.cuts")]
+    pub output: PathBuf,
+    /// Write the bake report as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// How progress is shown on standard error
+    #[arg(long, value_enum, default_value_t)]
+    pub progress: ProgressStyle,
+}
+
+impl MergeArgs {
+    /// What it writes.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().writes([&self.output]).writes(&self.report)
+    }
+
+    /// Merges, with progress on standard error.
+    ///
+    /// # Errors
+    /// Shares that are missing, not complete or of different bakes, and an output that cannot be written.
+    pub fn run(&self, quiet: bool) -> Result<BakeReport> {
+        let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
+        progress.cancel_on_interrupt();
+        let report = merge(&self.output, &progress)?.report;
+        progress.finish();
+        if let Some(path) = &self.report {
+            write_json(path, &report)?;
+        }
+        Ok(report)
+    }
+}
+
+/// Merges and says what came of it.
+///
+/// # Errors
+/// See [`MergeArgs::run`].
+pub fn run(args: &MergeArgs, console: Console) -> Result<Outcome> {
+    summarize(&args.run(console.quiet)?, &args.output, console)?;
+    Ok(Outcome::Done)
+}
