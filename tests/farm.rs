@@ -60,7 +60,7 @@ fn the_scripts_bake_shards_as_tasks_of_an_array_and_merge_them() {
 }
 
 #[test]
-fn a_share_is_refused_a_report_and_numbers_that_are_none() {
+fn a_share_has_no_report_and_shards_that_are_none_are_refused() {
     let folder = Folder::new();
     for (options, reason) in [("--shard 3/2", "as in 3/8"), ("--shard 1/2 --report a.json", "cannot be used with")] {
         let output = folder.run(&format!("bake scene.obj -o a.cuts {SMALL} {options}"));

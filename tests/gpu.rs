@@ -1,7 +1,7 @@
 //! The GPU renderer from end to end, on whatever adapter there is: `render --backend gpu`, and `bench`.
 
 use crate::common::{Folder, keys};
-use lapidary_core::image::Image;
+use lapidary_core::{dataset::Dataset, image::Image};
 
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72";
 
@@ -39,6 +39,24 @@ fn both_backends_make_the_same_picture_but_for_silhouettes() {
     assert!(gpu["adapter"].is_string() && cpu["adapter"].is_null());
     let nodes = |stats: &serde_json::Value| stats["mean_merged_nodes"].as_f64().expect("a number");
     assert!((nodes(&gpu) / nodes(&cpu) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_bake_on_the_gpu_is_an_exhaustive_one_but_for_rays_along_edges() {
+    let Some(folder) = baked() else { return };
+    folder.bake("gpu.cuts", "--device gpu --report gpu.json");
+    folder.bake("cpu.cuts", "--device cpu --exhaustive --report cpu.json");
+    let [gpu, cpu] = ["gpu.cuts", "cpu.cuts"].map(|name| folder.dataset(name));
+    assert_eq!((&gpu.settings, &gpu.scene.mesh), (&cpu.settings, &cpu.scene.mesh));
+    assert_eq!(gpu.tree, cpu.tree);
+    let reports = ["gpu.json", "cpu.json"].map(|name| folder.json(name));
+    assert_eq!(reports[0]["rays_traced"], reports[1]["rays_traced"]);
+    let height = cpu.tree.height();
+    let vertices = cpu.scene.mesh.positions.len() as u32;
+    let cut = |dataset: &Dataset, vertex| dataset.cuts.cut(height, vertex).to_vec();
+    let differ = (0..vertices).filter(|&v| cut(&gpu, v) != cut(&cpu, v)).count();
+    assert!(50 * differ < vertices as usize, "{differ} of {vertices} cuts differ");
+    assert!((1..vertices).any(|v| cut(&cpu, v - 1) != cut(&cpu, v)), "negative control: cuts do differ");
 }
 
 #[test]

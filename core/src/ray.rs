@@ -7,6 +7,7 @@
 mod batch;
 mod boundaries;
 mod closest;
+mod device;
 mod directions;
 mod eight;
 mod frontier;
@@ -18,6 +19,7 @@ mod segments;
 mod triangle;
 
 pub use boundaries::{BoundarySet, BoundaryTracer};
+pub use device::{BoxNode, RayDevice, RayDevices, RayOrigin};
 pub use directions::{DirectionSet, HalfSpace};
 pub use eight::EightRays;
 pub use segments::SegmentBatch;

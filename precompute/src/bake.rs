@@ -32,6 +32,7 @@ use crate::{
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
     shard::Shard,
+    vertices::many::Tracing,
     warning::Warning,
 };
 use lapidary_core::{
@@ -40,6 +41,7 @@ use lapidary_core::{
     light_tree::LightTree,
     lock::OutputLock,
     output::check_output,
+    ray::RayDevices,
     scene::Scene,
 };
 use std::{
@@ -53,11 +55,25 @@ use std::{
 /// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once. One bake at
 /// a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    bake_on(scene, job, None, observer)
+}
+
+/// [`bake`], with the visibility of the environment traced by `devices` if there are any. They trace every light: the job's
+/// settings are to be exhaustive.
+///
+/// # Errors
+/// See [`bake`], and [`BakeError::Device`].
+pub fn bake_on(
+    scene: Scene,
+    job: &BakeJob,
+    devices: Option<&dyn RayDevices>,
+    observer: &dyn Observer,
+) -> Result<Dataset, BakeError> {
     check_outputs(job)?;
     let remarks = Remarks::before(observer);
     let _lock = OutputLock::acquire(&job.output)?;
     let mut clock = Clock::new(&remarks, job.import_secs);
-    let begun = Begun::new(scene, job, &Work::All, &mut clock)?;
+    let begun = Begun::new(scene, job, &Work::All, devices, &mut clock)?;
     let (dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
     finish(dataset, checkpoint, &job.output, &remarks)
 }
@@ -67,13 +83,19 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
 ///
 /// # Errors
 /// See [`BakeError`]. One process at a time bakes a share.
-pub fn bake_shard(scene: Scene, job: &BakeJob, shard: Shard, observer: &dyn Observer) -> Result<BakeReport, BakeError> {
+pub fn bake_shard(
+    scene: Scene,
+    job: &BakeJob,
+    shard: Shard,
+    devices: Option<&dyn RayDevices>,
+    observer: &dyn Observer,
+) -> Result<BakeReport, BakeError> {
     check_outputs(job)?;
     let remarks = Remarks::before(observer);
     let work = Work::Share(shard);
     let _lock = OutputLock::acquire(&work.folder_of(&job.output))?;
     let mut clock = Clock::new(&remarks, job.import_secs);
-    let begun = Begun::new(scene, job, &work, &mut clock)?;
+    let begun = Begun::new(scene, job, &work, devices, &mut clock)?;
     let before = remarks.warnings();
     let (mut dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
     let report = dataset.report.clone();
@@ -108,7 +130,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&hash, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
-    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint };
+    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
     finish(dataset, checkpoint, output, &remarks)
 }
@@ -134,7 +156,7 @@ fn finish(
 }
 
 /// A bake whose geometry and light tree are made.
-struct Begun {
+struct Begun<'a> {
     settings: ResolvedBake,
     hash: String,
     geometry: Geometry,
@@ -142,11 +164,18 @@ struct Begun {
     /// The audit of its visibility, if it is known.
     audit: Option<BakeAudit>,
     checkpoint: Checkpoint,
+    devices: Option<&'a dyn RayDevices>,
 }
 
-impl Begun {
+impl<'a> Begun<'a> {
     /// Makes geometry and light tree.
-    fn new(scene: Scene, job: &BakeJob, work: &Work, clock: &mut Clock) -> Result<Self, BakeError> {
+    fn new(
+        scene: Scene,
+        job: &BakeJob,
+        work: &Work,
+        devices: Option<&'a dyn RayDevices>,
+        clock: &mut Clock,
+    ) -> Result<Self, BakeError> {
         let settings = job.settings.clone();
         let observer = clock.observer;
         Checkpoint::is_left(&work.folder_of(&job.output))?;
@@ -163,16 +192,17 @@ impl Begun {
             Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
         })?;
         cancelled(observer)?;
-        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, clock)?;
-        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint })
+        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, devices, clock)?;
+        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices })
     }
 
     /// Makes or reads the chunks, and packs them. `warnings` are those that came before.
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
-        let Self { settings, hash, geometry, tree, audit, checkpoint } = self;
+        let Self { settings, hash, geometry, tree, audit, checkpoint, devices } = self;
         let observer = clock.observer;
-        let seen = bake_environment(&geometry, &tree, &settings, audit, &checkpoint, &mut clock)?;
-        let bounces = bake_bounces(&geometry, &tree, &settings, seen.lights_per_probe(), &checkpoint, &mut clock)?;
+        let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &checkpoint, &mut clock)?;
+        let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices };
+        let bounces = bake_bounces(&geometry, &tree, &settings, tracing, &checkpoint, &mut clock)?;
         observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
         let packing = Instant::now();
         let (cuts, sigma) = fit_environment(concatenate(&seen.chunks), tree.height(), &settings, observer);

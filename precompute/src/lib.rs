@@ -29,7 +29,7 @@ mod vertices;
 mod warning;
 
 pub use bake::{
-    BakeJob, Geometry, bake, bake_shard,
+    BakeJob, Geometry, bake, bake_on, bake_shard,
     checkpoint::{Chunk, Leftover, leftover},
     merge,
     settings::{Preset, ResolvedBake, resolve, with_room},

@@ -46,6 +46,8 @@ pub enum Setting {
     GatherRays,
     /// Threshold of its links.
     Epsilon,
+    /// Who traces rays.
+    Device,
     /// Whether to resume an interrupted bake.
     Resume,
 }
@@ -74,6 +76,7 @@ impl Setting {
             Self::CoarseRadius => "coarse radius",
             Self::GatherRays => "gather rays",
             Self::Epsilon => "epsilon",
+            Self::Device => "device",
             Self::Resume => "resume",
         }
     }

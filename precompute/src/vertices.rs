@@ -1,6 +1,7 @@
 //! The vertices of a scene: the sides on which light arrives, the density of vertices, the points where they sample,
 //! and what they see from there.
 
+pub mod many;
 pub mod pilot;
 pub mod points;
 pub mod sampler;

@@ -14,6 +14,7 @@ mod materials;
 mod passes;
 mod pipeline;
 mod pool;
+mod rays;
 mod readback;
 mod scene;
 mod shaders;
@@ -22,6 +23,7 @@ mod targets;
 
 pub use backend::{GpuBackend, PassTimes};
 pub use device::{Room, has_hardware};
+pub use rays::GpuRays;
 pub use shaders::ShaderSource;
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use lapidary_core::{
     sources::Source,
     surfel::{Surface, Surfel},
 };
+use rayon::prelude::*;
 
 /// Arranges sources as the leaves of their complete binary tree, by position and normal, by pilot visibility, or by
 /// both.
@@ -38,13 +39,13 @@ pub fn order_sources(
         return Ok(sources);
     }
     let sampler = SourceSampler::new(scene, &sources, surface.offset());
-    let sample = |point: &BakePoint, scratch: &mut (SourceScratch, Vec<f32>), seen: &mut [u8]| {
-        let (scratch, solid_angles) = scratch;
-        solid_angles.resize(sources.len(), 0.0);
+    let scratch = || (SourceScratch::default(), vec![0.0; sources.len()]);
+    let row = |(scratch, solid_angles): &mut (SourceScratch, Vec<f32>), point: &&BakePoint| {
         sampler.sample(point, scratch, solid_angles);
-        seen.iter_mut().zip(solid_angles).for_each(|(s, angle)| *s = u8::from(*angle > 0.0));
+        solid_angles.iter().map(|&angle| u8::from(angle > 0.0)).collect()
     };
-    let pilot = pilot_of(points, diagonal, sources.len(), settings.pilot_clusters, observer, sample)?;
+    let rows = |points: &[&BakePoint]| Ok(points.par_iter().map_init(scratch, row).collect());
+    let pilot = pilot_of(points, diagonal, sources.len(), settings.pilot_clusters, observer, rows)?;
     Ok(clustered(&sources, settings.tree, settings.beta, diagonal, &pilot))
 }
 

@@ -5,64 +5,66 @@
 //! not worth seven times the rays.
 
 use crate::{
-    errors::BakeError,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer},
     vertices::{
+        many::ManySampler,
         points::{BakePoint, BakePoints},
-        visibility::VisibilitySampler,
     },
 };
 use glam::Vec3;
-use lapidary_core::{
-    light_tree::{Features, PilotVisibility, cluster_order},
-    ray::BoundaryTracer,
-};
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use lapidary_core::light_tree::{Features, PilotVisibility, cluster_order};
 
 /// Weight of position against normal in the metric of the clusters (Eq. 10; Hašan et al. 2006).
 const K: f32 = 30.0;
 /// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
+/// Clusters between two looks at the observer.
+const CLUSTERS_AT_A_TIME: usize = 32;
 
 /// Clusters the points by position and normal and samples each cluster's visibility of the sampler's directions.
 pub fn sample_pilot(
     points: &BakePoints,
-    sampler: &VisibilitySampler,
+    sampler: &ManySampler,
     diagonal: f32,
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    let sample = |point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]| {
-        sampler.sample(point, tracer, visible);
-    };
-    pilot_of(points, diagonal, sampler.len(), clusters, observer, sample)
+    let rows = |points: &[&BakePoint]| sampler.each(points, || (), |(), visible, _| visible.to_vec());
+    pilot_of(points, diagonal, sampler.len(), clusters, observer, rows)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights` by `sample`, which sets 0 or 1 for each and has
-/// buffers that are kept.
-pub fn pilot_of<S: Default>(
+/// Clusters the points and samples each cluster's visibility of `lights`. `rows` has 0 or 1 for each light of each of some
+/// points.
+pub fn pilot_of(
     points: &BakePoints,
     diagonal: f32,
     lights: usize,
     clusters: usize,
     observer: &dyn Observer,
-    sample: impl Fn(&BakePoint, &mut S, &mut [u8]) + Sync,
+    rows: impl Fn(&[&BakePoint]) -> Result<Vec<Vec<u8>>, BakeError>,
 ) -> Result<PilotVisibility, BakeError> {
     let order = cluster_order(&point_features(&points.points, diagonal));
     let clusters = clusters.min(order.len());
-    let done = AtomicU64::new(0);
-    let row = |scratch: &mut S, cluster: usize| {
-        if observer.cancelled() {
-            return Err(BakeError::Cancelled);
-        }
-        let members = &order[cluster * order.len() / clusters..(cluster + 1) * order.len() / clusters];
-        let row = cluster_visibility(|point, visible| sample(point, scratch, visible), &points.points, members, lights);
-        observer.event(Event::Advanced { done: done.fetch_add(1, Ordering::Relaxed) + 1 });
-        Ok(row)
+    let members_of = |cluster: usize| {
+        let all = &order[cluster * order.len() / clusters..(cluster + 1) * order.len() / clusters];
+        let count = all.len().min(MEMBERS);
+        (0..count).map(move |i| all[(2 * i + 1) * all.len() / (2 * count)])
     };
-    let rows = (0..clusters).into_par_iter().map_init(S::default, row).collect::<Result<Vec<_>, _>>()?;
-    Ok(PilotVisibility { lights, fractions: rows.concat() })
+    let mut fractions = Vec::with_capacity(clusters * lights);
+    let numbers: Vec<usize> = (0..clusters).collect();
+    for some in numbers.chunks(CLUSTERS_AT_A_TIME) {
+        cancelled(observer)?;
+        let members: Vec<&BakePoint> =
+            some.iter().flat_map(|&c| members_of(c)).map(|member| &points.points[member as usize]).collect();
+        let mut rows = rows(&members)?.into_iter();
+        for &cluster in some {
+            let of_cluster: Vec<Vec<u8>> = rows.by_ref().take(members_of(cluster).count()).collect();
+            fractions.extend(mean_of(&of_cluster, lights));
+        }
+        observer.event(Event::Advanced { done: some.last().map_or(0, |&last| last as u64 + 1) });
+    }
+    Ok(PilotVisibility { lights, fractions })
 }
 
 fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
@@ -74,26 +76,19 @@ fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
     Features::new(6, points.iter().flat_map(features).collect())
 }
 
-fn cluster_visibility(
-    mut sample: impl FnMut(&BakePoint, &mut [u8]),
-    points: &[BakePoint],
-    members: &[u32],
-    lights: usize,
-) -> Vec<u8> {
-    let count = members.len().min(MEMBERS);
-    let (mut visible, mut sums) = (vec![0_u8; lights], vec![0_u16; lights]);
-    for i in 0..count {
-        let member = members[(2 * i + 1) * members.len() / (2 * count)];
-        sample(&points[member as usize], &mut visible);
-        sums.iter_mut().zip(&visible).for_each(|(s, &v)| *s += u16::from(v));
+/// For each light the share of rows that see it, of 255.
+fn mean_of(rows: &[Vec<u8>], lights: usize) -> Vec<u8> {
+    let mut sums = vec![0_u16; lights];
+    for row in rows {
+        sums.iter_mut().zip(row).for_each(|(s, &v)| *s += u16::from(v));
     }
-    sums.iter().map(|&s| (u32::from(s) * 255 / count as u32) as u8).collect()
+    sums.iter().map(|&s| (u32::from(s) * 255 / rows.len() as u32) as u8).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vertices::visibility::EXHAUSTIVE;
+    use crate::vertices::{many::Tracing, visibility::EXHAUSTIVE};
     use crate::{
         observer::Silent,
         test_scenes::{cuboid, floor, scene_of},
@@ -108,7 +103,8 @@ mod tests {
         let scene = scene_of(&triangles);
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
-        let sampler = VisibilitySampler::of_directions(&intersector, &fibonacci_directions(256), EXHAUSTIVE);
+        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None };
+        let sampler = ManySampler::new(&intersector, &fibonacci_directions(256), tracing).unwrap();
         let pilot = sample_pilot(&points, &sampler, 4.0, 4, &Silent).unwrap();
         assert_eq!((pilot.clusters(), pilot.fractions.len()), (4, 1024));
         // Every cluster sees something and none sees everything; the floor's light comes from above.

@@ -118,6 +118,34 @@ pub struct Node {
     pub radius: f32,
 }
 
+/// `BoxNode` of `traverse.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct BoxNode {
+    pub low: [f32; 3],
+    pub first: u32,
+    pub high: [f32; 3],
+    pub triangles: u32,
+}
+
+/// `RayUniforms` of `rays_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct RayUniforms {
+    pub directions: u32,
+    pub words: u32,
+}
+
+/// `RayOrigin` of `rays_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct RayOrigin {
+    pub origin: [f32; 3],
+    pub height: f32,
+    pub normal: [f32; 3],
+    pub is_above: u32,
+}
+
 /// `LitUniforms` of `lit_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

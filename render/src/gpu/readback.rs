@@ -8,19 +8,28 @@ use crate::backend::BackendError;
 /// # Errors
 /// A lost device.
 pub fn read_word(gpu: &GpuDevice, from: &wgpu::Buffer) -> Result<u32, BackendError> {
+    Ok(read_words(gpu, from, 1)?[0])
+}
+
+/// The first words of a buffer, one or more.
+///
+/// # Errors
+/// A lost device.
+pub fn read_words(gpu: &GpuDevice, from: &wgpu::Buffer, count: usize) -> Result<Vec<u32>, BackendError> {
+    let bytes = (count * size_of::<u32>()) as u64;
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("readback"),
-        size: size_of::<u32>() as u64,
+        size: bytes,
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
-    encoder.copy_buffer_to_buffer(from, 0, &buffer, 0, size_of::<u32>() as u64);
+    encoder.copy_buffer_to_buffer(from, 0, &buffer, 0, bytes);
     gpu.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     gpu.wait()?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| BackendError::Driver(e.to_string()))?;
-    Ok(bytemuck::pod_read_unaligned(&mapped[..size_of::<u32>()]))
+    Ok(bytemuck::pod_collect_to_vec(&mapped))
 }
 
 /// The bytes of a whole texture, row by row without padding.

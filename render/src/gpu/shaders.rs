@@ -33,6 +33,7 @@ parts!(
     "parameters_pass",
     "past",
     "predict_pass",
+    "rays_pass",
     "receiver",
     "refine",
     "scene",
@@ -45,6 +46,7 @@ parts!(
     "surface",
     "surface_pass",
     "tonemap",
+    "traverse",
     "tree",
     "visibility_pass",
     "wireframe",
@@ -70,6 +72,8 @@ pub const SURFACE: Program = Program {
     name: "surface_pass",
     parts: [&[], &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "surface_pass"]],
 };
+/// Rays for bakes.
+pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse", "rays_pass"]] };
 /// The BRDF's parameters.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
@@ -107,8 +111,9 @@ pub const PREDICT: Program = Program { name: "predict_pass", parts: [SHADING, &[
 
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 14] = [
-    VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, HISTORY, PREDICT, LIT,
+pub const PROGRAMS: [Program; 15] = [
+    RAYS, VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, HISTORY,
+    PREDICT, LIT,
 ];
 
 /// Where shaders come from.

@@ -5,5 +5,5 @@ mod direct;
 mod kept;
 mod reflection;
 mod sketch;
-mod twin;
+pub(super) mod twin;
 mod vertex_bounce;

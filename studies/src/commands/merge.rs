@@ -3,7 +3,7 @@
 use super::bake::summarize;
 use crate::{
     outputs::CommandFiles,
-    terminal::{Console, Outcome, ProgressReporter, ProgressStyle, write_json},
+    terminal::{Console, Outcome, ProgressReporter, ProgressStyle},
 };
 use anyhow::Result;
 use clap::Args;
@@ -16,10 +16,7 @@ use std::path::PathBuf;
 pub struct MergeArgs {
     /// Dataset to write; the shares of all shards lie beside it
     #[arg(value_name = "FILE.cuts")]
-    pub output: PathBuf,
-    /// Write the bake report as JSON
-    #[arg(long, value_name = "FILE.json")]
-    pub report: Option<PathBuf>,
+    pub file: PathBuf,
     /// How progress is shown on standard error
     #[arg(long, value_enum, default_value_t)]
     pub progress: ProgressStyle,
@@ -28,7 +25,7 @@ pub struct MergeArgs {
 impl MergeArgs {
     /// What it writes.
     pub fn files(&self) -> CommandFiles {
-        CommandFiles::default().writes([&self.output]).writes(&self.report)
+        CommandFiles::default().writes([&self.file])
     }
 
     /// Merges, with progress on standard error.
@@ -38,11 +35,8 @@ impl MergeArgs {
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
-        let report = merge(&self.output, &progress)?.report;
+        let report = merge(&self.file, &progress)?.report;
         progress.finish();
-        if let Some(path) = &self.report {
-            write_json(path, &report)?;
-        }
         Ok(report)
     }
 }
@@ -52,6 +46,6 @@ impl MergeArgs {
 /// # Errors
 /// See [`MergeArgs::run`].
 pub fn run(args: &MergeArgs, console: Console) -> Result<Outcome> {
-    summarize(&args.run(console.quiet)?, &args.output, console)?;
+    summarize(&args.run(console.quiet)?, &args.file, console)?;
     Ok(Outcome::Done)
 }

@@ -26,6 +26,7 @@ pub fn option_name(setting: Setting) -> &'static str {
         Setting::CoarseRadius => "--coarse-radius",
         Setting::GatherRays => "--gather-rays",
         Setting::Epsilon => "--epsilon",
+        Setting::Device => "--device",
         Setting::Resume => "--resume",
     }
 }

@@ -21,7 +21,8 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::GatherRays => "Gather rays",
         Setting::Epsilon => "Epsilon",
         Setting::Resume => "Resume",
-        Setting::MaxCut
+        Setting::Device
+        | Setting::MaxCut
         | Setting::PilotClusters
         | Setting::SourceContrast
         | Setting::LargestSolidAngle

@@ -7,6 +7,7 @@ use crate::{
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
     sources::viewpoint::{ViewpointSurroundings, find_viewpoint},
+    vertices::many::Tracing,
     warning::Warning,
 };
 use glam::Vec3;
@@ -42,7 +43,7 @@ pub fn bake_bounces(
     geometry: &Geometry,
     tree: &LightTree,
     settings: &ResolvedBake,
-    lights_per_probe: usize,
+    tracing: Tracing,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
@@ -55,8 +56,7 @@ pub fn bake_bounces(
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
     if settings.mode.sources() {
-        let phases =
-            SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, lights_per_probe, checkpoint };
+        let phases = SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
         let (indirect, report) = phases.bake_indirect(clock)?;
         (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
     }

@@ -6,45 +6,41 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     sources::sampler::{SourceSampler, SourceScratch},
-    vertices::{points::BakePoint, visibility::VisibilitySampler},
+    vertices::{many::ManySampler, points::BakePoint},
 };
-use lapidary_core::{
-    cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector},
-    ray::BoundaryTracer,
-};
+use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Points between two looks at the observer.
 pub(super) const POINTS_PER_STEP: usize = 256;
 
-/// Makes the cut of a point.
-pub trait CutMaker: Sync {
-    /// Buffers kept from point to point.
-    type Scratch;
+/// The cut of a point, its squared error, and the rays traced for it.
+pub type MadeCut = (Vec<u16>, f64, u64);
 
+/// Makes the cuts of points.
+pub trait CutMaker {
     fn points(&self) -> &[BakePoint];
 
     /// Height of the tree that the cuts are over.
     fn height(&self) -> u32;
 
-    fn scratch(&self) -> Self::Scratch;
-
-    /// Writes the cut of a point to `cut`, which is empty, and returns its squared error and the rays traced.
-    fn make(&self, point: &BakePoint, scratch: &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64);
+    /// The cuts of some of the points, in their order, made on all cores.
+    ///
+    /// # Errors
+    /// What is wrong with a device.
+    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError>;
 }
 
 /// Visibility of the environment's lights.
 pub struct EnvironmentCuts<'a> {
     pub points: &'a [BakePoint],
-    pub sampler: VisibilitySampler<'a>,
+    pub sampler: ManySampler<'a>,
     pub height: u32,
     pub criterion: CutCriterion,
 }
 
 impl CutMaker for EnvironmentCuts<'_> {
-    type Scratch = (CutSelector, BoundaryTracer, Vec<u8>);
-
     fn points(&self) -> &[BakePoint] {
         self.points
     }
@@ -53,18 +49,14 @@ impl CutMaker for EnvironmentCuts<'_> {
         self.height
     }
 
-    fn scratch(&self) -> Self::Scratch {
-        (CutSelector::new(self.height, self.criterion), BoundaryTracer::default(), vec![0; 1 << self.height])
-    }
-
-    fn make(
-        &self,
-        point: &BakePoint,
-        (selector, tracer, visible): &mut Self::Scratch,
-        cut: &mut Vec<u16>,
-    ) -> (f64, u64) {
-        let rays = self.sampler.sample(point, tracer, visible);
-        (selector.select(visible, cut), rays)
+    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError> {
+        let points: Vec<&BakePoint> = points.iter().collect();
+        let selector = || CutSelector::new(self.height, self.criterion);
+        self.sampler.each(&points, selector, |selector, visible, rays| {
+            let mut cut = Vec::new();
+            let squared_error = selector.select(visible, &mut cut);
+            (cut, squared_error, rays)
+        })
     }
 }
 
@@ -76,8 +68,6 @@ pub struct SourceCuts<'a> {
 }
 
 impl CutMaker for SourceCuts<'_> {
-    type Scratch = (SourceCutSelector, SourceScratch, Vec<f32>);
-
     fn points(&self) -> &[BakePoint] {
         self.points
     }
@@ -86,16 +76,19 @@ impl CutMaker for SourceCuts<'_> {
         self.sampler.len().ilog2()
     }
 
-    fn scratch(&self) -> Self::Scratch {
-        let selector = SourceCutSelector::new(self.height(), self.criterion);
-        (selector, SourceScratch::default(), vec![0.0; self.sampler.len()])
-    }
-
-    fn make(&self, point: &BakePoint, (selector, scratch, seen): &mut Self::Scratch, cut: &mut Vec<u16>) -> (f64, u64) {
-        let rays = self.sampler.sample(point, scratch, seen);
-        let squared_error = selector.select(seen, cut);
-        let squared_norm: f64 = seen.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
-        (if squared_norm > 0.0 { squared_error / squared_norm } else { 0.0 }, rays)
+    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError> {
+        let scratch = || {
+            let selector = SourceCutSelector::new(self.height(), self.criterion);
+            (selector, SourceScratch::default(), vec![0.0; self.sampler.len()])
+        };
+        let one = |(selector, scratch, seen): &mut (SourceCutSelector, SourceScratch, Vec<f32>), point: &BakePoint| {
+            let rays = self.sampler.sample(point, scratch, seen);
+            let mut cut = Vec::new();
+            let squared_error = selector.select(seen, &mut cut);
+            let squared_norm: f64 = seen.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+            (cut, if squared_norm > 0.0 { squared_error / squared_norm } else { 0.0 }, rays)
+        };
+        Ok(points.par_iter().map_init(scratch, one).collect())
     }
 }
 
@@ -130,16 +123,7 @@ fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observ
     for start in range.clone().step_by(POINTS_PER_STEP) {
         cancelled(observer)?;
         let step = &maker.points()[start..range.end.min(start + POINTS_PER_STEP)];
-        let cuts = step.par_iter().map_init(
-            || maker.scratch(),
-            |scratch, point| {
-                let mut cut = Vec::new();
-                let (squared_error, rays) = maker.make(point, scratch, &mut cut);
-                (cut, squared_error, rays)
-            },
-        );
-        // Collected in order: sums do not depend on which thread was first.
-        for (cut, squared_error, rays) in cuts.collect::<Vec<_>>() {
+        for (cut, squared_error, rays) in maker.make(step)? {
             chunk.push(&cut, squared_error, rays);
         }
         observer.event(Event::Advanced { done: (start + step.len()) as u64 });

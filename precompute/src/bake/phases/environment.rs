@@ -14,9 +14,12 @@ use crate::{
     },
     errors::BakeError,
     observer::Phase,
-    vertices::visibility::{EXHAUSTIVE, VisibilitySampler},
+    vertices::{
+        many::{ManySampler, Tracing},
+        visibility::EXHAUSTIVE,
+    },
 };
-use lapidary_core::{dataset::BakeAudit, light_tree::LightTree};
+use lapidary_core::{dataset::BakeAudit, light_tree::LightTree, ray::RayDevices};
 
 /// Visibility of distant light.
 pub struct EnvironmentVisibility {
@@ -26,7 +29,7 @@ pub struct EnvironmentVisibility {
 }
 
 impl EnvironmentVisibility {
-    /// How it was traced, see [`VisibilitySampler::new`].
+    /// How it was traced, see [`Tracing`].
     pub fn lights_per_probe(&self) -> usize {
         self.audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe)
     }
@@ -38,6 +41,7 @@ pub fn bake_environment(
     tree: &LightTree,
     settings: &ResolvedBake,
     known: Option<BakeAudit>,
+    devices: Option<&dyn RayDevices>,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
 ) -> Result<EnvironmentVisibility, BakeError> {
@@ -52,9 +56,10 @@ pub fn bake_environment(
             None => audit_environment(geometry, tree, settings, observer)?,
         };
         let mut visibility = EnvironmentVisibility { chunks: Vec::new(), audit };
+        let tracing = Tracing { lights_per_probe: visibility.lights_per_probe(), devices };
         let maker = EnvironmentCuts {
             points,
-            sampler: VisibilitySampler::new(&geometry.intersector, tree, visibility.lights_per_probe()),
+            sampler: ManySampler::new(&geometry.intersector, tree.leaf_directions(), tracing)?,
             height: tree.height(),
             criterion: settings.criterion,
         };

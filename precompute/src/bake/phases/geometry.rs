@@ -6,6 +6,7 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer, Phase},
     vertices::{
+        many::{ManySampler, Tracing},
         pilot::sample_pilot,
         points::{BakePoint, BakePoints},
         sampler::bake_points,
@@ -146,7 +147,8 @@ impl Geometry {
     ) -> Result<PilotVisibility, BakeError> {
         observer.event(Event::Started { phase: Phase::Pilot, total: clusters as u64, unit: "clusters" });
         let diagonal = self.scene.mesh.bounds().diagonal();
-        let sampler = VisibilitySampler::of_directions(&self.intersector, directions, EXHAUSTIVE);
+        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None };
+        let sampler = ManySampler::new(&self.intersector, directions, tracing)?;
         sample_pilot(&self.points, &sampler, diagonal, clusters, observer)
     }
 }

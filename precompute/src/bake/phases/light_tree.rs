@@ -12,13 +12,15 @@ use crate::{
     errors::{BakeError, SettingsError},
     observer::{Event, Phase},
     vertices::{
+        many::{ManySampler, Tracing},
         pilot::sample_pilot,
-        visibility::{EXHAUSTIVE, FINEST, VisibilitySampler},
+        visibility::{EXHAUSTIVE, FINEST},
     },
     warning::Warning,
 };
 use lapidary_core::{
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
+    ray::RayDevices,
     sphere::fibonacci_directions,
 };
 
@@ -32,6 +34,7 @@ pub fn checkpoint_and_tree(
     work: &Work,
     hash: &str,
     resumed: Option<Checkpoint>,
+    devices: Option<&dyn RayDevices>,
     clock: &mut Clock,
 ) -> Result<(Checkpoint, LightTree), BakeError> {
     let (settings, points) = (&job.settings, geometry.points.points.len());
@@ -43,7 +46,7 @@ pub fn checkpoint_and_tree(
         }
         clock.observer.event(Event::Warning { message: Warning::OtherCheckpoint });
     }
-    let tree = build_tree(geometry, settings, clock)?;
+    let tree = build_tree(geometry, settings, devices, clock)?;
     if !job.resume && *work == Work::All && Checkpoint::is_left(&work.folder_of(&job.output))? {
         clock.observer.event(Event::Warning { message: Warning::Discarded });
     }
@@ -52,7 +55,12 @@ pub fn checkpoint_and_tree(
     Ok((checkpoint, tree))
 }
 
-fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -> Result<LightTree, BakeError> {
+fn build_tree(
+    geometry: &Geometry,
+    settings: &ResolvedBake,
+    devices: Option<&dyn RayDevices>,
+    clock: &mut Clock,
+) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
     let directions = fibonacci_directions(settings.lights);
     // A tree that nothing is baked over needs no pilot.
@@ -65,7 +73,8 @@ fn build_tree(geometry: &Geometry, settings: &ResolvedBake, clock: &mut Clock) -
         clock.time(Phase::Pilot, clusters as u64, "clusters", || {
             // By the finest probes, for there is no audit yet. What is missed makes the tree a little worse, and no cut wrong.
             let lights_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
-            let sampler = VisibilitySampler::of_directions(&geometry.intersector, &directions, lights_per_probe);
+            let tracing = Tracing { lights_per_probe, devices };
+            let sampler = ManySampler::new(&geometry.intersector, &directions, tracing)?;
             sample_pilot(&geometry.points, &sampler, diagonal, clusters, observer)
         })?
     };

@@ -19,7 +19,10 @@ use crate::{
     mesh_surface::MeshSurface,
     observer::{Event, Phase},
     sources::{order::order_sources, placement::place_sources, sampler::SourceSampler},
-    vertices::{points::BakePoint, visibility::VisibilitySampler},
+    vertices::{
+        many::{ManySampler, Tracing},
+        points::BakePoint,
+    },
     warning::Warning,
 };
 use glam::Vec3;
@@ -37,8 +40,8 @@ pub struct SourcePhases<'a> {
     pub viewpoint: Vec3,
     pub tree: &'a LightTree,
     pub settings: &'a ResolvedBake,
-    /// How the environment is traced, see [`VisibilitySampler::new`].
-    pub lights_per_probe: usize,
+    /// How the environment is traced.
+    pub tracing: Tracing<'a>,
     pub checkpoint: &'a Checkpoint,
 }
 
@@ -123,7 +126,7 @@ impl SourcePhases<'_> {
                 sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
             let maker = EnvironmentCuts {
                 points: &points,
-                sampler: VisibilitySampler::new(&self.geometry.intersector, self.tree, self.lights_per_probe),
+                sampler: ManySampler::new(&self.geometry.intersector, self.tree.leaf_directions(), self.tracing)?,
                 height: self.tree.height(),
                 criterion: self.settings.criterion,
             };

@@ -8,7 +8,7 @@ use std::fs;
 fn shared(folder: &Path) -> BakeJob {
     let job = indirect_job(folder, "shared.cuts", BakeParts::ALL);
     for shard in Shard::all(3) {
-        bake_shard(interior(), &job, shard, &Silent).unwrap();
+        bake_shard(interior(), &job, shard, None, &Silent).unwrap();
         assert!(shard.folder_of(&job.output).join("shard.json").exists());
     }
     job
@@ -49,15 +49,15 @@ fn an_interrupted_share_goes_on_and_a_complete_one_stays_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let job = BakeJob { chunks: Some(6), ..job(folder.path(), "shared.cuts") };
     let [first, second] = [1, 2].map(|index| Shard::new(index, 2).unwrap());
-    bake_shard(scene(), &job, second, &Silent).unwrap();
-    let interrupted = bake_shard(scene(), &job, first, &CancelIn::phase(Phase::Visibility));
+    bake_shard(scene(), &job, second, None, &Silent).unwrap();
+    let interrupted = bake_shard(scene(), &job, first, None, &CancelIn::phase(Phase::Visibility));
     assert!(matches!(interrupted, Err(BakeError::Cancelled)));
     assert!(matches!(refusal(&job.output), ShardError::Incomplete { shard, .. } if shard == first));
     let chunk = |name: &str| first.folder_of(&job.output).join(name);
     let written = fs::metadata(chunk("chunk-00000.bin")).unwrap().modified().unwrap();
     assert!(!chunk("chunk-00001.bin").exists(), "that is the other's");
     for _ in 0..2 {
-        bake_shard(scene(), &job, first, &Silent).unwrap();
+        bake_shard(scene(), &job, first, None, &Silent).unwrap();
         assert_eq!(
             fs::metadata(chunk("chunk-00000.bin")).unwrap().modified().unwrap(),
             written,
@@ -80,7 +80,7 @@ fn shares_that_do_not_belong_together_are_refused_and_nothing_is_lost() {
     assert!(missing.to_string().contains("bake with --shard 2/3"), "{missing}");
 
     let other = with(job.clone(), |settings| settings.beta = 0.1);
-    bake_shard(interior(), &other, Shard::new(2, 3).unwrap(), &Silent).unwrap();
+    bake_shard(interior(), &other, Shard::new(2, 3).unwrap(), None, &Silent).unwrap();
     assert!(matches!(refusal(&job.output), ShardError::OfAnother { .. }));
     fs::remove_dir_all(share(2)).unwrap();
 

@@ -23,7 +23,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A backend within WebGPU's default limits, or `None`, said aloud, where there is no adapter and none is required.
 /// One at a time: a software adapter uses all cores by itself.
-pub(super) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
     static ONE: Mutex<()> = Mutex::new(());
     let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     match GpuBackend::new(Room::Defaults, &ShaderSource::Embedded) {

@@ -6,14 +6,19 @@ use crate::{
     terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
 };
 use anyhow::{Context, Error, Result};
-use clap::{Args, builder::RangedU64ValueParser};
+use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
     import::import_with,
     light_tree::TreeKind,
+    ray::RayDevices,
 };
-use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake, bake_shard, resolve};
+use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
+use lapidary_render::{
+    BackendError,
+    gpu::{GpuRays, Room},
+};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
@@ -21,6 +26,30 @@ use std::{
 
 /// Most worker threads: more take memory and bring nothing.
 const MOST_THREADS: u64 = 1024;
+
+/// Who traces rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DeviceChoice {
+    /// A graphics card if there is one, else the processor
+    #[default]
+    Auto,
+    /// The processor
+    Cpu,
+    /// The fastest graphics adapter, which may be an emulation
+    Gpu,
+}
+
+impl DeviceChoice {
+    /// The adapter that traces, if one does. Shards are traced by processors unless it is asked for: rays along edges fall to
+    /// either side on some adapters, and all shards should agree.
+    fn rays(self, shard: Option<Shard>) -> Result<Option<GpuRays>, BackendError> {
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Auto => Ok(if shard.is_some() { None } else { GpuRays::of_hardware() }),
+            Self::Gpu => GpuRays::new(Room::All).map(Some),
+        }
+    }
+}
 
 /// Options of `bake`.
 #[derive(Args, Clone, Debug)]
@@ -117,6 +146,10 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
+    /// Who traces the environment's visibility: cpu; gpu, which traces every light as with --exhaustive; or auto, a graphics
+    /// card where there is one and its machine bakes alone, else cpu
+    #[arg(long, value_enum, default_value_t)]
+    pub device: DeviceChoice,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: one per core]
     #[arg(long, value_name = "T", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_THREADS))]
     pub threads: Option<usize>,
@@ -148,7 +181,6 @@ impl BakeArgs {
         s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
-        s.exhaustive = self.exhaustive;
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
         s.mode = self.mode;
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
@@ -173,7 +205,10 @@ impl BakeArgs {
     /// # Errors
     /// A scene that cannot be read, options out of range, an output that cannot be written, or Ctrl-C.
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
-        let mut settings = resolve(self.settings())?;
+        let rays = self.device.rays(self.shard)?;
+        let devices = rays.as_ref().map(|rays| rays as &dyn RayDevices);
+        let exhaustive = self.exhaustive || devices.is_some();
+        let mut settings = resolve(BakeSettings { exhaustive, ..self.settings() })?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
             pool.context("cannot start the worker threads; choose a smaller --threads")?;
@@ -201,8 +236,8 @@ impl BakeArgs {
             warnings: imported.report.warnings,
         };
         let baked = match self.shard {
-            Some(shard) => bake_shard(imported.scene, &job, shard, &progress),
-            None => bake(imported.scene, &job, &progress).map(|dataset| dataset.report),
+            Some(shard) => bake_shard(imported.scene, &job, shard, devices, &progress),
+            None => bake_on(imported.scene, &job, devices, &progress).map(|dataset| dataset.report),
         };
         let report = baked.map_err(|error| of_scene(error, &self.scene))?;
         progress.finish();

@@ -1,0 +1,268 @@
+//! Rays on the GPU for bakes: which directions meet nothing, from many origins at a time. Twin of
+//! [`Intersector::trace_batch`]. The walk itself is `shaders/traverse.wgsl`, for other compute passes too.
+
+use super::{
+    device::{GpuDevice, Room, has_hardware},
+    layout,
+    pipeline::{Binding, bind, layout as bind_layout, module},
+    readback::read_words,
+    scene::storage,
+    shaders::{RAYS, ShaderSource},
+};
+use crate::{backend::BackendError, remedy::Remedy};
+use bytemuck::Zeroable;
+use glam::Vec3;
+use lapidary_core::ray::{BoxNode, Intersector, RayDevice, RayDevices, RayOrigin};
+use std::sync::Arc;
+use wgpu::BufferUsages as Usages;
+
+/// Origins of one piece of work, so that a desktop stays alive and a bake can be cancelled.
+const ORIGINS_AT_A_TIME: usize = 64;
+
+/// Directions of a workgroup, as in the shader.
+const DIRECTIONS_PER_GROUP: u32 = 64;
+
+/// Most levels of a hierarchy, as in the shader.
+const MOST_LEVELS: usize = 64;
+
+/// An adapter that traces rays.
+pub struct GpuRays {
+    gpu: Arc<GpuDevice>,
+    pass: Arc<RayPass>,
+}
+
+struct RayPass {
+    hierarchy: wgpu::BindGroupLayout,
+    work: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl GpuRays {
+    /// The fastest adapter.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses.
+    pub fn new(room: Room) -> Result<Self, BackendError> {
+        let gpu = GpuDevice::new(room)?;
+        let pass = RayPass::new(&gpu)?;
+        Ok(Self { gpu: Arc::new(gpu), pass: Arc::new(pass) })
+    }
+
+    /// The fastest adapter that is more than an emulation on the processor, if there is one that works.
+    pub fn of_hardware() -> Option<Self> {
+        has_hardware().then(|| Self::new(Room::All).ok()).flatten()
+    }
+
+    /// Name of the adapter.
+    pub fn name(&self) -> &str {
+        &self.gpu.info.name
+    }
+
+    fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
+        let gpu = &self.gpu;
+        let (nodes, triangles) = scene.hierarchy();
+        let levels = levels(&nodes);
+        gpu.within("the hierarchy", "levels", levels as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
+        let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
+        let mut corners: &[f32] = bytemuck::cast_slice(triangles);
+        if nodes.is_empty() {
+            // A buffer has contents: a triangle without an area, which no ray crosses.
+            (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
+        }
+        let bytes = (size_of_val(corners).max(size_of_val(&nodes[..]))) as u64;
+        gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
+        let toward: Vec<[f32; 4]> = directions.iter().map(|d| d.extend(0.0).to_array()).collect();
+        let hierarchy = [
+            storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes)),
+            storage(gpu, "triangles of rays", bytemuck::cast_slice(corners)),
+        ];
+        let hierarchy =
+            bind(gpu, "hierarchy", &self.pass.hierarchy, &hierarchy.each_ref().map(|b| b.as_entire_binding()));
+        let words = directions.len().div_ceil(32);
+        let uniforms = layout::RayUniforms { directions: directions.len() as u32, words: words as u32 };
+        let buffer = |label, size: usize, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let of_uniforms = buffer("uniforms of rays", size_of_val(&uniforms), Usages::UNIFORM | Usages::COPY_DST);
+        gpu.queue.write_buffer(&of_uniforms, 0, bytemuck::bytes_of(&uniforms));
+        let origins = buffer(
+            "origins of rays",
+            ORIGINS_AT_A_TIME * size_of::<layout::RayOrigin>(),
+            Usages::STORAGE | Usages::COPY_DST,
+        );
+        let open = buffer("open rays", ORIGINS_AT_A_TIME * words * 4, Usages::STORAGE | Usages::COPY_SRC);
+        let toward = storage(gpu, "directions of rays", bytemuck::cast_slice(&toward));
+        let work = [&of_uniforms, &toward, &origins, &open].map(|b| b.as_entire_binding());
+        let work = bind(gpu, "work of rays", &self.pass.work, &work);
+        gpu.check()?;
+        Ok(GpuRayScene {
+            gpu: self.gpu.clone(),
+            pass: self.pass.clone(),
+            hierarchy,
+            work,
+            origins,
+            open,
+            words,
+            directions: directions.len() as u32,
+        })
+    }
+}
+
+impl RayDevices for GpuRays {
+    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Box<dyn RayDevice>, String> {
+        let scene = self.scene(scene, directions).map_err(|error| error.to_string())?;
+        Ok(Box::new(scene))
+    }
+}
+
+impl RayPass {
+    fn new(gpu: &GpuDevice) -> Result<Self, BackendError> {
+        use Binding::{Storage, Uniform, Written};
+        let hierarchy = bind_layout(gpu, "hierarchy", &[Storage, Storage]);
+        let work = bind_layout(gpu, "work of rays", &[Uniform, Storage, Storage, Written]);
+        let module = module(gpu, &ShaderSource::Embedded, &RAYS)?;
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("rays"),
+            bind_group_layouts: &[Some(&hierarchy), Some(&work)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("rays"),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("trace"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { hierarchy, work, pipeline })
+    }
+}
+
+/// A scene and directions on the GPU.
+struct GpuRayScene {
+    gpu: Arc<GpuDevice>,
+    pass: Arc<RayPass>,
+    hierarchy: wgpu::BindGroup,
+    work: wgpu::BindGroup,
+    origins: wgpu::Buffer,
+    open: wgpu::Buffer,
+    words: usize,
+    directions: u32,
+}
+
+impl GpuRayScene {
+    fn trace(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, BackendError> {
+        let gpu = &self.gpu;
+        let packed: Vec<layout::RayOrigin> = origins.iter().map(packed_origin).collect();
+        gpu.queue.write_buffer(&self.origins, 0, bytemuck::cast_slice(&packed));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&self.pass.pipeline);
+            pass.set_bind_group(0, &self.hierarchy, &[]);
+            pass.set_bind_group(1, &self.work, &[]);
+            pass.dispatch_workgroups(self.directions.div_ceil(DIRECTIONS_PER_GROUP), origins.len() as u32, 1);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        read_words(gpu, &self.open, origins.len() * self.words)
+    }
+}
+
+impl RayDevice for GpuRayScene {
+    fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
+        let mut open = Vec::with_capacity(origins.len() * self.words);
+        for some in origins.chunks(ORIGINS_AT_A_TIME) {
+            open.extend(self.trace(some).map_err(|error| error.to_string())?);
+        }
+        Ok(open)
+    }
+}
+
+fn packed(node: &BoxNode) -> layout::BoxNode {
+    layout::BoxNode { low: node.min.into(), first: node.first, high: node.max.into(), triangles: node.triangles }
+}
+
+fn packed_origin(at: &RayOrigin) -> layout::RayOrigin {
+    layout::RayOrigin {
+        origin: at.origin.into(),
+        height: at.half.height,
+        normal: at.half.normal.into(),
+        is_above: u32::from(at.half.is_above),
+    }
+}
+
+/// Levels of a hierarchy.
+fn levels(nodes: &[BoxNode]) -> usize {
+    let (mut deepest, mut stack) = (0, vec![(0, 1)]);
+    while let Some((index, level)) = stack.pop() {
+        let Some(node) = nodes.get(index as usize) else { continue };
+        deepest = deepest.max(level);
+        if node.triangles == 0 {
+            stack.extend([(node.first, level + 1), (node.first + 1, level + 1)]);
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::tests::twin::backend;
+    use lapidary_core::{
+        ray::{DirectionSet, HalfSpace},
+        scene::Mesh,
+        sphere::fibonacci_directions,
+    };
+
+    /// Triangles of many sizes around the origin.
+    fn soup(count: usize) -> Mesh {
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut mesh = Mesh::default();
+        let mut point = |scale: f32| Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * scale;
+        for i in 0..count {
+            let (center, size) = (point(8.0), if i % 10 == 0 { 3.0 } else { 0.4 });
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([center + point(size), center + point(size), center + point(size)]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        mesh
+    }
+
+    #[test]
+    fn rays_on_the_gpu_agree_with_those_on_the_processor() {
+        let Some((_one_at_a_time, _)) = backend() else { return };
+        let rays = GpuRays::new(Room::Defaults).unwrap();
+        for (triangles, lights) in [(600, 4096), (3, 64), (0, 32)] {
+            let scene = Intersector::new(&soup(triangles));
+            let directions = fibonacci_directions(lights);
+            let device = rays.device(&scene, &directions).unwrap();
+            let at = |i: usize| RayOrigin {
+                origin: 0.05 * Vec3::new(i as f32, -0.7 * i as f32, 0.3),
+                half: HalfSpace { normal: Vec3::new(0.6, 0.8, 0.0), height: -0.1, is_above: !i.is_multiple_of(3) },
+            };
+            // More than one piece of work.
+            let origins: Vec<RayOrigin> = (0..70).map(at).collect();
+            let open = device.open(&origins).unwrap();
+            let set = DirectionSet::new(&directions);
+            let (mut ties, mut seen) = (0, 0);
+            for (row, at) in open.chunks(lights.div_ceil(32)).zip(&origins) {
+                let mut visible = vec![0; lights];
+                scene.trace_batch(at.origin, &set, |d| at.half.has(d), &mut visible);
+                let differs = |(i, v): &(usize, &u8)| row[i / 32] >> (i % 32) & 1 != u32::from(**v);
+                ties += visible.iter().enumerate().filter(differs).count();
+                seen += visible.iter().filter(|v| **v == 1).count();
+            }
+            // A driver may fuse products and sums: rays along an edge then fall to either side.
+            assert!(ties * 100_000 <= 70 * lights, "{ties} of {}", 70 * lights);
+            assert!(seen > 0);
+            let moved: Vec<RayOrigin> = origins.iter().map(|at| RayOrigin { origin: at.origin + 1.0, ..*at }).collect();
+            assert!(device.open(&moved).unwrap() != open || triangles == 0, "negative control: other origins");
+        }
+    }
+}

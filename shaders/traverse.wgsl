@@ -1,0 +1,107 @@
+// Rays against the triangles of a scene, by a walk through its hierarchy of boxes. Twin of core/src/ray.rs: the same
+// predicate, term by term.
+
+struct BoxNode {
+    low: vec3<f32>,
+    // First triangle of a leaf, or first of two children.
+    first: u32,
+    high: vec3<f32>,
+    // Triangles of a leaf; 0 for other nodes.
+    triangles: u32,
+}
+
+@group(0) @binding(0) var<storage, read> nodes: array<BoxNode>;
+// Nine numbers a triangle.
+@group(0) @binding(1) var<storage, read> corners: array<f32>;
+
+// Nodes that wait at most: one for each level.
+const MOST_LEVELS: u32 = 64u;
+
+fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
+    let at = 9u * triangle + 3u * corner;
+    return vec3(corners[at], corners[at + 1u], corners[at + 2u]);
+}
+
+// The dot product in the order of the twin's operations.
+fn ordered_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Whether a ray crosses a triangle. A ray from its plane never does.
+fn crosses(triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    let p = corner_of(triangle, 0u);
+    let q = corner_of(triangle, 1u);
+    let r = corner_of(triangle, 2u);
+    let a = p - origin;
+    let b = q - origin;
+    let c = r - origin;
+    let side = ordered_dot(a, cross(q - p, r - p));
+    let facing = select(1.0, -1.0, side < 0.0);
+    let u = facing * ordered_dot(cross(b, c), direction);
+    let v = facing * ordered_dot(cross(c, a), direction);
+    let w = facing * ordered_dot(cross(a, b), direction);
+    return side != 0.0 && u >= 0.0 && v >= 0.0 && w >= 0.0;
+}
+
+fn enters(node: u32, origin: vec3<f32>, inverse: vec3<f32>) -> bool {
+    let a = (nodes[node].low - origin) * inverse;
+    let b = (nodes[node].high - origin) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    let entry = max(max(near.x, near.y), max(near.z, 0.0));
+    let leave = min(min(far.x, far.y), far.z);
+    return entry <= leave * (1.0 + 1e-6);
+}
+
+// One over each component, kept finite so that zero times it is zero.
+fn inverse_of(direction: vec3<f32>) -> vec3<f32> {
+    let signs = select(vec3(-1.0), vec3(1.0), direction >= vec3(0.0));
+    return 1.0 / select(direction, 1e-18 * signs, abs(direction) < vec3(1e-18));
+}
+
+// Whether anything lies along a ray.
+fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    let inverse = inverse_of(direction);
+    var waiting: array<u32, MOST_LEVELS>;
+    var count = 0u;
+    var node = 0u;
+    if !enters(0u, origin, inverse) {
+        return false;
+    }
+    loop {
+        let first = nodes[node].first;
+        let triangles = nodes[node].triangles;
+        var next = 0u;
+        if triangles > 0u {
+            for (var i = 0u; i < triangles; i++) {
+                if crosses(first + i, origin, direction) {
+                    return true;
+                }
+            }
+        } else {
+            let one = enters(first, origin, inverse);
+            let other = enters(first + 1u, origin, inverse);
+            if one && other {
+                let along = nodes[first + 1u].low + nodes[first + 1u].high - nodes[first].low - nodes[first].high;
+                let is_other_near = dot(along, direction) < 0.0;
+                waiting[count] = select(first + 1u, first, is_other_near);
+                count++;
+                next = select(first, first + 1u, is_other_near);
+            } else if one {
+                next = first;
+            } else if other {
+                next = first + 1u;
+            }
+        }
+        // The root is no child.
+        if next == 0u {
+            if count == 0u {
+                return false;
+            }
+            count--;
+            next = waiting[count];
+        }
+        node = next;
+    }
+    return false;
+}
