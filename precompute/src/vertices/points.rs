@@ -171,16 +171,23 @@ impl BakePoints {
         sides: &Sidedness,
         observer: &dyn Observer,
     ) -> Result<Vec<bool>, BakeError> {
-        let sphere = fibonacci_directions(2 * BURIAL_RAYS);
+        let mut upper = fibonacci_directions(2 * BURIAL_RAYS);
+        upper.retain(|d| d.z > 0.05);
         let sees_insides = |point: &BakePoint, side: Side| {
             let frame = frame_around(side.normal(point.normal));
-            let (mut back, mut rays) = (0, 0);
-            for d in sphere.iter().filter(|d| d.z > 0.05) {
-                let hit = scene.closest_hit(point.origin(side), frame * *d);
-                rays += 1;
-                back += usize::from(hit.is_some_and(|h| h.back_face && sides.closed[h.triangle as usize]));
+            let (mut back, mut others) = (0, 0);
+            for &d in &upper {
+                let hit = scene.closest_hit(point.origin(side), frame * d);
+                match hit.is_some_and(|h| h.back_face && sides.closed[h.triangle as usize]) {
+                    true => back += 1,
+                    false => others += 1,
+                }
+                // The rest cannot change it.
+                if 2 * back > upper.len() || 2 * others >= upper.len() {
+                    break;
+                }
             }
-            2 * back > rays
+            2 * back > upper.len()
         };
         let buried = |p: &BakePoint| {
             cancelled(observer)?;
