@@ -212,6 +212,9 @@ pub struct BakeReport {
     /// What following boundaries has missed; `None` for an exhaustive bake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<BakeAudit>,
+    /// Whether a graphics device traced the environment, where rays along edges may fall to either side.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub on_device: bool,
     /// Which parts were baked.
     pub mode: BakeParts,
     /// The part of the surface sources.

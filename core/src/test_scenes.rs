@@ -21,6 +21,21 @@ use crate::{
 use glam::{Vec2, Vec3, Vec4};
 use std::{f32::consts::PI, path::Path};
 
+/// Triangles of many sizes around the origin.
+pub fn soup(seed: u64, count: usize) -> Mesh {
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut mesh = Mesh::default();
+    let mut point = |scale: f32| Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * scale;
+    for i in 0..count {
+        let center = point(8.0);
+        let size = if i % 10 == 0 { 3.0 } else { 0.4 };
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([center + point(size), center + point(size), center + point(size)]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    mesh
+}
+
 /// A baked triangle that sees all of the environment, with materials and textures of these names.
 pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
     let mesh = Mesh {

@@ -32,7 +32,7 @@ use crate::{
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
     shard::Shard,
-    vertices::many::Tracing,
+    vertices::tracing::Tracing,
     warning::Warning,
 };
 use lapidary_core::{
@@ -58,8 +58,8 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     bake_on(scene, job, None, observer)
 }
 
-/// [`bake`], with the visibility of the environment traced by `devices` if there are any. They trace every light: the job's
-/// settings are to be exhaustive.
+/// [`bake`], with the visibility of the environment traced by `devices` if there are any. The dataset is the same but for rays
+/// along edges.
 ///
 /// # Errors
 /// See [`bake`], and [`BakeError::Device`].
@@ -123,6 +123,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let remarks = Remarks::before(observer);
     let _lock = OutputLock::acquire(output)?;
     let checkpoint = Checkpoint::of_shares(output)?;
+    let _locks = checkpoint.lock_shares()?;
     let scene = checkpoint.scene()?;
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
@@ -184,9 +185,12 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
-        // The share of a shard always goes on.
-        let resumes = job.resume || *work != Work::All;
-        let resumed = if resumes { Checkpoint::open(&job.output, work, &hash, &settings)? } else { None };
+        let resumed = match work {
+            // It always goes on.
+            Work::Share(shard) => Checkpoint::open_share(&job.output, *shard, &hash, &settings)?,
+            _ if job.resume => Checkpoint::open(&job.output, work, &hash, &settings)?,
+            _ => None,
+        };
         let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
         let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
             Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
@@ -209,7 +213,7 @@ impl<'a> Begun<'a> {
         let packed = pack(cuts, &seen.chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
         let report = report(&geometry, &settings, &packed, warnings);
         let (indirect, meshless) = (bounces.report, bounces.meshless_report);
-        let report = BakeReport { sigma, audit: seen.audit, indirect, meshless, ..report };
+        let report = BakeReport { sigma, audit: seen.audit, on_device: seen.on_device, indirect, meshless, ..report };
         let vertex_valid = geometry.vertex_valid();
         let mut dataset = Dataset {
             scene: geometry.scene,

@@ -24,6 +24,8 @@ use lapidary_core::{
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// Largest share of rays that may fall to another side of an edge on a device; ten times what was seen in tests.
+const ALONG_EDGES: f64 = 1e-4;
 /// Largest number of vertices whose cuts over the sources are recomputed: each takes some 30 ms.
 const SOURCE_VERTICES: usize = 64;
 /// Largest root mean square of stored minus traced visibility, as a multiple of that of an exhaustive bake. The audit of
@@ -72,45 +74,46 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let points = bake_points(dataset);
     let intersector = Intersector::new(mesh);
     let sampler = VisibilitySampler::new(&intersector, &dataset.tree, dataset.report.lights_per_probe());
-    let check = |vertex: &usize| check_vertex(dataset, &points, &sampler, *vertex);
+    let check = |vertex: &usize| {
+        let stored = dataset.cuts.cut(dataset.tree.height(), *vertex as u32);
+        check_cut(dataset, &sampler, &points.points[points.of_vertex[*vertex] as usize], stored)
+    };
     let picked = picked_vertices(dataset, count.min(mesh.positions.len()));
     let environment = if dataset.settings.mode.environment() { &picked[..] } else { &[] };
     let results: Vec<Checked> = environment.par_iter().map(check).collect();
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
     let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
-    let (sources, different_source_environment_cuts) =
-        check_source_environments(dataset, &intersector, &sampler, count);
+    let sources = check_source_environments(dataset, &intersector, &sampler, count);
     let meshless = meshless::verify(dataset, &intersector, count);
-    let made = results.len() + source_vertices + sources + meshless.as_ref().map_or(0, |m| m.functions);
+    let made = results.len() + source_vertices + sources.len() + meshless.as_ref().map_or(0, |m| m.functions);
     let different_links = meshless.as_ref().is_some_and(|m| m.different_functions > 0);
     let lights = dataset.tree.len() as f64;
     let pairs = results.len().max(1) as f64 * lights;
-    let rms_of = |error: fn(&Checked) -> f64| (results.iter().map(error).sum::<f64>() / pairs).sqrt();
-    let (rms, exhaustive_rms) = (rms_of(|r| r.squared_error), rms_of(|r| r.squared_error_exhaustive));
+    let rms = mean(&results, |r| r.squared_error, lights).sqrt();
     let worst = results.iter().map(|r| r.squared_error).fold(0.0, f64::max);
-    let different_cuts = results.iter().filter(|r| !r.is_equal).count();
+    let on_device = dataset.report.on_device;
     let coarsened = dataset.report.sigma != dataset.settings.criterion.sigma;
     Verification {
         vertices: results.len(),
         source_vertices,
         different_source_cuts,
-        sources,
-        different_source_environment_cuts,
+        sources: sources.len(),
+        different_source_environment_cuts: different(&sources),
         rms_visibility: rms,
         expected_rms: dataset.report.rms_visibility,
-        exhaustive_rms,
+        exhaustive_rms: mean(&results, |r| r.squared_error_exhaustive, lights).sqrt(),
         leaves_wrong: results.iter().map(|r| r.wrong).sum::<u64>() as f64 / pairs,
-        different_cuts,
+        different_cuts: different(&results),
         worst_rms: (worst / lights).sqrt(),
         meshless,
         passed: made > 0
             && different_source_cuts == 0
-            && different_source_environment_cuts == 0
+            && agree(&sources, lights, on_device)
             && !different_links
             && if coarsened {
                 rms < 4.0 * dataset.report.rms_visibility.max(0.02)
             } else {
-                different_cuts == 0 && rms <= MOST_ERROR * exhaustive_rms
+                agree(&results, lights, on_device)
             },
     }
 }
@@ -140,32 +143,24 @@ fn check_sources(
     (vertices.len(), vertices.par_iter().filter(differs).count())
 }
 
-/// How many of the sources' cuts over the environment were recomputed, and how many of these differ.
+/// Some of the sources' cuts over the environment, made again.
 fn check_source_environments(
     dataset: &Dataset,
     intersector: &Intersector,
     sampler: &VisibilitySampler,
     count: usize,
-) -> (usize, usize) {
+) -> Vec<Checked> {
     let Some(indirect) = dataset.indirect.as_ref().filter(|_| dataset.settings.mode.environment()) else {
-        return (0, 0);
+        return Vec::new();
     };
-    let height = dataset.tree.height();
     let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
-    let differs = |source: &&usize| {
-        let mut visible = vec![0; dataset.tree.len()];
-        sampler.sample_again(
-            &dataset.tree,
-            &BakePoint::of_surfel(indirect.sources[**source].surfel, offset),
-            &mut visible,
-        );
-        let mut again = Vec::new();
-        CutSelector::new(height, dataset.settings.criterion).select(&visible, &mut again);
-        again != indirect.environment_cuts.cut(height, **source as u32)
+    let check = |source: &usize| {
+        let point = BakePoint::of_surfel(indirect.sources[*source].surfel, offset);
+        check_cut(dataset, sampler, &point, indirect.environment_cuts.cut(dataset.tree.height(), *source as u32))
     };
     let count = count.min(SOURCES).min(indirect.sources.len());
     let picked = fastrand::Rng::with_seed(seed(dataset)).choose_multiple(0..indirect.sources.len(), count);
-    (picked.len(), picked.par_iter().filter(differs).count())
+    picked.par_iter().map(check).collect()
 }
 
 fn picked_vertices(dataset: &Dataset, count: usize) -> Vec<usize> {
@@ -177,24 +172,22 @@ fn seed(dataset: &Dataset) -> u64 {
     u64::from_str_radix(dataset.scene_hash.get(..16).unwrap_or("0"), 16).unwrap_or(0)
 }
 
-/// A vertex that was traced again.
+/// A cut over the environment that was made again.
 struct Checked {
     /// Sum over the lights of squared differences between stored and traced visibility.
     squared_error: f64,
     squared_error_exhaustive: f64,
     /// Lights that the bake is wrong about.
     wrong: u64,
-    /// Whether its cut, made again, is the stored one.
+    /// Whether the cut, made again, is the stored one.
     is_equal: bool,
 }
 
-fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySampler, vertex: usize) -> Checked {
+fn check_cut(dataset: &Dataset, sampler: &VisibilitySampler, point: &BakePoint, stored: &[u16]) -> Checked {
     let height = dataset.tree.height();
     let (mut traced, mut seen) = (vec![0; dataset.tree.len()], vec![0; dataset.tree.len()]);
-    let point = &points.points[points.of_vertex[vertex] as usize];
     sampler.sample_singly(&dataset.tree, point, &mut traced);
     sampler.sample_again(&dataset.tree, point, &mut seen);
-    let stored = dataset.cuts.cut(height, vertex as u32);
     let mut selector = CutSelector::new(height, dataset.settings.criterion);
     let (mut again, mut exhaustive) = (Vec::new(), Vec::new());
     selector.select(&seen, &mut again);
@@ -204,6 +197,23 @@ fn check_vertex(dataset: &Dataset, points: &BakePoints, sampler: &VisibilitySamp
         wrong: traced.iter().zip(&seen).filter(|(a, b)| a != b).count() as u64,
         is_equal: again == stored,
     }
+}
+
+/// Whether the cuts are the stored ones and hardly worse than those of an exhaustive bake. What a device traced need not be
+/// equal: one ray along an edge makes another cut. It must be as good.
+fn agree(cuts: &[Checked], lights: f64, on_device: bool) -> bool {
+    let along_edges = if on_device { ALONG_EDGES } else { 0.0 };
+    let least = MOST_ERROR * MOST_ERROR * mean(cuts, |c| c.squared_error_exhaustive, lights);
+    (on_device || different(cuts) == 0) && mean(cuts, |c| c.squared_error, lights) <= least + along_edges
+}
+
+fn different(cuts: &[Checked]) -> usize {
+    cuts.iter().filter(|cut| !cut.is_equal).count()
+}
+
+/// Mean over cuts and lights.
+fn mean(cuts: &[Checked], error: fn(&Checked) -> f64, lights: f64) -> f64 {
+    cuts.iter().map(error).sum::<f64>() / (cuts.len().max(1) as f64 * lights)
 }
 
 #[cfg(test)]
@@ -218,7 +228,10 @@ mod tests {
         test_scenes::{cuboid, floor, scene_of},
     };
     use lapidary_core::{
-        cut::{SourceCriterion, packed::PackedCuts},
+        cut::{
+            CutCriterion, SourceCriterion,
+            packed::{PackedCuts, depth, value},
+        },
         dataset::{BakeParts, BakeSettings, IndirectSettings},
     };
 
@@ -261,7 +274,35 @@ mod tests {
         dataset.cuts = PackedCuts::from_parts(8, dataset.cuts.nodes().to_vec(), offsets).unwrap();
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.rms_visibility > 1.7 * good.rms_visibility, "{bad:?}");
+        dataset.report.on_device = true;
+        assert!(!verify(&dataset, all).passed, "a device is no excuse");
         assert!(!verify(&dataset, 0).passed, "nothing was checked");
+    }
+
+    #[test]
+    fn a_ray_along_an_edge_may_fall_to_the_other_side_on_a_device_alone() {
+        let criterion = CutCriterion { sigma: 0.0, ..Default::default() };
+        let settings = BakeSettings { lights: 256, criterion, exhaustive: true, ..Preset::Draft.settings() };
+        let mut dataset = box_over_floor(BakeSettings { max_vertices: Some(300), ..settings });
+        let all = dataset.scene.mesh.positions.len();
+        // One light of one vertex is seen and was blocked, or the reverse: less than a ray in 10,000 of all.
+        let mut cuts = PackedCuts::default();
+        for vertex in 0..all as u32 {
+            let mut leaves: Vec<u8> = Vec::new();
+            for &node in dataset.cuts.cut(8, vertex) {
+                leaves.extend(std::iter::repeat_n(u8::from(value(node) > 0.5), 256 >> depth(node)));
+            }
+            leaves[100] ^= u8::from(vertex == 7);
+            let mut cut = Vec::new();
+            CutSelector::new(8, criterion).select(&leaves, &mut cut);
+            let offset = cuts.push_cut(&cut);
+            cuts.push_vertex(offset);
+        }
+        dataset.cuts = cuts;
+        let bad = verify(&dataset, all);
+        assert!(!bad.passed && bad.different_cuts == 1, "{bad:?}");
+        dataset.report.on_device = true;
+        assert!(verify(&dataset, all).passed);
     }
 
     #[test]

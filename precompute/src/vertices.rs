@@ -1,7 +1,6 @@
 //! The vertices of a scene: the sides on which light arrives, the density of vertices, the points where they sample,
 //! and what they see from there.
 
-pub mod many;
 pub mod pilot;
 pub mod points;
 pub mod sampler;
@@ -9,5 +8,6 @@ pub mod side;
 pub mod sidedness;
 mod spread;
 pub mod tessellate;
+pub mod tracing;
 pub mod visibility;
 mod z_order;

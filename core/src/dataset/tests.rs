@@ -136,6 +136,19 @@ fn foreign_and_newer_files_are_told_apart() {
 }
 
 #[test]
+fn probes_that_cannot_be_are_refused() {
+    let told = |lights_per_probe| {
+        let mut dataset = dataset();
+        dataset.report.audit = Some(BakeAudit { lights_per_probe, ..Default::default() });
+        dataset.validate()
+    };
+    assert!([1, 8, 16, 512].into_iter().all(|lights| told(lights).is_ok()));
+    for lights in [0, 7, 12] {
+        assert!(told(lights).unwrap_err().to_string().contains("lights per probe"), "{lights}");
+    }
+}
+
+#[test]
 fn a_single_flipped_bit_is_noticed() {
     let (_folder, path, bytes) = written();
     for back in [1, 40, 200, 400] {

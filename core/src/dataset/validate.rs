@@ -12,6 +12,7 @@ use crate::{
     light_tree::{height_of, is_permutation},
     lights::MAX_LIGHTS,
     meshless::{MeshlessBake, TransportError},
+    ray::BoundarySet,
     scene::{Scene, is_unit, is_within_reach},
     shot::Shot,
     sources::{IndirectBake, Source},
@@ -52,7 +53,7 @@ impl Dataset {
         self.check_header()
     }
 
-    /// The settings that a verification uses. The bake itself has narrower ranges.
+    /// The settings that a verification uses, and what the bake made of them. The bake itself has narrower ranges.
     fn check_settings(&self) -> Result<(), Damage> {
         let settings = &self.settings;
         let (cuts, sources) = (&settings.criterion, &settings.indirect.criterion);
@@ -70,6 +71,7 @@ impl Dataset {
             ("rays", (1..=MOST_RAYS).contains(&meshless.rays)),
             ("epsilon", is_size(meshless.epsilon)),
             ("shots", settings.shots.iter().all(Shot::is_valid)),
+            ("lights per probe", BoundarySet::is_number_per_probe(self.report.lights_per_probe())),
         ];
         match checks.into_iter().find(|(_, is_good)| !is_good) {
             Some((name, _)) => Err(Damage::Setting(name)),

@@ -28,7 +28,7 @@ const NEIGHBOURS: usize = 6;
 pub struct BoundarySet {
     groups: Vec<Group>,
     /// Eight probes each, of eight blocks one after the other.
-    probes: Vec<RayGroup>,
+    probes: Vec<Probes>,
     /// Groups in a block.
     block: usize,
     len: usize,
@@ -43,6 +43,13 @@ struct Group {
     touching: Vec<Touching>,
 }
 
+/// The probes of eight blocks, or of fewer at the end.
+struct Probes {
+    rays: RayGroup,
+    /// Where each stands in the caller's order.
+    targets: Vec<u32>,
+}
+
 /// A group that touches another.
 struct Touching {
     group: u32,
@@ -53,7 +60,7 @@ struct Touching {
 impl BoundarySet {
     /// One probe in each block of `directions_per_probe` of the unit `directions`; a multiple of eight.
     pub fn new(directions: &[Vec3], directions_per_probe: usize) -> Self {
-        assert!(directions_per_probe > 0 && directions_per_probe.is_multiple_of(GROUP), "{directions_per_probe}");
+        assert!(directions_per_probe > 1 && Self::is_number_per_probe(directions_per_probe), "{directions_per_probe}");
         let order = spatial_order(directions);
         let of = |members: &[u32]| -> Vec<Vec3> { members.iter().map(|&i| directions[i as usize]).collect() };
         let groups = order.chunks(GROUP).zip(touching(&order, directions)).map(|(members, touching)| Group {
@@ -61,13 +68,20 @@ impl BoundarySet {
             targets: members.to_vec(),
             touching,
         });
-        let probes: Vec<Vec3> = order.chunks(directions_per_probe).map(|block| central(&of(block))).collect();
+        let probes: Vec<u32> = order.chunks(directions_per_probe).map(|block| central(block, directions)).collect();
+        let probes =
+            probes.chunks(GROUP).map(|eight| Probes { rays: RayGroup::new(&of(eight)), targets: eight.to_vec() });
         Self {
             groups: groups.collect(),
-            probes: probes.chunks(GROUP).map(RayGroup::new).collect(),
+            probes: probes.collect(),
             block: directions_per_probe / GROUP,
             len: directions.len(),
         }
+    }
+
+    /// Whether a probe can stand for so many directions: a multiple of eight, or 1 where all are traced.
+    pub fn is_number_per_probe(directions: usize) -> bool {
+        directions == 1 || (directions > 0 && directions.is_multiple_of(GROUP))
     }
 
     /// Number of directions.
@@ -79,17 +93,13 @@ impl BoundarySet {
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
-
-    /// Probes of the group of probes.
-    fn probes_in(&self, group: usize) -> usize {
-        (self.groups.len().div_ceil(self.block) - GROUP * group).min(GROUP)
-    }
 }
 
-/// That of the directions which is nearest to their mean.
-fn central(directions: &[Vec3]) -> Vec3 {
-    let mean: Vec3 = directions.iter().sum();
-    directions.iter().copied().max_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean))).unwrap_or(Vec3::Y)
+/// That of the members which is nearest to their mean.
+fn central(members: &[u32], directions: &[Vec3]) -> u32 {
+    let along = |&i: &u32| directions[i as usize];
+    let mean: Vec3 = members.iter().map(along).sum();
+    members.iter().copied().max_by(|a, b| along(a).dot(mean).total_cmp(&along(b).dot(mean))).unwrap_or(0)
 }
 
 /// For each eight of `order`, those that touch it: one has a direction that is a neighbour of one of the other.
@@ -143,9 +153,17 @@ enum Known {
     Traced,
 }
 
-/// Traces origin after origin; keeps its buffers.
+/// Follows the boundaries of origin after origin; keeps its buffers.
 #[derive(Default)]
 pub struct BoundaryTracer {
+    state: State,
+    stack: Vec<(u32, u8)>,
+    frontier: Frontier,
+}
+
+/// What is known of all groups.
+#[derive(Default)]
+struct State {
     /// Per group, the lanes that are asked for.
     wanted: Vec<u8>,
     /// Per block, what its probe says.
@@ -156,8 +174,6 @@ pub struct BoundaryTracer {
     open: Vec<u8>,
     /// Groups to trace.
     front: Vec<u32>,
-    stack: Vec<(u32, u8)>,
-    frontier: Frontier,
 }
 
 impl BoundaryTracer {
@@ -173,19 +189,22 @@ impl BoundaryTracer {
         half: &HalfSpace,
         visible: &mut [u8],
     ) -> u64 {
-        assert_eq!(visible.len(), set.len(), "one visibility a direction");
-        self.frontier.move_to(scene, origin);
-        let rays = InstructionSet::widest().run(Follow { scene, origin, set, half, tracer: self });
-        for (group, &open) in set.groups.iter().zip(&self.open) {
-            let mut rest = open;
-            while rest != 0 {
-                visible[group.targets[rest.trailing_zeros() as usize] as usize] = 1;
-                rest &= rest - 1;
-            }
-        }
-        rays
+        let Self { state, stack, frontier } = self;
+        frontier.move_to(scene, origin);
+        let rays = Traced { scene, origin, frontier, stack };
+        let count = InstructionSet::widest().run(Follow { set, half, rays, state });
+        state.show(set, visible);
+        count
     }
 
+    /// The same where `open` tells by its bits which of all directions meet nothing: of rays that were traced elsewhere.
+    pub fn follow(&mut self, open: &[u32], set: &BoundarySet, half: &HalfSpace, visible: &mut [u8]) {
+        InstructionSet::widest().run(Follow { set, half, rays: Told(open), state: &mut self.state });
+        self.state.show(set, visible);
+    }
+}
+
+impl State {
     /// Puts what is between a seen and a blocked block to the front, and what no probe tells of.
     fn start(&mut self, set: &BoundarySet) {
         self.known.clear();
@@ -208,6 +227,66 @@ impl BoundaryTracer {
             }
         }
     }
+
+    /// Takes what was found in a group, and puts those that touch it and are expected to differ to the front.
+    fn found(&mut self, set: &BoundarySet, index: usize, open: u8) {
+        (self.open[index], self.known[index]) = (open, Known::Traced);
+        for other in &set.groups[index].touching {
+            let (lanes, at) = (other.lanes & self.wanted[index], other.group as usize);
+            let differs = match self.known[at] {
+                Known::Seen => open & lanes != lanes,
+                Known::Blocked => open & lanes != 0,
+                Known::Nothing | Known::Traced => false,
+            };
+            if differs && self.wanted[at] != 0 {
+                self.front.push(other.group);
+            }
+        }
+    }
+
+    /// Sets `visible` of the lanes that meet nothing.
+    fn show(&self, set: &BoundarySet, visible: &mut [u8]) {
+        assert_eq!(visible.len(), set.len(), "one visibility a direction");
+        for (group, &open) in set.groups.iter().zip(&self.open) {
+            let mut rest = open;
+            while rest != 0 {
+                visible[group.targets[rest.trailing_zeros() as usize] as usize] = 1;
+                rest &= rest - 1;
+            }
+        }
+    }
+}
+
+/// Tells which rays meet nothing.
+trait Rays {
+    /// Of the rays `active`, one bit each, those that meet nothing. `targets` are their places in the caller's order.
+    fn open<L: Lanes>(&mut self, rays: &RayGroup, targets: &[u32], active: u8) -> u8;
+}
+
+/// Traces them.
+struct Traced<'a> {
+    scene: &'a Intersector,
+    origin: Vec3,
+    frontier: &'a Frontier,
+    stack: &'a mut Vec<(u32, u8)>,
+}
+
+impl Rays for Traced<'_> {
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, rays: &RayGroup, _: &[u32], active: u8) -> u8 {
+        rays.open::<L>(self.scene, self.frontier, self.origin, active, self.stack)
+    }
+}
+
+/// Was told, by a bit for each direction.
+struct Told<'a>(&'a [u32]);
+
+impl Rays for Told<'_> {
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, _: &RayGroup, targets: &[u32], active: u8) -> u8 {
+        let bit = |&target: &u32| (self.0[target as usize / 32] >> (target % 32)) as u8 & 1;
+        active & targets.iter().enumerate().fold(0, |open, (lane, target)| open | bit(target) << lane)
+    }
 }
 
 /// The first `count` of eight lanes.
@@ -215,62 +294,45 @@ fn lanes_below(count: usize) -> u8 {
     ((1_u32 << count) - 1) as u8
 }
 
-/// Probes, and follows the boundaries between them. Gives the rays traced.
-struct Follow<'a> {
-    scene: &'a Intersector,
-    origin: Vec3,
+/// Probes, and follows the boundaries between them. Gives the number of rays asked for.
+struct Follow<'a, R> {
     set: &'a BoundarySet,
     half: &'a HalfSpace,
-    tracer: &'a mut BoundaryTracer,
+    rays: R,
+    state: &'a mut State,
 }
 
-impl Kernel for Follow<'_> {
+impl<R: Rays> Kernel for Follow<'_, R> {
     type Output = u64;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
-        let Self { scene, origin, set, half, tracer } = self;
-        let mut rays = 0;
-        tracer.wanted.clear();
+        let Self { set, half, mut rays, state } = self;
+        let mut count = 0;
+        state.wanted.clear();
         for group in &set.groups {
-            tracer.wanted.push(group.rays.within::<L>(half) & lanes_below(group.targets.len()));
+            state.wanted.push(group.rays.within::<L>(half) & lanes_below(group.targets.len()));
         }
-        tracer.predicted.clear();
-        for (index, probes) in set.probes.iter().enumerate() {
-            let active = probes.within::<L>(half) & lanes_below(set.probes_in(index));
-            rays += u64::from(active.count_ones());
-            let open = if active == 0 {
-                0
-            } else {
-                probes.open::<L>(scene, &tracer.frontier, origin, active, &mut tracer.stack)
-            };
-            for lane in 0..GROUP {
+        state.predicted.clear();
+        for probes in &set.probes {
+            let active = probes.rays.within::<L>(half) & lanes_below(probes.targets.len());
+            count += u64::from(active.count_ones());
+            let open = if active == 0 { 0 } else { rays.open::<L>(&probes.rays, &probes.targets, active) };
+            for lane in 0..probes.targets.len() {
                 let known = if open >> lane & 1 == 1 { Known::Seen } else { Known::Blocked };
-                tracer.predicted.push(if active >> lane & 1 == 1 { known } else { Known::Nothing });
+                state.predicted.push(if active >> lane & 1 == 1 { known } else { Known::Nothing });
             }
         }
-        tracer.start(set);
-        while let Some(index) = tracer.front.pop() {
-            let (index, group) = (index as usize, &set.groups[index as usize]);
-            if tracer.known[index] == Known::Traced {
-                continue;
-            }
-            let wanted = tracer.wanted[index];
-            rays += u64::from(wanted.count_ones());
-            let open = group.rays.open::<L>(scene, &tracer.frontier, origin, wanted, &mut tracer.stack);
-            (tracer.open[index], tracer.known[index]) = (open, Known::Traced);
-            for other in &group.touching {
-                let (lanes, at) = (other.lanes & wanted, other.group as usize);
-                let differs = match tracer.known[at] {
-                    Known::Seen => open & lanes != lanes,
-                    Known::Blocked => open & lanes != 0,
-                    Known::Nothing | Known::Traced => false,
-                };
-                if differs && tracer.wanted[at] != 0 {
-                    tracer.front.push(other.group);
-                }
+        state.start(set);
+        while let Some(index) = state.front.pop() {
+            let index = index as usize;
+            if state.known[index] != Known::Traced {
+                let (group, wanted) = (&set.groups[index], state.wanted[index]);
+                count += u64::from(wanted.count_ones());
+                let open = rays.open::<L>(&group.rays, &group.targets, wanted);
+                state.found(set, index, open);
             }
         }
-        rays
+        count
     }
 }

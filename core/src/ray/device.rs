@@ -37,11 +37,11 @@ pub trait RayDevice: Sync {
 
 /// Something that can trace rays.
 pub trait RayDevices: Sync {
-    /// Takes a scene and unit directions to the device.
+    /// Takes a scene and unit directions to the device; `None` leaves them to the cores.
     ///
     /// # Errors
     /// What is too large or wrong, in words.
-    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Box<dyn RayDevice>, String>;
+    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String>;
 }
 
 impl Intersector {

@@ -1,22 +1,7 @@
 //! Batches, single rays and brute force agree to the bit; closest hits agree with plain geometry.
 
 use super::*;
-use crate::{simd::InstructionSet, sphere::fibonacci_directions};
-
-/// Triangles of many sizes around the origin.
-fn soup(seed: u64, count: usize) -> Mesh {
-    let mut rng = fastrand::Rng::with_seed(seed);
-    let mut mesh = Mesh::default();
-    let mut point = |scale: f32| Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * scale;
-    for i in 0..count {
-        let center = point(8.0);
-        let size = if i % 10 == 0 { 3.0 } else { 0.4 };
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend([center + point(size), center + point(size), center + point(size)]);
-        mesh.triangles.push([first, first + 1, first + 2]);
-    }
-    mesh
-}
+use crate::{simd::InstructionSet, sphere::fibonacci_directions, test_scenes::soup};
 
 #[test]
 fn batches_single_rays_and_brute_force_agree_to_the_bit() {
@@ -267,7 +252,14 @@ fn seen_along_boundaries(
 ) -> (Vec<u8>, Vec<u8>, u64) {
     let set = BoundarySet::new(directions, directions_per_probe);
     let mut seen = vec![0; directions.len()];
-    let rays = BoundaryTracer::default().trace(scene, Vec3::ZERO, &set, half, &mut seen);
+    let mut tracer = BoundaryTracer::default();
+    let rays = tracer.trace(scene, Vec3::ZERO, &set, half, &mut seen);
+    // The same where all rays were traced elsewhere.
+    let open =
+        |some: &[Vec3]| some.iter().rev().fold(0, |bits, &d| bits << 1 | u32::from(!scene.occluded(Vec3::ZERO, d)));
+    let (open, mut told) = (directions.chunks(32).map(open).collect::<Vec<u32>>(), vec![0; directions.len()]);
+    tracer.follow(&open, &set, half, &mut told);
+    assert!(told == seen);
     let single = |&d: &Vec3| u8::from(half.has(d) && !scene.occluded(Vec3::ZERO, d));
     (seen, directions.iter().map(single).collect(), rays)
 }

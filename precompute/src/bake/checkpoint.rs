@@ -131,8 +131,9 @@ impl Checkpoint {
         }
         let manifest = Manifest::new(scene_hash, settings, points, chunks, tree_order);
         let checkpoint = Self { folder, manifest, known: Vec::new(), work: work.clone() };
-        checkpoint.write(manifest::FILE, &checkpoint.manifest.sealed())?;
+        // Signed first: what has a manifest is gone on with.
         checkpoint.sign()?;
+        checkpoint.write(manifest::FILE, &checkpoint.manifest.sealed())?;
         Ok(checkpoint)
     }
 
@@ -166,11 +167,13 @@ impl Checkpoint {
         let mut first: Option<Manifest> = None;
         for (folder, shard) in shards.iter().map(|shard| (folder_of(shard), *shard)) {
             let incomplete = || ShardError::Incomplete { shard, path: folder.clone() };
-            let manifest = manifest_in(&folder)?.ok_or_else(incomplete)?;
-            let found = share::shard_in(&folder).ok_or_else(incomplete)?;
-            if found != shard {
-                return Err(ShardError::Renamed { shard, found, path: folder }.into());
+            // A link may lead anywhere, and what it leads to would be removed.
+            if !is_there(&folder)? {
+                return Err(incomplete().into());
             }
+            let found = manifest_in(&folder).map_err(|reason| share::of_no_use(shard, &folder, reason))?;
+            let manifest = found.ok_or_else(incomplete)?;
+            share::check_signature(shard, &folder)?.ok_or_else(incomplete)?;
             match &first {
                 Some(first) if *first != manifest => {
                     let first = folder_of(&shards[0]);
@@ -254,16 +257,16 @@ impl Kept<'_> {
     /// Whether a chunk may be made that is not there.
     ///
     /// # Errors
-    /// Where shares are merged: the share that lacks it.
+    /// Where shares are merged: the share that lacks it, or that has it about other points.
     pub fn may_make(&self, index: usize) -> Result<(), ShardError> {
         let Work::Merge(_) = self.checkpoint.work else { return Ok(()) };
-        let lacking = self
-            .checkpoint
-            .known
-            .iter()
-            .find_map(|(folder, shard)| Some((folder, (*shard)?)).filter(|(_, s)| s.makes(index)));
-        lacking.map_or(Ok(()), |(folder, shard)| {
-            Err(ShardError::Incomplete { shard, path: folder.join(self.series.file_name(index)) })
+        let shares = self.checkpoint.known.iter().filter_map(|(folder, shard)| Some((folder, (*shard)?)));
+        let Some((folder, shard)) = shares.into_iter().find(|(_, shard)| shard.makes(index)) else { return Ok(()) };
+        let path = folder.join(self.series.file_name(index));
+        let first = self.checkpoint.folder.clone();
+        Err(match self.has_met_others() {
+            true => ShardError::OfAnother { shard, path, first },
+            false => ShardError::Incomplete { shard, path },
         })
     }
 

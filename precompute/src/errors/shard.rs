@@ -51,10 +51,24 @@ pub enum ShardError {
         /// A part that is missing or damaged.
         path: PathBuf,
     },
-    /// A share of another scene or other settings.
+    /// A share that cannot be gone on with.
     #[error(
-        "the share was made with another scene or other settings than {}; bake with --shard {shard} again, with the same \
-         ones ({})",
+        "the share of an earlier bake is of no use: {reason}; give the same scene and options again, or remove the folder \
+         and bake with --shard {shard} ({})",
+        path.display()
+    )]
+    OfNoUse {
+        /// Which.
+        shard: Shard,
+        /// Its folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A share of another scene, other settings or another number of chunks.
+    #[error(
+        "the share was made with another scene, other options or another --chunks than {}; remove the one that is wrong, \
+         and bake its shard again, with the options of the others; this is --shard {shard} ({})",
         first.display(), path.display()
     )]
     OfAnother {

@@ -8,8 +8,8 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     vertices::{
-        many::ManySampler,
         points::{BakePoint, BakePoints},
+        tracing::ManySampler,
     },
 };
 use glam::Vec3;
@@ -88,7 +88,7 @@ fn mean_of(rows: &[Vec<u8>], lights: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vertices::{many::Tracing, visibility::EXHAUSTIVE};
+    use crate::vertices::{tracing::Tracing, visibility::EXHAUSTIVE};
     use crate::{
         observer::Silent,
         test_scenes::{cuboid, floor, scene_of},

@@ -27,6 +27,8 @@ const MOST_LEVELS: usize = 64;
 
 /// An adapter that traces rays.
 pub struct GpuRays {
+    /// Whether a scene that it does not take is an error, or left to the cores.
+    is_asked_for: bool,
     gpu: Arc<GpuDevice>,
     pass: Arc<RayPass>,
 }
@@ -45,12 +47,14 @@ impl GpuRays {
     pub fn new(room: Room) -> Result<Self, BackendError> {
         let gpu = GpuDevice::new(room)?;
         let pass = RayPass::new(&gpu)?;
-        Ok(Self { gpu: Arc::new(gpu), pass: Arc::new(pass) })
+        Ok(Self { is_asked_for: true, gpu: Arc::new(gpu), pass: Arc::new(pass) })
     }
 
-    /// The fastest adapter that is more than an emulation on the processor, if there is one that works.
+    /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
+    /// take are left to the cores.
     pub fn of_hardware() -> Option<Self> {
-        has_hardware().then(|| Self::new(Room::All).ok()).flatten()
+        let rays = has_hardware().then(|| Self::new(Room::All).ok()).flatten()?;
+        Some(Self { is_asked_for: false, ..rays })
     }
 
     /// Name of the adapter.
@@ -114,9 +118,12 @@ impl GpuRays {
 }
 
 impl RayDevices for GpuRays {
-    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Box<dyn RayDevice>, String> {
-        let scene = self.scene(scene, directions).map_err(|error| error.to_string())?;
-        Ok(Box::new(scene))
+    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String> {
+        match self.scene(scene, directions) {
+            Ok(scene) => Ok(Some(Box::new(scene))),
+            Err(_) if !self.is_asked_for => Ok(None),
+            Err(error) => Err(error.to_string()),
+        }
     }
 }
 
@@ -216,32 +223,18 @@ mod tests {
     use crate::gpu::tests::twin::backend;
     use lapidary_core::{
         ray::{DirectionSet, HalfSpace},
-        scene::Mesh,
         sphere::fibonacci_directions,
+        test_scenes::soup,
     };
-
-    /// Triangles of many sizes around the origin.
-    fn soup(count: usize) -> Mesh {
-        let mut rng = fastrand::Rng::with_seed(5);
-        let mut mesh = Mesh::default();
-        let mut point = |scale: f32| Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * scale;
-        for i in 0..count {
-            let (center, size) = (point(8.0), if i % 10 == 0 { 3.0 } else { 0.4 });
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend([center + point(size), center + point(size), center + point(size)]);
-            mesh.triangles.push([first, first + 1, first + 2]);
-        }
-        mesh
-    }
 
     #[test]
     fn rays_on_the_gpu_agree_with_those_on_the_processor() {
         let Some((_one_at_a_time, _)) = backend() else { return };
         let rays = GpuRays::new(Room::Defaults).unwrap();
         for (triangles, lights) in [(600, 4096), (3, 64), (0, 32)] {
-            let scene = Intersector::new(&soup(triangles));
+            let scene = Intersector::new(&soup(5, triangles));
             let directions = fibonacci_directions(lights);
-            let device = rays.device(&scene, &directions).unwrap();
+            let device = rays.device(&scene, &directions).unwrap().expect("it takes a small scene");
             let at = |i: usize| RayOrigin {
                 origin: 0.05 * Vec3::new(i as f32, -0.7 * i as f32, 0.3),
                 half: HalfSpace { normal: Vec3::new(0.6, 0.8, 0.0), height: -0.1, is_above: !i.is_multiple_of(3) },

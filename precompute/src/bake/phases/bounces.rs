@@ -7,7 +7,7 @@ use crate::{
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
     sources::viewpoint::{ViewpointSurroundings, find_viewpoint},
-    vertices::many::Tracing,
+    vertices::tracing::Tracing,
     warning::Warning,
 };
 use glam::Vec3;

@@ -6,7 +6,7 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     sources::sampler::{SourceSampler, SourceScratch},
-    vertices::{many::ManySampler, points::BakePoint},
+    vertices::{points::BakePoint, tracing::ManySampler},
 };
 use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector};
 use rayon::prelude::*;

@@ -15,7 +15,7 @@ use crate::{
     errors::BakeError,
     observer::Phase,
     vertices::{
-        many::{ManySampler, Tracing},
+        tracing::{ManySampler, Tracing},
         visibility::EXHAUSTIVE,
     },
 };
@@ -26,6 +26,8 @@ pub struct EnvironmentVisibility {
     /// The cuts of the bake points.
     pub chunks: Vec<Chunk>,
     pub audit: Option<BakeAudit>,
+    /// Whether a device traced it.
+    pub on_device: bool,
 }
 
 impl EnvironmentVisibility {
@@ -47,7 +49,7 @@ pub fn bake_environment(
 ) -> Result<EnvironmentVisibility, BakeError> {
     let points = &geometry.points.points;
     if !settings.mode.environment() {
-        return Ok(EnvironmentVisibility { chunks: vec![unbaked(points.len())], audit: None });
+        return Ok(EnvironmentVisibility { chunks: vec![unbaked(points.len())], audit: None, on_device: false });
     }
     let observer = clock.observer;
     clock.time(Phase::Visibility, points.len() as u64, "points", || {
@@ -55,7 +57,7 @@ pub fn bake_environment(
             Some(audit) => Some(audit),
             None => audit_environment(geometry, tree, settings, observer)?,
         };
-        let mut visibility = EnvironmentVisibility { chunks: Vec::new(), audit };
+        let mut visibility = EnvironmentVisibility { chunks: Vec::new(), audit, on_device: false };
         let tracing = Tracing { lights_per_probe: visibility.lights_per_probe(), devices };
         let maker = EnvironmentCuts {
             points,
@@ -64,6 +66,7 @@ pub fn bake_environment(
             criterion: settings.criterion,
         };
         let kept = checkpoint.series(Series::Environment, Places::of_scene());
+        visibility.on_device = maker.sampler.is_on_device();
         visibility.chunks = bake_chunks(&maker, &kept, observer)?;
         Ok(visibility)
     })

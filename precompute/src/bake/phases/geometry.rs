@@ -6,12 +6,12 @@ use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer, Phase},
     vertices::{
-        many::{ManySampler, Tracing},
         pilot::sample_pilot,
         points::{BakePoint, BakePoints},
         sampler::bake_points,
         sidedness::{Sidedness, classify},
         tessellate::{Stored, Wanted, tessellate},
+        tracing::{ManySampler, Tracing},
         visibility::{EXHAUSTIVE, VisibilitySampler},
     },
     warning::Warning,

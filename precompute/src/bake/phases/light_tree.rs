@@ -12,8 +12,8 @@ use crate::{
     errors::{BakeError, SettingsError},
     observer::{Event, Phase},
     vertices::{
-        many::{ManySampler, Tracing},
         pilot::sample_pilot,
+        tracing::{ManySampler, Tracing},
         visibility::{EXHAUSTIVE, FINEST},
     },
     warning::Warning,
@@ -51,7 +51,15 @@ pub fn checkpoint_and_tree(
         clock.observer.event(Event::Warning { message: Warning::Discarded });
     }
     let chunks = job.chunks.unwrap_or_else(|| points.div_ceil(POINTS_PER_CHUNK));
-    let checkpoint = Checkpoint::create(&job.output, work, hash, settings, points, work.chunks(chunks), tree.order())?;
+    let checkpoint = Checkpoint::create(
+        &job.output,
+        work,
+        hash,
+        settings,
+        points,
+        work.chunks(chunks.min(points.max(1))),
+        tree.order(),
+    )?;
     Ok((checkpoint, tree))
 }
 

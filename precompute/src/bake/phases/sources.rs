@@ -20,8 +20,8 @@ use crate::{
     observer::{Event, Phase},
     sources::{order::order_sources, placement::place_sources, sampler::SourceSampler},
     vertices::{
-        many::{ManySampler, Tracing},
         points::BakePoint,
+        tracing::{ManySampler, Tracing},
     },
     warning::Warning,
 };

@@ -1,7 +1,11 @@
 //! Bakes that machines share.
 
 use super::*;
-use crate::{errors::ShardError, shard::Shard};
+use crate::{
+    errors::{CheckpointError, ShardError},
+    shard::Shard,
+};
+use lapidary_core::camera::Camera;
 use std::fs;
 
 /// Shares of a bake of the interior in three shards.
@@ -79,9 +83,12 @@ fn shares_that_do_not_belong_together_are_refused_and_nothing_is_lost() {
     let missing = refusal(&job.output);
     assert!(missing.to_string().contains("bake with --shard 2/3"), "{missing}");
 
+    let second = Shard::new(2, 3).unwrap();
     let other = with(job.clone(), |settings| settings.beta = 0.1);
-    bake_shard(interior(), &other, Shard::new(2, 3).unwrap(), None, &Silent).unwrap();
+    bake_shard(interior(), &other, second, None, &Silent).unwrap();
     assert!(matches!(refusal(&job.output), ShardError::OfAnother { .. }));
+    let again = bake_shard(interior(), &job, second, None, &Silent).unwrap_err().to_string();
+    assert!(again.contains("other settings") && again.contains("remove the folder"), "{again}");
     fs::remove_dir_all(share(2)).unwrap();
 
     copy(&share(3), &share(2));
@@ -96,6 +103,58 @@ fn shares_that_do_not_belong_together_are_refused_and_nothing_is_lost() {
     assert!(matches!(&damaged, ShardError::Incomplete { path, .. } if *path == chunk), "{damaged}");
     fs::write(&chunk, &whole).unwrap();
     assert!(merge(&job.output, &Silent).is_ok(), "negative control");
+}
+
+#[test]
+fn a_share_that_was_killed_before_it_was_signed_is_merged_and_a_link_is_not_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = shared(folder.path());
+    let share = |index| Shard::new(index, 3).unwrap().folder_of(&job.output);
+    fs::remove_file(share(3).join("shard.json")).unwrap();
+    assert!(matches!(refusal(&job.output), ShardError::Incomplete { .. }));
+    bake_shard(interior(), &job, Shard::new(3, 3).unwrap(), None, &Silent).unwrap();
+
+    let busy = OutputLock::acquire(&share(1)).unwrap();
+    assert!(matches!(merge(&job.output, &Silent), Err(BakeError::Lock(LockError::Held { .. }))));
+    drop(busy);
+    #[cfg(unix)]
+    {
+        let elsewhere = folder.path().join("elsewhere");
+        fs::rename(share(2), &elsewhere).unwrap();
+        std::os::unix::fs::symlink(&elsewhere, share(2)).unwrap();
+        assert!(matches!(merge(&job.output, &Silent), Err(BakeError::Checkpoint(CheckpointError::Foreign { .. }))));
+        assert!(elsewhere.join("shard.json").exists() && share(1).exists(), "nothing is removed");
+        fs::remove_file(share(2)).unwrap();
+        fs::rename(&elsewhere, share(2)).unwrap();
+    }
+    assert!(merge(&job.output, &Silent).is_ok(), "negative control");
+    assert!(Shard::all(3).all(|shard| !OutputLock::path_of(&shard.folder_of(&job.output)).exists()), "locks are gone");
+}
+
+#[test]
+fn shares_about_other_sources_are_told_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = searching(indirect_job(folder.path(), "shared.cuts", BakeParts::INDIRECT));
+    let at = |eye: Vec3| {
+        let mut scene = interior();
+        scene.cameras = vec![Camera::look_at(eye, eye + Vec3::Z, 40.0)];
+        scene
+    };
+    for (index, x) in [(1, 0.0), (2, 0.3)] {
+        bake_shard(at(Vec3::new(x, 0.1, 0.0)), &job, Shard::new(index, 2).unwrap(), None, &Silent).unwrap();
+    }
+    assert!(matches!(refusal(&job.output), ShardError::OfAnother { shard, .. } if shard.index() == 2));
+}
+
+#[test]
+fn a_number_of_chunks_beyond_the_points_is_no_harm() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob { chunks: Some(usize::MAX), ..job(folder.path(), "shared.cuts") };
+    for shard in Shard::all(2) {
+        bake_shard(scene(), &job, shard, None, &Silent).unwrap();
+    }
+    let merged = merge(&job.output, &Silent).unwrap();
+    assert_eq!(contents(&merged), contents(&bake(scene(), &job, &Silent).unwrap()));
 }
 
 fn copy(from: &Path, to: &Path) {

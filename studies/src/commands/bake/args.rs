@@ -40,8 +40,8 @@ pub enum DeviceChoice {
 }
 
 impl DeviceChoice {
-    /// The adapter that traces, if one does. Shards are traced by processors unless it is asked for: rays along edges fall to
-    /// either side on some adapters, and all shards should agree.
+    /// The adapter that traces, if one does. Shards are traced by processors unless it is asked for: the merged file is then
+    /// that of one bake to the last bit.
     fn rays(self, shard: Option<Shard>) -> Result<Option<GpuRays>, BackendError> {
         match self {
             Self::Cpu => Ok(None),
@@ -146,8 +146,8 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Who traces the environment's visibility: cpu; gpu, which traces every light as with --exhaustive; or auto, a graphics
-    /// card where there is one and its machine bakes alone, else cpu
+    /// Who traces the environment's visibility: cpu; gpu; or auto, a graphics card where there is one that takes the scene. The
+    /// result is the same but for rays along edges; shards are traced by cpu unless gpu is asked for
     #[arg(long, value_enum, default_value_t)]
     pub device: DeviceChoice,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: one per core]
@@ -181,6 +181,7 @@ impl BakeArgs {
         s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
+        s.exhaustive = self.exhaustive;
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
         s.mode = self.mode;
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
@@ -207,8 +208,7 @@ impl BakeArgs {
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
         let rays = self.device.rays(self.shard)?;
         let devices = rays.as_ref().map(|rays| rays as &dyn RayDevices);
-        let exhaustive = self.exhaustive || devices.is_some();
-        let mut settings = resolve(BakeSettings { exhaustive, ..self.settings() })?;
+        let mut settings = resolve(self.settings())?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
             pool.context("cannot start the worker threads; choose a smaller --threads")?;
