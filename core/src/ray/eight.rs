@@ -27,9 +27,7 @@ impl EightRays {
             active,
         }
     }
-}
 
-impl EightRays {
     /// Those that count, one bit each.
     pub fn active(&self) -> u8 {
         self.active

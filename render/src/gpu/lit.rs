@@ -8,7 +8,7 @@ use super::{
     layout,
     pipeline::{Binding, bind, layout as bind_layout, module},
     readback::read_word,
-    scene::{GpuCuts, storage},
+    scene::{GpuCuts, storage, uniform},
     shaders::{LIT, ShaderSource},
 };
 use crate::{backend::BackendError, remedy::Remedy};
@@ -142,7 +142,7 @@ impl<'a> Work<'a> {
             source_tree_height: height,
             ..layout::FrameUniforms::zeroed()
         };
-        let frame = uniform(gpu, bytemuck::bytes_of(&heights));
+        let frame = uniform(gpu, "heights of lit cuts", bytemuck::bytes_of(&heights));
         let lit = layout::LitUniforms { cuts: stored.count, tau };
         let buffer = |words: u32, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -155,7 +155,7 @@ impl<'a> Work<'a> {
         let offsets = buffer(stored.texels.max(1), Usages::empty());
         let total = buffer(1, Usages::COPY_SRC);
         let whole_light = buffer(stored.count.max(1), Usages::empty());
-        let uniforms = uniform(gpu, bytemuck::bytes_of(&lit));
+        let uniforms = uniform(gpu, "uniforms of lit cuts", bytemuck::bytes_of(&lit));
         // Nothing is written while nodes are counted.
         let unwritten = buffer(1, Usages::empty());
         let light = [nodes.as_entire_binding(), nodes.as_entire_binding(), View(&stored.view)];
@@ -219,15 +219,4 @@ fn bind_cuts(
 ) -> wgpu::BindGroup {
     let buffers = [uniforms, &stored.starts, offsets, nodes, total, whole_light].map(|b| b.as_entire_binding());
     bind(gpu, "lit cuts", &pass.cuts, &buffers)
-}
-
-fn uniform(gpu: &GpuDevice, contents: &[u8]) -> wgpu::Buffer {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("uniforms of lit cuts"),
-        size: contents.len() as u64,
-        usage: Usages::UNIFORM | Usages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&buffer, 0, contents);
-    buffer
 }

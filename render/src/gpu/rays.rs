@@ -6,14 +6,14 @@ use super::{
     layout,
     pipeline::{Binding, bind, layout as bind_layout, module},
     readback::read_words,
-    scene::storage,
+    scene::{storage, uniform},
     shaders::{RAYS, ShaderSource},
 };
 use crate::{backend::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use glam::Vec3;
 use lapidary_core::ray::{BoxNode, Intersector, RayDevice, RayDevices, RayOrigin};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::BufferUsages as Usages;
 
 /// Origins of one piece of work, so that a desktop stays alive and a bake can be cancelled.
@@ -57,63 +57,47 @@ impl GpuRays {
         Some(Self { is_asked_for: false, ..rays })
     }
 
-    /// Name of the adapter.
-    pub fn name(&self) -> &str {
-        &self.gpu.info.name
+    fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
+        let hierarchy = self.hierarchy(scene)?;
+        let gpu = &self.gpu;
+        let words = directions.len().div_ceil(32);
+        let count = directions.len() as u32;
+        let uniforms = layout::RayUniforms { directions: count, words: words as u32 };
+        let uniforms = uniform(gpu, "uniforms of rays", bytemuck::bytes_of(&uniforms));
+        let toward: Vec<[f32; 4]> = directions.iter().map(|d| d.extend(0.0).to_array()).collect();
+        let toward = storage(gpu, "directions of rays", bytemuck::cast_slice(&toward));
+        let no_origins = [layout::RayOrigin::zeroed(); ORIGINS_AT_A_TIME];
+        let origins = storage(gpu, "origins of rays", bytemuck::cast_slice(&no_origins));
+        let open = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("open rays"),
+            size: (ORIGINS_AT_A_TIME * words * size_of::<u32>()) as u64,
+            usage: Usages::STORAGE | Usages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let work = [&uniforms, &toward, &origins, &open].map(|buffer| buffer.as_entire_binding());
+        let work = bind(gpu, "work of rays", &self.pass.work, &work);
+        gpu.check()?;
+        let (gpu, pass) = (self.gpu.clone(), self.pass.clone());
+        Ok(GpuRayScene { gpu, pass, hierarchy, work, origins: Mutex::new(origins), open, words, directions: count })
     }
 
-    fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
+    /// The hierarchy of a scene, bound.
+    fn hierarchy(&self, scene: &Intersector) -> Result<wgpu::BindGroup, BackendError> {
         let gpu = &self.gpu;
         let (nodes, triangles) = scene.hierarchy();
-        let levels = levels(&nodes);
-        gpu.within("the hierarchy", "levels", levels as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
+        gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
         let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
         let mut corners: &[f32] = bytemuck::cast_slice(triangles);
         if nodes.is_empty() {
             // A buffer has contents: a triangle without an area, which no ray crosses.
             (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
         }
-        let bytes = (size_of_val(corners).max(size_of_val(&nodes[..]))) as u64;
+        let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
         gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
-        let toward: Vec<[f32; 4]> = directions.iter().map(|d| d.extend(0.0).to_array()).collect();
-        let hierarchy = [
-            storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes)),
-            storage(gpu, "triangles of rays", bytemuck::cast_slice(corners)),
-        ];
-        let hierarchy =
-            bind(gpu, "hierarchy", &self.pass.hierarchy, &hierarchy.each_ref().map(|b| b.as_entire_binding()));
-        let words = directions.len().div_ceil(32);
-        let uniforms = layout::RayUniforms { directions: directions.len() as u32, words: words as u32 };
-        let buffer = |label, size: usize, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        let of_uniforms = buffer("uniforms of rays", size_of_val(&uniforms), Usages::UNIFORM | Usages::COPY_DST);
-        gpu.queue.write_buffer(&of_uniforms, 0, bytemuck::bytes_of(&uniforms));
-        let origins = buffer(
-            "origins of rays",
-            ORIGINS_AT_A_TIME * size_of::<layout::RayOrigin>(),
-            Usages::STORAGE | Usages::COPY_DST,
-        );
-        let open = buffer("open rays", ORIGINS_AT_A_TIME * words * 4, Usages::STORAGE | Usages::COPY_SRC);
-        let toward = storage(gpu, "directions of rays", bytemuck::cast_slice(&toward));
-        let work = [&of_uniforms, &toward, &origins, &open].map(|b| b.as_entire_binding());
-        let work = bind(gpu, "work of rays", &self.pass.work, &work);
-        gpu.check()?;
-        Ok(GpuRayScene {
-            gpu: self.gpu.clone(),
-            pass: self.pass.clone(),
-            hierarchy,
-            work,
-            origins,
-            open,
-            words,
-            directions: directions.len() as u32,
-        })
+        let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
+        let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
+        let buffers = [nodes.as_entire_binding(), corners.as_entire_binding()];
+        Ok(bind(gpu, "hierarchy", &self.pass.hierarchy, &buffers))
     }
 }
 
@@ -157,7 +141,8 @@ struct GpuRayScene {
     pass: Arc<RayPass>,
     hierarchy: wgpu::BindGroup,
     work: wgpu::BindGroup,
-    origins: wgpu::Buffer,
+    /// Held while rays of its origins are traced.
+    origins: Mutex<wgpu::Buffer>,
     open: wgpu::Buffer,
     words: usize,
     directions: u32,
@@ -167,7 +152,8 @@ impl GpuRayScene {
     fn trace(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, BackendError> {
         let gpu = &self.gpu;
         let packed: Vec<layout::RayOrigin> = origins.iter().map(packed_origin).collect();
-        gpu.queue.write_buffer(&self.origins, 0, bytemuck::cast_slice(&packed));
+        let held = self.origins.lock().unwrap_or_else(PoisonError::into_inner);
+        gpu.queue.write_buffer(&held, 0, bytemuck::cast_slice(&packed));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());

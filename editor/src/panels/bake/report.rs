@@ -68,19 +68,19 @@ fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'stat
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
     ];
-    rows.extend(report.audit.as_ref().map(|audit| ("Audit", audit_text(audit))));
+    rows.extend(report.audit.iter().flat_map(audit_rows));
     let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));
     rows.extend(report.run.as_ref().map(speed));
     rows
 }
 
 /// What following boundaries has missed.
-fn audit_text(audit: &BakeAudit) -> String {
-    let wrong = format!("{:.3} % of visibility wrong", 100.0 * audit.leaves_wrong);
-    match audit.lights_per_probe {
-        1 => "too fine for boundaries: every light traced".into(),
-        _ => format!("{wrong}, {:.4} RMS over {} vertices", audit.rms_error, count(audit.vertices)),
-    }
+fn audit_rows(audit: &BakeAudit) -> [(&'static str, String); 2] {
+    let wrong = match audit.lights_per_probe {
+        1 => "none, all traced".into(),
+        _ => format!("{:.3} % of lights", 100.0 * audit.leaves_wrong),
+    };
+    [("Audit, error", format!("{:.4} RMS", audit.rms_error)), ("Audit, missed", wrong)]
 }
 
 /// What was baked of bounced light.
@@ -163,6 +163,14 @@ mod tests {
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
+        assert_eq!(value("Audit, missed"), None);
+        let audited = |lights_per_probe| {
+            let found = BakeAudit { lights_per_probe, leaves_wrong: 2e-4, rms_error: 0.08, ..Default::default() };
+            let rows = self::rows(&BakeReport { audit: Some(found), ..report.clone() }, &Preset::Normal.settings());
+            rows.into_iter().filter(|(name, _)| name.starts_with("Audit")).map(|(_, value)| value).collect::<Vec<_>>()
+        };
+        assert_eq!(audited(16), ["0.0800 RMS", "0.020 % of lights"]);
+        assert_eq!(audited(1), ["0.0800 RMS", "none, all traced"]);
         assert_eq!(value("Time, environment visibility"), Some("12 s"));
         assert_eq!(value("Time, building the light tree"), None);
         let read = self::rows(&BakeReport { run: None, ..report.clone() }, &Preset::Normal.settings());

@@ -11,7 +11,7 @@ use egui_kittest::{
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    dataset::{BakeParts, BakeSettings},
+    dataset::{BakeAudit, BakeParts, BakeSettings},
     light_tree::TreeKind,
     shot::Shot,
 };
@@ -287,10 +287,13 @@ fn presets_leave_room_for_vertices_and_keep_the_views() {
 
 #[test]
 fn the_report_shows_its_table_and_warnings() {
-    let with = panel(BakeStatus::UpToDate, document(), Some(baked_triangle()));
-    for label in ["Mean cut", "Visibility error", "a corner is thin", "Nodes of the visibility cuts"] {
+    let mut dataset = baked_triangle();
+    dataset.report.audit = Some(BakeAudit { lights_per_probe: 16, leaves_wrong: 1e-4, ..Default::default() });
+    let with = panel(BakeStatus::UpToDate, document(), Some(dataset));
+    for label in ["Mean cut", "Visibility error", "Audit, missed", "a corner is thin", "Nodes of the visibility cuts"] {
         assert!(with.query_by_label(label).is_some(), "{label}");
     }
+    assert_fits(&with, WIDTH);
     let without = panel(BakeStatus::None, document(), None);
     assert!(without.query_by_label("Mean cut").is_none());
 }
