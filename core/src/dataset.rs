@@ -40,6 +40,7 @@ mod meshless;
 mod modes;
 mod parts;
 mod read;
+mod reader;
 mod tensors;
 mod validate;
 mod write;

@@ -13,9 +13,7 @@ use std::{
 /// # Errors
 /// What [`open`] says, a file that takes more memory than there is or that grows meanwhile, and errors of the file system.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let file = open(path)?;
-    let length = file.metadata()?.len();
-    check_room(length, memory::available())?;
+    let (file, length) = open_to_hold(path)?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX))?;
     file.take(length.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -46,6 +44,17 @@ pub fn open(path: &Path) -> io::Result<File> {
     // Another program may have put something else in its place.
     check_regular(&file.metadata()?)?;
     Ok(file)
+}
+
+/// Opens a regular file whose contents are to be held in memory, and tells its length in bytes.
+///
+/// # Errors
+/// What [`open`] says, and a file that takes more memory than there is.
+pub fn open_to_hold(path: &Path) -> io::Result<(File, u64)> {
+    let file = open(path)?;
+    let length = file.metadata()?.len();
+    check_room(length, memory::available())?;
+    Ok((file, length))
 }
 
 /// Whether a file is in a folder or below it, after all links.

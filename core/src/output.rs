@@ -63,13 +63,23 @@ pub enum OutputError {
 /// # Errors
 /// Errors of the file system, and anything but a file at `path`; what was there is kept then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_parts_atomically(path, [bytes])
+}
+
+/// [`write_atomically`] of a file in parts, which need not be in memory side by side.
+///
+/// # Errors
+/// Those of [`write_atomically`].
+pub fn write_parts_atomically<'a>(path: &Path, parts: impl IntoIterator<Item = &'a [u8]>) -> io::Result<()> {
     file_to_replace(path)?;
     let mut file = temporary_in(folder_of(path))?;
     #[cfg(feature = "test-faults")]
     let fault = faults::next();
-    #[cfg(feature = "test-faults")]
-    fault.write(&mut file, bytes)?;
-    file.write_all(bytes)?;
+    for bytes in parts {
+        #[cfg(feature = "test-faults")]
+        fault.write(&mut file, bytes)?;
+        file.write_all(bytes)?;
+    }
     file.as_file().sync_all()?;
     #[cfg(feature = "test-faults")]
     fault.rename()?;

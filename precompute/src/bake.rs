@@ -14,14 +14,14 @@ pub use job::BakeJob;
 pub use phases::geometry::Geometry;
 
 use self::{
-    checkpoint::{Checkpoint, Work},
+    checkpoint::{Checkpoint, Places, Series, Work},
     clock::Clock,
     phases::{
         bounces::bake_bounces,
         environment::bake_environment,
-        fit::fit_environment,
+        fit::{coarser_environment, fit_environment},
         light_tree::checkpoint_and_tree,
-        pack::{concatenate, pack},
+        pack::pack,
     },
     remarks::Remarks,
     report::{finish_report, report},
@@ -204,13 +204,17 @@ impl<'a> Begun<'a> {
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
         let Self { settings, hash, geometry, tree, audit, checkpoint, devices } = self;
         let observer = clock.observer;
-        let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &checkpoint, &mut clock)?;
+        let kept = checkpoint.series(Series::Environment, Places::of_scene());
+        let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
         let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices };
         let bounces = bake_bounces(&geometry, &tree, &settings, tracing, &checkpoint, &mut clock)?;
         observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
         let packing = Instant::now();
-        let (cuts, sigma) = fit_environment(concatenate(&seen.chunks), tree.height(), &settings, observer);
-        let packed = pack(cuts, &seen.chunks, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
+        let (factor, sigma) = fit_environment(&seen.cuts, &settings, observer)?;
+        let asked = settings.criterion.sigma;
+        let coarser = |cut: &[u16]| coarser_environment(tree.height(), asked, factor.unwrap_or(1.0), cut);
+        let coarser = factor.is_some().then_some(&coarser as _);
+        let packed = pack(&seen.cuts, coarser, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
         let report = report(&geometry, &settings, &packed, warnings);
         let (indirect, meshless) = (bounces.report, bounces.meshless_report);
         let report = BakeReport { sigma, audit: seen.audit, on_device: seen.on_device, indirect, meshless, ..report };

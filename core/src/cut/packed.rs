@@ -6,6 +6,7 @@
 //! in a 2D texture [`TEXTURE_WIDTH`] wide. The paper stores 48 bits per node: index, leftleaf and value.
 
 use super::{CutError, merge::Cursor, validate_depths};
+use rayon::prelude::*;
 
 /// Greatest stored value.
 pub const VALUE_MAX: u16 = 4095;
@@ -164,11 +165,11 @@ impl PackedCuts {
     /// # Errors
     /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
     pub fn validate(&self, height: u32) -> Result<(), (usize, CutError)> {
-        for (vertex, &offset) in self.offsets.iter().enumerate() {
+        let check = |(vertex, &offset): (usize, &u32)| {
             let rest = self.nodes.get(offset as usize * NODES_PER_TEXEL..).unwrap_or(&[]);
-            cut_len(height, rest).map_err(|e| (vertex, e))?;
-        }
-        Ok(())
+            cut_len(height, rest).err().map(|error| (vertex, error))
+        };
+        self.offsets.par_iter().enumerate().find_map_first(check).map_or(Ok(()), Err)
     }
 
     /// Appends a cut and returns its first texel.

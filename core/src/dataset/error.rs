@@ -79,6 +79,7 @@ impl DatasetError {
             Damage::Picture { source: ImageError::Memory { needed, available, .. }, .. } => {
                 Self::Memory { path: path.into(), needed, available }
             }
+            Damage::Unreadable { source, .. } => Self::Io { action: "read", path: path.into(), source },
             reason => Self::Damaged { path: path.into(), reason },
         }
     }
@@ -103,6 +104,14 @@ pub enum Damage {
     /// The bytes differ from those that were written.
     #[error("tensor `{0}` does not match its checksum")]
     Checksum(String),
+    /// The file system refused to read a tensor, or the file became shorter meanwhile.
+    #[error("tensor `{name}` cannot be read: {source}")]
+    Unreadable {
+        /// Name of the tensor.
+        name: String,
+        /// Error of the system.
+        source: std::io::Error,
+    },
     /// The mesh is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),

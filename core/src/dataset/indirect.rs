@@ -2,7 +2,8 @@
 
 use super::{
     error::Damage,
-    tensors::{Reader, Tensor, cut_tensors, owned, tensor},
+    reader::Reader,
+    tensors::{Tensor, cut_tensors, owned, tensor},
 };
 use crate::{
     sources::{IndirectBake, Source},

@@ -15,7 +15,8 @@
 
 use super::{
     error::{Damage, MeshlessDamage},
-    tensors::{Reader, Tensor, owned, tensor},
+    reader::Reader,
+    tensors::{Tensor, owned, tensor},
 };
 use crate::{
     meshless::{Basis, MeshlessBake, PackedLink, Transport},

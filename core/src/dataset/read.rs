@@ -4,17 +4,16 @@
 use super::{
     Dataset, DatasetError, FORMAT_VERSION,
     error::Damage,
-    header::{Header, METADATA_KEY},
-    tensors::Reader,
+    header::Header,
+    reader::{Reader, TensorFile},
 };
 use crate::{
     image::decode,
-    input,
     light_tree::{LightTree, is_permutation},
     scene::{Mesh, Object, Scene},
     texture::Texture,
 };
-use safetensors::{Dtype, SafeTensors};
+use safetensors::Dtype;
 use std::path::Path;
 
 impl Dataset {
@@ -23,16 +22,14 @@ impl Dataset {
     /// # Errors
     /// A file that cannot be read, is no dataset, is of a newer format, or contradicts itself.
     pub fn read(path: &Path) -> Result<Self, DatasetError> {
-        let bytes =
-            input::read(path).map_err(|source| DatasetError::Io { action: "read", path: path.into(), source })?;
-        let foreign = |reason: String| DatasetError::Foreign { path: path.into(), reason };
-        let (_, metadata) = SafeTensors::read_metadata(&bytes).map_err(|e| foreign(e.to_string()))?;
-        let json = metadata.metadata().as_ref().and_then(|m| m.get(METADATA_KEY));
-        let json = json.ok_or_else(|| foreign("it lacks Lapidary's metadata".into()))?;
+        let file = TensorFile::open(path)?;
+        let foreign = |reason: &str| DatasetError::Foreign { path: path.into(), reason: reason.into() };
+        let json = file.json().ok_or_else(|| foreign("it lacks Lapidary's metadata"))?;
         check_version(json, path)?;
-        let tensors = SafeTensors::deserialize(&bytes).map_err(|e| foreign(e.to_string()))?;
         let damaged = |reason| DatasetError::of_contents(path, reason);
-        let dataset = Reader { tensors, path }.dataset(json).map_err(damaged)?;
+        let header: Header = serde_json::from_str(json).map_err(|e| damaged(Damage::Metadata(e.to_string())))?;
+        let checksums = header.checksums.clone();
+        let dataset = Reader { file: &file, checksums: &checksums }.dataset(header).map_err(damaged)?;
         dataset.validate().map_err(damaged)?;
         Ok(dataset)
     }
@@ -50,9 +47,8 @@ fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
 }
 
 impl Reader<'_> {
-    fn dataset(&self, json: &str) -> Result<Dataset, Damage> {
-        let header: Header = serde_json::from_str(json).map_err(|e| Damage::Metadata(e.to_string()))?;
-        self.check_sums(&header)?;
+    fn dataset(&self, header: Header) -> Result<Dataset, Damage> {
+        self.check_names()?;
         let tree = LightTree::from_order(self.permutation()?).map_err(|_| Damage::Tree)?;
         let scene = self.scene(&header)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
@@ -72,20 +68,6 @@ impl Reader<'_> {
             scene_hash: header.scene_hash,
             report: header.report,
         })
-    }
-
-    /// Every tensor has a checksum, and every checksum its tensor.
-    fn check_sums(&self, header: &Header) -> Result<(), Damage> {
-        if let Some(name) = self.tensors.names().into_iter().find(|name| !header.checksums.contains_key(*name)) {
-            return Err(Damage::NoChecksum(name.to_owned()));
-        }
-        for (name, expected) in &header.checksums {
-            let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.clone()))?;
-            if blake3::hash(tensor.data()).to_hex().as_str() != expected {
-                return Err(Damage::Checksum(name.clone()));
-            }
-        }
-        Ok(())
     }
 
     fn scene(&self, header: &Header) -> Result<Scene, Damage> {

@@ -1,9 +1,12 @@
-//! Named arrays of a file: how values become tensors, and tensors values again.
+//! Named arrays of a file, about to be written. `reader.rs` makes values of them again.
 
-use super::error::Damage;
+use super::header::METADATA_KEY;
 use crate::cut::packed::PackedCuts;
-use safetensors::{Dtype, SafeTensors};
-use std::{borrow::Cow, path::Path};
+use safetensors::{
+    Dtype, SafeTensorError,
+    tensor::{Metadata, TensorInfo},
+};
+use std::{borrow::Cow, collections::HashMap};
 
 /// A tensor about to be written.
 pub(super) struct Tensor<'a> {
@@ -36,57 +39,29 @@ pub(super) fn cut_tensors<'a>([texels, offsets]: [&str; 2], cuts: &'a PackedCuts
     ]
 }
 
-/// The tensors of a file, read by name and checked.
-pub(super) struct Reader<'a> {
-    pub tensors: SafeTensors<'a>,
-    pub path: &'a Path,
+/// Checksum of a tensor's bytes, hexadecimal.
+pub(super) fn checksum(bytes: &[u8]) -> String {
+    blake3::Hasher::new().update_rayon(bytes).finalize().to_hex().to_string()
 }
 
-impl Reader<'_> {
-    /// Whether a tensor of that name is there.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.tensors.tensor(name).is_ok()
-    }
-
-    /// `count` cuts, not yet checked, from the tensors of their texels and of their offsets.
-    pub(super) fn cuts(&self, [cuts, offsets]: [&str; 2], count: usize) -> Result<PackedCuts, Damage> {
-        let texels: Vec<[u32; 4]> = self.array(cuts, Dtype::U32, &[4], None)?;
-        let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
-        Ok(PackedCuts::unchecked(bytemuck::cast_slice(&texels).to_vec(), offsets))
-    }
-
-    pub(super) fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {
-        let bytes: Vec<u8> = self.array(name, Dtype::U8, &[], Some(count))?;
-        Ok(bytes.into_iter().map(|b| b != 0).collect())
-    }
-
-    /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
-    pub(super) fn array<T: bytemuck::AnyBitPattern>(
-        &self,
-        name: &str,
-        dtype: Dtype,
-        inner: &[usize],
-        count: Option<usize>,
-    ) -> Result<Vec<T>, Damage> {
-        let tensor = self.tensors.tensor(name).map_err(|_| Damage::Missing(name.into()))?;
-        let shape = tensor.shape();
-        let fits = tensor.dtype() == dtype
-            && shape.split_first().is_some_and(|(&n, rest)| rest == inner && count.is_none_or(|c| c == n));
-        if !fits {
-            let rows = count.map_or("any number".to_owned(), |c| c.to_string());
-            return Err(Damage::Shape {
-                name: name.into(),
-                found: format!("{:?} {shape:?}", tensor.dtype()),
-                expected: format!("{dtype:?} of {rows} x {inner:?}"),
-            });
-        }
-        debug_assert_eq!(
-            size_of::<T>(),
-            inner.iter().product::<usize>() * dtype.bitsize() / 8,
-            "{name} of {}",
-            self.path.display()
-        );
-        // Copied one by one: the file's bytes need not be aligned.
-        Ok(tensor.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
-    }
+/// Metadata of a file with these tensors, and the tensors in the order of the file: those with large values first, so that all
+/// are aligned.
+///
+/// # Errors
+/// A shape that does not fit its bytes.
+pub(super) fn arranged<'t, 'a>(
+    tensors: &'t [Tensor<'a>],
+    json: String,
+) -> Result<(Metadata, Vec<&'t Tensor<'a>>), SafeTensorError> {
+    let mut ordered: Vec<&Tensor> = tensors.iter().collect();
+    ordered.sort_by(|a, b| b.dtype.cmp(&a.dtype).then(a.name.cmp(&b.name)));
+    let mut end = 0;
+    let place = |tensor: &&Tensor| {
+        let begin = end;
+        end += tensor.bytes.len();
+        let info = TensorInfo { dtype: tensor.dtype, shape: tensor.shape.clone(), data_offsets: (begin, end) };
+        (tensor.name.clone(), info)
+    };
+    let places = ordered.iter().map(place).collect();
+    Ok((Metadata::new(Some(HashMap::from([(METADATA_KEY.to_owned(), json)])), places)?, ordered))
 }

@@ -2,18 +2,13 @@
 
 use super::{
     BakeReport, Dataset, DatasetError, FORMAT_VERSION,
-    header::{Header, METADATA_KEY},
+    header::Header,
     indirect, meshless,
-    tensors::{Tensor, cut_tensors, tensor},
+    tensors::{Tensor, arranged, checksum, cut_tensors, tensor},
 };
-use crate::output::write_atomically;
-use safetensors::{Dtype, tensor::TensorView};
-use std::{
-    borrow::Cow,
-    collections::{BTreeMap, HashMap},
-    io,
-    path::Path,
-};
+use crate::output::write_parts_atomically;
+use safetensors::Dtype;
+use std::{borrow::Cow, collections::BTreeMap, io, path::Path};
 
 impl Dataset {
     /// Writes the dataset to a temporary name beside `path` and renames it when it is complete, so that a failure leaves
@@ -25,8 +20,7 @@ impl Dataset {
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
         self.validate().map_err(|reason| DatasetError::Unwritable { path: path.into(), reason })?;
         let tensors = self.tensors();
-        let checksum = |t: &Tensor| (t.name.clone(), blake3::hash(&t.bytes).to_hex().to_string());
-        let header = self.header(tensors.iter().map(checksum).collect());
+        let header = self.header(tensors.iter().map(|t| (t.name.clone(), checksum(&t.bytes))).collect());
         self.write_tensors(path, &tensors, &header).map_err(|source| DatasetError::Io {
             action: "write",
             path: path.into(),
@@ -40,15 +34,12 @@ impl Dataset {
     }
 
     fn write_tensors(&self, path: &Path, tensors: &[Tensor], header: &Header) -> io::Result<()> {
-        let metadata = HashMap::from([(METADATA_KEY.to_owned(), serde_json::to_string(header)?)]);
-        let views = tensors.iter().map(|t| {
-            let view = TensorView::new(t.dtype, t.shape.clone(), &t.bytes).map_err(io::Error::other)?;
-            Ok((t.name.clone(), view))
-        });
-        let views = views.collect::<io::Result<Vec<_>>>()?;
-        // By way of memory: the library's own writing to a file replaces it by a private one that is not synced.
-        let bytes = safetensors::serialize(views, Some(metadata)).map_err(io::Error::other)?;
-        write_atomically(path, &bytes)
+        let (metadata, ordered) = arranged(tensors, serde_json::to_string(header)?).map_err(io::Error::other)?;
+        let mut head = serde_json::to_vec(&metadata)?;
+        head.resize(head.len().next_multiple_of(8), b' ');
+        let length = (head.len() as u64).to_le_bytes();
+        let parts = [&length[..], &head].into_iter().chain(ordered.into_iter().map(|t| &*t.bytes));
+        write_parts_atomically(path, parts)
     }
 
     /// The JSON part, with these checksums of the tensors.

@@ -4,6 +4,7 @@
 //! same bytes.
 
 mod backdrop;
+mod beach;
 mod cloth;
 mod color_box;
 mod curve;
@@ -50,11 +51,17 @@ struct Options {
     /// Folder to write to; by default this repository's data folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// In place of the bundle, write a beach of about this many vertices for measurements of scale; it asks for --out.
+    #[arg(long, value_name = "VERTICES", requires = "out", value_parser = clap::value_parser!(u32).range(100_000..=20_000_000))]
+    beach: Option<u32>,
 }
 
 fn main() -> Result<()> {
     let options = Options::parse();
     let out = options.out.unwrap_or_else(data_folder);
+    if let Some(vertices) = options.beach {
+        return write_scene(&beach::beach(vertices as usize), &folder(&out, "beach")?);
+    }
     write_bundle(&out, CLOTH_RESOLUTION)
 }
 

@@ -26,7 +26,7 @@ use lapidary_core::{dataset::BakeSettings, input, output::write_atomically};
 use manifest::Manifest;
 use std::{
     cell::Cell,
-    fs, io,
+    fs, io, iter,
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -281,6 +281,18 @@ impl Kept<'_> {
         self.load_body(index).and_then(|body| Chunk::decoded(&body, count, height))
     }
 
+    /// A chunk that is kept, once more.
+    ///
+    /// # Errors
+    /// A file that was whole and is no more.
+    pub fn again(&self, index: usize, count: usize, height: u32) -> Result<Chunk, CheckpointError> {
+        let folder = &self.checkpoint.folder;
+        let mut folders = iter::once(folder).chain(self.checkpoint.known.iter().map(|(folder, _)| folder));
+        let body = folders.find_map(|folder| self.body_in(folder, index));
+        let chunk = body.and_then(|body| Chunk::decoded(&body, count, height));
+        chunk.ok_or_else(|| CheckpointError::Lost { path: folder.join(self.series.file_name(index)) })
+    }
+
     /// Keeps a finished chunk.
     pub fn store(&self, index: usize, chunk: &Chunk) -> Result<(), CheckpointError> {
         self.store_body(index, &chunk.encoded())
@@ -292,17 +304,19 @@ impl Kept<'_> {
     }
 
     fn load_body(&self, index: usize) -> Option<Vec<u8>> {
-        self.checkpoint.known.iter().find_map(|(folder, _)| {
-            let bytes = input::read(&folder.join(self.series.file_name(index))).ok()?;
-            match self.identity.unsealed(&bytes, self.places, index) {
-                Seal::Fits(body) => Some(body.to_vec()),
-                Seal::OtherPlaces => {
-                    self.others.set(true);
-                    None
-                }
-                Seal::Broken => None,
+        self.checkpoint.known.iter().find_map(|(folder, _)| self.body_in(folder, index))
+    }
+
+    fn body_in(&self, folder: &Path, index: usize) -> Option<Vec<u8>> {
+        let bytes = input::read(&folder.join(self.series.file_name(index))).ok()?;
+        match self.identity.unsealed(&bytes, self.places, index) {
+            Seal::Fits(body) => Some(body.to_vec()),
+            Seal::OtherPlaces => {
+                self.others.set(true);
+                None
             }
-        })
+            Seal::Broken => None,
+        }
     }
 
     fn store_body(&self, index: usize, body: &[u8]) -> Result<(), CheckpointError> {

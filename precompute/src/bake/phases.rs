@@ -9,4 +9,5 @@ pub mod geometry;
 pub mod light_tree;
 mod meshless;
 pub mod pack;
+pub mod point_cuts;
 mod sources;

@@ -4,7 +4,8 @@ use super::{
     checkpoint::Chunk,
     phases::{
         geometry::Geometry,
-        pack::{concatenate, pack},
+        pack::pack,
+        point_cuts::{PointCuts, unbaked},
     },
     report::report,
     settings::ResolvedBake,
@@ -28,16 +29,16 @@ impl Geometry {
         points: &[u32],
         cuts: &Chunk,
     ) -> Result<Dataset, BakeError> {
-        let chunks = std::slice::from_ref(cuts);
-        // The last cut is that of all points that are not baked: one node that sees nothing.
-        let mut of_points = concatenate(chunks);
-        let mut cut_of_point = vec![of_points.len() as u32; self.bake_points()];
+        let mut of_points = PointCuts::new(tree.height());
+        of_points.push_borrowed(cuts);
+        // The last cut is that of all points that are not baked.
+        let mut cut_of_point = vec![points.len() as u32; self.bake_points()];
         points.iter().enumerate().for_each(|(i, &point)| cut_of_point[point as usize] = i as u32);
         if points.len() < self.bake_points() {
-            of_points.push(vec![0]);
+            of_points.push(unbaked(1));
         }
         let of_vertex = self.points.of_vertex.iter().map(|&p| cut_of_point[p as usize]);
-        let packed = pack(of_points, chunks, of_vertex, CutsOf::Environment)?;
+        let packed = pack(&of_points, None, of_vertex, CutsOf::Environment)?;
         let pairs = points.len() as u64 * settings.lights as u64;
         let report = BakeReport {
             mean_cut: cuts.nodes.len() as f64 / points.len().max(1) as f64,

@@ -28,6 +28,11 @@ pub enum CheckpointError {
         /// What is wrong.
         reason: ManifestError,
     },
+    /// A finished chunk was taken away or changed while its bake went on.
+    Lost {
+        /// Its file.
+        path: PathBuf,
+    },
     /// Something lies where the checkpoint would be that no bake has put there.
     Foreign {
         /// Which file or folder.
@@ -76,6 +81,11 @@ impl CheckpointError {
             ),
             Self::Damaged { path, reason } => format!(
                 "the checkpoint is damaged, or of another version: {reason}; leave out {} to start over ({})",
+                name(Setting::Resume),
+                path.display()
+            ),
+            Self::Lost { path } => format!(
+                "a finished part of the bake was removed or changed meanwhile; bake again with {}, which makes it anew ({})",
                 name(Setting::Resume),
                 path.display()
             ),

@@ -1,6 +1,6 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
-use super::pack::unbaked;
+use super::point_cuts::{PointCuts, unbaked};
 use crate::{
     bake::checkpoint::{Chunk, Kept},
     errors::{BakeError, cancelled},
@@ -94,13 +94,17 @@ impl CutMaker for SourceCuts<'_> {
 
 /// The cuts of all points; chunks that a checkpoint has kept are not made again. Cuts of chunks that other shards make see
 /// nothing.
-pub fn bake_chunks<M: CutMaker>(maker: &M, kept: &Kept, observer: &dyn Observer) -> Result<Vec<Chunk>, BakeError> {
+pub fn bake_chunks<'a, M: CutMaker>(
+    maker: &M,
+    kept: &'a Kept<'a>,
+    observer: &dyn Observer,
+) -> Result<PointCuts<'a>, BakeError> {
     let count = maker.points().len();
-    let mut chunks = Vec::new();
+    let mut cuts = PointCuts::new(maker.height());
     for index in 0..kept.chunks() {
         let range = kept.range(count, index);
         if !kept.has(index) {
-            chunks.push(unbaked(range.len()));
+            cuts.push(unbaked(range.len()));
             continue;
         }
         let chunk = match kept.load(index, range.len(), maker.height()) {
@@ -113,9 +117,9 @@ pub fn bake_chunks<M: CutMaker>(maker: &M, kept: &Kept, observer: &dyn Observer)
             }
         };
         observer.event(Event::Advanced { done: range.end as u64 });
-        chunks.push(chunk);
+        cuts.push_kept(chunk, kept, index);
     }
-    Ok(chunks)
+    Ok(cuts)
 }
 
 fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {

@@ -1,10 +1,9 @@
-//! Chunks to packed cuts.
+//! Cuts of points to packed cuts of vertices.
 
-use crate::{
-    bake::checkpoint::Chunk,
-    errors::{BakeError, CutsOf},
-};
+use super::point_cuts::PointCuts;
+use crate::errors::{BakeError, CutsOf};
 use lapidary_core::cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXTURE_WIDTH};
+use rayon::prelude::*;
 
 /// All cuts, and sums over their points.
 pub struct Packed {
@@ -30,46 +29,41 @@ impl Packed {
     }
 }
 
-/// One-node cuts of zero, for a part that is not baked.
-pub fn unbaked(points: usize) -> Chunk {
-    Chunk { nodes: vec![0; points], lengths: vec![1; points], squared_errors: vec![0.0; points], rays: 0 }
-}
-
-/// The cut of each point.
-pub fn concatenate(chunks: &[Chunk]) -> Vec<Vec<u16>> {
-    let mut all = Vec::with_capacity(chunks.iter().map(|c| c.lengths.len()).sum());
-    for chunk in chunks {
-        let mut rest = &chunk.nodes[..];
-        for &length in &chunk.lengths {
-            let (cut, after) = rest.split_at(length as usize);
-            all.push(cut.to_vec());
-            rest = after;
-        }
-    }
-    all
-}
-
-/// Packs the cuts of points for vertices, each of which has the cut of one of the points.
+/// Packs the cuts of points for vertices, each of which has the cut of one of the points. `coarsened` makes them of those that
+/// were stored, unless they stay as they are.
 pub fn pack(
-    cuts: Vec<Vec<u16>>,
-    chunks: &[Chunk],
+    cuts: &PointCuts,
+    coarsened: Option<&(dyn Fn(&[u16]) -> Vec<u16> + Sync)>,
     of_vertex: impl Iterator<Item = u32>,
     of: CutsOf,
 ) -> Result<Packed, BakeError> {
-    let texels: usize = cuts.iter().map(|c| c.len().div_ceil(NODES_PER_TEXEL)).sum();
-    check_texels(texels, of)?;
     let mut packed = PackedCuts::default();
-    let offsets: Vec<u32> = cuts.iter().map(|cut| packed.push_cut(cut)).collect();
+    let (mut offsets, mut lengths) = (Vec::new(), Vec::new());
+    let mut push = |cut: &[u16]| {
+        lengths.push(cut.len());
+        offsets.push(packed.push_cut(cut));
+    };
+    cuts.each_chunk(|chunk| match coarsened {
+        Some(coarsened) => {
+            let fitted: Vec<Vec<u16>> = chunk.par_iter().map(|cut| coarsened(cut)).collect();
+            fitted.iter().for_each(|cut| push(cut));
+            Ok(())
+        }
+        None => {
+            chunk.iter().for_each(|cut| push(cut));
+            Ok::<(), BakeError>(())
+        }
+    })?;
+    check_texels(packed.nodes().len() / NODES_PER_TEXEL, of)?;
     of_vertex.for_each(|p| packed.push_vertex(offsets[p as usize]));
-    let max_cut = cuts.iter().map(Vec::len).max().unwrap_or(0);
     Ok(Packed {
         cuts: packed,
-        points: cuts.len(),
-        nodes: cuts.iter().map(|c| c.len() as u64).sum(),
-        max_cut,
-        squared_error: chunks.iter().flat_map(|c| &c.squared_errors).sum(),
-        rays: chunks.iter().map(|c| c.rays).sum(),
-        histogram: histogram(&cuts),
+        points: lengths.len(),
+        nodes: lengths.iter().map(|&length| length as u64).sum(),
+        max_cut: lengths.iter().copied().max().unwrap_or(0),
+        squared_error: cuts.squared_error(),
+        rays: cuts.rays(),
+        histogram: histogram(&lengths),
     })
 }
 
@@ -78,10 +72,10 @@ fn check_texels(texels: usize, cuts: CutsOf) -> Result<(), BakeError> {
     if texels > limit { Err(BakeError::TooManyTexels { cuts, texels, limit }) } else { Ok(()) }
 }
 
-fn histogram(cuts: &[Vec<u16>]) -> Vec<u64> {
-    let longest = cuts.iter().map(Vec::len).max().unwrap_or(1);
+fn histogram(lengths: &[usize]) -> Vec<u64> {
+    let longest = lengths.iter().copied().max().unwrap_or(1);
     let mut histogram = vec![0; longest.ilog2() as usize + 1];
-    cuts.iter().for_each(|cut| histogram[cut.len().ilog2() as usize] += 1);
+    lengths.iter().for_each(|length| histogram[length.ilog2() as usize] += 1);
     histogram
 }
 

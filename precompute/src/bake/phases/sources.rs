@@ -7,7 +7,8 @@ use super::{
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     fit::{TEXTURE_BYTES, fit_sources},
     geometry::Geometry,
-    pack::{Packed, concatenate, pack, unbaked},
+    pack::{Packed, pack},
+    point_cuts::PointCuts,
 };
 use crate::{
     bake::{
@@ -27,6 +28,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    cut::prune_sources,
     dataset::IndirectReport,
     light_tree::LightTree,
     sources::{IndirectBake, Source},
@@ -108,20 +110,22 @@ impl SourcePhases<'_> {
         };
         let kept = self.checkpoint.series(Series::Sources, places);
         let observer = clock.observer;
-        let chunks = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
+        let cuts = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
             bake_chunks(&maker, &kept, observer)
         })?;
         if kept.has_met_others() {
             observer.event(Event::Warning { message: Warning::OtherSources });
         }
-        let criterion = self.settings.indirect.criterion;
-        let (cuts, coarsened) =
-            fit_sources(concatenate(&chunks), sources.len().ilog2(), criterion, TEXTURE_BYTES, observer);
-        Ok((pack(cuts, &chunks, points.of_vertex.iter().copied(), CutsOf::Sources)?, coarsened))
+        let (criterion, height) = (self.settings.indirect.criterion, cuts.height());
+        let factor = fit_sources(&cuts, criterion, TEXTURE_BYTES, observer)?;
+        let coarser = |cut: &[u16]| prune_sources(height, criterion.coarser(factor.unwrap_or(1.0)), cut);
+        let coarser = factor.is_some().then_some(&coarser as _);
+        Ok((pack(&cuts, coarser, points.of_vertex.iter().copied(), CutsOf::Sources)?, factor))
     }
 
     fn environment_cuts(&self, sources: &[Source], places: Places, clock: &mut Clock) -> Result<Packed, BakeError> {
-        let chunks = if self.settings.mode.environment() {
+        let kept = self.checkpoint.series(Series::SourceEnvironment, places);
+        let cuts = if self.settings.mode.environment() {
             let points: Vec<BakePoint> =
                 sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
             let maker = EnvironmentCuts {
@@ -130,15 +134,14 @@ impl SourcePhases<'_> {
                 height: self.tree.height(),
                 criterion: self.settings.criterion,
             };
-            let kept = self.checkpoint.series(Series::SourceEnvironment, places);
             let observer = clock.observer;
             clock.time(Phase::SourceEnvironment, sources.len() as u64, "sources", || {
                 bake_chunks(&maker, &kept, observer)
             })?
         } else {
-            vec![unbaked(sources.len())]
+            PointCuts::unbaked(sources.len())
         };
-        pack(concatenate(&chunks), &chunks, 0..sources.len() as u32, CutsOf::SourceEnvironment)
+        pack(&cuts, None, 0..sources.len() as u32, CutsOf::SourceEnvironment)
     }
 }
 

@@ -172,3 +172,27 @@ fn a_second_bake_of_an_output_is_refused_while_the_first_runs() {
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left, ["a.cuts"], "neither checkpoint nor lock");
 }
+
+/// Removes a chunk before it is packed.
+struct Robber(PathBuf);
+
+impl Observer for Robber {
+    fn event(&self, event: Event) {
+        if matches!(event, Event::Started { phase: Phase::Pack, .. }) {
+            std::fs::remove_file(&self.0).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_chunk_that_is_taken_away_before_it_is_packed_is_told_and_made_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob { chunks: Some(3), ..job(folder.path(), "a.cuts") };
+    let taken = Checkpoint::folder_of(&job.output).join("chunk-00001.bin");
+    let told = bake(scene(), &job, &Robber(taken.clone())).unwrap_err();
+    assert!(matches!(&told, BakeError::Checkpoint(CheckpointError::Lost { path }) if *path == taken), "{told}");
+    assert!(!job.output.exists(), "no half dataset");
+    let resumed = bake(scene(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
+    let whole = bake(scene(), &BakeJob { output: folder.path().join("b.cuts"), ..job }, &Silent).unwrap();
+    assert_eq!(contents(&resumed), contents(&whole));
+}

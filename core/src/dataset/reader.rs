@@ -1,0 +1,167 @@
+//! Tensors of a file, each read straight to where it stays, and checked. No more than one copy of them is ever in memory.
+//!
+//! A file is not mapped: one that is cut short meanwhile, or whose drive goes away, must be an error and not the end of the
+//! program.
+
+use super::{DatasetError, error::Damage, header::METADATA_KEY, tensors::checksum};
+use crate::{
+    cut::packed::{NODES_PER_TEXEL, PackedCuts},
+    input,
+};
+use safetensors::{
+    Dtype, SafeTensorError,
+    tensor::{Metadata, TensorInfo},
+};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{self, Read, Seek, SeekFrom},
+    path::Path,
+};
+
+/// Most bytes of a file's head, as the library has it.
+const MOST_HEAD: u64 = 100_000_000;
+
+/// A file of tensors whose head was read.
+pub(super) struct TensorFile {
+    file: File,
+    metadata: Metadata,
+    /// Where the tensors begin.
+    start: u64,
+}
+
+impl TensorFile {
+    /// Opens a file whose tensors are to be held in memory.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is no file of tensors.
+    pub fn open(path: &Path) -> Result<Self, DatasetError> {
+        let failed = |source| DatasetError::Io { action: "read", path: path.into(), source };
+        let (mut file, length) = input::open_to_hold(path).map_err(failed)?;
+        let foreign = |reason: SafeTensorError| DatasetError::Foreign { path: path.into(), reason: reason.to_string() };
+        let head = head_of(&mut file).map_err(failed)?.ok_or_else(|| foreign(SafeTensorError::InvalidHeaderLength))?;
+        let metadata = std::str::from_utf8(&head).map_err(SafeTensorError::InvalidHeader);
+        let metadata = metadata
+            .and_then(|text| serde_json::from_str(text).map_err(SafeTensorError::InvalidHeaderDeserialization))
+            .map_err(foreign)?;
+        let opened = Self { file, metadata, start: (size_of::<u64>() + head.len()) as u64 };
+        if opened.start + opened.metadata.data_len() as u64 != length {
+            return Err(foreign(SafeTensorError::MetadataIncompleteBuffer));
+        }
+        Ok(opened)
+    }
+
+    /// Lapidary's JSON, if it is there.
+    pub fn json(&self) -> Option<&str> {
+        self.metadata.metadata().as_ref()?.get(METADATA_KEY).map(String::as_str)
+    }
+}
+
+/// The head of a file: its length in 8 bytes, little endian, and then so many bytes. `None` if there are fewer.
+fn head_of(file: &mut File) -> io::Result<Option<Vec<u8>>> {
+    let mut length = Vec::new();
+    file.take(size_of::<u64>() as u64).read_to_end(&mut length)?;
+    let Ok(length) = <[u8; 8]>::try_from(length).map(u64::from_le_bytes) else { return Ok(None) };
+    let mut head = Vec::new();
+    if length <= MOST_HEAD {
+        file.take(length).read_to_end(&mut head)?;
+    }
+    Ok((head.len() as u64 == length).then_some(head))
+}
+
+/// The tensors of a file, read by name and checked.
+pub(super) struct Reader<'a> {
+    pub file: &'a TensorFile,
+    pub checksums: &'a BTreeMap<String, String>,
+}
+
+impl Reader<'_> {
+    /// Every tensor has a checksum, and every checksum its tensor.
+    pub fn check_names(&self) -> Result<(), Damage> {
+        let mut names = self.file.metadata.offset_keys();
+        names.sort_unstable();
+        if let Some(name) = names.into_iter().find(|name| !self.checksums.contains_key(name)) {
+            return Err(Damage::NoChecksum(name));
+        }
+        self.checksums.keys().try_for_each(|name| self.info(name).map(drop))
+    }
+
+    /// Whether a tensor of that name is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.info(name).is_ok()
+    }
+
+    /// `count` cuts, not yet checked, from the tensors of their texels and of their offsets.
+    pub fn cuts(&self, [cuts, offsets]: [&str; 2], count: usize) -> Result<PackedCuts, Damage> {
+        let texels: Vec<[u16; NODES_PER_TEXEL]> = self.array(cuts, Dtype::U32, &[4], None)?;
+        let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
+        Ok(PackedCuts::unchecked(texels.into_flattened(), offsets))
+    }
+
+    pub fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {
+        let bytes: Vec<u8> = self.array(name, Dtype::U8, &[], Some(count))?;
+        Ok(bytes.into_iter().map(|b| b != 0).collect())
+    }
+
+    /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
+    pub fn array<T: bytemuck::Pod>(
+        &self,
+        name: &str,
+        dtype: Dtype,
+        inner: &[usize],
+        count: Option<usize>,
+    ) -> Result<Vec<T>, Damage> {
+        let info = self.info(name)?;
+        let rows = info.shape.split_first().filter(|(n, rest)| *rest == inner && count.is_none_or(|c| c == **n));
+        let Some((&rows, _)) = rows.filter(|_| info.dtype == dtype) else {
+            let rows = count.map_or("any number".to_owned(), |c| c.to_string());
+            return Err(Damage::Shape {
+                name: name.into(),
+                found: format!("{:?} {:?}", info.dtype, info.shape),
+                expected: format!("{dtype:?} of {rows} x {inner:?}"),
+            });
+        };
+        debug_assert_eq!(size_of::<T>(), inner.iter().product::<usize>() * dtype.bitsize() / 8, "{name}");
+        let mut values: Vec<T> = bytemuck::zeroed_vec(rows);
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut values);
+        let unreadable = |source| Damage::Unreadable { name: name.into(), source };
+        self.read_at(info.data_offsets.0, bytes).map_err(unreadable)?;
+        match self.checksums.get(name) {
+            Some(expected) if *expected == checksum(bytes) => Ok(values),
+            _ => Err(Damage::Checksum(name.into())),
+        }
+    }
+
+    fn info(&self, name: &str) -> Result<&TensorInfo, Damage> {
+        self.file.metadata.info(name).ok_or_else(|| Damage::Missing(name.into()))
+    }
+
+    fn read_at(&self, offset: usize, bytes: &mut [u8]) -> io::Result<()> {
+        let mut file = &self.file.file;
+        file.seek(SeekFrom::Start(self.file.start + offset as u64))?;
+        file.read_exact(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes;
+    use std::fs::OpenOptions;
+
+    #[test]
+    fn a_file_that_becomes_shorter_while_it_is_read_is_an_error_of_the_file_system() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.cuts");
+        test_scenes::dataset(&["m"], &[]).write(&path).unwrap();
+        let file = TensorFile::open(&path).unwrap();
+        let header: serde_json::Value = serde_json::from_str(file.json().unwrap()).unwrap();
+        let checksums: BTreeMap<String, String> = serde_json::from_value(header["checksums"].clone()).unwrap();
+        let reader = Reader { file: &file, checksums: &checksums };
+        let positions = || reader.array::<[f32; 3]>("positions", Dtype::F32, &[3], None);
+        assert_eq!(positions().unwrap().len(), 3, "negative control");
+        OpenOptions::new().write(true).open(&path).unwrap().set_len(file.start + 4).unwrap();
+        let told = DatasetError::of_contents(&path, positions().unwrap_err());
+        assert!(matches!(told, DatasetError::Io { action: "read", .. }), "{told}");
+    }
+}
