@@ -1,4 +1,4 @@
-//! A dataset with its ray hierarchy: made once, shared by the CPU renderer, the references and picking.
+//! A dataset with its ray hierarchies: made once, shared by the CPU renderer, the references and picking.
 
 use glam::Vec3;
 use lapidary_core::{dataset::Dataset, ray::Intersector};
@@ -10,8 +10,17 @@ use std::sync::{Arc, OnceLock};
 pub struct Baked {
     /// The dataset.
     pub dataset: Arc<Dataset>,
-    intersector: Arc<OnceLock<Arc<Intersector>>>,
+    rays: Arc<Rays>,
     patches: Arc<OnceLock<Arc<[u8]>>>,
+}
+
+/// Hierarchies of the mesh.
+#[derive(Default)]
+struct Rays {
+    /// There within a second or so.
+    quick: OnceLock<Intersector>,
+    /// For many rays.
+    thorough: OnceLock<Intersector>,
 }
 
 impl std::fmt::Debug for Baked {
@@ -22,28 +31,38 @@ impl std::fmt::Debug for Baked {
 
 impl<D: Into<Arc<Dataset>>> From<D> for Baked {
     fn from(dataset: D) -> Self {
-        Self { dataset: dataset.into(), intersector: Arc::default(), patches: Arc::default() }
+        Self { dataset: dataset.into(), rays: Arc::default(), patches: Arc::default() }
     }
 }
 
 impl Baked {
-    /// Begins to build the ray hierarchy on its own thread, so that it is ready, or nearly, when it is needed.
+    /// Begins to build the ray hierarchies on a thread, so that the quick one is ready, or nearly, when it is needed, and the
+    /// thorough one after a while.
     pub fn begun(dataset: impl Into<Arc<Dataset>>) -> Self {
         let baked = Self::from(dataset);
         let builds = baked.clone();
-        std::thread::spawn(move || drop(builds.intersector()));
+        std::thread::spawn(move || {
+            builds.intersector();
+            builds.refine();
+        });
         baked
     }
 
-    /// Casts rays on the mesh. Built at the first call, seconds for a million triangles; other callers wait for it, so
-    /// call it from a thread that may wait.
-    pub fn intersector(&self) -> Arc<Intersector> {
-        self.intersector.get_or_init(|| Intersector::new(&self.dataset.scene.mesh).into()).clone()
+    /// Casts rays on the mesh, by the best hierarchy that is there; they meet the same with any but along edges, see [`Intersector::quick`]. If there is none yet, the quick
+    /// one is built, and other callers wait for it: call it from a thread that may wait.
+    pub fn intersector(&self) -> &Intersector {
+        let quick = || self.rays.quick.get_or_init(|| Intersector::quick(&self.dataset.scene.mesh));
+        self.rays.thorough.get().unwrap_or_else(quick)
     }
 
-    /// [`Self::intersector`] if it has been built.
+    /// [`Self::intersector`] if one has been built.
     pub fn intersector_if_ready(&self) -> Option<&Intersector> {
-        self.intersector.get().map(|built| &**built)
+        self.rays.thorough.get().or_else(|| self.rays.quick.get())
+    }
+
+    /// Builds the thorough hierarchy, for those who trace many rays; seconds for a million triangles.
+    pub fn refine(&self) {
+        self.rays.thorough.get_or_init(|| Intersector::new(&self.dataset.scene.mesh));
     }
 
     /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.
@@ -85,6 +104,22 @@ fn patches(positions: &[Vec3]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rays_meet_the_same_before_and_after_the_thorough_hierarchy_is_there() {
+        let baked = Baked::from(crate::test_scenes::linked_floor_and_wall());
+        let directions = lapidary_core::sphere::fibonacci_directions(500);
+        let hits = || {
+            let rays = directions.iter().map(|&d| baked.intersector().closest_hit(Vec3::new(0.1, 0.4, 0.2), d));
+            rays.collect::<Vec<_>>()
+        };
+        assert!(baked.intersector_if_ready().is_none());
+        let (before, quick) = (hits(), std::ptr::from_ref(baked.intersector()));
+        assert!(before.iter().any(Option::is_some) && before.iter().any(Option::is_none));
+        baked.refine();
+        assert!(!std::ptr::eq(quick, baked.intersector()), "the thorough one is taken");
+        assert_eq!(before, hits());
+    }
 
     #[test]
     fn patches_are_equally_many_vertices_close_to_each_other() {

@@ -17,7 +17,6 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
     pub(crate) appearance: Appearance,
-    pub(crate) intersector: Arc<Intersector>,
     baked: Baked,
     /// Distance in metres that shadow rays start off a surface, at most.
     largest_offset: f32,
@@ -26,15 +25,14 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Builds the ray hierarchy unless it exists, which takes seconds for a million triangles. The scene has the
-    /// materials of the dataset.
+    /// Builds a ray hierarchy unless one exists, see [`Baked::intersector`]. The scene has the materials of the dataset.
     pub fn new(baked: impl Into<Baked>) -> Self {
         let baked = baked.into();
-        let intersector = baked.intersector();
+        baked.intersector();
         let dataset = baked.dataset.clone();
         let appearance = Appearance::of(&dataset.scene);
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
-        Self { dataset, appearance, intersector, baked, largest_offset, rig: OnceLock::new() }
+        Self { dataset, appearance, baked, largest_offset, rig: OnceLock::new() }
     }
 
     /// For a scene with the materials of a look; missing materials and maps are replaced.
@@ -60,8 +58,13 @@ impl Renderer {
     }
 
     /// Casts rays on the mesh.
-    pub fn intersector(&self) -> &Arc<Intersector> {
-        &self.intersector
+    pub fn intersector(&self) -> &Intersector {
+        self.baked.intersector()
+    }
+
+    /// Builds the hierarchy for many rays, see [`Baked::refine`].
+    pub(crate) fn refine(&self) {
+        self.baked.refine();
     }
 
     /// The patch of each vertex, see [`Baked::patches`].
@@ -71,7 +74,7 @@ impl Renderer {
 
     /// Looks up points of the scene as it looks now.
     pub(crate) fn surfaces(&self) -> Surfaces<'_> {
-        Surfaces::new(&self.dataset, &self.appearance, &self.intersector, self.largest_offset)
+        Surfaces::new(&self.dataset, &self.appearance, self.intersector(), self.largest_offset)
     }
 
     /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. Rotating or scaling an

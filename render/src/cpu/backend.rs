@@ -101,7 +101,7 @@ fn light_of<'a>(
     local: &'a LocalLighting,
     lights: &'a SummedLights,
 ) -> PictureLight<'a> {
-    let intersector = renderer.map(|renderer| &*renderer.intersector);
+    let intersector = renderer.map(Renderer::intersector);
     let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
     PictureLight {
         environment: environment.map(|(_, lighting)| &**lighting),

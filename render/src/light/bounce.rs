@@ -96,7 +96,7 @@ impl SourceRig {
         let dataset = baked.dataset.clone();
         let sources = &dataset.indirect.as_ref()?.sources;
         let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
-        let lit = LitPoints::new(baked, source_parts(sources, &baked.intersector(), offset), AREA_SAMPLES);
+        let lit = LitPoints::new(baked, source_parts(sources, baked.intersector(), offset), AREA_SAMPLES);
         Some(Self { tree: SourceTree::new(sources).into(), lit, further: None, dataset })
     }
 

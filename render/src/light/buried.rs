@@ -15,7 +15,7 @@ const DIRECTIONS: usize = 64;
 impl Renderer {
     /// The lights that shine and see only the inside of closed objects.
     pub fn buried_lights<'a>(&self, lights: &'a [Light]) -> Vec<&'a Light> {
-        lights.iter().filter(|light| light.shines() && is_buried(&self.dataset, &self.intersector, light)).collect()
+        lights.iter().filter(|light| light.shines() && is_buried(&self.dataset, self.intersector(), light)).collect()
     }
 }
 

@@ -18,7 +18,7 @@ impl Renderer {
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
-                let shade = |p: &SurfacePoint| direct_light(p, lights, &self.intersector, pixel_shift(x, y, i));
+                let shade = |p: &SurfacePoint| direct_light(p, lights, self.intersector(), pixel_shift(x, y, i));
                 sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32

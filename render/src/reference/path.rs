@@ -51,6 +51,7 @@ impl Renderer {
         settings: PathSettings,
         progress: &dyn Progress,
     ) -> PathPicture {
+        self.refine();
         let backdrop = if settings.components.environment {
             Backdrop::new(view, light, &mut BlurCache::default())
         } else {

@@ -80,6 +80,7 @@ impl Renderer {
 
     /// Light of all kinds without cuts; cancelled as [`Self::samples_reference`].
     pub fn sampled(&self, view: &View, light: SampledLight, progress: &dyn Progress) -> Image {
+        self.refine();
         let distant =
             light.environment.map(|environment| LightSamples::of(&self.dataset.tree, &self.lighting(environment, 1)));
         let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));

@@ -7,11 +7,7 @@ use super::{
     point_cuts::PointCuts,
 };
 use crate::{
-    bake::{
-        checkpoint::Kept,
-        clock::Clock,
-        settings::ResolvedBake,
-    },
+    bake::{checkpoint::Kept, clock::Clock, settings::ResolvedBake},
     errors::BakeError,
     observer::Phase,
     vertices::{

@@ -6,19 +6,12 @@ use super::{
 };
 use crate::{appearance::Appearance, baked::Baked};
 use glam::Vec3;
-use lapidary_core::{
-    dataset::Dataset,
-    lights::Light,
-    ray::{Intersector, offset},
-    surfel::Surfel,
-};
+use lapidary_core::{lights::Light, ray::offset, surfel::Surfel};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Points with their direct light and reflectance.
 pub(super) struct LitPoints {
-    dataset: Arc<Dataset>,
-    intersector: Arc<Intersector>,
+    baked: Baked,
     pub(super) points: Vec<Surfel>,
     /// Shading normals, one per point, so that the bounce is as bright as the visible surface.
     normals: Vec<Vec3>,
@@ -33,11 +26,11 @@ impl LitPoints {
     /// Points of a dataset with the materials of its bake and without light. Area lights cast `area_samples` rays along
     /// each of their sides.
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
-        let (dataset, intersector) = (baked.dataset.clone(), baked.intersector());
+        let dataset = &baked.dataset;
         let (albedo, lights) = (Vec::new(), LightGroups::default());
         let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
-        let mut lit = Self { dataset, intersector, points, normals, area_samples, albedo, lights, environment: None };
-        lit.set_appearance(&Appearance::of(&lit.dataset.scene));
+        let mut lit = Self { baked: baked.clone(), points, normals, area_samples, albedo, lights, environment: None };
+        lit.set_appearance(&Appearance::of(&baked.dataset.scene));
         lit
     }
 
@@ -48,7 +41,7 @@ impl LitPoints {
 
     /// Gives the points the reflectance of other materials; materials that do not fit keep that of the dataset.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        let scene = &self.dataset.scene;
+        let scene = &self.baked.dataset.scene;
         let (fitted, _) = appearance.fitted(&scene.materials);
         self.albedo = self.points.par_iter().map(|p| fitted.albedo(&scene.mesh, p.place)).collect();
     }
@@ -56,8 +49,9 @@ impl LitPoints {
     /// Shines local lights on the points, by rays, which only lights that have changed cast. Returns whether any has.
     pub fn set_lights(&mut self, lights: &[Light]) -> bool {
         let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
-        self.lights
-            .update(lights, |lights| light_irradiance(&self.points, &self.normals, lights, &self.intersector, rays))
+        self.lights.update(lights, |lights| {
+            light_irradiance(&self.points, &self.normals, lights, self.baked.intersector(), rays)
+        })
     }
 
     /// Sets the irradiance of each point from the environment, or none.
@@ -76,6 +70,6 @@ impl LitPoints {
 
     /// Distance in metres of shadow ray origins from a surface.
     fn ray_offset(&self) -> f32 {
-        offset::BOUNCE * self.dataset.scene.mesh.bounds().diagonal()
+        offset::BOUNCE * self.baked.dataset.scene.mesh.bounds().diagonal()
     }
 }

@@ -98,7 +98,7 @@ mod tests {
         let mut rays = 0;
         let sum = delta_light(point, lights.iter(), |direction, distance| {
             rays += 1;
-            arrives(&renderer.intersector, point, direction, distance)
+            arrives(renderer.intersector(), point, direction, distance)
         });
         (sum, rays)
     }

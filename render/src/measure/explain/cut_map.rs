@@ -181,7 +181,7 @@ impl<'a> SourcesAround<'a> {
     }
 
     fn along(&self, point: &SurfacePoint, direction: Vec3) -> Option<usize> {
-        let met = self.renderer.intersector.surfel_before(point.ray_origin, direction, self.far)?;
+        let met = self.renderer.intersector().surfel_before(point.ray_origin, direction, self.far)?;
         Some(self.members[self.owners.nearest(&met)?] as usize)
     }
 }

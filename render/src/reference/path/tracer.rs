@@ -114,7 +114,7 @@ impl<'a> Tracer<'a> {
         let world = self.sky.to_world(direction);
         let (reflected, other) = reflection(point, world);
         let value = reflected * self.sky.radiance(world);
-        if value == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, world) {
+        if value == Vec3::ZERO || self.renderer.intersector().occluded(point.ray_origin, world) {
             return Vec3::ZERO;
         }
         value * (power_heuristic(pdf, other) / pdf)
@@ -127,7 +127,7 @@ impl<'a> Tracer<'a> {
             let Some(sample) = light.sample(point.ray_origin, u) else { continue };
             let (reflected, other) = reflection(point, sample.direction);
             let value = reflected * sample.irradiance;
-            if value != Vec3::ZERO && arrives(&self.renderer.intersector, point, sample.direction, sample.distance) {
+            if value != Vec3::ZERO && arrives(self.renderer.intersector(), point, sample.direction, sample.distance) {
                 sum += value * (power_heuristic(probability * sample.pdf, other) / probability);
             }
         }
@@ -152,7 +152,7 @@ impl<'a> Tracer<'a> {
         let mut sum = Vec3::ZERO;
         for (light, probability) in self.lights.all() {
             let Some(hit) = light.intersect(point.ray_origin, scattered.world) else { continue };
-            if arrives(&self.renderer.intersector, point, scattered.world, hit.distance) {
+            if arrives(self.renderer.intersector(), point, scattered.world, hit.distance) {
                 sum += hit.radiance * power_heuristic(scattered.pdf, probability * hit.pdf);
             }
         }
@@ -162,7 +162,7 @@ impl<'a> Tracer<'a> {
     /// Radiance of the environment along a reflection, weighted against its samples, unless a surface blocks it.
     fn environment_behind(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
         let radiance = self.environment_along(scattered);
-        if radiance == Vec3::ZERO || self.renderer.intersector.occluded(point.ray_origin, scattered.world) {
+        if radiance == Vec3::ZERO || self.renderer.intersector().occluded(point.ray_origin, scattered.world) {
             return Vec3::ZERO;
         }
         radiance

@@ -44,7 +44,7 @@ impl LightSamples {
 /// Sets `visible` to 1 for the lights that a point sees and whose light it receives, and to 0 for all others.
 pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &SurfacePoint, visible: &mut [u8]) {
     visible.fill(0);
-    renderer.intersector.trace_batch(point.ray_origin, lights, |d| point.receives(d), visible);
+    renderer.intersector().trace_batch(point.ray_origin, lights, |d| point.receives(d), visible);
 }
 
 /// Traces and sums; keeps its buffer between points.

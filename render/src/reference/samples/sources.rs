@@ -89,7 +89,7 @@ impl SourceShader<'_> {
             }
         }
         let hidden = |i: u32| solid_angles[i as usize] = 0.0;
-        self.batch.trace(&self.renderer.intersector, point.ray_origin, &samples.ends, wanted, hidden);
+        self.batch.trace(self.renderer.intersector(), point.ray_origin, &samples.ends, wanted, hidden);
         has_near
     }
 
@@ -106,7 +106,7 @@ impl SourceShader<'_> {
             lift: lifted.length(),
             same_surface_cosine: Origin::SAME_SURFACE_COSINE,
         };
-        samples.near.gather(sources, &renderer.intersector, origin, receives, |i, solid_angle| {
+        samples.near.gather(sources, renderer.intersector(), origin, receives, |i, solid_angle| {
             if solid_angles[i] == 0.0 {
                 wanted.push(i as u32);
             }
