@@ -21,8 +21,8 @@ use lapidary_core::{
     surfel::Surfel,
 };
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use sight::Sight;
-use std::collections::HashMap;
 
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
@@ -107,7 +107,7 @@ impl BakePoints {
         let around = VertexTriangles::new(mesh, sides);
         let diagonal = mesh.bounds().diagonal();
         let mut result = Self::default();
-        let mut known = HashMap::new();
+        let mut known = FxHashMap::default();
         for (v, &position) in mesh.positions.iter().enumerate() {
             let normal = around.repaired_normal(v, mesh.normals[v]);
             let point = BakePoint {

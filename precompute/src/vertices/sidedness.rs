@@ -7,11 +7,11 @@
 
 use glam::Vec3;
 use lapidary_core::scene::{Mesh, Scene};
-use std::collections::HashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// Index of the first vertex at the same position, for every vertex.
 pub fn weld_positions(mesh: &Mesh) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(mesh.positions.len());
+    let mut first = FxHashMap::with_capacity_and_hasher(mesh.positions.len(), FxBuildHasher);
     mesh.positions.iter().enumerate().map(|(i, &p)| *first.entry(exact_key(p)).or_insert(i as u32)).collect()
 }
 
@@ -59,7 +59,7 @@ impl Pieces {
             union.join(a, b);
             union.join(b, c);
         }
-        let mut ids = HashMap::new();
+        let mut ids = FxHashMap::default();
         let of_triangle: Vec<u32> = (0..mesh.triangles.len())
             .map(|t| {
                 let next = ids.len() as u32;
@@ -97,7 +97,8 @@ impl Pieces {
 
 /// Triangles with an edge that no other triangle shares.
 fn boundary_triangles(mesh: &Mesh, welded: impl Fn(usize) -> [u32; 3]) -> Vec<usize> {
-    let mut edges: HashMap<(u32, u32), (usize, u32)> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
+    let mut edges: FxHashMap<(u32, u32), (usize, u32)> =
+        FxHashMap::with_capacity_and_hasher(mesh.triangles.len() * 3 / 2, FxBuildHasher);
     for t in 0..mesh.triangles.len() {
         let [a, b, c] = welded(t);
         for (u, v) in [(a, b), (b, c), (c, a)] {

@@ -2,7 +2,7 @@
 
 use crate::vertices::sidedness::weld_positions;
 use lapidary_core::scene::Mesh;
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 /// Undirected edges by welded position.
 pub(super) struct Edges {
@@ -20,9 +20,10 @@ pub(super) struct Edges {
 impl Edges {
     pub fn new(mesh: &Mesh) -> Self {
         let weld = weld_positions(mesh);
-        let mut ids: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
+        let room = mesh.triangles.len() * 3 / 2;
+        let mut ids: FxHashMap<(u32, u32), u32> = FxHashMap::with_capacity_and_hasher(room, FxBuildHasher);
         let (mut ends, mut length_sq, mut triangles) = (Vec::new(), Vec::new(), Vec::<Vec<u32>>::new());
-        let (mut copies, mut pairs) = (Vec::new(), HashSet::new());
+        let (mut copies, mut pairs) = (Vec::new(), FxHashSet::with_capacity_and_hasher(room, FxBuildHasher));
         let mut of_triangle = Vec::with_capacity(mesh.triangles.len());
         for (t, corners) in mesh.triangles.iter().enumerate() {
             of_triangle.push(std::array::from_fn(|i| {
@@ -63,8 +64,8 @@ impl Edges {
 
     /// Edges to split: `wanted` in order of urgency with the edges that conformity adds to each, within a budget of new
     /// vertices.
-    pub fn within_budget(&self, wanted: &[u32], budget: usize) -> HashSet<u32> {
-        let mut chosen = HashSet::new();
+    pub fn within_budget(&self, wanted: &[u32], budget: usize) -> FxHashSet<u32> {
+        let mut chosen = FxHashSet::default();
         let mut left = budget;
         for &edge in wanted {
             let mut added = Vec::new();
@@ -80,7 +81,7 @@ impl Edges {
     }
 
     /// `edge`, and the longest edges of all triangles that splitting it touches.
-    fn close(&self, edge: u32, chosen: &HashSet<u32>, added: &mut Vec<u32>) {
+    fn close(&self, edge: u32, chosen: &FxHashSet<u32>, added: &mut Vec<u32>) {
         let mut stack = vec![edge];
         while let Some(edge) = stack.pop() {
             if chosen.contains(&edge) || added.contains(&edge) {

@@ -6,7 +6,7 @@ use crate::{
     observer::Observer,
     vertices::{
         points::{BakePoint, BakePoints},
-        sidedness::Sidedness,
+        sidedness::{Sidedness, exact_key},
         z_order::z_order,
     },
 };
@@ -17,7 +17,7 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 use rayon::prelude::*;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √256.
 const DIRECTIONS: usize = 256;
@@ -44,23 +44,41 @@ pub(super) struct Pilot<'a> {
     /// Distance in metres at which nearness is a half.
     half_distance: f32,
     /// Errors at the midpoints of edges, kept between rounds: most edges are not split.
-    pub errors: HashMap<EdgeKey, f32>,
+    pub errors: FxHashMap<EdgeKey, f32>,
+    /// Samples of vertices. A midpoint that becomes a vertex is not traced again.
+    samples: FxHashMap<PointKey, PilotSample>,
     /// Asked before each point whether to continue: a round traces millions of rays.
     observer: &'a dyn Observer,
 }
 
-/// For each direction, as a fraction of 255: whether light arrives from far away, and the nearness of a surface.
+/// What a point sees in each direction.
 #[derive(Clone)]
 struct PilotSample {
-    open: [u8; DIRECTIONS],
-    nearness: [u8; DIRECTIONS],
+    /// Whether light arrives from far away, a bit each.
+    open: [u64; DIRECTIONS / 64],
+    /// Nearness of a surface as a fraction of 255, if light from surfaces is stored.
+    nearness: Option<Box<[u8; DIRECTIONS]>>,
+}
+
+impl PilotSample {
+    fn see_open(&mut self, direction: usize) {
+        self.open[direction / 64] |= 1 << (direction % 64);
+    }
+}
+
+/// Place, normal and sides of a point: what it samples, but for how far off the surface.
+type PointKey = ([u32; 3], [u32; 3], bool);
+
+fn key_of(point: &BakePoint) -> PointKey {
+    (exact_key(point.position), exact_key(point.normal), point.two_sided)
 }
 
 impl<'a> Pilot<'a> {
     /// `unit` is the edge length in metres that equal triangles would have.
     pub fn new(scene: &'a Intersector, stored: Stored, unit: f32, observer: &'a dyn Observer) -> Self {
         let toward = fibonacci_directions(DIRECTIONS);
-        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors: HashMap::new(), observer }
+        let (errors, samples) = (FxHashMap::default(), FxHashMap::default());
+        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer }
     }
 
     /// Samples of the points, in their order. Neighbours are traced together: their rays in one direction lie side by side.
@@ -79,24 +97,42 @@ impl<'a> Pilot<'a> {
     /// Samples of one to eight points.
     fn seen_from_eight(&self, points: &[&BakePoint]) -> Vec<PilotSample> {
         let rays: Vec<EightRays> = self.toward.iter().map(|&d| rays_in_direction(points, d)).collect();
-        let mut seen = vec![PilotSample { open: [0; DIRECTIONS], nearness: [0; DIRECTIONS] }; points.len()];
+        let nearness = self.stored.bounces.then(|| Box::new([0; DIRECTIONS]));
+        let mut seen = vec![PilotSample { open: [0; DIRECTIONS / 64], nearness }; points.len()];
         if self.stored.bounces {
             for (i, (rays, distances)) in rays.iter().zip(self.scene.closest_distances(&rays)).enumerate() {
                 for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
                     let distance = distances[lane];
-                    sample.open[i] = u8::from(distance == f32::INFINITY && self.stored.environment) * u8::MAX;
+                    if distance == f32::INFINITY && self.stored.environment {
+                        sample.see_open(i);
+                    }
                     // Zero at an infinite distance.
-                    sample.nearness[i] = (255.0 / (1.0 + distance / self.half_distance)) as u8;
+                    let nearness = (255.0 / (1.0 + distance / self.half_distance)) as u8;
+                    sample.nearness.iter_mut().for_each(|of| of[i] = nearness);
                 }
             }
         } else {
             for (i, open) in self.scene.open(&rays).into_iter().enumerate() {
-                for (lane, sample) in seen.iter_mut().enumerate() {
-                    sample.open[i] = (open >> lane & 1) * u8::MAX;
-                }
+                let lanes = seen.iter_mut().enumerate().filter(|(lane, _)| open >> lane & 1 == 1);
+                lanes.for_each(|(_, sample)| sample.see_open(i));
             }
         }
         seen
+    }
+
+    /// Traces those points that are not known yet, and forgets all others.
+    fn learn_points(&mut self, points: &[BakePoint], needed: &[u32]) -> Result<(), BakeError> {
+        let mut known = std::mem::take(&mut self.samples);
+        for key in points.iter().map(key_of) {
+            if let Some(sample) = known.remove(&key) {
+                self.samples.insert(key, sample);
+            }
+        }
+        let unknown = needed.iter().map(|&p| points[p as usize]);
+        let unknown: Vec<BakePoint> = unknown.filter(|point| !self.samples.contains_key(&key_of(point))).collect();
+        let seen = self.seen_from(&unknown)?;
+        self.samples.extend(unknown.iter().map(key_of).zip(seen));
+        Ok(())
     }
 
     /// Traces the ends and midpoints of those edges whose error is not known yet.
@@ -114,18 +150,20 @@ impl<'a> Pilot<'a> {
         let mut needed: Vec<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
         needed.sort_unstable();
         needed.dedup();
-        let of_ends = self.seen_from(&needed.iter().map(|&p| points.points[p as usize]).collect::<Vec<_>>())?;
+        self.learn_points(&points.points, &needed)?;
         let middle = |&e: &u32| {
             let [a, b] = ends(e).map(|p| &points.points[p as usize]);
             midpoint(a, b)
         };
-        let of_middles = self.seen_from(&unknown.par_iter().map(middle).collect::<Vec<_>>())?;
+        let middles: Vec<BakePoint> = unknown.par_iter().map(middle).collect();
+        let of_middles = self.seen_from(&middles)?;
         let error = |(&e, middle): (&u32, &PilotSample)| {
-            let [a, b] = ends(e).map(|p| &of_ends[needed.partition_point(|&known| known < p)]);
+            let [a, b] = ends(e).map(|p| &self.samples[&key_of(&points.points[p as usize])]);
             (edges.key(mesh, e), midpoint_error(middle, a, b))
         };
         let found: Vec<(EdgeKey, f32)> = unknown.par_iter().zip(&of_middles).map(error).collect();
         self.errors.extend(found);
+        self.samples.extend(middles.iter().map(key_of).zip(of_middles));
         Ok(())
     }
 }
@@ -158,10 +196,12 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
 /// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness,
 /// whichever is larger.
 fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
-    let mean = |of: fn(&PilotSample) -> &[u8; DIRECTIONS]| {
-        let [middle, a, b] = [of(middle), of(a), of(b)].map(|values| values.map(u32::from));
-        let twice: u32 = (0..DIRECTIONS).map(|i| (2 * middle[i]).abs_diff(a[i] + b[i])).sum();
-        twice as f32 / (2 * 255 * DIRECTIONS) as f32
-    };
-    mean(|seen| &seen.open).max(mean(|seen| &seen.nearness))
+    let words = (0..middle.open.len()).map(|i| (middle.open[i], a.open[i], b.open[i]));
+    // Where the ends differ, the midpoint is wrong by a half whatever it sees.
+    let halves = words.map(|(m, a, b)| (a ^ b).count_ones() + 2 * (!(a ^ b) & (a ^ m)).count_ones());
+    let open = halves.sum::<u32>() as f32 / (2 * DIRECTIONS) as f32;
+    let [Some(middle), Some(a), Some(b)] = [middle, a, b].map(|sample| sample.nearness.as_ref()) else { return open };
+    let twice = |i: usize| (2 * u32::from(middle[i])).abs_diff(u32::from(a[i]) + u32::from(b[i]));
+    let nearness = (0..DIRECTIONS).map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS) as f32;
+    open.max(nearness)
 }

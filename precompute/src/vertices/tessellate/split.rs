@@ -4,12 +4,12 @@ use super::edges::Edges;
 use crate::vertices::sidedness::Sidedness;
 use glam::Vec3;
 use lapidary_core::scene::Mesh;
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Splits the chosen edges at their midpoints. For every triangle with a chosen edge, its longest edge must be chosen
 /// too.
-pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges, chosen: &HashSet<u32>) {
-    let mut midpoints = HashMap::new();
+pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges, chosen: &FxHashSet<u32>) {
+    let mut midpoints = FxHashMap::default();
     for t in 0..edges.of_triangle.len() {
         if !edges.of_triangle[t].iter().any(|e| chosen.contains(e)) {
             continue;
@@ -47,7 +47,7 @@ fn replace_triangle(mesh: &mut Mesh, sides: &mut Sidedness, t: usize, parts: &[[
 }
 
 /// The vertex between two vertices, made at the first call for them.
-pub(super) fn midpoint_vertex(mesh: &mut Mesh, midpoints: &mut HashMap<(u32, u32), u32>, a: u32, b: u32) -> u32 {
+pub(super) fn midpoint_vertex(mesh: &mut Mesh, midpoints: &mut FxHashMap<(u32, u32), u32>, a: u32, b: u32) -> u32 {
     let key = (a.min(b), a.max(b));
     if let Some(&known) = midpoints.get(&key) {
         return known;

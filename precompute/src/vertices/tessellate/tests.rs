@@ -9,7 +9,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{camera::Camera, scene::Scene};
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashSet,
     sync::{
         Mutex,
         atomic::{AtomicUsize, Ordering},
@@ -65,7 +65,7 @@ fn the_result_is_valid_conforming_and_has_the_same_surface() {
     let mut cracked = after.mesh.clone();
     let edges = Edges::new(&cracked);
     let [a, b] = end_vertices(&cracked, &edges, 0);
-    midpoint_vertex(&mut cracked, &mut HashMap::new(), a, b);
+    midpoint_vertex(&mut cracked, &mut Default::default(), a, b);
     assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
 }
 
