@@ -34,6 +34,8 @@ fn the_report_has_the_keys_that_scripts_depend_on() {
     let samples = report["samples_resolved"].as_u64();
     assert_eq!(samples, report["bake_points"].as_u64().map(|points| 1024 * points));
     let stored = std::fs::metadata(folder.path("a.cuts")).expect("a dataset").len();
+    let memory = ["peak_memory_bytes", "estimated_memory_bytes"].map(|key| report[key].as_u64().expect("bytes"));
+    assert!(memory[0] <= memory[1] && memory[1] < 4 * memory[0], "{memory:?}");
     assert!(report["bytes_total"].as_u64().is_some_and(|b| b < stored && b > stored / 2));
 }
 

@@ -247,6 +247,9 @@ pub struct BakeRun {
     pub samples_per_second: f64,
     /// Greatest resident memory of the process.
     pub peak_memory_bytes: u64,
+    /// What it was estimated to be before the bake; `None` if the dataset was merged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_memory_bytes: Option<u64>,
 }
 
 impl BakeReport {

@@ -67,3 +67,4 @@ pub mod test_files;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_scenes;
 pub mod texture;
+pub mod threads;

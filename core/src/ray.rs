@@ -27,14 +27,18 @@ pub use segments::SegmentBatch;
 use crate::{
     scene::Mesh,
     surfel::{MeshPlace, Surfel},
+    threads::on_threads,
 };
 use closest::is_nearer;
 use glam::{Vec2, Vec3, Vec3A};
 use leaves::LeafBlocks;
 use obvhs::{bvh2::Bvh2, ray::Ray, triangle::Triangle};
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::{collections::HashSet, panic::resume_unwind};
 use triangle::TriangleFrom;
+
+/// Threads that build a hierarchy.
+const BUILDERS: usize = 8;
 
 /// Where a ray first meets the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +76,14 @@ impl Intersector {
         Self::with_hierarchy(mesh, hierarchy::build_quickly)
     }
 
+    /// By threads of its own, always as many: who waits for a hierarchy may be the thread that others wait for, and how equal
+    /// costs are sorted may depend on the number of threads.
     fn with_hierarchy(mesh: &Mesh, build: fn(&[Triangle]) -> Bvh2) -> Self {
+        let apart = || on_threads(BUILDERS, || Self::made(mesh, build));
+        std::thread::scope(|scope| scope.spawn(apart).join()).unwrap_or_else(|panic| resume_unwind(panic))
+    }
+
+    fn made(mesh: &Mesh, build: fn(&[Triangle]) -> Bvh2) -> Self {
         let distinct = distinct_triangles(mesh);
         let triangle = |&t: &u32| {
             let [v0, v1, v2] = mesh.corners(t as usize).map(Vec3A::from);

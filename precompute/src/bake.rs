@@ -40,6 +40,7 @@ use lapidary_core::{
     dataset::{BakeAudit, BakeReport, Dataset, scene_hash},
     light_tree::LightTree,
     lock::OutputLock,
+    memory::{peak, resident},
     output::check_output,
     ray::RayDevices,
     scene::Scene,
@@ -131,7 +132,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&hash, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
-    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None };
+    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None, estimated_memory: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
     finish(dataset, checkpoint, output, &remarks)
 }
@@ -166,6 +167,8 @@ struct Begun<'a> {
     audit: Option<BakeAudit>,
     checkpoint: Checkpoint,
     devices: Option<&'a dyn RayDevices>,
+    /// In bytes, see [`BakeRun::estimated_memory_bytes`](lapidary_core::dataset::BakeRun).
+    estimated_memory: Option<u64>,
 }
 
 impl<'a> Begun<'a> {
@@ -180,7 +183,7 @@ impl<'a> Begun<'a> {
         let settings = job.settings.clone();
         let observer = clock.observer;
         Checkpoint::is_left(&work.folder_of(&job.output))?;
-        check_memory(&scene, &settings)?;
+        let estimated_memory = Some(check_memory(&scene, &settings)?);
         if settings.mode.meshless() {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
@@ -197,12 +200,12 @@ impl<'a> Begun<'a> {
         })?;
         cancelled(observer)?;
         let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, devices, clock)?;
-        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices })
+        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 
     /// Makes or reads the chunks, and packs them. `warnings` are those that came before.
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
-        let Self { settings, hash, geometry, tree, audit, checkpoint, devices } = self;
+        let Self { settings, hash, geometry, tree, audit, checkpoint, devices, estimated_memory } = self;
         let observer = clock.observer;
         let kept = checkpoint.series(Series::Environment, Places::of_scene());
         let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
@@ -232,21 +235,23 @@ impl<'a> Begun<'a> {
             report,
         };
         clock.add(Phase::Pack, packing.elapsed());
-        finish_report(&mut dataset, clock);
+        finish_report(&mut dataset, clock, estimated_memory);
         Ok((dataset, checkpoint))
     }
 }
 
-fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<(), BakeError> {
+/// Checks that there is enough memory. Returns what this process will have at most.
+fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<u64, BakeError> {
     let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0));
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
-    let needed = memory::estimate(vertices, triangles, settings, threads);
+    let places_vertices = vertices > scene.mesh.positions.len();
+    let needed = memory::estimate(vertices, triangles, places_vertices, settings, threads);
     match lapidary_core::memory::available() {
         Some(available) if needed > available => {
             Err(BakeError::Memory { mode: settings.mode, needed: needed >> 20, available: available >> 20 })
         }
-        _ => Ok(()),
+        _ => Ok(peak().max(resident() + needed)),
     }
 }
 

@@ -23,7 +23,7 @@ mod shard;
 mod sources;
 #[cfg(test)]
 mod test_scenes;
-mod threads;
+mod trial;
 mod verify;
 mod vertices;
 mod warning;
@@ -45,7 +45,7 @@ pub use sources::{
     disk::{Darts, poisson_disk},
     viewpoint::find_viewpoint,
 };
-pub use threads::on_threads;
+pub use trial::Trial;
 pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{
     sampler::VertexSampler,

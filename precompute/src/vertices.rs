@@ -10,4 +10,4 @@ mod spread;
 pub mod tessellate;
 pub mod tracing;
 pub mod visibility;
-mod z_order;
+pub mod z_order;

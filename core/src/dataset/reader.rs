@@ -1,4 +1,4 @@
-//! Tensors of a file, each read straight to where it stays, and checked. No more than one copy of them is ever in memory.
+//! Tensors of a file, each that is used read straight to where it stays, and checked. No more than one copy of them is ever in memory.
 //!
 //! A file is not mapped: one that is cut short meanwhile, or whose drive goes away, must be an error and not the end of the
 //! program.
@@ -45,7 +45,7 @@ impl TensorFile {
             .and_then(|text| serde_json::from_str(text).map_err(SafeTensorError::InvalidHeaderDeserialization))
             .map_err(foreign)?;
         let opened = Self { file, metadata, start: (size_of::<u64>() + head.len()) as u64 };
-        if opened.start + opened.metadata.data_len() as u64 != length {
+        if opened.start.checked_add(opened.metadata.data_len() as u64) != Some(length) {
             return Err(foreign(SafeTensorError::MetadataIncompleteBuffer));
         }
         Ok(opened)

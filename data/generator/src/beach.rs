@@ -98,7 +98,7 @@ fn add_cells(mesh: &mut Mesh, columns: usize, rows: usize) {
     }
 }
 
-/// Where a stone lies, half sunk into the sand.
+/// Where a stone lies, a fifth of it in the sand.
 fn lying(i: usize, radius: f32) -> Affine3A {
     let uv = vec2(0.05 + 0.9 * random(i, 2), 0.05 + 0.9 * random(i, 3));
     let tilt = Quat::from_rotation_y(TAU * random(i, 4)) * Quat::from_rotation_x(0.5 * random(i, 5));

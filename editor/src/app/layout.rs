@@ -18,7 +18,7 @@ use crate::{
     document::{self, BackgroundKind, Component, Document, Unlit},
     jobs::render_thread::RenderedFrame,
     panels::{
-        bake::{self, BakeContext, SceneStats},
+        bake::{self, BakeContext, BakeStatus, SceneStats},
         comparison,
         environment::{self, EnvironmentContext, LibraryEntry},
         lights::{self, LightsContext},
@@ -205,13 +205,15 @@ fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) 
 
 fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let status = state.bake_status();
-    let report = state.scene.source.as_ref().map(|source| &source.report);
+    let source = state.scene.source.as_ref();
+    let report = source.map(|source| &source.report);
     let context = BakeContext {
         document: &state.document,
         dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
+        trial: source.and_then(|source| source.trial(!matches!(status, BakeStatus::Running { .. }))),
         cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
     };
     scrolled(ui, |ui| bake::show(ui, &context, actions));

@@ -6,9 +6,10 @@ use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     output::OutputError,
     scene::Scene,
+    threads::on_threads,
 };
 use lapidary_precompute::{
-    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, on_threads, resolve, with_room,
+    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, resolve, with_room,
 };
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};

@@ -5,7 +5,15 @@ use lapidary_core::{
     import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
 };
-use std::{path::Path, sync::Arc, time::Instant};
+use lapidary_precompute::Trial;
+use std::{
+    path::Path,
+    sync::{
+        Arc, OnceLock,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
+};
 
 /// An imported scene.
 #[derive(Clone, Debug)]
@@ -18,6 +26,8 @@ pub struct Imported {
     pub import_secs: f64,
     /// Report of the import and its repairs.
     pub report: ImportReport,
+    trial: Arc<OnceLock<Option<Trial>>>,
+    is_tried: Arc<AtomicBool>,
 }
 
 impl Imported {
@@ -30,6 +40,23 @@ impl Imported {
         let imported = import_with(path, &ImportOptions { allow_outside, ..Default::default() })?;
         let hash = scene_hash(&imported.scene);
         let import_secs = start.elapsed().as_secs_f64();
-        Ok(Self { scene: imported.scene.into(), hash, import_secs, report: imported.report })
+        Ok(Self {
+            scene: imported.scene.into(),
+            hash,
+            import_secs,
+            report: imported.report,
+            trial: Arc::default(),
+            is_tried: Arc::default(),
+        })
+    }
+
+    /// What a bake of it will find. The first call that `may_begin` begins to find out, on a thread; later ones tell it when it
+    /// is known.
+    pub fn trial(&self, may_begin: bool) -> Option<Trial> {
+        if may_begin && !self.is_tried.swap(true, Ordering::Relaxed) {
+            let (scene, trial) = (self.scene.clone(), self.trial.clone());
+            std::thread::spawn(move || trial.set(Trial::of(&scene)));
+        }
+        self.trial.get().copied().flatten()
     }
 }

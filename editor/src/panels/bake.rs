@@ -22,7 +22,7 @@ use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
 use lapidary_core::dataset::{BakeParts, Dataset};
-use lapidary_precompute::{Leftover, Phase, resolve};
+use lapidary_precompute::{Leftover, Phase, Trial, resolve};
 
 /// What the panel shows.
 pub struct BakeContext<'a> {
@@ -36,6 +36,8 @@ pub struct BakeContext<'a> {
     pub reasons: &'a [String],
     /// Size of the scene before tessellation, if it is known.
     pub scene_stats: Option<SceneStats>,
+    /// What a few of its points told, if they have.
+    pub trial: Option<Trial>,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
 }

@@ -284,13 +284,21 @@ impl Kept<'_> {
     /// A chunk that is kept, once more.
     ///
     /// # Errors
-    /// A file that was whole and is no more.
-    pub fn again(&self, index: usize, count: usize, height: u32) -> Result<Chunk, CheckpointError> {
+    /// A file that was whole and is no more; where shares are merged, the share that has lost it.
+    pub fn again(&self, index: usize, count: usize, height: u32) -> Result<Chunk, BakeError> {
         let folder = &self.checkpoint.folder;
         let mut folders = iter::once(folder).chain(self.checkpoint.known.iter().map(|(folder, _)| folder));
         let body = folders.find_map(|folder| self.body_in(folder, index));
         let chunk = body.and_then(|body| Chunk::decoded(&body, count, height));
-        chunk.ok_or_else(|| CheckpointError::Lost { path: folder.join(self.series.file_name(index)) })
+        if let Some(chunk) = chunk {
+            return Ok(chunk);
+        }
+        self.may_make(index)?;
+        let path = folder.join(self.series.file_name(index));
+        Err(match input::read(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => io_error("read", &path, source),
+            _ => CheckpointError::Lost { path },
+        })?
     }
 
     /// Keeps a finished chunk.

@@ -44,10 +44,11 @@ pub fn report(
 }
 
 /// Adds what is known at the end: bytes, times, memory.
-pub fn finish_report(dataset: &mut Dataset, clock: Clock) {
+pub fn finish_report(dataset: &mut Dataset, clock: Clock, estimated_memory_bytes: Option<u64>) {
     dataset.report.bytes_total = dataset.tensor_bytes();
     let seconds = clock.finish();
     let secs = seconds.get(Phase::Visibility.name()).copied().unwrap_or(0.0);
     let samples_per_second = dataset.report.samples_resolved as f64 / secs.max(1e-9);
-    dataset.report.run = Some(BakeRun { seconds, samples_per_second, peak_memory_bytes: memory::peak() });
+    let peak_memory_bytes = memory::peak();
+    dataset.report.run = Some(BakeRun { seconds, samples_per_second, peak_memory_bytes, estimated_memory_bytes });
 }

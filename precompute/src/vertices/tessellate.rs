@@ -19,7 +19,7 @@ use crate::{
 use edges::Edges;
 use lapidary_core::{ray::Intersector, scene::Mesh, shot::Shot};
 use pilot::Pilot;
-pub use pilot::Stored;
+pub use pilot::{Stored, trace_seconds};
 use scale::EdgeScale;
 use split::split_edges;
 

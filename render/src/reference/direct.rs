@@ -14,11 +14,11 @@ impl Renderer {
     /// The direct light of local lights alone, over black.
     pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
         let backdrop = Backdrop::black();
-        let sampler = PixelSampler::new(self, view, &backdrop);
+        let (sampler, intersector) = (PixelSampler::new(self, view, &backdrop), self.intersector());
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
-                let shade = |p: &SurfacePoint| direct_light(p, lights, self.intersector(), pixel_shift(x, y, i));
+                let shade = |p: &SurfacePoint| direct_light(p, lights, intersector, pixel_shift(x, y, i));
                 sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32

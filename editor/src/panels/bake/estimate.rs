@@ -2,7 +2,7 @@
 
 use super::BakeContext;
 use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings};
-use lapidary_precompute::Phase;
+use lapidary_precompute::{Phase, Trial};
 
 /// (vertex, light) pairs per second and core of a bake that follows boundaries, where no bake has measured it, at the lights
 /// that it holds for: 40 to 60 million in nine scenes.
@@ -14,8 +14,11 @@ const LIGHTS_POWER: f64 = 0.8;
 const EXHAUSTIVE: f64 = 2.7;
 /// Points of each pilot cluster that are traced as vertices are.
 const PILOT_POINTS: f64 = 8.0;
-/// Core seconds for each vertex of placing vertices where visibility varies; and of all else before the light tree.
-const TESSELLATION: [f64; 2] = [4e-4, 5e-5];
+/// Core seconds for each vertex of placing vertices where visibility varies, where no trial has measured it; and of all else
+/// before the light tree.
+const TESSELLATION: [f64; 2] = [2.5e-4, 5e-5];
+/// Points for each vertex at which tessellation asks whether to split.
+const SPLITS_PER_VERTEX: f64 = 4.0;
 /// Mean nodes of a cut at 32,768 lights and sigma 2 on the test scenes.
 const MEAN_CUT: f64 = 170.0;
 /// The lights and sigma that it holds for.
@@ -64,6 +67,8 @@ pub struct Speed {
     pub segments_per_second: f64,
     /// A mean cut over surface samples, and the samples and sigma that it came from.
     pub mean_source_cut: (f64, usize, f32),
+    /// Core seconds for each vertex of placing vertices.
+    pub core_secs_per_placed: f64,
     /// Cores that a bake may use.
     pub cores: usize,
 }
@@ -80,10 +85,10 @@ pub struct Estimate {
 }
 
 impl Speed {
-    /// From the last report, or from averages.
+    /// From the last report, from a trial, or from averages.
     pub fn known(context: &BakeContext) -> Self {
         let report = context.dataset.map(|d| &d.report);
-        let known = Self::from_report(report, context.cores);
+        let known = Self::from(report, context.trial, context.cores);
         Self {
             source_vertices: context.source_vertices(),
             mean_source_cut: context.dataset.and_then(mean_source_cut).unwrap_or(known.mean_source_cut),
@@ -91,21 +96,25 @@ impl Speed {
         }
     }
 
-    fn from_report(report: Option<&BakeReport>, cores: usize) -> Self {
+    fn from(report: Option<&BakeReport>, trial: Option<Trial>, cores: usize) -> Self {
         let along_boundaries = |r: &BakeReport| if r.lights_per_probe() == 1 { EXHAUSTIVE } else { 1.0 };
         let measured = report.and_then(|r| Some((r.run.as_ref()?.samples_per_second * along_boundaries(r), r.lights)));
-        let (average, at) = PAIRS_PER_SECOND_AND_CORE;
+        let per_core = trial.map(|trial| (trial.lights as f64 / trial.core_secs_per_point, trial.lights));
+        let (rate, at) = per_core.unwrap_or(PAIRS_PER_SECOND_AND_CORE);
+        let cut_of_trial = trial.map(|trial| (trial.mean_cut, trial.lights, trial.sigma));
+        let cores = cores.max(1);
         let has_cuts = |r: &&BakeReport| r.mode.environment() && r.mean_cut > 0.0 && r.sigma > 0.0;
         let cut = report.filter(has_cuts).map(|r| (r.mean_cut, r.lights, r.sigma));
         Self {
             source_vertices: None,
-            pairs_per_second: measured.filter(|m| m.0 > 0.0).unwrap_or((average * cores.max(1) as f64, at)),
+            pairs_per_second: measured.filter(|m| m.0 > 0.0).unwrap_or((rate * cores as f64, at)),
             segments_per_second: report
                 .and_then(segments_per_second)
-                .unwrap_or(SEGMENTS_PER_SECOND_AND_CORE * cores.max(1) as f64),
+                .unwrap_or(SEGMENTS_PER_SECOND_AND_CORE * cores as f64),
             mean_source_cut: (MEAN_SOURCE_CUT, MEAN_SOURCE_CUT_AT.0, MEAN_SOURCE_CUT_AT.1),
-            cores: cores.max(1),
-            mean_cut: cut.unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
+            core_secs_per_placed: trial.map_or(TESSELLATION[0], |t| SPLITS_PER_VERTEX * t.core_secs_per_split),
+            cores,
+            mean_cut: cut.or(cut_of_trial).unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
         }
     }
 
@@ -127,8 +136,8 @@ impl Speed {
     /// Seconds until vertices are where they sample.
     fn tessellation(&self, settings: &BakeSettings, vertices: f64) -> f64 {
         let splits = settings.max_vertices > self.source_vertices;
-        let [placed, other] = TESSELLATION;
-        vertices * (if splits { placed } else { 0.0 } + other) / self.cores as f64
+        let placed = if splits { self.core_secs_per_placed } else { 0.0 };
+        vertices * (placed + TESSELLATION[1]) / self.cores as f64
     }
 
     /// Seconds of the environment's visibility from so many points.
@@ -204,7 +213,7 @@ mod tests {
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
-        Speed { source_vertices: Some(5000), ..Speed::from_report(report, 2) }
+        Speed { source_vertices: Some(5000), ..Speed::from(report, None, 2) }
     }
 
     #[test]
@@ -212,11 +221,36 @@ mod tests {
         let estimate = speed(None).estimate(&Preset::Normal.settings()).unwrap();
         assert_eq!(estimate.vertices, 100_000);
         // 100,000 vertices are placed, and they and 8 points of each pilot cluster traced.
-        let expected = 1e5 * 4.5e-4 / 2.0 + (1e5 + 8192.0) * 32_768.0 / 90e6;
+        let expected = 1e5 * 3e-4 / 2.0 + (1e5 + 8192.0) * 32_768.0 / 90e6;
         assert!((estimate.secs - expected).abs() < 1e-6, "{} for {expected}", estimate.secs);
         assert_eq!(estimate.bytes, 34_000_000);
-        let four_cores = Speed { source_vertices: Some(5000), ..Speed::from_report(None, 4) };
+        let four_cores = Speed { source_vertices: Some(5000), ..Speed::from(None, None, 4) };
         assert!(four_cores.estimate(&Preset::Normal.settings()).unwrap().secs < 0.6 * estimate.secs);
+    }
+
+    #[test]
+    fn a_trial_counts_more_than_averages_and_less_than_a_report() {
+        let trial = Trial {
+            lights: 8192,
+            sigma: 2.0,
+            core_secs_per_point: 8192.0 / 20e6,
+            mean_cut: 50.0,
+            core_secs_per_split: 1e-4,
+        };
+        let settings = Preset::Normal.settings();
+        let of = |report| Speed { source_vertices: Some(5000), ..Speed::from(report, Some(trial), 2) };
+        let estimate = of(None).estimate(&settings).unwrap();
+        // Cuts of four times the lights are twice as long.
+        assert_eq!(estimate.bytes, 20_000_000);
+        let traced = (1e5 + 8192.0) * 8192.0 * 4_f64.powf(0.8) / 40e6;
+        assert!((estimate.secs - (1e5 * 4.5e-4 / 2.0 + traced)).abs() < 1e-6, "{}", estimate.secs);
+        let run = Some(BakeRun { samples_per_second: 1e6, ..Default::default() });
+        let report = BakeReport { run, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
+        let known = of(Some(&report));
+        assert_eq!(
+            (known.pairs_per_second, known.mean_cut),
+            (speed(Some(&report)).pairs_per_second, (100.0, 32_768, 2.0))
+        );
     }
 
     #[test]
@@ -304,7 +338,7 @@ mod tests {
         let settings = BakeSettings { max_bytes: Some(4096), ..Preset::High.settings() };
         assert_eq!(speed(None).estimate(&settings).unwrap().bytes, 4096);
         let unlimited = BakeSettings { max_vertices: None, ..Preset::High.settings() };
-        assert_eq!(Speed::from_report(None, 2).estimate(&unlimited), None);
+        assert_eq!(Speed::from(None, None, 2).estimate(&unlimited), None);
     }
 
     #[test]
@@ -323,7 +357,7 @@ mod tests {
         let parts = [BakeParts::CUTS, BakeParts::MESHLESS].map(cost);
         let all = cost(BakeParts::ALL);
         // Vertices are placed once.
-        let placed = 1e5 * 4.5e-4 / 2.0;
+        let placed = 1e5 * 3e-4 / 2.0;
         assert!((all.secs + placed - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);
         assert!(all.bytes.abs_diff(parts.iter().map(|p| p.bytes).sum()) < 4);
         assert!(parts.iter().all(|part| part.secs < all.secs && part.bytes < all.bytes && part.bytes > 0));

@@ -43,7 +43,7 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
     }
     rows.extend(bounce_rows(report, settings));
     rows.push(("File", bytes(report.bytes_total)));
-    rows.extend(report.run.iter().map(|run| ("Peak memory", bytes(run.peak_memory_bytes))));
+    rows.extend(report.run.iter().map(|run| ("Peak memory", peak_memory(run))));
     let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let of_phase = |phase: Phase| (phase.name(), described(phase).0.to_lowercase());
     for (key, name) in Phase::ALL.map(of_phase).into_iter().chain([("total", "total".to_owned())]) {
@@ -52,6 +52,12 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
         }
     }
     rows
+}
+
+fn peak_memory(run: &BakeRun) -> String {
+    let expected =
+        run.estimated_memory_bytes.map_or(String::new(), |expected| format!(" of {} expected", bytes(expected)));
+    format!("{}{expected}", bytes(run.peak_memory_bytes))
 }
 
 fn count(n: usize) -> String {

@@ -3,7 +3,7 @@
 use super::point_cuts::{PointCuts, texel_bytes};
 use crate::{
     bake::settings::ResolvedBake,
-    errors::CheckpointError,
+    errors::{BakeError, cancelled},
     observer::{Event, Observer},
     setting::Setting,
     warning::Warning,
@@ -24,16 +24,16 @@ pub type Factor = Option<f32>;
 /// The factor with which the vertices' cuts over the environment fit the byte budget and a texture, and their final sigma.
 ///
 /// # Errors
-/// Cuts that can no longer be read.
+/// Cuts that can no longer be read; [`BakeError::Cancelled`].
 pub fn fit_environment(
     cuts: &PointCuts,
     settings: &ResolvedBake,
     observer: &dyn Observer,
-) -> Result<(Factor, f32), CheckpointError> {
+) -> Result<(Factor, f32), BakeError> {
     let asked = settings.criterion.sigma;
     let budget = settings.max_bytes.unwrap_or(u64::MAX).min(TEXTURE_BYTES);
     let height = cuts.height();
-    let factor = fit(cuts, budget, |factor, cut| coarser_environment(height, asked, factor, cut))?;
+    let factor = fit(cuts, budget, |factor, cut| coarser_environment(height, asked, factor, cut), observer)?;
     let sigma = factor.map_or(asked, |factor| factor * least_sigma(asked));
     if factor.is_some() && budget == TEXTURE_BYTES {
         let message = Warning::Coarsened { leaves: "environment", bound: Setting::Sigma, asked, fitted: sigma };
@@ -55,15 +55,15 @@ fn least_sigma(asked: f32) -> f32 {
 /// The factor with which the vertices' cuts over the surface sources take at most `most` bytes.
 ///
 /// # Errors
-/// Cuts that can no longer be read.
+/// Cuts that can no longer be read; [`BakeError::Cancelled`].
 pub fn fit_sources(
     cuts: &PointCuts,
     asked: SourceCriterion,
     most: u64,
     observer: &dyn Observer,
-) -> Result<Factor, CheckpointError> {
+) -> Result<Factor, BakeError> {
     let height = cuts.height();
-    let factor = fit(cuts, most, |factor, cut| prune_sources(height, asked.coarser(factor), cut))?;
+    let factor = fit(cuts, most, |factor, cut| prune_sources(height, asked.coarser(factor), cut), observer)?;
     if let Some(factor) = factor {
         let (bound, fitted) = (Setting::SourceSigma, asked.coarser(factor).sigma);
         let message = Warning::Coarsened { leaves: "surface sources", bound, asked: asked.sigma, fitted };
@@ -77,24 +77,32 @@ fn fit(
     cuts: &PointCuts,
     most: u64,
     coarsened: impl Fn(f32, &[u16]) -> Vec<u16> + Sync,
-) -> Result<Factor, CheckpointError> {
+    observer: &dyn Observer,
+) -> Result<Factor, BakeError> {
     const STEP: f32 = 1.05;
-    const LARGEST: f32 = 1e4;
+    const LARGEST: i32 = 190; // a factor of ten thousand
     if cuts.bytes() <= most {
         return Ok(None);
     }
-    let mut factor = STEP;
-    loop {
+    let fits = |steps: i32| {
         let mut bytes = 0;
         cuts.each_chunk(|chunk| {
-            bytes += chunk.par_iter().map(|cut| texel_bytes(coarsened(factor, cut).len())).sum::<u64>();
-            Ok::<(), CheckpointError>(())
+            cancelled(observer)?;
+            bytes += chunk.par_iter().map(|cut| texel_bytes(coarsened(STEP.powi(steps), cut).len())).sum::<u64>();
+            Ok(())
         })?;
-        if bytes <= most || factor > LARGEST {
-            return Ok(Some(factor));
+        Ok::<bool, BakeError>(bytes <= most)
+    };
+    // Coarser cuts are no longer. All chunks are read in each round, so that these must be few.
+    let (mut too_few, mut enough) = (0, LARGEST);
+    while enough - too_few > 1 {
+        let middle = (too_few + enough) / 2;
+        match fits(middle)? {
+            true => enough = middle,
+            false => too_few = middle,
         }
-        factor *= STEP;
     }
+    Ok(Some(STEP.powi(enough)))
 }
 
 #[cfg(test)]
@@ -128,11 +136,11 @@ mod tests {
         let cuts = ten(&cut, 6);
         let by_sigma = |factor: f32, cut: &[u16]| prune(6, 0.3 * factor, cut);
         let whole = cuts.bytes();
-        assert_eq!((whole, fit(&cuts, whole, by_sigma).unwrap()), (10 * 2 * 64, None));
-        let factor = fit(&cuts, whole - 1, by_sigma).unwrap().expect("they did not fit");
+        assert_eq!((whole, fit(&cuts, whole, by_sigma, &Silent).unwrap()), (10 * 2 * 64, None));
+        let factor = fit(&cuts, whole - 1, by_sigma, &Silent).unwrap().expect("they did not fit");
         assert!(by_sigma(factor, &cut).len() < cut.len());
         assert_eq!(by_sigma(factor / 1.05, &cut), cut, "negative control: a step less");
-        let factor = fit(&cuts, 0, by_sigma).unwrap().expect("nothing fits into nothing, and the search ends");
+        let factor = fit(&cuts, 0, by_sigma, &Silent).unwrap().expect("nothing fits into nothing, and the search ends");
         assert_eq!(by_sigma(factor, &cut).len(), 1);
     }
 

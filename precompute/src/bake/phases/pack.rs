@@ -51,7 +51,7 @@ pub fn pack(
         }
         None => {
             chunk.iter().for_each(|cut| push(cut));
-            Ok::<(), BakeError>(())
+            Ok(())
         }
     })?;
     check_texels(packed.nodes().len() / NODES_PER_TEXEL, of)?;

@@ -3,7 +3,7 @@
 
 use crate::{
     bake::checkpoint::{Chunk, Kept},
-    errors::CheckpointError,
+    errors::BakeError,
 };
 use lapidary_core::cut::packed::{NODES_PER_TEXEL, TEXEL_BYTES};
 use std::borrow::Cow;
@@ -95,10 +95,7 @@ impl<'a> PointCuts<'a> {
     ///
     /// # Errors
     /// A chunk that can no longer be read, and what `each` returns.
-    pub fn each_chunk<E: From<CheckpointError>>(
-        &self,
-        mut each: impl FnMut(&[&[u16]]) -> Result<(), E>,
-    ) -> Result<(), E> {
+    pub fn each_chunk(&self, mut each: impl FnMut(&[&[u16]]) -> Result<(), BakeError>) -> Result<(), BakeError> {
         for part in &self.parts {
             let nodes = match &part.nodes {
                 Nodes::Here(nodes) => Cow::Borrowed(&**nodes),

@@ -1,8 +1,9 @@
 //! The operator where the answer is known: inside a sphere, whose irradiance is the same everywhere.
 
 use super::*;
-use crate::{observer::Silent, threads::on_threads};
+use crate::observer::Silent;
 use glam::Vec3;
+use lapidary_core::threads::on_threads;
 use lapidary_core::{
     bounds::Bounds,
     meshless::{MeshlessBake, SolveSettings, Solver, irradiance},

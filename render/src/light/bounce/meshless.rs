@@ -45,8 +45,9 @@ impl MeshlessRig {
         let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
         let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
         let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
+        let intersector = baked.intersector();
         let is_free = |point: &Surfel, direction: Vec3, within: f32| {
-            !baked.intersector().occluded_before(point.position + point.normal * offset, direction, within)
+            !intersector.occluded_before(point.position + point.normal * offset, direction, within)
         };
         let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
         let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);

@@ -132,7 +132,7 @@ fn a_rectangle_casts_a_soft_shadow() {
     let lamp = light(Emission::Rectangle { width: 0.8, height: 0.8 }, [0.5, 2.2, 0.6], [0.0; 3]);
     let soft = rig.lit_by(&view, std::slice::from_ref(&lamp), ROOM);
     let points = receivers(&rig.gpu, &rig.renderer, &view);
-    let rays = rig.renderer.intersector().clone();
+    let rays = rig.renderer.intersector();
     let n = 24;
     let at = |i: u32| (i as f32 + 0.5) / n as f32;
     let traced = |receiver: &Receiver| {

@@ -1,0 +1,149 @@
+//! A bake in small: a few points of a scene, traced as a bake traces them, tell what the whole will take before it begins.
+
+use crate::{
+    mesh_surface::MeshSurface,
+    observer::Silent,
+    vertices::{
+        points::{BakePoint, BakePoints},
+        sidedness::{Sidedness, classify},
+        tessellate::{Stored, trace_seconds},
+        visibility::{FINEST, USUAL, VisibilitySampler},
+        z_order::z_order,
+    },
+};
+use glam::Vec3;
+use lapidary_core::{
+    cut::{CutCriterion, CutSelector},
+    light_tree::{Features, LightTree, PilotVisibility, TreeKind},
+    ray::{BoundaryTracer, Intersector, offset},
+    scene::{Mesh, Scene},
+    sphere::fibonacci_directions,
+    threads::on_threads,
+};
+use std::time::Instant;
+
+/// Lights of the trial, those of a draft.
+const LIGHTS: usize = 8192;
+/// Points among the vertices of the scene, and as many spread over its surfaces.
+const POINTS: usize = 128;
+/// Most triangles of a scene that is tried: the hierarchy of more takes many seconds, and a gigabyte.
+const MOST_TRIANGLES: usize = 1_000_000;
+/// Points side by side, as they are traced together.
+const RUN: usize = 8;
+
+/// What a trial found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// Lights that it holds for.
+    pub lights: usize,
+    /// Error bound of the cuts that it holds for.
+    pub sigma: f32,
+    /// Core seconds for each point of following boundaries and selecting the cut.
+    pub core_secs_per_point: f64,
+    /// Mean nodes of a cut.
+    pub mean_cut: f64,
+    /// Core seconds for each point at which tessellation asks whether to split.
+    pub core_secs_per_split: f64,
+}
+
+impl Trial {
+    /// Of a scene as imported; `None` if nothing of it can be seen, or if it is very large. It takes a second or less, by one
+    /// thread but for the hierarchy.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        if scene.mesh.triangles.len() > MOST_TRIANGLES {
+            return None;
+        }
+        on_threads(1, || Self::on_this_thread(scene))
+    }
+
+    fn on_this_thread(scene: &Scene) -> Option<Self> {
+        let sides = classify(scene);
+        let intersector = Intersector::new(&scene.mesh);
+        let [of_pilot, points] = some_points(&scene.mesh, &sides, &intersector);
+        if points.is_empty() {
+            return None;
+        }
+        let tree = tree(&intersector, &of_pilot)?;
+        let criterion = CutCriterion::default();
+        let sampler = VisibilitySampler::new(&intersector, &tree, USUAL);
+        let (mut tracer, mut visible) = (BoundaryTracer::default(), vec![0; LIGHTS]);
+        let mut selector = CutSelector::new(tree.height(), criterion);
+        let length = |point: &BakePoint| {
+            let mut cut = Vec::new();
+            sampler.sample(point, &mut tracer, &mut visible);
+            selector.select(&visible, &mut cut);
+            cut.len()
+        };
+        let start = Instant::now();
+        let nodes: usize = points.iter().map(length).sum();
+        let secs = start.elapsed().as_secs_f64();
+        let stored = Stored { environment: true, bounces: false };
+        let split_secs = trace_seconds(&intersector, stored, &points, &Silent).ok()?;
+        let count = points.len() as f64;
+        Some(Self {
+            lights: LIGHTS,
+            sigma: criterion.sigma,
+            core_secs_per_point: secs / count,
+            mean_cut: nodes as f64 / count,
+            core_secs_per_split: split_secs / count,
+        })
+    }
+}
+
+/// The tree of a bake whose pilot has each of the points.
+fn tree(intersector: &Intersector, points: &[BakePoint]) -> Option<LightTree> {
+    let directions = fibonacci_directions(LIGHTS);
+    let sampler = VisibilitySampler::of_directions(intersector, &directions, FINEST);
+    let mut fractions = vec![0; LIGHTS * points.len()];
+    let mut tracer = BoundaryTracer::default();
+    for (point, visible) in points.iter().zip(fractions.chunks_mut(LIGHTS)) {
+        sampler.sample(point, &mut tracer, visible);
+        visible.iter_mut().for_each(|v| *v *= u8::MAX);
+    }
+    let pilot = PilotVisibility { lights: LIGHTS, fractions };
+    LightTree::build(&Features::of_kind(TreeKind::Mixed, 0.5, &directions, &pilot)).ok()
+}
+
+/// Vertices of the scene, and points spread over its surfaces as tessellation spreads others: those of the pilot and those that
+/// are measured. A tree fits its own pilot better than other points.
+fn some_points(mesh: &Mesh, sides: &Sidedness, intersector: &Intersector) -> [Vec<BakePoint>; 2] {
+    let black = |_: &_| Vec3::ZERO;
+    let surface = MeshSurface::new(mesh, intersector, &sides.two_sided, &black);
+    let lift = offset::TRANSPORT * mesh.bounds().diagonal();
+    let of_area = surface.uniform_points(64 * POINTS, 1).0.into_iter().map(|surfel| {
+        let two_sided = sides.two_sided[surfel.place.triangle as usize];
+        BakePoint { two_sided, ..BakePoint::of_surfel(surfel, lift) }
+    });
+    let of_area: Vec<BakePoint> = of_area.collect();
+    let [of_pilot, measured] = runs_of(&BakePoints::new(mesh, sides).points);
+    let [of_pilot_too, measured_too] = runs_of(&of_area);
+    [[of_pilot, of_pilot_too].concat(), [measured, measured_too].concat()]
+}
+
+/// Twice [`POINTS`] of the points, neighbours in runs that are spread over all.
+fn runs_of(points: &[BakePoint]) -> [Vec<BakePoint>; 2] {
+    let order = z_order(points);
+    let runs: Vec<&[u32]> = order.chunks(RUN).collect();
+    let count = (POINTS / RUN).min(runs.len());
+    [1, 3].map(|quarter| {
+        let spread = (0..count).flat_map(|i| runs[(4 * i + quarter) * runs.len() / (4 * count)]);
+        spread.map(|&point| points[point as usize]).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::{cuboid, floor, scene_of};
+
+    #[test]
+    fn a_trial_tells_the_cuts_of_a_bake() {
+        let mut triangles = floor(2.0, 0.0).to_vec();
+        triangles.extend(cuboid(Vec3::new(0.0, 0.6, 0.0), Vec3::splat(0.5)));
+        let trial = Trial::of(&scene_of(&triangles)).unwrap();
+        assert!(trial.core_secs_per_point > 0.0 && trial.core_secs_per_split > 0.0);
+        // Convex pieces over a floor: borders are few.
+        assert!((4.0..60.0).contains(&trial.mean_cut), "{}", trial.mean_cut);
+        assert_eq!(Trial::of(&scene_of(&[])), None);
+    }
+}
