@@ -64,9 +64,11 @@ fn a_bake_on_the_gpu_is_that_of_the_processor_but_for_rays_along_edges() {
 #[test]
 fn a_sequence_with_layers_is_the_same_on_both_backends() {
     let Some(folder) = baked() else { return };
+    // From here no sample falls on an outline, where the rasterizer may decide otherwise than a ray.
+    let view = VIEW.replace("--eye 0.5,3,3", "--eye 0.6,3,3");
     for backend in ["gpu", "cpu"] {
         let out = format!("--layers environment,normal,depth --backend {backend} --out {backend}.#.exr");
-        folder.succeed(&format!("sequence a.cuts {VIEW} --aa 4 --turn environment --frames 2 {out}"));
+        folder.succeed(&format!("sequence a.cuts {view} --aa 4 --turn environment --frames 2 {out}"));
     }
     let of_layer = |layer: &str, test: &str, reference: &str| {
         error(&folder, &format!("{test} --layer {layer}"), &format!("{reference} --reference-layer {layer}"))
