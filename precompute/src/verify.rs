@@ -270,7 +270,7 @@ mod tests {
         assert!(good.passed, "{good:?}");
         assert!((good.rms_visibility - good.expected_rms).abs() < 0.02, "{good:?}");
         let mut offsets = dataset.cuts.offsets().to_vec();
-        offsets.rotate_left(1);
+        offsets.rotate_left(all / 2);
         dataset.cuts = PackedCuts::from_parts(8, dataset.cuts.nodes().to_vec(), offsets).unwrap();
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.rms_visibility > 1.7 * good.rms_visibility, "{bad:?}");
