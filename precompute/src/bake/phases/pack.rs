@@ -29,11 +29,14 @@ impl Packed {
     }
 }
 
+/// Makes a coarser cut of a cut.
+pub type Coarsening<'a> = &'a (dyn Fn(&[u16]) -> Vec<u16> + Sync);
+
 /// Packs the cuts of points for vertices, each of which has the cut of one of the points. `coarsened` makes them of those that
 /// were stored, unless they stay as they are.
 pub fn pack(
     cuts: &PointCuts,
-    coarsened: Option<&(dyn Fn(&[u16]) -> Vec<u16> + Sync)>,
+    coarsened: Option<Coarsening>,
     of_vertex: impl Iterator<Item = u32>,
     of: CutsOf,
 ) -> Result<Packed, BakeError> {
