@@ -43,7 +43,10 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
     }
     rows.extend(bounce_rows(report, settings));
     rows.push(("File", bytes(report.bytes_total)));
-    rows.extend(report.run.iter().map(|run| ("Peak memory", peak_memory(run))));
+    if let Some(run) = &report.run {
+        rows.push(("Peak memory", bytes(run.peak_memory_bytes)));
+        rows.extend(run.estimated_memory_bytes.map(|expected| ("Memory expected", bytes(expected))));
+    }
     let mut rows: Vec<(String, String)> = rows.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     let of_phase = |phase: Phase| (phase.name(), described(phase).0.to_lowercase());
     for (key, name) in Phase::ALL.map(of_phase).into_iter().chain([("total", "total".to_owned())]) {
@@ -52,12 +55,6 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
         }
     }
     rows
-}
-
-fn peak_memory(run: &BakeRun) -> String {
-    let expected =
-        run.estimated_memory_bytes.map_or(String::new(), |expected| format!(" of {} expected", bytes(expected)));
-    format!("{}{expected}", bytes(run.peak_memory_bytes))
 }
 
 fn count(n: usize) -> String {
@@ -162,13 +159,16 @@ mod tests {
     #[test]
     fn the_table_has_units_and_only_phases_that_ran() {
         let seconds = [("visibility".to_owned(), 12.0), ("total".to_owned(), 14.0)].into();
-        let run = Some(BakeRun { seconds, ..Default::default() });
+        let estimated_memory_bytes = Some(382_000_000);
+        let run = BakeRun { seconds, peak_memory_bytes: 340_000_000, estimated_memory_bytes, ..Default::default() };
+        let run = Some(run);
         let report = BakeReport { mean_cut: 171.26, bytes_cuts: 9_250_000, sigma: 3.0, run, ..Default::default() };
         let rows = rows(&report, &Preset::Normal.settings());
         let value = |name: &str| rows.iter().find(|r| r.0 == name).map(|r| r.1.as_str());
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
+        assert_eq!((value("Peak memory"), value("Memory expected")), (Some("340 MB"), Some("382 MB")));
         assert_eq!(value("Audit, missed"), None);
         let audited = |lights_per_probe| {
             let found = BakeAudit { lights_per_probe, leaves_wrong: 2e-4, rms_error: 0.08, ..Default::default() };
