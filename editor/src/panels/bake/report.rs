@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(value("Mean cut"), Some("171.3 nodes"));
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
-        assert_eq!((value("Peak memory"), value("Memory expected")), (Some("340 MB"), Some("382 MB")));
+        assert_eq!((value("Peak memory"), value("Memory expected")), (Some("340.0 MB"), Some("382.0 MB")));
         assert_eq!(value("Audit, missed"), None);
         let audited = |lights_per_probe| {
             let found = BakeAudit { lights_per_probe, leaves_wrong: 2e-4, rms_error: 0.08, ..Default::default() };
