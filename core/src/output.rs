@@ -75,10 +75,12 @@ pub fn write_parts_atomically<'a>(path: &Path, parts: impl IntoIterator<Item = &
     let mut file = temporary_in(folder_of(path))?;
     #[cfg(feature = "test-faults")]
     let fault = faults::next();
-    for bytes in parts {
+    let parts: Vec<&[u8]> = parts.into_iter().collect();
+    if let Some((last, first)) = parts.split_last() {
+        first.iter().try_for_each(|bytes| file.write_all(bytes))?;
         #[cfg(feature = "test-faults")]
-        fault.write(&mut file, bytes)?;
-        file.write_all(bytes)?;
+        fault.write(&mut file, last)?;
+        file.write_all(last)?;
     }
     file.as_file().sync_all()?;
     #[cfg(feature = "test-faults")]

@@ -12,9 +12,9 @@ use std::{
 /// How the writing of a file fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Half of its first part is written.
+    /// All but half of its last part is written.
     Short,
-    /// Half of its first part is written, then the disk is full.
+    /// All but half of its last part is written, then the disk is full.
     NoSpace,
     /// All bytes are written, and the file keeps its temporary name.
     Rename,
