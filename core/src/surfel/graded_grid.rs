@@ -5,7 +5,7 @@ use crate::meshless::distance::distance;
 use std::collections::BTreeMap;
 
 /// Octaves of reach that share a grid: fewer octaves need more grids, more octaves larger cells.
-const OCTAVES: f32 = 2.0;
+const OCTAVES: f32 = 1.0;
 
 /// Points that each own positions within their own reach, in a grid for every few octaves of reach.
 #[derive(Default)]
@@ -42,12 +42,10 @@ impl GradedGrid {
         self.points
     }
 
-    /// Whether `test` holds for the index and the distance ([`distance`]) of any point that reaches `place`; some are
-    /// tested twice.
+    /// Whether `test` holds for the index and the distance ([`distance`]) of any point that reaches `place`.
     pub fn any_reaching(&self, place: &Surfel, mut test: impl FnMut(usize, f32) -> bool) -> bool {
-        // The distance is never less than that of the positions.
         self.layers.values().any(|layer| {
-            layer.any_around(place.position, |i| {
+            layer.any_around(place.position, |i, _| {
                 let (point, reach) = &self.points[i as usize];
                 let d = distance(point, place);
                 d < *reach && test(i as usize, d)
@@ -63,12 +61,19 @@ impl GradedGrid {
     /// The nearest of the points that reach a position, of those whose index passes `may`.
     pub fn nearest_that(&self, place: &Surfel, may: impl Fn(usize) -> bool) -> Option<usize> {
         let mut nearest = (f32::INFINITY, None);
-        self.any_reaching(place, |i, d| {
-            if d < nearest.0 && may(i) {
-                nearest = (d, Some(i));
-            }
-            false
-        });
+        for layer in self.layers.values() {
+            layer.any_around(place.position, |i, distance_squared| {
+                // The distance is never less than that of the positions.
+                if distance_squared <= nearest.0 * nearest.0 {
+                    let (point, reach) = &self.points[i as usize];
+                    let d = distance(point, place);
+                    if d < *reach && d < nearest.0 && may(i as usize) {
+                        nearest = (d, Some(i as usize));
+                    }
+                }
+                false
+            });
+        }
         nearest.1
     }
 }

@@ -138,7 +138,6 @@ fn owner(surface: &MeshSurface, grid: &GradedGrid, point: &Surfel) -> Option<u32
         false
     });
     near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    near.dedup();
     let owner =
         near.into_iter().map(|n| n.1).take(TRIED).find(|&i| belongs(surface, point, &grid.points()[i as usize]));
     owner.filter(|_| surface.is_outermost(point))
