@@ -20,7 +20,7 @@ mod triangle;
 
 pub use boundaries::{BoundarySet, BoundaryTracer};
 pub use device::{BoxNode, RayDevice, RayDevices, RayOrigin};
-pub use directions::{DirectionSet, HalfSpace};
+pub use directions::{DirectionSet, HalfSpace, in_eights, spatial_order};
 pub use eight::EightRays;
 pub use segments::SegmentBatch;
 
@@ -107,13 +107,18 @@ impl Intersector {
     /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
         let (leaf, hit) = self.closest_leaf(origin, direction, distance)?;
+        Some(self.surfel(leaf, hit, origin, direction))
+    }
+
+    /// Where a ray meets a leaf triangle, with the normal on the side of the origin.
+    fn surfel(&self, leaf: usize, hit: Hit, origin: Vec3, direction: Vec3) -> Surfel {
         let [a, b, c] = self.leaf_triangles[leaf];
         let front = (b - a).cross(c - a).normalize_or_zero();
-        Some(Surfel {
+        Surfel {
             position: origin + direction * hit.distance,
             normal: if hit.back_face { -front } else { front },
             place: MeshPlace { triangle: self.leaf_ids[leaf], barycentric: hit.barycentric },
-        })
+        }
     }
 
     /// The first leaf triangle along a ray before `distance`.

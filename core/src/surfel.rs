@@ -41,6 +41,11 @@ pub trait Surface: Sync {
     /// see [`Self::offset`]. `None` also for the back of a surface that is seen from one side only.
     fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Surfel>;
 
+    /// [`Self::first_hit`] of many rays from one origin, faster the nearer the directions of eight are to each other.
+    fn first_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Surfel>; 8]> {
+        directions.iter().map(|eight| eight.map(|direction| self.first_hit(origin, direction))).collect()
+    }
+
     /// Whether nothing lies between two points that are off all surfaces.
     fn sees(&self, from: Vec3, to: Vec3) -> bool;
 

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     bounds::Bounds,
-    ray::Intersector,
+    ray::{Hit, Intersector},
     scene::Mesh,
     surfel::{MeshPlace, Surface, Surfel},
 };
@@ -103,11 +103,22 @@ impl<'a> MeshSurface<'a> {
     }
 }
 
-impl Surface for MeshSurface<'_> {
-    fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Surfel> {
-        let hit = self.intersector.closest_hit(origin, direction)?;
+impl MeshSurface<'_> {
+    /// Where a ray has met the mesh, if light sees that side of it.
+    fn seen(&self, hit: Hit) -> Option<Surfel> {
         let seen = !hit.back_face || self.two_sided[hit.triangle as usize];
         seen.then(|| self.surfel(hit.triangle, hit.barycentric, hit.back_face))
+    }
+}
+
+impl Surface for MeshSurface<'_> {
+    fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Surfel> {
+        self.seen(self.intersector.closest_hit(origin, direction)?)
+    }
+
+    fn first_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Surfel>; 8]> {
+        let seen = |hit: Option<Hit>| hit.and_then(|hit| self.seen(hit));
+        self.intersector.closest_hits(origin, directions).into_iter().map(|eight| eight.map(seen)).collect()
     }
 
     fn sees(&self, from: Vec3, to: Vec3) -> bool {
@@ -137,8 +148,27 @@ mod tests {
         assert!((hit.position - Vec3::new(0.2, 0.0, 0.3)).length() < 1e-6);
         assert!(prepared.surface().first_hit(below, Vec3::Y).is_none());
         assert!(!prepared.surface().sees(above, below) && prepared.surface().sees(above, above + Vec3::X));
+        let eights = [[
+            Vec3::Y,
+            Vec3::NEG_Y,
+            Vec3::X,
+            Vec3::Z,
+            Vec3::Y,
+            Vec3::Y,
+            Vec3::new(0.1, 1.0, 0.0).normalize(),
+            -Vec3::X,
+        ]];
+        let one_by_one =
+            |prepared: &Prepared, from| eights[0].map(|direction| prepared.surface().first_hit(from, direction));
+        let met = |prepared: &Prepared, from| prepared.surface().first_hits(from, &eights)[0];
+        for from in [above, below] {
+            assert_eq!(met(&prepared, from), one_by_one(&prepared, from));
+        }
+        assert_eq!([above, below].map(|from| met(&prepared, from).iter().flatten().count()), [1, 0]);
         prepared.sides.two_sided = vec![true; 2];
         assert_eq!(prepared.surface().first_hit(below, Vec3::Y).unwrap().normal, Vec3::NEG_Y);
+        assert_eq!(met(&prepared, below), one_by_one(&prepared, below));
+        assert_eq!(met(&prepared, below).iter().flatten().count(), 4);
     }
 
     #[test]

@@ -2,12 +2,21 @@
 
 use super::{
     Hit, Intersector,
-    batch::{entry_and_exit, nearer_child},
-    directions::inverse,
+    batch::{crossings, entry_and_exit, nearer_child},
+    directions::GROUP,
+    frontier::Frontier,
+    group::RayGroup,
+    leaves::BlockFrom,
     triangle::TriangleFrom,
 };
-use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
+use crate::{
+    simd::{InstructionSet, Kernel, Lanes, Vec3x8},
+    surfel::Surfel,
+};
 use glam::Vec3;
+
+/// The first leaf triangle that a ray meets.
+type LeafHit = Option<(usize, Hit)>;
 
 impl Intersector {
     /// [`Self::closest_hit`] of many rays from one origin. The nearer the unit directions of eight are to each other, the
@@ -23,7 +32,20 @@ impl Intersector {
         origin: Vec3,
         directions: &[[Vec3; 8]],
     ) -> Vec<[Option<Hit>; 8]> {
-        set.run(Eights { scene: self, origin, directions })
+        let of_mesh = |(leaf, hit)| Hit { triangle: self.leaf_ids[leaf], ..hit };
+        let hits = set.run(Eights { scene: self, origin, directions, before: f32::INFINITY });
+        hits.into_iter().map(|eight| eight.map(|hit| hit.map(of_mesh))).collect()
+    }
+
+    /// [`Self::surfel_before`] of many rays from one origin, as [`Self::closest_hits`] takes them.
+    pub fn surfels_before(&self, origin: Vec3, directions: &[[Vec3; 8]], distance: f32) -> Vec<[Option<Surfel>; 8]> {
+        let hits = InstructionSet::widest().run(Eights { scene: self, origin, directions, before: distance });
+        let surfel =
+            |(hit, direction): (&LeafHit, Vec3)| hit.map(|(leaf, hit)| self.surfel(leaf, hit, origin, direction));
+        let eight = |(hits, directions): (&[LeafHit; 8], &[Vec3; 8])| {
+            std::array::from_fn(|lane| surfel((&hits[lane], directions[lane])))
+        };
+        hits.iter().zip(directions).map(eight).collect()
     }
 
     /// A leaf triangle as seen from `origin`.
@@ -33,26 +55,29 @@ impl Intersector {
     }
 }
 
-/// The first hits of eights of rays.
+/// The first hits of eights of rays, of those `before` a distance.
 struct Eights<'a> {
     scene: &'a Intersector,
     origin: Vec3,
     directions: &'a [[Vec3; 8]],
+    before: f32,
 }
 
 impl Kernel for Eights<'_> {
-    type Output = Vec<[Option<Hit>; 8]>;
+    type Output = Vec<[LeafHit; 8]>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let (mut hits, mut stack) = (Vec::with_capacity(self.directions.len()), Vec::with_capacity(128));
+        let mut frontier = Frontier::default();
+        frontier.move_to(self.scene, self.origin);
         for directions in self.directions {
-            let nearest = self.nearest::<L>(directions, &mut stack);
+            let nearest = self.nearest::<L>(&frontier, &RayGroup::new(directions), &mut stack);
             let mut eight = [None; 8];
             for ((hit, leaf), &direction) in eight.iter_mut().zip(nearest.leaves).zip(directions) {
                 if let Some(leaf) = leaf {
                     let met = self.scene.leaf_from(self.origin, leaf).hit(direction);
-                    *hit = met.map(|hit| Hit { triangle: self.scene.leaf_ids[leaf as usize], ..hit });
+                    *hit = met.map(|hit| (leaf as usize, hit));
                 }
             }
             hits.push(eight);
@@ -69,37 +94,51 @@ struct Nearest {
 
 impl Eights<'_> {
     #[inline(always)]
-    fn nearest<L: Lanes>(&self, directions: &[Vec3; 8], stack: &mut Vec<u32>) -> Nearest {
-        let mut nearest = Nearest { leaves: [None; 8], distances: [f32::INFINITY; 8] };
+    fn nearest<L: Lanes>(&self, frontier: &Frontier, group: &RayGroup, stack: &mut Vec<u32>) -> Nearest {
+        let mut nearest = Nearest { leaves: [None; 8], distances: [self.before; 8] };
         let nodes = &self.scene.bvh.nodes[..];
-        let rays: Vec3x8<L> = Vec3x8::from_array(*directions);
-        let mut inverses = [Vec3::ZERO; 8];
-        for (inverse_ray, &direction) in inverses.iter_mut().zip(directions) {
-            *inverse_ray = inverse(direction);
-        }
-        let (inverses, axis): (Vec3x8<L>, Vec3) = (Vec3x8::from_array(inverses), directions[0] + directions[7]);
-        stack.clear();
-        stack.extend((!nodes.is_empty()).then_some(0));
-        while let Some(index) = stack.pop() {
-            let node = &nodes[index as usize];
-            let (min, max) = (Vec3::from(node.aabb.min) - self.origin, Vec3::from(node.aabb.max) - self.origin);
-            let (entry, exit) = entry_and_exit(inverses, Vec3x8::splat(min), Vec3x8::splat(max));
-            // The boxes are wider than their triangles by more than what is rounded here.
-            let enters = entry.simd_le(exit) & entry.simd_le(L::new(nearest.distances));
-            if enters.to_bitmask() == 0 {
-                continue;
-            }
-            if node.prim_count > 0 {
-                for leaf in node.first_index..node.first_index + node.prim_count {
-                    self.meet(&mut nearest, rays, leaf);
+        let inverse_rays: Vec3x8<L> = Vec3x8::load(&group.inverse_rays);
+        let mut reached = frontier.reached::<L>(group.inverse_bounds);
+        while reached != 0 {
+            stack.clear();
+            stack.push(frontier.roots[reached.trailing_zeros() as usize]);
+            reached &= reached - 1;
+            while let Some(index) = stack.pop() {
+                let node = &nodes[index as usize];
+                let (min, max) = (Vec3::from(node.aabb.min) - self.origin, Vec3::from(node.aabb.max) - self.origin);
+                let (entry, exit) = entry_and_exit(inverse_rays, Vec3x8::splat(min), Vec3x8::splat(max));
+                // The boxes are wider than their triangles by more than what is rounded here.
+                let enters = entry.simd_le(exit) & entry.simd_le(L::new(nearest.distances));
+                if enters.to_bitmask() == 0 {
+                    continue;
                 }
-            } else {
-                let near = nearer_child(nodes, node.first_index, axis);
-                stack.push(node.first_index + 1 - near);
-                stack.push(node.first_index + near);
+                if node.prim_count > 0 {
+                    self.meet_leaf::<L>(&mut nearest, group, node.first_index, node.prim_count);
+                } else {
+                    let near = nearer_child(nodes, node.first_index, group.axis);
+                    stack.push(node.first_index + 1 - near);
+                    stack.push(node.first_index + near);
+                }
             }
         }
         nearest
+    }
+
+    /// Keeps the hits of a leaf that are nearer than those known. Most triangles lie outside the cone of the rays.
+    #[inline(always)]
+    fn meet_leaf<L: Lanes>(&self, nearest: &mut Nearest, group: &RayGroup, first: u32, count: u32) {
+        let rays = Vec3x8::load(&group.rays);
+        for (corners, leaves) in self.scene.blocks.of_leaf(first, count).iter().zip((first..).step_by(GROUP)) {
+            let triangles: BlockFrom<L> = BlockFrom::new(self.origin, corners);
+            let mut near = triangles.near_cone(Vec3x8::splat(group.axis), L::splat(group.sin_sq));
+            while near != 0 {
+                let lane = near.trailing_zeros();
+                near &= near - 1;
+                if crossings(rays, &triangles.edges_of(lane as usize)) != 0 {
+                    self.meet(nearest, rays, leaves + lane);
+                }
+            }
+        }
     }
 
     /// Keeps the hits of a leaf triangle that are nearer than those known; the same arithmetic as [`TriangleFrom::hit`].
@@ -110,9 +149,6 @@ impl Eights<'_> {
         let (a, b, c) = (Vec3x8::splat(*a).dot(rays), Vec3x8::splat(*b).dot(rays), Vec3x8::splat(*c).dot(rays));
         let zero = L::splat(0.0);
         let inside = a.simd_ge(zero) & b.simd_ge(zero) & c.simd_ge(zero);
-        if triangle.side == 0.0 || inside.to_bitmask() == 0 {
-            return;
-        }
         let distance = L::splat(triangle.plane_distance()) / rays.dot(Vec3x8::splat(triangle.normal));
         let is_hit = inside & (a + b + c).simd_gt(zero) & distance.simd_gt(zero);
         let mut met = (is_hit & distance.simd_le(L::new(nearest.distances))).to_bitmask();

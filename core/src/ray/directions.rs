@@ -79,8 +79,15 @@ impl DirectionSet {
     }
 }
 
-/// The directions in an order in which each run of [`GROUP`] and of [`PACKET`] from the start lies close together.
-pub(super) fn spatial_order(directions: &[Vec3]) -> Vec<u32> {
+/// Directions eight at a time, as they come. The last one is repeated where the last eight would have fewer.
+pub fn in_eights(directions: impl IntoIterator<Item = Vec3>) -> Vec<[Vec3; GROUP]> {
+    let directions: Vec<Vec3> = directions.into_iter().collect();
+    let eight = |chunk: &[Vec3]| std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)]);
+    directions.chunks(GROUP).map(eight).collect()
+}
+
+/// The directions in an order in which each run of eight and of 64 from the start lies close together.
+pub fn spatial_order(directions: &[Vec3]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..directions.len() as u32).collect();
     sort_spatially(&mut order, directions);
     order

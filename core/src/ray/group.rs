@@ -13,14 +13,14 @@ use obvhs::bvh2::node::Bvh2Node;
 
 /// Eight directions. Unused lanes repeat the first.
 pub(super) struct RayGroup {
-    rays: Vec3x8,
-    inverse_rays: Vec3x8,
+    pub rays: Vec3x8,
+    pub inverse_rays: Vec3x8,
     /// Mean direction; near boxes along it are visited first.
-    axis: Vec3,
+    pub axis: Vec3,
     /// Squared sine of the half-angle of the cone around `axis` that holds all; 1 if it is no cone.
-    sin_sq: f32,
+    pub sin_sq: f32,
     /// Least and greatest inverses of the components; anything where the directions have both signs.
-    inverse_bounds: [Vec3; 2],
+    pub inverse_bounds: [Vec3; 2],
 }
 
 impl RayGroup {

@@ -206,6 +206,33 @@ fn batches_of_segments_and_single_ones_agree_to_the_bit() {
 }
 
 #[test]
+fn eight_surfels_at_a_time_are_those_of_single_rays() {
+    let directions = fibonacci_directions(2003);
+    let close_together = spatial_order(&directions).into_iter().map(|i| directions[i as usize]);
+    let eights = in_eights(close_together);
+    assert_eq!(eights.len(), 251);
+    assert_eq!(eights[250][3..], [eights[250][2]; 5], "the last is repeated");
+    for mesh in [soup(5, 700), doubled(soup(6, 300)), Mesh::default()] {
+        let scene = Intersector::new(&mesh);
+        let median = {
+            let mut distances: Vec<f32> =
+                directions.iter().filter_map(|&d| Some(scene.closest_hit(Vec3::ZERO, d)?.distance)).collect();
+            distances.sort_unstable_by(f32::total_cmp);
+            distances.get(distances.len() / 2).copied().unwrap_or(1.0)
+        };
+        // As far as one of the hits, which counts.
+        for distance in [median, f32::INFINITY] {
+            let met = scene.surfels_before(Vec3::ZERO, &eights, distance);
+            let single = |&d: &Vec3| scene.surfel_before(Vec3::ZERO, d, distance);
+            assert_eq!(met.as_flattened(), eights.as_flattened().iter().map(single).collect::<Vec<_>>());
+        }
+        let count =
+            |distance| scene.surfels_before(Vec3::ZERO, &eights, distance).as_flattened().iter().flatten().count();
+        assert!(mesh.triangles.is_empty() || (10..count(f32::INFINITY) - 10).contains(&count(median)));
+    }
+}
+
+#[test]
 fn surfels_are_closest_hits_with_the_normal_toward_the_origin() {
     let mesh = soup(4, 400);
     let scene = Intersector::new(&mesh);

@@ -9,7 +9,7 @@
 
 use super::Source;
 use crate::{
-    ray::Intersector,
+    ray::{Intersector, in_eights, spatial_order},
     sphere::fibonacci_directions,
     surfel::{GradedGrid, Surfel},
 };
@@ -22,6 +22,7 @@ const REACH: f32 = 8.0;
 pub const OWNED_WITHIN: f32 = 2.0;
 /// Rays over the sphere. In a furnished room four times as many are no better, see `docs/decisions/0008-near-field-by-rays.md`.
 const RAYS: usize = 1024;
+const _: () = assert!(RAYS.is_multiple_of(8));
 /// A point no higher than this many spacings above a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
 /// A hit belongs to the point's own surface if it is no deeper below the origin than this multiple of the lift, and if
@@ -84,7 +85,8 @@ pub struct NearField {
     owners: GradedGrid,
     /// Their indices.
     members: Vec<u32>,
-    directions: Vec<Vec3>,
+    /// In eights that lie close together.
+    directions: Vec<[Vec3; 8]>,
     /// Length of rays, in metres.
     longest: f32,
 }
@@ -95,7 +97,9 @@ impl NearField {
         let (members, owners) = owners(sources);
         let widest = sources.iter().map(|source| source.spacing).fold(0.0, f32::max);
         let longest = (REACH + OWNED_WITHIN) * widest;
-        Self { owners, members, directions: fibonacci_directions(RAYS), longest }
+        let directions = fibonacci_directions(RAYS);
+        let close_together = spatial_order(&directions).into_iter().map(|i| directions[i as usize]);
+        Self { owners, members, directions: in_eights(close_together), longest }
     }
 
     /// Whether rays from `origin` decide the source's solid angle there, in place of its disc.
@@ -123,14 +127,18 @@ impl NearField {
         mut add: impl FnMut(usize, f32),
     ) -> u64 {
         let cosine = |direction: Vec3| direction.dot(origin.normal);
+        let received = |eight: &&[Vec3; 8]| eight.iter().any(|&d| receives(d));
+        let eights: Vec<[Vec3; 8]> = self.directions.iter().filter(received).copied().collect();
+        let met = scene.surfels_before(origin.position, &eights, self.longest);
         let mut rays = 0;
-        for &direction in self.directions.iter().filter(|&&d| receives(d)) {
+        let each = eights.as_flattened().iter().zip(met.as_flattened());
+        for (&direction, met) in each.filter(|(direction, _)| receives(**direction)) {
             rays += 1;
             // A ray from high above must not go to a source at the horizon.
             let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
             let to = |source: &Source| (source.surfel.position - origin.position).normalize_or_zero();
-            let met = scene.surfel_before(origin.position, direction, self.longest);
-            let owner = met.and_then(|met| self.owner(sources, &origin, &met, |source| cosine(to(source)) > lowest));
+            let owner =
+                met.as_ref().and_then(|met| self.owner(sources, &origin, met, |source| cosine(to(source)) > lowest));
             // Below a sheet that stands on a floor, the nearest source may be on the other side of the sheet.
             if let Some(owner) = owner.filter(|&owner| receives(to(&sources[owner]))) {
                 let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));

@@ -10,7 +10,10 @@ use crate::{
     view::View,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{camera::Lens, ray::Hit};
+use lapidary_core::{
+    camera::Lens,
+    ray::{Hit, in_eights},
+};
 use std::ops::Range;
 
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
@@ -74,8 +77,7 @@ impl<'a> PixelSampler<'a> {
     /// together, the faster the nearer they are.
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
         let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1;
-        let eight = |chunk: &[[u32; 2]]| std::array::from_fn(|i| direction(&chunk[i.min(chunk.len() - 1)]));
-        let eights: Vec<[Vec3; 8]> = pixels.chunks(8).map(eight).collect();
+        let eights = in_eights(pixels.iter().map(direction));
         let mut hits = self.surfaces.hits_from(self.view.camera.eye, &eights).into_flattened();
         hits.truncate(pixels.len());
         hits

@@ -1,7 +1,12 @@
 //! All links to one receiver from one set of rays (meshless paper, Eq. 16 and 17).
 
 use glam::Vec3;
-use lapidary_core::{meshless::Basis, sphere::frame_around, surfel::Surface};
+use lapidary_core::{
+    meshless::Basis,
+    ray::{in_eights, spatial_order},
+    sphere::frame_around,
+    surfel::Surface,
+};
 use std::f32::consts::{PI, TAU};
 
 /// Senders of a receiver in ascending order, and the vector irradiance from each.
@@ -11,7 +16,8 @@ pub type Row = Vec<(u32, Vec3)>;
 pub struct Gatherer<'a> {
     surface: &'a dyn Surface,
     basis: &'a Basis,
-    rays: usize,
+    /// The rays of a receiver by their number, neighbours in direction one after the other.
+    rays: Vec<usize>,
     offset: f32,
 }
 
@@ -51,7 +57,10 @@ impl Scratch {
 
 impl<'a> Gatherer<'a> {
     pub fn new(surface: &'a dyn Surface, basis: &'a Basis, rays: usize) -> Self {
-        Self { surface, basis, rays: rays.max(1), offset: surface.offset() }
+        let rays = rays.max(1);
+        let directions: Vec<Vec3> = (0..rays).map(|ray| lattice_direction(ray, rays, 0.0, 0.5)).collect();
+        let order = spatial_order(&directions).into_iter().map(|ray| ray as usize);
+        Self { surface, basis, rays: order.collect(), offset: surface.offset() }
     }
 
     pub fn scratch(&self) -> Scratch {
@@ -76,16 +85,18 @@ impl<'a> Gatherer<'a> {
         let (frame, origin) = (frame_around(point.normal), point.position + point.normal * self.offset);
         let mut random = fastrand::Rng::with_seed(receiver as u64);
         let (turn, shift) = (random.f32(), random.f32());
-        for ray in 0..self.rays {
-            let direction = frame * lattice_direction(ray, self.rays, turn, shift);
-            let Some(hit) = self.surface.first_hit(origin, direction) else { continue };
+        let count = self.rays.len();
+        let directions = in_eights(self.rays.iter().map(|&ray| frame * lattice_direction(ray, count, turn, shift)));
+        let hits = self.surface.first_hits(origin, &directions);
+        for (&direction, hit) in directions.as_flattened().iter().zip(hits.as_flattened()).take(count) {
+            let Some(hit) = hit else { continue };
             scratch.values.clear();
             for level in 0..self.basis.sender_levels() {
                 self.basis.values(level, hit.position, hit.normal, &mut scratch.values);
             }
             for k in 0..scratch.values.len() {
                 let (sender, value) = scratch.values[k];
-                scratch.add(sender, direction * (value * TAU / self.rays as f32));
+                scratch.add(sender, direction * (value * TAU / count as f32));
             }
         }
     }
