@@ -11,7 +11,8 @@ mod solid_angles;
 mod visibility;
 
 pub use solid_angles::{
-    LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code, solid_angles,
+    LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code,
+    solid_angle_error, solid_angles,
 };
 pub use visibility::{CutCriterion, CutSelector, prune, squared_error};
 

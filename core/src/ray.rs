@@ -18,7 +18,7 @@ pub mod offset;
 mod segments;
 mod triangle;
 
-pub use boundaries::{BoundarySet, BoundaryTracer};
+pub use boundaries::{BoundarySet, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
 pub use device::{BoxNode, RayDevice, RayDevices, RayOrigin};
 pub use directions::{DirectionSet, HalfSpace, in_eights, spatial_order};
 pub use eight::EightRays;

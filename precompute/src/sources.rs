@@ -8,6 +8,7 @@ mod areas;
 pub mod candidates;
 mod cells;
 pub mod disk;
+pub mod error;
 pub mod order;
 pub mod placement;
 pub mod sampler;

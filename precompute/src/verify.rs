@@ -7,7 +7,10 @@ pub use meshless::MeshlessVerification;
 
 use crate::{
     mesh_surface::MeshSurface,
-    sources::sampler::SourceSampler,
+    sources::{
+        error::{relative_rms, squared_norm},
+        sampler::SourceSampler,
+    },
     vertices::{
         points::{BakePoint, BakePoints},
         sampler::bake_points,
@@ -16,7 +19,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    cut::{CutSelector, SourceCutSelector, prune_sources, squared_error},
+    cut::{CutSelector, SourceCutSelector, prune_sources, solid_angle_error, squared_error},
     dataset::Dataset,
     ray::Intersector,
     surfel::Surface,
@@ -53,8 +56,15 @@ pub struct Verification {
     pub worst_rms: f64,
     /// Vertices whose cut over the surface sources was traced and selected again, segment by segment.
     pub source_vertices: usize,
-    /// Number of these whose cut differs from the stored one.
+    /// Number of these whose cut, made again as the bake does, differs from the stored one.
     pub different_source_cuts: usize,
+    /// Share of the sources that the bake takes for seen and are hidden, or the reverse; 0 to 1.
+    pub sources_wrong: f64,
+    /// Root mean square over these vertices of `||stored - traced||` for solid angles, as a share of `||traced||`, or of its mean
+    /// where that is larger.
+    pub source_error: f64,
+    /// The same of cuts that are selected from what was traced: what an exhaustive bake would have.
+    pub exhaustive_source_error: f64,
     /// Surface sources whose cut over the environment was traced and selected again.
     pub sources: usize,
     /// Number of these whose cut differs from the stored one.
@@ -82,10 +92,10 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let environment = if dataset.settings.mode.environment() { &picked[..] } else { &[] };
     let results: Vec<Checked> = environment.par_iter().map(check).collect();
     let source_vertices = &picked[..picked.len().min(SOURCE_VERTICES)];
-    let (source_vertices, different_source_cuts) = check_sources(dataset, &points, &intersector, source_vertices);
+    let of_sources = check_sources(dataset, &points, &intersector, source_vertices);
     let sources = check_source_environments(dataset, &intersector, &sampler, count);
     let meshless = meshless::verify(dataset, &intersector, count);
-    let made = results.len() + source_vertices + sources.len() + meshless.as_ref().map_or(0, |m| m.functions);
+    let made = results.len() + of_sources.vertices + sources.len() + meshless.as_ref().map_or(0, |m| m.functions);
     let different_links = meshless.as_ref().is_some_and(|m| m.different_functions > 0);
     let lights = dataset.tree.len() as f64;
     let pairs = results.len().max(1) as f64 * lights;
@@ -95,8 +105,11 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let coarsened = dataset.report.sigma != dataset.settings.criterion.sigma;
     Verification {
         vertices: results.len(),
-        source_vertices,
-        different_source_cuts,
+        source_vertices: of_sources.vertices,
+        different_source_cuts: of_sources.different,
+        sources_wrong: of_sources.wrong,
+        source_error: of_sources.errors[0],
+        exhaustive_source_error: of_sources.errors[1],
         sources: sources.len(),
         different_source_environment_cuts: different(&sources),
         rms_visibility: rms,
@@ -107,7 +120,7 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
         worst_rms: (worst / lights).sqrt(),
         meshless,
         passed: made > 0
-            && different_source_cuts == 0
+            && of_sources.agree()
             && agree(&sources, lights, on_device)
             && !different_links
             && if coarsened {
@@ -118,29 +131,80 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     }
 }
 
-/// How many of the vertices' cuts over the sources were recomputed, and how many of these differ.
+/// Cuts over the sources that were made again.
+#[derive(Default)]
+struct CheckedSources {
+    vertices: usize,
+    /// Number of these whose cut differs from the stored one.
+    different: usize,
+    /// Share of the sources that the bake is wrong about.
+    wrong: f64,
+    /// [`relative_rms`] of the stored cuts and of those of an exhaustive bake.
+    errors: [f64; 2],
+    /// Whether stored cuts were coarsened to fit a texture.
+    coarsened: bool,
+}
+
+impl CheckedSources {
+    /// Whether the cuts are the stored ones and hardly worse than those of an exhaustive bake.
+    fn agree(&self) -> bool {
+        let [stored, exhaustive] = self.errors;
+        self.different == 0 && (self.coarsened || stored <= MOST_ERROR * exhaustive)
+    }
+}
+
+/// One of them.
+struct CheckedSourceCut {
+    is_equal: bool,
+    wrong: usize,
+    /// Of the stored cut and of that of an exhaustive bake.
+    squared_errors: [f64; 2],
+    squared_norm: f64,
+}
+
 fn check_sources(
     dataset: &Dataset,
     points: &BakePoints,
     intersector: &Intersector,
     vertices: &[usize],
-) -> (usize, usize) {
-    let Some(indirect) = &dataset.indirect else { return (0, 0) };
-    let height = indirect.sources.len().ilog2();
-    let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
-    let sampler = SourceSampler::new(intersector, &indirect.sources, offset);
-    let asked = dataset.settings.indirect.criterion;
-    let kept = dataset.report.indirect.as_ref().map_or(asked, |report| report.criterion(asked));
-    let places = points.for_sources(&dataset.scene.mesh, intersector, &dataset.settings.shots);
-    let differs = |vertex: &&usize| {
-        let mut seen = vec![0.0; indirect.sources.len()];
-        sampler.sample_singly(&places[points.of_vertex[**vertex] as usize], &mut seen);
-        let mut again = Vec::new();
-        SourceCutSelector::new(height, asked).select(&seen, &mut again);
-        let again = if kept == asked { again } else { prune_sources(height, kept, &again) };
-        again != indirect.cuts.cut(height, **vertex as u32)
+) -> CheckedSources {
+    let (Some(indirect), Some(report)) = (&dataset.indirect, &dataset.report.indirect) else {
+        return CheckedSources::default();
     };
-    (vertices.len(), vertices.par_iter().filter(differs).count())
+    let (count, height) = (indirect.sources.len(), indirect.sources.len().ilog2());
+    let offset = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &|_| Vec3::ZERO).offset();
+    let sampler = SourceSampler::new(intersector, &indirect.sources, offset, report.sources_per_probe());
+    let asked = dataset.settings.indirect.criterion;
+    let kept = report.criterion(asked);
+    let places = points.for_sources(&dataset.scene.mesh, intersector, &dataset.settings.shots);
+    let check = |&vertex: &usize| {
+        let place = &places[points.of_vertex[vertex] as usize];
+        let (mut traced, mut seen) = (vec![0.0; count], vec![0.0; count]);
+        sampler.sample_singly(place, &mut traced);
+        sampler.sample_again(place, &mut seen);
+        let cut_of = |leaves: &[f32]| {
+            let mut cut = Vec::new();
+            SourceCutSelector::new(height, asked).select(leaves, &mut cut);
+            if kept == asked { cut } else { prune_sources(height, kept, &cut) }
+        };
+        let stored = indirect.cuts.cut(height, vertex as u32);
+        CheckedSourceCut {
+            is_equal: cut_of(&seen) == stored,
+            wrong: traced.iter().zip(&seen).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count(),
+            squared_errors: [stored, &cut_of(&traced)].map(|cut| solid_angle_error(height, cut, &traced)),
+            squared_norm: squared_norm(&traced),
+        }
+    };
+    let checked: Vec<CheckedSourceCut> = vertices.par_iter().map(check).collect();
+    let rms =
+        |of: usize| relative_rms(&checked.iter().map(|c| (c.squared_errors[of], c.squared_norm)).collect::<Vec<_>>());
+    CheckedSources {
+        vertices: vertices.len(),
+        different: checked.iter().filter(|c| !c.is_equal).count(),
+        wrong: checked.iter().map(|c| c.wrong).sum::<usize>() as f64 / (vertices.len() * count).max(1) as f64,
+        errors: [0, 1].map(rms),
+        coarsened: kept != asked,
+    }
 }
 
 /// Some of the sources' cuts over the environment, made again.
@@ -225,7 +289,7 @@ mod tests {
             settings::{Preset, resolve},
         },
         observer::Silent,
-        test_scenes::{cuboid, floor, scene_of},
+        test_scenes::{cuboid, floor, room, scene_of},
     };
     use lapidary_core::{
         cut::{
@@ -236,11 +300,15 @@ mod tests {
     };
 
     fn box_over_floor(settings: BakeSettings) -> Dataset {
-        let folder = tempfile::tempdir().unwrap();
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+        baked(&triangles, settings)
+    }
+
+    fn baked(triangles: &[[Vec3; 3]], settings: BakeSettings) -> Dataset {
+        let folder = tempfile::tempdir().unwrap();
         let job = BakeJob::new(resolve(settings).unwrap(), folder.path().join("a.cuts"));
-        bake(scene_of(&triangles), &job, &Silent).unwrap()
+        bake(scene_of(triangles), &job, &Silent).unwrap()
     }
 
     #[test]
@@ -319,6 +387,24 @@ mod tests {
         dataset.report.audit = Some(audit);
         let bad = verify(&dataset, all);
         assert!(!bad.passed && bad.different_cuts > 0 && bad.leaves_wrong > good.leaves_wrong, "{bad:?}");
+    }
+
+    #[test]
+    fn what_boundaries_tell_of_sources_is_made_again_and_its_error_told() {
+        let indirect = IndirectSettings { sources: 4096, ..Default::default() };
+        let settings = BakeSettings { mode: BakeParts::INDIRECT, indirect, lights: 256, ..Preset::Draft.settings() };
+        let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+        triangles.extend(cuboid(Vec3::new(0.2, -0.5, 0.1), Vec3::splat(0.3)));
+        let mut dataset = baked(&triangles, BakeSettings { max_vertices: Some(300), pilot_clusters: 16, ..settings });
+        let good = verify(&dataset, 64);
+        assert!(good.passed && good.source_vertices > 0 && good.different_source_cuts == 0, "{good:?}");
+        assert!(good.sources_wrong < 5e-3 && good.source_error <= 1.02 * good.exhaustive_source_error, "{good:?}");
+        // Probes so far apart that shadows are missed: the cuts are other ones.
+        let audit = dataset.report.indirect.as_mut().unwrap().audit.as_mut().unwrap();
+        assert!(audit.lights_per_probe > 1);
+        audit.lights_per_probe = 1024;
+        let bad = verify(&dataset, 64);
+        assert!(!bad.passed && bad.different_source_cuts > 0 && bad.sources_wrong > good.sources_wrong, "{bad:?}");
     }
 
     #[test]

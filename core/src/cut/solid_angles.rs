@@ -71,14 +71,11 @@ impl SourceCutSelector {
     }
 
     /// Appends the packed cut of `leaves` (steradians, in tree order) to `cut`, which must be empty. Values are coded
-    /// by [`solid_angle_code`]. Returns the sum of squared errors of the stored values over all leaves, in steradians
-    /// squared.
-    pub fn select(&mut self, leaves: &[f32], cut: &mut Vec<u16>) -> f64 {
+    /// by [`solid_angle_code`].
+    pub fn select(&mut self, leaves: &[f32], cut: &mut Vec<u16>) {
         assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
         self.sum_up(leaves);
-        let unit = f64::from(self.unit());
         let largest = self.criterion.max_solid_angle;
-        let mut squared_error = 0.0;
         let mut writer = CutWriter::new(self.height, cut);
         let mut stack = vec![1_usize];
         while let Some(node) = stack.pop() {
@@ -86,17 +83,13 @@ impl SourceCutSelector {
                 stack.extend([2 * node + 1, 2 * node]);
                 continue;
             }
-            let (size, [sum, squares]) = (self.size(node), self.sums[node].map(|x| f64::from(x) * unit));
-            let code = solid_angle_code(sum as f32 / size);
-            let stored = f64::from(solid_angle(code));
-            squared_error += (squares * unit - 2.0 * stored * sum + f64::from(size) * stored * stored).max(0.0);
+            let code = solid_angle_code(self.sums[node][0] * self.unit() / self.size(node));
             let solid_angle_of = |node: u16| {
                 let leaves = (1_u32 << (self.height - depth(node))) as f32;
                 leaves * solid_angle(node & VALUE_MAX)
             };
             writer.push_where(code | (node.ilog2() as u16) << 12, |parent| solid_angle_of(parent) <= largest);
         }
-        squared_error
     }
 
     /// Solid angle in steradians of a value of one.
@@ -129,6 +122,17 @@ impl SourceCutSelector {
     }
 }
 
+/// `||stored - leaves||²` of a packed cut over a tree of `height`, in steradians squared.
+pub fn solid_angle_error(height: u32, cut: &[u16], leaves: &[f32]) -> f64 {
+    let (mut first, mut sum) = (0, 0.0);
+    for &node in cut {
+        let (size, stored) = (1 << (height - depth(node)), solid_angle(node & VALUE_MAX));
+        sum += leaves[first..first + size].iter().map(|&leaf| f64::from(leaf - stored).powi(2)).sum::<f64>();
+        first += size;
+    }
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::{test_cuts::*, *};
@@ -138,10 +142,13 @@ mod tests {
         let criterion = SourceCriterion { sigma: 1.0, max_solid_angle: 0.2, contrast: 0.0 };
         for seed in 0..10 {
             let leaves = leaves(seed);
-            let (cut, error) = select(criterion, &leaves);
+            let cut = select(criterion, &leaves);
             let stored = expand(&cut);
             let exact: f64 = stored.iter().zip(&leaves).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-            assert!((error - exact).abs() < 1e-3 * exact + 1e-9, "{error} for {exact}");
+            let error = solid_angle_error(HEIGHT, &cut, &leaves);
+            assert!((error - exact).abs() < 1e-6 * exact, "{error} for {exact}");
+            let others = solid_angle_error(HEIGHT, &cut, &test_cuts::leaves(seed + 10));
+            assert!(others > 2.0 * error, "negative control: {others} for other leaves");
             let mut first = 0;
             for &node in &cut {
                 let size = 1 << (HEIGHT - depth(node));
@@ -159,7 +166,7 @@ mod tests {
     fn larger_bounds_give_shorter_cuts() {
         let leaves = leaves(3);
         let length =
-            |sigma, max_solid_angle| select(SourceCriterion { sigma, max_solid_angle, contrast: 0.0 }, &leaves).0.len();
+            |sigma, max_solid_angle| select(SourceCriterion { sigma, max_solid_angle, contrast: 0.0 }, &leaves).len();
         assert!(length(0.5, 9.0) > length(1.0, 9.0) && length(1.0, 9.0) > length(4.0, 9.0));
         assert!(length(4.0, 0.05) > length(4.0, 0.2));
         assert_eq!(length(1e6, 9.0), 1);
@@ -169,8 +176,8 @@ mod tests {
     fn equal_leaves_merge_up_to_the_largest_solid_angle_and_hidden_ones_wholly() {
         let even = vec![LARGEST_SOLID_ANGLE / 1024.0; 1024];
         let criterion = SourceCriterion { sigma: 0.0, max_solid_angle: 0.11, contrast: 0.0 };
-        assert_eq!(select(criterion, &even).0.len(), 64, "64 nodes of 0.098 sr");
-        assert_eq!(select(criterion, &vec![0.0; 1024]).0, vec![0]);
+        assert_eq!(select(criterion, &even).len(), 64, "64 nodes of 0.098 sr");
+        assert_eq!(select(criterion, &vec![0.0; 1024]), vec![0]);
     }
 
     #[test]
@@ -178,7 +185,7 @@ mod tests {
         let unit = LARGEST_SOLID_ANGLE / 1024.0;
         let cut = |leaf: fn(usize) -> f32, contrast| {
             let leaves: Vec<f32> = (0..1024).map(|i| 0.2 * unit * leaf(i)).collect();
-            select(SourceCriterion { sigma: 0.2, max_solid_angle: 9.0, contrast }, &leaves).0.len()
+            select(SourceCriterion { sigma: 0.2, max_solid_angle: 9.0, contrast }, &leaves).len()
         };
         let slope = |i| 1.0 + i as f32 / 1024.0;
         assert_eq!((cut(slope, 0.25), cut(slope, 0.0)), (1, 8));

@@ -1,5 +1,6 @@
 //! How the surface sources were made.
 
+use super::BakeAudit;
 use crate::cut::SourceCriterion;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -54,9 +55,17 @@ pub struct IndirectReport {
     pub bytes_cuts: u64,
     /// Rays traced between vertices and sources, and around vertices for near ones.
     pub rays_traced: u64,
+    /// What following boundaries between distant sources has missed; `None` for an exhaustive bake.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<BakeAudit>,
 }
 
 impl IndirectReport {
+    /// How distant sources were traced: sources for each that is probed, 1 if every one is.
+    pub fn sources_per_probe(&self) -> usize {
+        self.audit.map_or(1, |audit| audit.lights_per_probe)
+    }
+
     /// The criterion that the cuts over the sources meet, where `asked` was asked for.
     pub fn criterion(&self, asked: SourceCriterion) -> SourceCriterion {
         self.coarsened.map_or(asked, |factor| asked.coarser(factor))

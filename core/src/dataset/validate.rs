@@ -12,7 +12,7 @@ use crate::{
     light_tree::{height_of, is_permutation},
     lights::MAX_LIGHTS,
     meshless::{MeshlessBake, TransportError},
-    ray::BoundarySet,
+    ray::is_number_per_probe,
     scene::{Scene, is_unit, is_within_reach},
     shot::Shot,
     sources::{IndirectBake, Source},
@@ -71,7 +71,11 @@ impl Dataset {
             ("rays", (1..=MOST_RAYS).contains(&meshless.rays)),
             ("epsilon", is_size(meshless.epsilon)),
             ("shots", settings.shots.iter().all(Shot::is_valid)),
-            ("lights per probe", BoundarySet::is_number_per_probe(self.report.lights_per_probe())),
+            ("lights per probe", is_number_per_probe(self.report.lights_per_probe())),
+            (
+                "sources per probe",
+                self.report.indirect.as_ref().is_none_or(|r| is_number_per_probe(r.sources_per_probe())),
+            ),
         ];
         match checks.into_iter().find(|(_, is_good)| !is_good) {
             Some((name, _)) => Err(Damage::Setting(name)),

@@ -224,7 +224,7 @@ pub(super) fn crossings<L: Lanes>(rays: Vec3x8<L>, edges: &[Vec3x8<L>; 3]) -> u8
 /// Which of eight segments end beyond a plane, one bit each; the same arithmetic as
 /// [`super::triangle::TriangleFrom::crosses_before`].
 #[inline(always)]
-fn passing<L: Lanes>(segments: Vec3x8<L>, plane: &(Vec3x8<L>, L)) -> u8 {
+pub(super) fn passing<L: Lanes>(segments: Vec3x8<L>, plane: &(Vec3x8<L>, L)) -> u8 {
     plane.0.dot(segments).simd_gt(plane.1).to_bitmask() as u8
 }
 

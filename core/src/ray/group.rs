@@ -1,8 +1,8 @@
-//! Eight rays that lie close together, from one origin: fewer than a packet, for rays that are asked for here and there.
+//! Eight rays, or segments, that lie close together, from one origin: fewer than a packet, for rays that are asked for here and there.
 
 use super::{
     Intersector,
-    batch::{crossings, entering, entry_and_exit, nearer_child},
+    batch::{crossings, entering, entry_and_exit, nearer_child, passing},
     directions::{GROUP, HalfSpace, cone_sin_sq, inverse},
     frontier::Frontier,
     leaves::BlockFrom,
@@ -11,7 +11,7 @@ use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// Eight directions. Unused lanes repeat the first.
+/// Eight directions, or eight segments. Unused lanes repeat the first.
 pub(super) struct RayGroup {
     pub rays: Vec3x8,
     pub inverse_rays: Vec3x8,
@@ -26,14 +26,24 @@ pub(super) struct RayGroup {
 impl RayGroup {
     /// Of one to eight unit directions.
     pub fn new(directions: &[Vec3]) -> Self {
-        let rays: [Vec3; GROUP] = std::array::from_fn(|lane| *directions.get(lane).unwrap_or(&directions[0]));
-        let axis = rays.iter().sum::<Vec3>().normalize_or(Vec3::Y);
+        let rays = std::array::from_fn(|lane| *directions.get(lane).unwrap_or(&directions[0]));
+        Self::of(rays, rays)
+    }
+
+    /// Of eight segments that are not null.
+    pub fn of_segments(segments: [Vec3; GROUP]) -> Self {
+        Self::of(segments, segments.map(|segment| segment.normalize_or(Vec3::Y)))
+    }
+
+    fn of(rays: [Vec3; GROUP], directions: [Vec3; GROUP]) -> Self {
+        let axis = directions.iter().sum::<Vec3>().normalize_or(Vec3::Y);
+        let inverses = rays.map(inverse);
         Self {
             rays: Vec3x8::from_array(rays),
-            inverse_rays: Vec3x8::from_array(rays.map(inverse)),
+            inverse_rays: Vec3x8::from_array(inverses),
             axis,
-            sin_sq: cone_sin_sq(axis, &rays),
-            inverse_bounds: inverse_bounds(rays.map(inverse)),
+            sin_sq: cone_sin_sq(axis, &directions),
+            inverse_bounds: inverse_bounds(inverses),
         }
     }
 
@@ -45,10 +55,10 @@ impl RayGroup {
         if half.is_above { above } else { !above }
     }
 
-    /// Which of the rays `active`, one bit each, meet nothing; the same as [`Intersector::occluded`] says of each. `frontier` is
-    /// that of the origin.
+    /// Which of the rays `active`, one bit each, meet nothing; the same as [`Intersector::occluded`] says of each, or
+    /// [`Intersector::occluded_between`] if they are `SEGMENTS`. `frontier` is that of the origin.
     #[inline(always)]
-    pub fn open<L: Lanes>(
+    pub fn open<const SEGMENTS: bool, L: Lanes>(
         &self,
         scene: &Intersector,
         frontier: &Frontier,
@@ -62,7 +72,7 @@ impl RayGroup {
         while reached != 0 {
             let root = frontier.roots[reached.trailing_zeros() as usize];
             reached &= reached - 1;
-            let entered = enters::<L>(inverse_rays, &nodes[root as usize], from);
+            let entered = enters::<SEGMENTS, L>(inverse_rays, &nodes[root as usize], from);
             stack.clear();
             stack.push((root, entered));
             while let Some((mut index, entered)) = stack.pop() {
@@ -74,12 +84,12 @@ impl RayGroup {
                     let first = node.first_index;
                     if node.prim_count > 0 {
                         for corners in scene.blocks.of_leaf(first, node.prim_count) {
-                            active &= !self.crossing::<L>(&BlockFrom::new(origin, corners));
+                            active &= !self.crossing::<SEGMENTS, L>(&BlockFrom::new(origin, corners));
                         }
                         break;
                     }
-                    let one = enters::<L>(inverse_rays, &nodes[first as usize], from) & active;
-                    let other = enters::<L>(inverse_rays, &nodes[first as usize + 1], from) & active;
+                    let one = enters::<SEGMENTS, L>(inverse_rays, &nodes[first as usize], from) & active;
+                    let other = enters::<SEGMENTS, L>(inverse_rays, &nodes[first as usize + 1], from) & active;
                     if one != 0 && other != 0 {
                         let near = nearer_child(nodes, first, self.axis);
                         stack.push((first + 1 - near, if near == 0 { other } else { one }));
@@ -102,13 +112,17 @@ impl RayGroup {
 
     /// Which of the rays cross any of eight triangles, one bit each.
     #[inline(always)]
-    fn crossing<L: Lanes>(&self, triangles: &BlockFrom<L>) -> u8 {
+    fn crossing<const SEGMENTS: bool, L: Lanes>(&self, triangles: &BlockFrom<L>) -> u8 {
         let mut near = triangles.near_cone(Vec3x8::splat(self.axis), L::splat(self.sin_sq));
         let (rays, mut crossing) = (Vec3x8::load(&self.rays), 0);
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
-            crossing |= crossings(rays, &triangles.edges_of(lane));
+            let mut crossed = crossings(rays, &triangles.edges_of(lane));
+            if SEGMENTS && crossed != 0 {
+                crossed &= passing(rays, &triangles.plane_of(lane));
+            }
+            crossing |= crossed;
         }
         crossing
     }
@@ -125,7 +139,7 @@ fn inverse_bounds(inverses: [Vec3; GROUP]) -> [Vec3; 2] {
 
 /// Which of eight rays enter the box of a node, one bit each.
 #[inline(always)]
-fn enters<L: Lanes>(inverse_rays: Vec3x8<L>, node: &Bvh2Node, from: Vec3x8<L>) -> u8 {
+fn enters<const SEGMENTS: bool, L: Lanes>(inverse_rays: Vec3x8<L>, node: &Bvh2Node, from: Vec3x8<L>) -> u8 {
     let (min, max): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(node.aabb.min.into()), Vec3x8::splat(node.aabb.max.into()));
-    entering::<false, L>(entry_and_exit(inverse_rays, min - from, max - from))
+    entering::<SEGMENTS, L>(entry_and_exit(inverse_rays, min - from, max - from))
 }

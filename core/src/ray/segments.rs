@@ -30,7 +30,7 @@ pub struct SegmentBatch {
 
 impl SegmentBatch {
     /// Calls `hidden(i)`, in any order, for each of `wanted` (indices into `ends`) that something hides from the
-    /// origin. Both ends of a segment lie off any surface.
+    /// origin. Both ends of a segment lie off any surface. Returns the number of segments traced.
     ///
     /// The result is that of [`Intersector::occluded_between`], to the bit.
     pub fn trace(
@@ -40,7 +40,7 @@ impl SegmentBatch {
         ends: &[Vec3],
         wanted: &[u32],
         mut hidden: impl FnMut(u32),
-    ) {
+    ) -> u64 {
         self.segments.clear();
         self.segments.extend(wanted.iter().map(|&i| ends[i as usize] - origin));
         self.directions.clear();
@@ -60,6 +60,7 @@ impl SegmentBatch {
                 }
             }
         }
+        wanted.len() as u64
     }
 
     /// Fills `order` with all segments, neighbours in direction next to each other.

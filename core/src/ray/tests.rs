@@ -378,6 +378,88 @@ fn few_directions_and_an_empty_scene_have_boundaries_too() {
     }
 }
 
+/// A level disc with a hole.
+fn plate(center: Vec3, radii: [f32; 2]) -> Intersector {
+    let mut mesh = disc(Vec3::Y, radii);
+    mesh.positions.iter_mut().for_each(|p| *p += center - 2.0 * Vec3::Y);
+    Intersector::new(&mesh)
+}
+
+/// Points of a square of two metres at height 1, row by row in blocks of 2 x 4, with those beside each.
+fn ceiling(side: u32) -> (Vec<Vec3>, Vec<Vec<u32>>) {
+    let blocks = (0..side / 4).flat_map(|z| (0..side / 2).map(move |x| (2 * x, 4 * z)));
+    let places: Vec<(u32, u32)> = blocks.flat_map(|(x, z)| (0..8).map(move |i| (x + i % 2, z + i / 2))).collect();
+    let at = |i: u32| 2.0 * (i as f32 + 0.5) / side as f32 - 1.0;
+    let beside = |&(x, z): &(u32, u32)| {
+        let touches = |&(_, &(u, v)): &(u32, &(u32, u32))| x.abs_diff(u) + z.abs_diff(v) == 1;
+        (0..).zip(&places).filter(touches).map(|(i, _)| i).collect()
+    };
+    (places.iter().map(|&(x, z)| Vec3::new(at(x), 1.0, at(z))).collect(), places.iter().map(beside).collect())
+}
+
+/// Points that boundaries take for hidden, those that are, and the segments traced.
+fn hidden_along_boundaries(scene: &Intersector, points_per_probe: usize, asks: fn(Vec3) -> bool) -> [Vec<u32>; 3] {
+    let (ends, neighbours) = ceiling(64);
+    let wanted: Vec<u32> = (0..ends.len() as u32).filter(|&i| asks(ends[i as usize])).collect();
+    let set = SegmentSet::new(ends.clone(), &neighbours, points_per_probe);
+    let origin = Vec3::new(0.1, -1.0, 0.2);
+    let mut hidden = Vec::new();
+    let traced = SegmentTracer::default().trace(scene, origin, &set, &wanted, |i| hidden.push(i));
+    hidden.sort_unstable();
+    let is_hidden = |i: &u32| scene.occluded_between(origin, ends[*i as usize]);
+    [hidden, wanted.iter().copied().filter(is_hidden).collect(), vec![traced as u32, wanted.len() as u32]]
+}
+
+#[test]
+fn boundaries_lead_around_all_that_hides_points() {
+    // Below the ceiling, and beyond it, where it hides nothing.
+    let below = plate(Vec3::new(0.0, 0.4, 0.1), [0.15, 0.3]);
+    let beyond = plate(Vec3::new(0.0, 1.2, 0.1), [0.0, 0.3]);
+    for asks in [|_| true, |end: Vec3| end.x > 0.05] {
+        let [hidden, expected, counts] = hidden_along_boundaries(&below, 16, asks);
+        assert_eq!(hidden, expected);
+        assert!(hidden.len() > 100 && 3 * counts[0] < counts[1], "{} hidden, {counts:?}", hidden.len());
+        let [hidden, ..] = hidden_along_boundaries(&beyond, 16, asks);
+        assert!(hidden.is_empty(), "{hidden:?}");
+    }
+    let [all, ..] = hidden_along_boundaries(&below, 16, |_| true);
+    assert_ne!(
+        all,
+        hidden_along_boundaries(&below, 16, |end| end.x > 0.05)[0],
+        "negative control: others are asked for"
+    );
+}
+
+#[test]
+fn points_that_no_probe_tells_of_are_missed_and_finer_probes_find_them() {
+    let small = plate(Vec3::new(0.1, 0.4, 0.05), [0.0, 0.07]);
+    let wrong = |points_per_probe| {
+        let [hidden, expected, _] = hidden_along_boundaries(&small, points_per_probe, |_| true);
+        assert!((10..200).contains(&expected.len()), "{}", expected.len());
+        (hidden.len() as i64 - expected.len() as i64).unsigned_abs()
+    };
+    assert_eq!([wrong(8), wrong(16)], [0, 0]);
+    assert!(wrong(1024) >= 10, "negative control");
+}
+
+#[test]
+fn segments_along_boundaries_are_hardly_ever_wrong_among_small_triangles() {
+    for seed in 1..5 {
+        let mut mesh = soup(seed, 150);
+        mesh.positions.iter_mut().for_each(|p| *p *= 0.25);
+        let scene = Intersector::new(&mesh);
+        let wrong = |points_per_probe| {
+            let [hidden, expected, _] = hidden_along_boundaries(&scene, points_per_probe, |_| true);
+            assert!(expected.len() > 100);
+            let hidden: HashSet<u32> = hidden.into_iter().collect();
+            hidden.symmetric_difference(&expected.into_iter().collect()).count()
+        };
+        let [usual, coarse] = [16, 1024].map(wrong);
+        assert!(usual < 82, "2 %: {usual}");
+        assert!(coarse > 2 * usual, "negative control: {coarse}, {usual}");
+    }
+}
+
 #[test]
 fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
     for (mesh, seed) in [(soup(7, 500), 1), (doubled(soup(8, 200)), 2), (Mesh::default(), 3)] {

@@ -181,6 +181,26 @@ fn a_bake_follows_boundaries_and_is_as_good_as_an_exhaustive_one() {
 }
 
 #[test]
+fn sources_are_traced_along_boundaries_and_as_good_as_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, exhaustive| {
+        let job = with(job(folder.path(), name), |settings| {
+            (settings.mode, settings.lights, settings.exhaustive) = (BakeParts::INDIRECT, 256, exhaustive);
+            settings.indirect.sources = 4096;
+        });
+        bake(scene(), &job, &Silent).unwrap().report.indirect.unwrap()
+    };
+    let (followed, exhaustive) = (run("a.cuts", false), run("b.cuts", true));
+    let audit = followed.audit.expect("an audit");
+    assert!(exhaustive.audit.is_none() && exhaustive.sources_per_probe() == 1);
+    assert!(audit.lights_per_probe > 1 && audit.vertices == 64, "{audit:?}");
+    assert!(audit.leaves_wrong < 5e-3 && audit.rms_exhaustive > 0.0, "{audit:?}");
+    assert!(audit.rms_error <= 1.01 * audit.rms_exhaustive, "{audit:?}");
+    assert!(followed.rays_traced < exhaustive.rays_traced, "{} rays", followed.rays_traced);
+    assert!((followed.mean_cut / exhaustive.mean_cut - 1.0).abs() < 0.02, "{}", followed.mean_cut);
+}
+
+#[test]
 fn what_is_too_fine_for_boundaries_is_traced_exhaustively() {
     // Specks over a floor, each as wide as a light or two, so that most stand between probes.
     let mut triangles = floor(1.0, 0.0).to_vec();

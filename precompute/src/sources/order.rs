@@ -7,6 +7,7 @@ use crate::{
     vertices::{
         pilot::pilot_of,
         points::{BakePoint, BakePoints},
+        visibility::{EXHAUSTIVE, FINEST},
     },
 };
 use lapidary_core::{
@@ -38,7 +39,9 @@ pub fn order_sources(
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);
     }
-    let sampler = SourceSampler::new(scene, &sources, surface.offset());
+    // By the finest probes, for there is no audit yet: what is missed makes the tree a little worse, and no cut wrong.
+    let sources_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
+    let sampler = SourceSampler::new(scene, &sources, surface.offset(), sources_per_probe);
     let scratch = || (SourceScratch::default(), vec![0.0; sources.len()]);
     let row = |(scratch, solid_angles): &mut (SourceScratch, Vec<f32>), point: &&BakePoint| {
         sampler.sample(point, scratch, solid_angles);

@@ -1,11 +1,18 @@
 //! Solid angles of the surface sources as seen from a bake point.
 
-use crate::vertices::{points::BakePoint, side::Side};
+use crate::vertices::{points::BakePoint, side::Side, visibility::EXHAUSTIVE};
 use glam::Vec3;
 use lapidary_core::{
-    ray::{Intersector, SegmentBatch},
+    ray::{Intersector, SegmentBatch, SegmentSet, SegmentTracer},
     sources::{NearField, Origin, Source},
+    surfel::GradedGrid,
 };
+use rayon::prelude::*;
+
+/// Nearest sources of each that count as its neighbours: points of a Poisson-disk set touch six others.
+const NEIGHBOURS: usize = 6;
+/// They are sought among those of which this many spacings reach so far.
+const NEIGHBOUR_REACH: f32 = 4.0;
 
 /// Samples the solid angles of all sources, one bake point after another.
 pub struct SourceSampler<'a> {
@@ -14,21 +21,27 @@ pub struct SourceSampler<'a> {
     /// End of the segments to each source, off its surface.
     ends: Vec<Vec3>,
     near: NearField,
+    /// What boundaries are followed in, unless all segments are traced.
+    boundaries: Option<SegmentSet>,
 }
 
 /// Buffers of [`SourceSampler::sample`].
 #[derive(Default)]
 pub struct SourceScratch {
     batch: SegmentBatch,
+    tracer: SegmentTracer,
     /// Sources to trace from the front and from the back.
     wanted: [Vec<u32>; 2],
 }
 
 impl<'a> SourceSampler<'a> {
-    /// For sources in tree order; segments end `offset` metres off their surface.
-    pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32) -> Self {
-        let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
-        Self { scene, sources, ends, near: NearField::new(sources) }
+    /// For sources in tree order; segments end `offset` metres off their surface. Boundaries are followed between probes, of
+    /// which each stands for `sources_per_probe`, or every segment is traced ([`EXHAUSTIVE`]).
+    pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32, sources_per_probe: usize) -> Self {
+        let ends: Vec<Vec3> = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
+        let boundaries = (sources_per_probe != EXHAUSTIVE)
+            .then(|| SegmentSet::new(ends.clone(), &neighbours(sources), sources_per_probe));
+        Self { scene, sources, ends, near: NearField::new(sources), boundaries }
     }
 
     /// Number of sources.
@@ -40,16 +53,21 @@ impl<'a> SourceSampler<'a> {
     /// zero if it faces away, lies below the point's horizon, or is hidden; for a near one the rays decide. Returns the
     /// number of rays traced.
     pub fn sample(&self, point: &BakePoint, scratch: &mut SourceScratch, seen: &mut [f32]) -> u64 {
-        let SourceScratch { batch, wanted } = scratch;
+        let SourceScratch { batch, tracer, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
         let has_near = self.sort(point, seen, |i, side| wanted[side as usize].push(i as u32));
-        for (wanted, side) in wanted.iter().zip(Side::BOTH) {
+        let mut far = 0;
+        for (wanted, side) in wanted.iter().zip(Side::BOTH).filter(|(wanted, _)| !wanted.is_empty()) {
+            let origin = point.origin(side);
             wanted
                 .iter()
                 .for_each(|&i| seen[i as usize] = self.sources[i as usize].solid_angle_from(point.place(side)));
-            batch.trace(self.scene, point.origin(side), &self.ends, wanted, |i| seen[i as usize] = 0.0);
+            let hidden = |i: u32| seen[i as usize] = 0.0;
+            far += match &self.boundaries {
+                Some(set) => tracer.trace(self.scene, origin, set, wanted, hidden),
+                None => batch.trace(self.scene, origin, &self.ends, wanted, hidden),
+            };
         }
-        let far: u64 = wanted.iter().map(|w| w.len() as u64).sum();
         far + self.gather_near(point, has_near, seen)
     }
 
@@ -62,6 +80,16 @@ impl<'a> SourceSampler<'a> {
             seen[i] = if open { self.sources[i].solid_angle_from(point.place(side)) } else { 0.0 };
         }
         self.gather_near(point, has_near, seen);
+    }
+
+    /// What [`Self::sample`] sets, for verification: segment by segment if all are traced, else by the same boundaries.
+    pub fn sample_again(&self, point: &BakePoint, seen: &mut [f32]) {
+        match self.boundaries {
+            None => self.sample_singly(point, seen),
+            Some(_) => {
+                self.sample(point, &mut SourceScratch::default(), seen);
+            }
+        }
     }
 
     /// Calls `far` with each source to trace and the side of the point that faces it, and sets all others to zero.
@@ -98,6 +126,21 @@ impl<'a> SourceSampler<'a> {
         };
         Side::BOTH.into_iter().zip(has_near).filter(|&(_, near)| near).map(gather).sum()
     }
+}
+
+/// The nearest others of each of the sources, on its own surface.
+fn neighbours(sources: &[Source]) -> Vec<Vec<u32>> {
+    let grid = GradedGrid::of(sources.iter().map(|source| (source.surfel, NEIGHBOUR_REACH * source.spacing)));
+    let nearest = |(own, source): (usize, &Source)| {
+        let mut others = Vec::new();
+        grid.any_reaching(&source.surfel, |i, distance| {
+            others.extend((i != own).then_some((distance, i as u32)));
+            false
+        });
+        others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        others.into_iter().take(NEIGHBOURS).map(|(_, i)| i).collect()
+    };
+    sources.par_iter().enumerate().map(nearest).collect()
 }
 
 /// The side of a point that a source is on, if both face each other.

@@ -113,9 +113,14 @@ fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
     } else {
         format!("{:.3}", r.radius)
     };
+    let audit = match &r.audit {
+        None => String::new(),
+        Some(audit) if audit.lights_per_probe == 1 => ", too fine for boundaries".into(),
+        Some(audit) => format!(", {:.3} % of sources missed", 100.0 * audit.leaves_wrong),
+    };
     format!(
         "sources    {} on {:.1} m²{without}, {apart} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
-         seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB\n",
+         seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB{audit}\n",
         r.sources,
         r.area,
         r.mean_cut,

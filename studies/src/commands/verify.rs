@@ -68,6 +68,15 @@ fn verification_text(v: &Verification) -> String {
             "traced the sources from {} vertices again: {} cuts differ\n",
             v.source_vertices, v.different_source_cuts
         );
+        if v.sources_wrong > 0.0 {
+            text += &format!(
+                "boundaries have missed {:.3} % of these sources; the error of solid angles is {:.2} %, of all that was \
+                 traced {:.2} %\n",
+                100.0 * v.sources_wrong,
+                100.0 * v.source_error,
+                100.0 * v.exhaustive_source_error
+            );
+        }
     }
     if v.sources > 0 {
         text += &format!(

@@ -80,10 +80,10 @@ mod tests {
     fn coarsened_cuts_are_as_good_as_selected_ones_of_their_length() {
         for seed in 0..10 {
             let leaves = leaves(seed);
-            let fine = select(FINE, &leaves).0;
+            let fine = select(FINE, &leaves);
             for factor in [2.0, 4.0, 8.0] {
                 let coarser = FINE.coarser(factor);
-                let (pruned, selected) = (prune_sources(HEIGHT, coarser, &fine), select(coarser, &leaves).0);
+                let (pruned, selected) = (prune_sources(HEIGHT, coarser, &fine), select(coarser, &leaves));
                 assert_eq!(cut_len(HEIGHT, &pruned), Ok(pruned.len()));
                 // Stored values are rounded, so nodes at a bound may fall to either side of it.
                 assert!(pruned.len() < fine.len() && pruned.len() <= selected.len() + selected.len() / 20);
@@ -92,7 +92,7 @@ mod tests {
             }
             let blind: Vec<f32> = leaves.chunks(64).flat_map(|c| vec![c.iter().sum::<f32>() / 64.0; 64]).collect();
             let (blind, found) =
-                (select(FINE, &blind).0, error(&prune_sources(HEIGHT, FINE.coarser(2.0), &fine), &leaves));
+                (select(FINE, &blind), error(&prune_sources(HEIGHT, FINE.coarser(2.0), &fine), &leaves));
             assert!(error(&blind, &leaves) > 1.4 * found, "negative control: nodes that know nothing of their leaves");
         }
     }
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn nothing_is_lost_at_a_sigma_of_zero_and_light_is_kept_at_any() {
         let leaves = leaves(3);
-        let fine = select(FINE, &leaves).0;
+        let fine = select(FINE, &leaves);
         let exact = SourceCriterion { sigma: 0.0, contrast: 0.0, ..FINE };
         assert_eq!(prune_sources(HEIGHT, exact, &fine), fine);
         let pruned = prune_sources(HEIGHT, FINE.coarser(1e4), &fine);

@@ -19,12 +19,12 @@ pub fn leaves(seed: u64) -> Vec<f32> {
     values
 }
 
-/// The cut and its squared error.
-pub fn select(criterion: SourceCriterion, leaves: &[f32]) -> (Vec<u16>, f64) {
+/// The cut of leaves.
+pub fn select(criterion: SourceCriterion, leaves: &[f32]) -> Vec<u16> {
     let mut cut = Vec::new();
-    let error = SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
+    SourceCutSelector::new(HEIGHT, criterion).select(leaves, &mut cut);
     assert_eq!(cut_len(HEIGHT, &cut), Ok(cut.len()));
-    (cut, error)
+    cut
 }
 
 /// The stored value of each leaf.

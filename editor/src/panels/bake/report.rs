@@ -71,19 +71,23 @@ fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'stat
         ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
         ("Cuts", bytes(report.bytes_cuts)),
     ];
-    rows.extend(report.audit.iter().flat_map(audit_rows));
+    if let Some(audit) = &report.audit {
+        rows.extend([
+            ("Audit, error", format!("{:.4} RMS", audit.rms_error)),
+            ("Audit, missed", missed(audit, "lights")),
+        ]);
+    }
     let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));
     rows.extend(report.run.as_ref().map(speed));
     rows
 }
 
-/// What following boundaries has missed.
-fn audit_rows(audit: &BakeAudit) -> [(&'static str, String); 2] {
-    let wrong = match audit.lights_per_probe {
+/// How much of the lights or sources following boundaries has missed.
+fn missed(audit: &BakeAudit, leaves: &str) -> String {
+    match audit.lights_per_probe {
         1 => "none, all traced".into(),
-        _ => format!("{:.3} % of lights", 100.0 * audit.leaves_wrong),
-    };
-    [("Audit, error", format!("{:.4} RMS", audit.rms_error)), ("Audit, missed", wrong)]
+        _ => format!("{:.3} % of {leaves}", 100.0 * audit.leaves_wrong),
+    }
 }
 
 /// What was baked of bounced light.
@@ -98,6 +102,7 @@ fn bounce_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'static st
             ("Bounce error", format!("{:.1} %", 100.0 * indirect.relative_error)),
             ("Source cuts", bytes(indirect.bytes_cuts)),
         ]);
+        rows.extend(indirect.audit.iter().map(|audit| ("Sources missed", missed(audit, "sources"))));
     }
     if let Some(meshless) = &report.meshless {
         rows.extend([
@@ -177,6 +182,13 @@ mod tests {
         };
         assert_eq!(audited(16), ["0.0800 RMS", "0.020 % of lights"]);
         assert_eq!(audited(1), ["0.0800 RMS", "none, all traced"]);
+        let sources = |audit| {
+            let indirect = Some(IndirectReport { audit, ..Default::default() });
+            let rows = bounce_rows(&BakeReport { indirect, ..report.clone() }, &Preset::Normal.settings());
+            rows.into_iter().find(|(name, _)| *name == "Sources missed").map(|(_, value)| value)
+        };
+        let found = BakeAudit { lights_per_probe: 8, leaves_wrong: 2e-3, ..Default::default() };
+        assert_eq!((sources(None), sources(Some(found))), (None, Some("0.200 % of sources".into())));
         assert_eq!(value("Time, environment visibility"), Some("12 s"));
         assert_eq!(value("Time, building the light tree"), None);
         let read = self::rows(&BakeReport { run: None, ..report.clone() }, &Preset::Normal.settings());

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub const FILE: &str = "bake.json";
 
 /// Changes whenever the same settings would give different chunks, or chunks are stored otherwise.
-const VERSION: u32 = 14;
+const VERSION: u32 = 15;
 
 /// The bake that a checkpoint belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

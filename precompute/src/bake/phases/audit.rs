@@ -1,23 +1,27 @@
-//! The audit: how few lights need a probe, so that cuts are as good as those of an exhaustive bake.
+//! The audit: how few lights, or sources, need a probe, so that cuts are as good as those of an exhaustive bake.
 //!
 //! It comes before the visibility of all points, whose results do not depend on each other: what it finds of some of them is
 //! what the bake will make of them. So no work is done in vain, and the parts of a bake that is shared among machines agree.
 
-use super::geometry::Geometry;
 use crate::{
     bake::settings::ResolvedBake,
     errors::{BakeError, cancelled},
     observer::Observer,
+    sources::{
+        error::{relative_rms, squared_norm},
+        sampler::{SourceSampler, SourceScratch},
+    },
     vertices::{
         points::BakePoint,
         visibility::{EXHAUSTIVE, FINEST, USUAL, VisibilitySampler},
     },
 };
 use lapidary_core::{
-    cut::{CutSelector, squared_error},
+    cut::{CutSelector, SourceCutSelector, solid_angle_error, squared_error},
     dataset::BakeAudit,
     light_tree::LightTree,
-    ray::BoundaryTracer,
+    ray::{BoundaryTracer, Intersector},
+    sources::Source,
 };
 use rayon::prelude::*;
 
@@ -25,7 +29,7 @@ use rayon::prelude::*;
 const ONE_OF: usize = 100;
 /// Least number of points that are audited, if there are as many.
 const LEAST: usize = 64;
-/// Largest root mean square of stored minus traced visibility, as a multiple of that of an exhaustive bake.
+/// Largest root mean square of stored minus traced values, as a multiple of that of an exhaustive bake.
 const MOST_ERROR: f64 = 1.01;
 
 /// The audit that decides how the environment is traced; `None` if every light is to be traced anyway.
@@ -33,79 +37,128 @@ const MOST_ERROR: f64 = 1.01;
 /// # Errors
 /// [`BakeError::Cancelled`].
 pub fn audit_environment(
-    geometry: &Geometry,
+    points: &[BakePoint],
+    scene: &Intersector,
     tree: &LightTree,
     settings: &ResolvedBake,
     observer: &dyn Observer,
 ) -> Result<Option<BakeAudit>, BakeError> {
+    let all = VisibilitySampler::new(scene, tree, EXHAUSTIVE);
+    let scratch = || {
+        let selector = CutSelector::new(tree.height(), settings.criterion);
+        (selector, BoundaryTracer::default(), [vec![0; tree.len()], vec![0; tree.len()]])
+    };
+    coarsest_good(settings, |lights_per_probe| {
+        let probed = VisibilitySampler::new(scene, tree, lights_per_probe);
+        audit(points, lights_per_probe, observer, scratch, |(selector, tracer, [traced, seen]), point| {
+            all.sample(point, tracer, traced);
+            probed.sample(point, tracer, seen);
+            let (mut cut, mut exhaustive) = (Vec::new(), Vec::new());
+            selector.select(seen, &mut cut);
+            let squared_error_exhaustive = selector.select(traced, &mut exhaustive);
+            Sums {
+                leaves: traced.len(),
+                wrong: traced.iter().zip(seen).filter(|(a, b)| a != b).count(),
+                norm: traced.len() as f64,
+                squared_error: squared_error(tree.height(), &cut, traced),
+                squared_error_exhaustive,
+            }
+        })
+    })
+}
+
+/// The same for the surface sources, in tree order; segments to them end `offset` metres off their surface.
+///
+/// # Errors
+/// [`BakeError::Cancelled`].
+pub fn audit_sources(
+    points: &[BakePoint],
+    scene: &Intersector,
+    (sources, offset): (&[Source], f32),
+    settings: &ResolvedBake,
+    observer: &dyn Observer,
+) -> Result<Option<BakeAudit>, BakeError> {
+    let height = sources.len().ilog2();
+    let all = SourceSampler::new(scene, sources, offset, EXHAUSTIVE);
+    let scratch = || {
+        let selector = SourceCutSelector::new(height, settings.indirect.criterion);
+        (selector, SourceScratch::default(), [vec![0.0; sources.len()], vec![0.0; sources.len()]])
+    };
+    coarsest_good(settings, |sources_per_probe| {
+        let probed = SourceSampler::new(scene, sources, offset, sources_per_probe);
+        audit(points, sources_per_probe, observer, scratch, |(selector, scratch, [traced, seen]), point| {
+            all.sample(point, scratch, traced);
+            probed.sample(point, scratch, seen);
+            let (mut cut, mut exhaustive) = (Vec::new(), Vec::new());
+            selector.select(seen, &mut cut);
+            selector.select(traced, &mut exhaustive);
+            Sums {
+                leaves: traced.len(),
+                wrong: traced.iter().zip(seen).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count(),
+                norm: squared_norm(traced),
+                squared_error: solid_angle_error(height, &cut, traced),
+                squared_error_exhaustive: solid_angle_error(height, &exhaustive, traced),
+            }
+        })
+    })
+}
+
+/// The audit of the fewest probes that are good enough, or of none; `None` for a bake that is exhaustive anyway.
+fn coarsest_good(
+    settings: &ResolvedBake,
+    audit: impl Fn(usize) -> Result<BakeAudit, BakeError>,
+) -> Result<Option<BakeAudit>, BakeError> {
     if settings.exhaustive {
         return Ok(None);
     }
-    let points = audited(&geometry.points.points);
-    let auditor = Auditor { geometry, tree, settings, points: &points, observer };
-    for lights_per_probe in [USUAL, FINEST] {
-        let audit = auditor.audit(lights_per_probe)?;
+    for per_probe in [USUAL, FINEST] {
+        let audit = audit(per_probe)?;
         if audit.rms_error <= MOST_ERROR * audit.rms_exhaustive {
             return Ok(Some(audit));
         }
     }
-    Ok(Some(auditor.audit(EXHAUSTIVE)?))
+    Ok(Some(audit(EXHAUSTIVE)?))
+}
+
+/// Sums over the leaves of a point.
+#[derive(Clone, Copy)]
+struct Sums {
+    leaves: usize,
+    wrong: usize,
+    /// What squared errors are shares of.
+    norm: f64,
+    squared_error: f64,
+    squared_error_exhaustive: f64,
+}
+
+/// What `compare` finds of some of the points. `scratch` makes buffers that are kept.
+fn audit<S>(
+    points: &[BakePoint],
+    lights_per_probe: usize,
+    observer: &dyn Observer,
+    scratch: impl Fn() -> S + Sync + Send,
+    compare: impl Fn(&mut S, &BakePoint) -> Sums + Sync + Send,
+) -> Result<BakeAudit, BakeError> {
+    let points = audited(points);
+    let one = |scratch: &mut S, point: &&BakePoint| {
+        cancelled(observer)?;
+        Ok(compare(scratch, point))
+    };
+    // Collected in order: sums do not depend on which thread was first.
+    let sums = points.par_iter().map_init(scratch, one).collect::<Result<Vec<Sums>, BakeError>>()?;
+    let sum = |of: fn(&Sums) -> usize| sums.iter().map(of).sum::<usize>() as f64;
+    let rms = |of: fn(&Sums) -> f64| relative_rms(&sums.iter().map(|s| (of(s), s.norm)).collect::<Vec<_>>());
+    Ok(BakeAudit {
+        vertices: points.len(),
+        leaves_wrong: sum(|s| s.wrong) / sum(|s| s.leaves).max(1.0),
+        rms_error: rms(|s| s.squared_error),
+        rms_exhaustive: rms(|s| s.squared_error_exhaustive),
+        lights_per_probe,
+    })
 }
 
 /// Points spread evenly over all.
 fn audited(points: &[BakePoint]) -> Vec<&BakePoint> {
     let count = (points.len() / ONE_OF).max(LEAST).min(points.len());
     (0..count).map(|i| &points[(2 * i + 1) * points.len() / (2 * count)]).collect()
-}
-
-struct Auditor<'a> {
-    geometry: &'a Geometry,
-    tree: &'a LightTree,
-    settings: &'a ResolvedBake,
-    points: &'a [&'a BakePoint],
-    observer: &'a dyn Observer,
-}
-
-/// Sums over the lights of a point.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    wrong: u64,
-    squared_error: f64,
-    squared_error_exhaustive: f64,
-}
-
-impl Auditor<'_> {
-    fn audit(&self, lights_per_probe: usize) -> Result<BakeAudit, BakeError> {
-        let Self { geometry, tree, settings, points, observer } = self;
-        let sampler = |lights_per_probe| VisibilitySampler::new(&geometry.intersector, tree, lights_per_probe);
-        let (all, probed) = (sampler(EXHAUSTIVE), sampler(lights_per_probe));
-        let scratch = || {
-            let selector = CutSelector::new(tree.height(), settings.criterion);
-            (selector, BoundaryTracer::default(), [vec![0; tree.len()], vec![0; tree.len()]])
-        };
-        let sums = points.par_iter().map_init(scratch, |(selector, tracer, [traced, seen]), point| {
-            cancelled(*observer)?;
-            all.sample(point, tracer, traced);
-            probed.sample(point, tracer, seen);
-            let (mut cut, mut exhaustive) = (Vec::new(), Vec::new());
-            selector.select(seen, &mut cut);
-            let squared_error_exhaustive = selector.select(traced, &mut exhaustive);
-            Ok(Sums {
-                wrong: traced.iter().zip(seen).filter(|(a, b)| a != b).count() as u64,
-                squared_error: squared_error(tree.height(), &cut, traced),
-                squared_error_exhaustive,
-            })
-        });
-        // Collected in order: sums do not depend on which thread was first.
-        let sums = sums.collect::<Result<Vec<Sums>, BakeError>>()?;
-        let pairs = (points.len() * tree.len()).max(1) as f64;
-        let rms = |of: fn(&Sums) -> f64| (sums.iter().map(of).sum::<f64>() / pairs).sqrt();
-        Ok(BakeAudit {
-            vertices: points.len(),
-            leaves_wrong: sums.iter().map(|s| s.wrong).sum::<u64>() as f64 / pairs,
-            rms_error: rms(|s| s.squared_error),
-            rms_exhaustive: rms(|s| s.squared_error_exhaustive),
-            lights_per_probe,
-        })
-    }
 }

@@ -1,6 +1,7 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
 use super::point_cuts::{PointCuts, unbaked};
+use crate::sources::error::squared_norm;
 use crate::{
     bake::checkpoint::{Chunk, Kept},
     errors::{BakeError, cancelled},
@@ -8,7 +9,7 @@ use crate::{
     sources::sampler::{SourceSampler, SourceScratch},
     vertices::{points::BakePoint, tracing::ManySampler},
 };
-use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector};
+use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector, solid_angle_error};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -84,8 +85,9 @@ impl CutMaker for SourceCuts<'_> {
         let one = |(selector, scratch, seen): &mut (SourceCutSelector, SourceScratch, Vec<f32>), point: &BakePoint| {
             let rays = self.sampler.sample(point, scratch, seen);
             let mut cut = Vec::new();
-            let squared_error = selector.select(seen, &mut cut);
-            let squared_norm: f64 = seen.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+            selector.select(seen, &mut cut);
+            let squared_norm = squared_norm(seen);
+            let squared_error = solid_angle_error(self.height(), &cut, seen);
             (cut, if squared_norm > 0.0 { squared_error / squared_norm } else { 0.0 }, rays)
         };
         Ok(points.par_iter().map_init(scratch, one).collect())

@@ -4,6 +4,7 @@
 //! A resumed bake makes sources and tree again. Chunks about other sources are not used.
 
 use super::{
+    audit::audit_sources,
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     fit::{TEXTURE_BYTES, fit_sources},
     geometry::Geometry,
@@ -23,13 +24,14 @@ use crate::{
     vertices::{
         points::BakePoint,
         tracing::{ManySampler, Tracing},
+        visibility::EXHAUSTIVE,
     },
     warning::Warning,
 };
 use glam::Vec3;
 use lapidary_core::{
     cut::prune_sources,
-    dataset::IndirectReport,
+    dataset::{BakeAudit, IndirectReport},
     light_tree::LightTree,
     sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
@@ -52,7 +54,7 @@ impl SourcePhases<'_> {
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
         let places = places_of(&sources);
-        let (seen, coarsened) = self.source_cuts(&sources, places, clock)?;
+        let SeenSources { packed: seen, coarsened, audit } = self.source_cuts(&sources, places, clock)?;
         let environment = self.environment_cuts(&sources, places, clock)?;
         let spacings = || sources.iter().map(|source| source.spacing);
         let report = IndirectReport {
@@ -69,6 +71,7 @@ impl SourcePhases<'_> {
             mean_environment_cut: environment.mean_cut(),
             bytes_cuts: seen.bytes() + environment.bytes(),
             rays_traced: seen.rays,
+            audit,
         };
         Ok((IndirectBake { sources, cuts: seen.cuts, environment_cuts: environment.cuts }, report))
     }
@@ -93,34 +96,29 @@ impl SourcePhases<'_> {
         })
     }
 
-    /// The bake points' cuts over the sources, and the factor by which they were coarsened, see
-    /// [`IndirectReport::coarsened`].
-    fn source_cuts(
-        &self,
-        sources: &[Source],
-        places: Places,
-        clock: &mut Clock,
-    ) -> Result<(Packed, Option<f32>), BakeError> {
+    /// The bake points' cuts over the sources.
+    fn source_cuts(&self, sources: &[Source], places: Places, clock: &mut Clock) -> Result<SeenSources, BakeError> {
         let Geometry { points, scene, intersector, .. } = self.geometry;
         let receivers = points.for_sources(&scene.mesh, intersector, &self.settings.shots);
-        let maker = SourceCuts {
-            points: &receivers,
-            sampler: SourceSampler::new(intersector, sources, self.surface.offset()),
-            criterion: self.settings.indirect.criterion,
-        };
+        let (criterion, offset) = (self.settings.indirect.criterion, self.surface.offset());
         let kept = self.checkpoint.series(Series::Sources, places);
         let observer = clock.observer;
-        let cuts = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
-            bake_chunks(&maker, &kept, observer)
+        let (cuts, audit) = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
+            let audit = audit_sources(&receivers, intersector, (sources, offset), self.settings, observer)?;
+            let sources_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe);
+            let sampler = SourceSampler::new(intersector, sources, offset, sources_per_probe);
+            let maker = SourceCuts { points: &receivers, sampler, criterion };
+            Ok::<_, BakeError>((bake_chunks(&maker, &kept, observer)?, audit))
         })?;
         if kept.has_met_others() {
             observer.event(Event::Warning { message: Warning::OtherSources });
         }
-        let (criterion, height) = (self.settings.indirect.criterion, cuts.height());
-        let factor = fit_sources(&cuts, criterion, TEXTURE_BYTES, observer)?;
-        let coarser = |cut: &[u16]| prune_sources(height, criterion.coarser(factor.unwrap_or(1.0)), cut);
-        let coarser = factor.is_some().then_some(&coarser as _);
-        Ok((pack(&cuts, coarser, points.of_vertex.iter().copied(), CutsOf::Sources)?, factor))
+        let height = cuts.height();
+        let coarsened = fit_sources(&cuts, criterion, TEXTURE_BYTES, observer)?;
+        let coarser = |cut: &[u16]| prune_sources(height, criterion.coarser(coarsened.unwrap_or(1.0)), cut);
+        let coarser = coarsened.is_some().then_some(&coarser as _);
+        let packed = pack(&cuts, coarser, points.of_vertex.iter().copied(), CutsOf::Sources)?;
+        Ok(SeenSources { packed, coarsened, audit })
     }
 
     fn environment_cuts(&self, sources: &[Source], places: Places, clock: &mut Clock) -> Result<Packed, BakeError> {
@@ -143,6 +141,14 @@ impl SourcePhases<'_> {
         };
         pack(&cuts, None, 0..sources.len() as u32, CutsOf::SourceEnvironment)
     }
+}
+
+/// What the bake points see of the sources.
+struct SeenSources {
+    packed: Packed,
+    /// See [`IndirectReport::coarsened`].
+    coarsened: Option<f32>,
+    audit: Option<BakeAudit>,
 }
 
 /// What chunks about these sources belong to.

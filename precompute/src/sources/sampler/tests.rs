@@ -24,7 +24,7 @@ fn point_at(position: Vec3) -> BakePoint {
 }
 
 fn sample(prepared: &Prepared, sources: &[Source], point: &BakePoint) -> Vec<f32> {
-    let sampler = SourceSampler::new(&prepared.intersector, sources, 1e-4);
+    let sampler = SourceSampler::new(&prepared.intersector, sources, 1e-4, EXHAUSTIVE);
     let mut seen = vec![0.0; sources.len()];
     sampler.sample(point, &mut SourceScratch::default(), &mut seen);
     seen
@@ -109,7 +109,7 @@ fn batches_equal_single_segments() {
     triangles.extend(cuboid(Vec3::new(0.2, -0.5, 0.1), Vec3::splat(0.3)));
     let prepared = Prepared::new(&triangles);
     let sources = sources_of(&prepared);
-    let sampler = SourceSampler::new(&prepared.intersector, &sources, 1e-4);
+    let sampler = SourceSampler::new(&prepared.intersector, &sources, 1e-4, EXHAUSTIVE);
     for point in [floor_point(0.7, 0.2), floor_point(-0.5, -0.9), floor_point(0.6, 0.1)] {
         let batch = sample(&prepared, &sources, &point);
         let mut single = vec![0.0; COUNT];
@@ -117,4 +117,31 @@ fn batches_equal_single_segments() {
         assert_eq!(batch, single);
         assert!(batch.contains(&0.0) && batch.iter().any(|&angle| angle > 0.0));
     }
+}
+
+#[test]
+fn boundaries_between_sources_are_those_of_single_segments() {
+    let mut triangles = room(Vec3::ZERO, Vec3::ONE);
+    triangles.extend(cuboid(Vec3::new(0.2, -0.5, 0.1), Vec3::splat(0.3)));
+    let prepared = Prepared::new(&triangles);
+    let sources = sources_of(&prepared);
+    let points = [floor_point(0.7, 0.2), floor_point(-0.5, -0.9), floor_point(0.6, 0.1)];
+    let compared = |sources_per_probe| {
+        let sampler = SourceSampler::new(&prepared.intersector, &sources, 1e-4, sources_per_probe);
+        let (mut wrong, mut rays) = (0, 0);
+        for point in &points {
+            let [mut seen, mut single, mut again] = [0; 3].map(|_| vec![0.0; COUNT]);
+            rays += sampler.sample(point, &mut SourceScratch::default(), &mut seen);
+            sampler.sample_singly(point, &mut single);
+            sampler.sample_again(point, &mut again);
+            assert_eq!(again, seen);
+            wrong += seen.iter().zip(&single).filter(|(a, b)| a != b).count();
+        }
+        (wrong, rays)
+    };
+    let (wrong, rays) = compared(16);
+    let (none, all) = compared(EXHAUSTIVE);
+    assert!(wrong <= 3 * COUNT / 200 && none == 0, "{wrong} wrong");
+    assert!(all - rays > 3 * COUNT as u64 / 4, "{rays} of {all} rays, of which some are near the point");
+    assert!(compared(1024).0 > 100, "negative control: probes that lie too far apart");
 }
