@@ -30,18 +30,23 @@ pub struct Source {
 }
 
 impl Source {
+    /// Whether light of the source reaches `from`, if nothing is between.
+    #[inline(always)]
+    pub fn faces(&self, from: Vec3) -> bool {
+        (from - self.surfel.position).dot(self.surfel.normal) > 0.0 && self.area > 0.0
+    }
+
     /// Solid angle in steradians of the source as seen from `from`, if nothing is between; 0 from behind.
     ///
     /// `A cos θ / (d² + A / 2π)` is exact at large distances, and at most a hemisphere at small ones.
     #[inline(always)]
     pub fn solid_angle_from(&self, from: Vec3) -> f32 {
-        let to_place = from - self.surfel.position;
-        let distance_sq = to_place.length_squared();
-        let height = to_place.dot(self.surfel.normal);
-        if !(height > 0.0 && self.area > 0.0) {
+        if !self.faces(from) {
             return 0.0;
         }
-        let cosine = height / distance_sq.sqrt();
+        let to_place = from - self.surfel.position;
+        let distance_sq = to_place.length_squared();
+        let cosine = to_place.dot(self.surfel.normal) / distance_sq.sqrt();
         self.area * cosine / (distance_sq + self.area * (1.0 / LARGEST_SOLID_ANGLE))
     }
 }

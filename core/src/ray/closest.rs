@@ -98,7 +98,7 @@ impl Eights<'_> {
         let mut nearest = Nearest { leaves: [None; 8], distances: [self.before; 8] };
         let nodes = &self.scene.bvh.nodes[..];
         let inverse_rays: Vec3x8<L> = Vec3x8::load(&group.inverse_rays);
-        let mut reached = frontier.reached::<L>(group.inverse_bounds);
+        let mut reached = frontier.reached::<false, L>(group.inverse_bounds);
         while reached != 0 {
             stack.clear();
             stack.push(frontier.roots[reached.trailing_zeros() as usize]);

@@ -3,7 +3,7 @@
 //! Every walk from the root goes down to the origin again, through boxes that hold it. The nodes that look largest from the
 //! origin are opened once for all walks, and each walk tests the boxes of what is left eight at a time.
 
-use super::Intersector;
+use super::{Intersector, batch::entering};
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
@@ -65,9 +65,10 @@ impl Frontier {
         }
     }
 
-    /// Subtrees, one bit each, that a ray from the origin may enter whose inverse direction lies between two.
+    /// Subtrees, one bit each, that a ray from the origin may enter whose inverse direction lies between two, or a segment if
+    /// they are `SEGMENTS`.
     #[inline(always)]
-    pub fn reached<L: Lanes>(&self, [least, most]: [Vec3; 2]) -> u64 {
+    pub fn reached<const SEGMENTS: bool, L: Lanes>(&self, [least, most]: [Vec3; 2]) -> u64 {
         let (least, most): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(least), Vec3x8::splat(most));
         let mut reached = 0;
         for (eight, [min, max]) in self.boxes.iter().enumerate() {
@@ -76,8 +77,8 @@ impl Frontier {
             let (near_y, far_y) = slab(min.y, max.y, least.y, most.y);
             let (near_z, far_z) = slab(min.z, max.z, least.z, most.z);
             let entry = near_x.fast_max(near_y).fast_max(near_z.fast_max(L::splat(0.0)));
-            let exit = far_x.fast_min(far_y).fast_min(far_z) * L::splat(1.0 + 1e-6);
-            reached |= u64::from(entry.simd_le(exit).to_bitmask()) << (8 * eight);
+            let exit = far_x.fast_min(far_y).fast_min(far_z);
+            reached |= u64::from(entering::<SEGMENTS, L>((entry, exit))) << (8 * eight);
         }
         // Lanes past the last are no boxes.
         reached & u64::MAX.checked_shr(64 - self.roots.len() as u32).unwrap_or(0)

@@ -68,7 +68,7 @@ impl RayGroup {
     ) -> u8 {
         let nodes = &scene.bvh.nodes[..];
         let (from, inverse_rays): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(origin), Vec3x8::load(&self.inverse_rays));
-        let mut reached = frontier.reached::<L>(self.inverse_bounds);
+        let mut reached = frontier.reached::<SEGMENTS, L>(self.inverse_bounds);
         while reached != 0 {
             let root = frontier.roots[reached.trailing_zeros() as usize];
             reached &= reached - 1;

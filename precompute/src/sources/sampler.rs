@@ -148,8 +148,8 @@ fn neighbours(sources: &[Source]) -> Vec<Vec<u32>> {
 fn facing_side(point: &BakePoint, source: &Source) -> Option<Side> {
     let toward = source.surfel.position - point.position;
     let side = if point.two_sided { point.side_of(toward) } else { Side::Front };
-    let faces = source.solid_angle_from(point.place(side)) > 0.0;
-    (faces && (point.two_sided || point.side_of(toward.normalize_or_zero()) == Side::Front)).then_some(side)
+    let is_above = || point.two_sided || point.side_of(toward.normalize_or_zero()) == Side::Front;
+    (source.faces(point.place(side)) && is_above()).then_some(side)
 }
 
 #[cfg(test)]
