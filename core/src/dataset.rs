@@ -71,7 +71,8 @@ use std::collections::BTreeMap;
 /// Version 3 added lights, modes, surface sources and the meshless basis.
 /// Version 4 added the spacing of each source; sources of version 3 are all as far apart as was reported.
 /// Version 5 added bakes that follow boundaries; those of version 4 are exhaustive.
-pub const FORMAT_VERSION: u32 = 5;
+/// Version 6 added boundaries between surface sources; bakes of version 5 trace every source.
+pub const FORMAT_VERSION: u32 = 6;
 
 /// A baked scene.
 #[derive(Clone, Debug)]
@@ -141,7 +142,8 @@ pub struct BakeSettings {
     /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
     /// they fit. It does not limit surface sources and the meshless basis.
     pub max_bytes: Option<u64>,
-    /// Whether every light is traced from every vertex, where otherwise boundaries are followed ([`crate::ray::BoundarySet`]).
+    /// Whether every light and surface source is traced from every vertex, where otherwise boundaries are followed
+    /// ([`crate::ray::BoundarySet`], [`crate::ray::SegmentSet`]).
     #[serde(default = "before_boundaries")]
     pub exhaustive: bool,
     /// Which parts are baked.
@@ -200,7 +202,8 @@ pub struct BakeReport {
     pub mean_cut: f64,
     /// Largest cut.
     pub max_cut: usize,
-    /// Root mean square over all vertices and lights of stored minus traced visibility, before cuts were coarsened to fit.
+    /// Root mean square over all vertices and lights of stored minus traced visibility, of what boundaries tell
+    /// ([`Self::audit`] has what they miss), before cuts were coarsened to fit.
     pub rms_visibility: f64,
     /// Bytes of nodes, padding and offsets.
     pub bytes_cuts: u64,
@@ -255,7 +258,7 @@ pub struct BakeRun {
 impl BakeReport {
     /// How the environment was traced: lights for each that is probed, 1 if every light is.
     pub fn lights_per_probe(&self) -> usize {
-        self.audit.map_or(1, |audit| audit.lights_per_probe)
+        self.audit.map_or(1, |audit| audit.leaves_per_probe)
     }
 
     /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.

@@ -4,9 +4,9 @@
 //! [`bake()`] runs the phases in order:
 //!
 //! * For the environment: tessellate where visibility varies, sample pilot visibility, and build the light tree. Trace
-//!   every bake point against every light, and select its cut.
-//! * For cuts over surface sources: place and cluster the sources. Trace every bake point against every source, and
-//!   every source against the environment.
+//!   from every bake point to the lights along the boundaries of visibility, and select its cut.
+//! * For cuts over surface sources: place and cluster the sources. Trace from every bake point to the sources, and
+//!   from every source to the lights.
 //! * For the meshless basis: place its points, and compute the light transport between its functions.
 //! * Pack everything.
 //!

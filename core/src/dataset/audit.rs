@@ -16,5 +16,6 @@ pub struct BakeAudit {
     /// The same of cuts that were selected from what was traced: what an exhaustive bake would have.
     pub rms_exhaustive: f64,
     /// Leaves for each that is probed. 1 where the audit of fewer probes failed: every one is traced.
-    pub lights_per_probe: usize,
+    #[serde(alias = "lights_per_probe")]
+    pub leaves_per_probe: usize,
 }

@@ -45,7 +45,8 @@ pub struct IndirectReport {
     /// Largest of these cuts.
     pub max_cut: usize,
     /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`
-    /// for solid angles. It was measured before cuts were coarsened to fit a texture.
+    /// for solid angles, of what boundaries tell ([`Self::audit`] has what they miss). It was measured before cuts were
+    /// coarsened to fit a texture.
     pub relative_error: f64,
     /// Factor by which the bounds of these cuts were raised to fit a texture, if they were.
     pub coarsened: Option<f32>,
@@ -63,7 +64,7 @@ pub struct IndirectReport {
 impl IndirectReport {
     /// How distant sources were traced: sources for each that is probed, 1 if every one is.
     pub fn sources_per_probe(&self) -> usize {
-        self.audit.map_or(1, |audit| audit.lights_per_probe)
+        self.audit.map_or(1, |audit| audit.leaves_per_probe)
     }
 
     /// The criterion that the cuts over the sources meet, where `asked` was asked for.

@@ -106,7 +106,7 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
 #[test]
 fn a_file_of_version_1_is_read_without_the_maps_that_it_does_not_know() {
     let (_folder, path, mut bytes) = written();
-    replace(&mut bytes, r#"\"format_version\":5"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"format_version\":6"#, r#"\"format_version\":1"#);
     replace(&mut bytes, r#"\"anisotropy\":null,"#, "");
     replace(&mut bytes, r#"\"ior\":null,"#, "");
     std::fs::write(&path, &bytes).unwrap();
@@ -139,12 +139,16 @@ fn foreign_and_newer_files_are_told_apart() {
 fn probes_that_cannot_be_are_refused() {
     let told = |lights_per_probe| {
         let mut dataset = dataset();
-        dataset.report.audit = Some(BakeAudit { lights_per_probe, ..Default::default() });
+        dataset.report.audit = Some(BakeAudit { leaves_per_probe: lights_per_probe, ..Default::default() });
         dataset.validate()
     };
     assert!([1, 8, 16, 512].into_iter().all(|lights| told(lights).is_ok()));
     for lights in [0, 7, 12] {
         assert!(told(lights).unwrap_err().to_string().contains("lights per probe"), "{lights}");
+        let mut dataset = dataset();
+        let audit = Some(BakeAudit { leaves_per_probe: lights, ..Default::default() });
+        dataset.report.indirect = Some(IndirectReport { audit, ..Default::default() });
+        assert!(dataset.validate().unwrap_err().to_string().contains("sources per probe"), "{lights}");
     }
 }
 
@@ -240,7 +244,7 @@ fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_thei
         dataset.write(&path).unwrap();
         if is_older {
             let mut bytes = std::fs::read(&path).unwrap();
-            replace(&mut bytes, r#"\"format_version\":5"#, r#"\"format_version\":3"#);
+            replace(&mut bytes, r#"\"format_version\":6"#, r#"\"format_version\":3"#);
             // Its checksum and the tensor itself.
             replace(&mut bytes, "source_spacings", "what_is_unknown");
             replace(&mut bytes, "source_spacings", "what_is_unknown");

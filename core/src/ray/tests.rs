@@ -422,12 +422,30 @@ fn boundaries_lead_around_all_that_hides_points() {
         let [hidden, ..] = hidden_along_boundaries(&beyond, 16, asks);
         assert!(hidden.is_empty(), "{hidden:?}");
     }
-    let [all, ..] = hidden_along_boundaries(&below, 16, |_| true);
-    assert_ne!(
-        all,
-        hidden_along_boundaries(&below, 16, |end| end.x > 0.05)[0],
-        "negative control: others are asked for"
-    );
+    let (ends, origin) = (ceiling(64).0, Vec3::new(0.1, -1.0, 0.2));
+    let beyond_its_end = ends.iter().filter(|&&end| beyond.occluded(origin, end - origin)).count();
+    assert!(beyond_its_end > 100, "negative control: rays without an end are blocked, {beyond_its_end}");
+}
+
+#[test]
+fn few_points_and_an_empty_scene_have_boundaries_too() {
+    let scenes = [Intersector::new(&Mesh::default()), plate(Vec3::new(0.0, 0.4, 0.0), [0.0, 9.0])];
+    let points = ceiling(64).0;
+    for count in [1, 2, 9, 100] {
+        let set = SegmentSet::new(points[..count].to_vec(), &vec![Vec::new(); count], 16);
+        let all: Vec<u32> = (0..count as u32).collect();
+        let mut tracer = SegmentTracer::default();
+        for wanted in [&all[..], &all[count - 1..], &[]] {
+            let mut hidden = |scene| {
+                let mut hidden = Vec::new();
+                tracer.trace(scene, Vec3::NEG_Y, &set, wanted, |i| hidden.push(i));
+                hidden.sort_unstable();
+                hidden
+            };
+            assert!(hidden(&scenes[0]).is_empty());
+            assert_eq!(hidden(&scenes[1]), wanted);
+        }
+    }
 }
 
 #[test]

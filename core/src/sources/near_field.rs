@@ -22,7 +22,6 @@ const REACH: f32 = 8.0;
 pub const OWNED_WITHIN: f32 = 2.0;
 /// Rays over the sphere. In a furnished room four times as many are no better, see `docs/decisions/0008-near-field-by-rays.md`.
 const RAYS: usize = 1024;
-const _: () = assert!(RAYS.is_multiple_of(8));
 /// A point no higher than this many spacings above a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
 /// A hit belongs to the point's own surface if it is no deeper below the origin than this multiple of the lift, and if
@@ -85,8 +84,9 @@ pub struct NearField {
     owners: GradedGrid,
     /// Their indices.
     members: Vec<u32>,
-    /// In eights that lie close together.
-    directions: Vec<[Vec3; 8]>,
+    directions: Vec<Vec3>,
+    /// These by their number, neighbours one after the other.
+    close_together: Vec<u32>,
     /// Length of rays, in metres.
     longest: f32,
 }
@@ -98,8 +98,7 @@ impl NearField {
         let widest = sources.iter().map(|source| source.spacing).fold(0.0, f32::max);
         let longest = (REACH + OWNED_WITHIN) * widest;
         let directions = fibonacci_directions(RAYS);
-        let close_together = spatial_order(&directions).into_iter().map(|i| directions[i as usize]);
-        Self { owners, members, directions: in_eights(close_together), longest }
+        Self { owners, members, close_together: spatial_order(&directions), directions, longest }
     }
 
     /// Whether rays from `origin` decide the source's solid angle there, in place of its disc.
@@ -124,28 +123,57 @@ impl NearField {
         scene: &Intersector,
         origin: Origin,
         receives: impl Fn(Vec3) -> bool,
+        add: impl FnMut(usize, f32),
+    ) -> u64 {
+        let trace = |rays: &[Vec3]| {
+            let eights = in_eights(rays.iter().copied());
+            scene.surfels_before(origin.position, &eights, self.longest).into_flattened()
+        };
+        self.gather_traced(sources, trace, origin, receives, add)
+    }
+
+    /// [`Self::gather`] ray by ray, for verification.
+    pub fn gather_singly(
+        &self,
+        sources: &[Source],
+        scene: &Intersector,
+        origin: Origin,
+        receives: impl Fn(Vec3) -> bool,
+        add: impl FnMut(usize, f32),
+    ) -> u64 {
+        let single = |&ray: &Vec3| scene.surfel_before(origin.position, ray, self.longest);
+        self.gather_traced(sources, |rays| rays.iter().map(single).collect(), origin, receives, add)
+    }
+
+    /// Where `trace` tells what rays meet.
+    fn gather_traced(
+        &self,
+        sources: &[Source],
+        trace: impl Fn(&[Vec3]) -> Vec<Option<Surfel>>,
+        origin: Origin,
+        receives: impl Fn(Vec3) -> bool,
         mut add: impl FnMut(usize, f32),
     ) -> u64 {
         let cosine = |direction: Vec3| direction.dot(origin.normal);
-        let received = |eight: &&[Vec3; 8]| eight.iter().any(|&d| receives(d));
-        let eights: Vec<[Vec3; 8]> = self.directions.iter().filter(received).copied().collect();
-        let met = scene.surfels_before(origin.position, &eights, self.longest);
-        let mut rays = 0;
-        let each = eights.as_flattened().iter().zip(met.as_flattened());
-        for (&direction, met) in each.filter(|(direction, _)| receives(**direction)) {
-            rays += 1;
+        let direction = |&i: &u32| self.directions[i as usize];
+        let received: Vec<u32> = self.close_together.iter().copied().filter(|i| receives(direction(i))).collect();
+        let mut met = vec![None; self.directions.len()];
+        let traced = trace(&received.iter().map(direction).collect::<Vec<_>>());
+        received.iter().zip(traced).for_each(|(&i, surfel)| met[i as usize] = surfel);
+        // In the order of the directions, so that sums do not depend on how they are traced.
+        for (&direction, met) in self.directions.iter().zip(&met) {
+            let Some(met) = met else { continue };
             // A ray from high above must not go to a source at the horizon.
             let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
             let to = |source: &Source| (source.surfel.position - origin.position).normalize_or_zero();
-            let owner =
-                met.as_ref().and_then(|met| self.owner(sources, &origin, met, |source| cosine(to(source)) > lowest));
+            let owner = self.owner(sources, &origin, met, |source| cosine(to(source)) > lowest);
             // Below a sheet that stands on a floor, the nearest source may be on the other side of the sheet.
             if let Some(owner) = owner.filter(|&owner| receives(to(&sources[owner]))) {
                 let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));
                 add(owner, 2.0 * TAU / RAYS as f32 * cosines[0] / cosines[1]);
             }
         }
-        rays
+        received.len() as u64
     }
 
     /// The near source that owns a hit: the nearest that `lights` a point at `origin`, else the nearest of all. The

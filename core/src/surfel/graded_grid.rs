@@ -4,10 +4,7 @@ use super::{Surfel, ball_grid::BallGrid};
 use crate::meshless::distance::distance;
 use std::collections::BTreeMap;
 
-/// Octaves of reach that share a grid: fewer octaves need more grids, more octaves larger cells.
-const OCTAVES: f32 = 1.0;
-
-/// Points that each own positions within their own reach, in a grid for every few octaves of reach.
+/// Points that each own positions within their own reach, in a grid for every octave of reach.
 #[derive(Default)]
 pub struct GradedGrid {
     layers: BTreeMap<i32, BallGrid>,
@@ -25,9 +22,9 @@ impl GradedGrid {
     /// Adds a point that reaches so many metres.
     pub fn push(&mut self, point: Surfel, reach: f32) {
         let reach = reach.max(f32::MIN_POSITIVE);
-        let key = (reach.log2() / OCTAVES).floor() as i32;
+        let key = reach.log2().floor() as i32;
         // No point of the layer reaches farther.
-        let layer = self.layers.entry(key).or_insert_with(|| BallGrid::new(((key as f32 + 1.0) * OCTAVES).exp2()));
+        let layer = self.layers.entry(key).or_insert_with(|| BallGrid::new((key as f32 + 1.0).exp2()));
         layer.push(self.points.len() as u32, point.position, reach);
         self.points.push((point, reach));
     }

@@ -68,10 +68,13 @@ impl<'a> SourceSampler<'a> {
                 None => batch.trace(self.scene, origin, &self.ends, wanted, hidden),
             };
         }
-        far + self.gather_near(point, has_near, seen)
+        let near = |origin, receives: &dyn Fn(Vec3) -> bool, add: &mut dyn FnMut(usize, f32)| {
+            self.near.gather(self.sources, self.scene, origin, receives, add)
+        };
+        far + gather_near(point, has_near, seen, near)
     }
 
-    /// [`Self::sample`] segment by segment and without packets, for verification.
+    /// [`Self::sample`] segment by segment and ray by ray, for verification.
     pub fn sample_singly(&self, point: &BakePoint, seen: &mut [f32]) {
         let mut far = Vec::new();
         let has_near = self.sort(point, seen, |i, side| far.push((i, side)));
@@ -79,7 +82,9 @@ impl<'a> SourceSampler<'a> {
             let open = !self.scene.occluded_between(point.origin(side), self.ends[i]);
             seen[i] = if open { self.sources[i].solid_angle_from(point.place(side)) } else { 0.0 };
         }
-        self.gather_near(point, has_near, seen);
+        gather_near(point, has_near, seen, |origin, receives, add| {
+            self.near.gather_singly(self.sources, self.scene, origin, receives, add)
+        });
     }
 
     /// What [`Self::sample`] sets, for verification: segment by segment if all are traced, else by the same boundaries.
@@ -108,24 +113,30 @@ impl<'a> SourceSampler<'a> {
         }
         has_near
     }
+}
 
-    /// Adds solid angles of near sources for the sides of a point that have any. Returns the number of rays traced.
-    fn gather_near(&self, point: &BakePoint, has_near: [bool; 2], seen: &mut [f32]) -> u64 {
-        let gather = |(side, _): (Side, bool)| {
-            let normal = side.normal(point.normal);
-            let origin = Origin {
-                position: point.origin(side),
-                anchor: point.position + normal * point.offset,
-                normal,
-                face: normal,
-                lift: point.offset,
-                same_surface_cosine: point.same_surface_cosine(),
-            };
-            let receives = |d| point.side_of(d) == side;
-            self.near.gather(self.sources, self.scene, origin, receives, |i, angle| seen[i] += angle)
+/// Adds solid angles of near sources, which `gather` tells, for the sides of a point that have any. Returns the number of rays
+/// traced.
+fn gather_near(
+    point: &BakePoint,
+    has_near: [bool; 2],
+    seen: &mut [f32],
+    gather: impl Fn(Origin, &dyn Fn(Vec3) -> bool, &mut dyn FnMut(usize, f32)) -> u64,
+) -> u64 {
+    let mut rays = 0;
+    for (side, _) in Side::BOTH.into_iter().zip(has_near).filter(|&(_, near)| near) {
+        let normal = side.normal(point.normal);
+        let origin = Origin {
+            position: point.origin(side),
+            anchor: point.position + normal * point.offset,
+            normal,
+            face: normal,
+            lift: point.offset,
+            same_surface_cosine: point.same_surface_cosine(),
         };
-        Side::BOTH.into_iter().zip(has_near).filter(|&(_, near)| near).map(gather).sum()
+        rays += gather(origin, &|d| point.side_of(d) == side, &mut |i, angle| seen[i] += angle);
     }
+    rays
 }
 
 /// The nearest others of each of the sources, on its own surface.

@@ -7,10 +7,10 @@ use lapidary_core::{
     ray::{BoundarySet, BoundaryTracer, DirectionSet, Intersector},
 };
 
-/// Lights for each that is probed, if every light is traced.
+/// Lights, or sources, for each that is probed, if every one is traced.
 pub const EXHAUSTIVE: usize = 1;
 
-/// Lights for each that is probed, of bakes that follow boundaries: usually, and at least.
+/// Lights, or sources, for each that is probed, of bakes that follow boundaries: usually, and at least.
 pub const USUAL: usize = 16;
 /// See [`USUAL`].
 pub const FINEST: usize = 8;

@@ -95,7 +95,7 @@ fn info_text(dataset: &Dataset) -> String {
 
 fn audit_text(audit: &BakeAudit) -> String {
     let wrong = 100.0 * audit.leaves_wrong;
-    match audit.lights_per_probe {
+    match audit.leaves_per_probe {
         1 => "audit      too fine for boundaries: every light was traced\n".into(),
         lights => format!(
             "audit      {wrong:.3} % of visibility wrong, {:.4} RMS where {:.4} is possible, over {} vertices; a probe for \
@@ -115,7 +115,7 @@ fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
     };
     let audit = match &r.audit {
         None => String::new(),
-        Some(audit) if audit.lights_per_probe == 1 => ", too fine for boundaries".into(),
+        Some(audit) if audit.leaves_per_probe == 1 => ", too fine for boundaries".into(),
         Some(audit) => format!(", {:.3} % of sources missed", 100.0 * audit.leaves_wrong),
     };
     format!(

@@ -84,7 +84,7 @@ fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'stat
 
 /// How much of the lights or sources following boundaries has missed.
 fn missed(audit: &BakeAudit, leaves: &str) -> String {
-    match audit.lights_per_probe {
+    match audit.leaves_per_probe {
         1 => "none, all traced".into(),
         _ => format!("{:.3} % of {leaves}", 100.0 * audit.leaves_wrong),
     }
@@ -176,7 +176,12 @@ mod tests {
         assert_eq!((value("Peak memory"), value("Memory expected")), (Some("340.0 MB"), Some("382.0 MB")));
         assert_eq!(value("Audit, missed"), None);
         let audited = |lights_per_probe| {
-            let found = BakeAudit { lights_per_probe, leaves_wrong: 2e-4, rms_error: 0.08, ..Default::default() };
+            let found = BakeAudit {
+                leaves_per_probe: lights_per_probe,
+                leaves_wrong: 2e-4,
+                rms_error: 0.08,
+                ..Default::default()
+            };
             let rows = self::rows(&BakeReport { audit: Some(found), ..report.clone() }, &Preset::Normal.settings());
             rows.into_iter().filter(|(name, _)| name.starts_with("Audit")).map(|(_, value)| value).collect::<Vec<_>>()
         };
@@ -187,7 +192,7 @@ mod tests {
             let rows = bounce_rows(&BakeReport { indirect, ..report.clone() }, &Preset::Normal.settings());
             rows.into_iter().find(|(name, _)| *name == "Sources missed").map(|(_, value)| value)
         };
-        let found = BakeAudit { lights_per_probe: 8, leaves_wrong: 2e-3, ..Default::default() };
+        let found = BakeAudit { leaves_per_probe: 8, leaves_wrong: 2e-3, ..Default::default() };
         assert_eq!((sources(None), sources(Some(found))), (None, Some("0.200 % of sources".into())));
         assert_eq!(value("Time, environment visibility"), Some("12 s"));
         assert_eq!(value("Time, building the light tree"), None);

@@ -76,7 +76,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
         ("Views", described_shots(shots)),
         ("Bytes", limit(*max_bytes)),
-        ("Tracing", if *exhaustive { "every light" } else { "boundaries" }.into()),
+        ("Tracing", if *exhaustive { "every light and source" } else { "boundaries" }.into()),
         ("Bake of", mode_name(*mode).to_lowercase()),
         ("Sources", of_sources(grouped(indirect.sources as u64))),
         ("Source sigma", of_sources(indirect.criterion.sigma.to_string())),

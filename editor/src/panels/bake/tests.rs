@@ -288,7 +288,7 @@ fn presets_leave_room_for_vertices_and_keep_the_views() {
 #[test]
 fn the_report_shows_its_table_and_warnings() {
     let mut dataset = baked_triangle();
-    dataset.report.audit = Some(BakeAudit { lights_per_probe: 16, leaves_wrong: 1e-4, ..Default::default() });
+    dataset.report.audit = Some(BakeAudit { leaves_per_probe: 16, leaves_wrong: 1e-4, ..Default::default() });
     let with = panel(BakeStatus::UpToDate, document(), Some(dataset));
     for label in ["Mean cut", "Visibility error", "Audit, missed", "a corner is thin", "Nodes of the visibility cuts"] {
         assert!(with.query_by_label(label).is_some(), "{label}");

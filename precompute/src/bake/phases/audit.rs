@@ -111,13 +111,20 @@ fn coarsest_good(
     if settings.exhaustive {
         return Ok(None);
     }
-    for per_probe in [USUAL, FINEST] {
-        let audit = audit(per_probe)?;
-        if audit.rms_error <= MOST_ERROR * audit.rms_exhaustive {
-            return Ok(Some(audit));
-        }
+    let mut found = audit(USUAL)?;
+    if !is_good(&found) {
+        found = audit(FINEST)?;
     }
-    Ok(Some(audit(EXHAUSTIVE)?))
+    if !is_good(&found) {
+        let rms_error = found.rms_exhaustive;
+        found = BakeAudit { leaves_wrong: 0.0, rms_error, leaves_per_probe: EXHAUSTIVE, ..found };
+    }
+    Ok(Some(found))
+}
+
+/// Whether cuts are hardly worse than those of an exhaustive bake.
+fn is_good(audit: &BakeAudit) -> bool {
+    audit.rms_error <= MOST_ERROR * audit.rms_exhaustive
 }
 
 /// Sums over the leaves of a point.
@@ -134,7 +141,7 @@ struct Sums {
 /// What `compare` finds of some of the points. `scratch` makes buffers that are kept.
 fn audit<S>(
     points: &[BakePoint],
-    lights_per_probe: usize,
+    leaves_per_probe: usize,
     observer: &dyn Observer,
     scratch: impl Fn() -> S + Sync + Send,
     compare: impl Fn(&mut S, &BakePoint) -> Sums + Sync + Send,
@@ -153,7 +160,7 @@ fn audit<S>(
         leaves_wrong: sum(|s| s.wrong) / sum(|s| s.leaves).max(1.0),
         rms_error: rms(|s| s.squared_error),
         rms_exhaustive: rms(|s| s.squared_error_exhaustive),
-        lights_per_probe,
+        leaves_per_probe,
     })
 }
 

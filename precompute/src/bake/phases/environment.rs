@@ -29,7 +29,7 @@ pub struct EnvironmentVisibility<'a> {
 impl EnvironmentVisibility<'_> {
     /// How it was traced, see [`Tracing`].
     pub fn lights_per_probe(&self) -> usize {
-        self.audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe)
+        self.audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe)
     }
 }
 
@@ -54,7 +54,7 @@ pub fn bake_environment<'a>(
             Some(audit) => Some(audit),
             None => audit_environment(points, &geometry.intersector, tree, settings, observer)?,
         };
-        let lights_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe);
+        let lights_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe);
         let tracing = Tracing { lights_per_probe, devices };
         let maker = EnvironmentCuts {
             points,

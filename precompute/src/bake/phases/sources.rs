@@ -105,7 +105,7 @@ impl SourcePhases<'_> {
         let observer = clock.observer;
         let (cuts, audit) = clock.time(Phase::SourceVisibility, points.points.len() as u64, "points", || {
             let audit = audit_sources(&receivers, intersector, (sources, offset), self.settings, observer)?;
-            let sources_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.lights_per_probe);
+            let sources_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe);
             let sampler = SourceSampler::new(intersector, sources, offset, sources_per_probe);
             let maker = SourceCuts { points: &receivers, sampler, criterion };
             Ok::<_, BakeError>((bake_chunks(&maker, &kept, observer)?, audit))

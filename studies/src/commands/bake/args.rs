@@ -121,8 +121,8 @@ pub struct BakeArgs {
     /// limit leaves out surface sources and the meshless basis [default: no limit]
     #[arg(long, value_name = "BYTES")]
     pub max_bytes: Option<u64>,
-    /// Trace every light from every vertex. Otherwise boundaries of visibility are followed, and an audit of one vertex in
-    /// a hundred keeps the error within 1 % of an exhaustive bake's
+    /// Trace every light and surface source from every vertex. Otherwise boundaries of visibility are followed, and an
+    /// audit of one vertex in a hundred keeps the error within 1 % of an exhaustive bake's
     #[arg(long)]
     pub exhaustive: bool,
     /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
