@@ -83,7 +83,8 @@ impl SourceCutSelector {
                 stack.extend([2 * node + 1, 2 * node]);
                 continue;
             }
-            let code = solid_angle_code(self.sums[node][0] * self.unit() / self.size(node));
+            let sum = f64::from(self.sums[node][0]) * f64::from(self.unit());
+            let code = solid_angle_code(sum as f32 / self.size(node));
             let solid_angle_of = |node: u16| {
                 let leaves = (1_u32 << (self.height - depth(node))) as f32;
                 leaves * solid_angle(node & VALUE_MAX)

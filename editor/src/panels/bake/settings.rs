@@ -98,8 +98,8 @@ pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     let help = "Error bound of a cluster (Eq. 5). Smaller gives finer cuts, and takes more memory and time.";
     let sigma = Number::new("Sigma", help, 0.5..=8.0, 2.0).entry(0.0..=1e4);
     edit_row(actions, "Sigma", bake, wrap, |b| slider_row(ui, &sigma, &mut b.criterion.sigma));
-    let help = "Traces every light and surface source from every vertex. Otherwise boundaries are followed, which takes a fraction of the time; an \
-                audit keeps the error within 1 %.";
+    let help = "Traces every light and surface source from every vertex. Otherwise boundaries are followed, which takes a \
+                fraction of the time; an audit keeps the error within 1 %.";
     edit_row(actions, "Trace every light", bake, wrap, |b| check_row(ui, "Trace every light", help, &mut b.exhaustive));
     limits(ui, bake, actions);
     if let Err(error) = resolve(bake.clone()) {

@@ -1,12 +1,14 @@
 //! Cuts of many points, chunk by chunk with a checkpoint after each.
 
 use super::point_cuts::{PointCuts, unbaked};
-use crate::sources::error::squared_norm;
 use crate::{
     bake::checkpoint::{Chunk, Kept},
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
-    sources::sampler::{SourceSampler, SourceScratch},
+    sources::{
+        error::squared_norm,
+        sampler::{SourceSampler, SourceScratch},
+    },
     vertices::{points::BakePoint, tracing::ManySampler},
 };
 use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector, solid_angle_error};
