@@ -21,3 +21,6 @@ use super::directions::GROUP;
 pub fn is_number_per_probe(number: usize) -> bool {
     number == 1 || (number > 0 && number.is_multiple_of(GROUP))
 }
+
+#[cfg(test)]
+mod tests;
