@@ -7,13 +7,16 @@ use glam::{Vec2, Vec3};
 use std::{
     f32::consts::{PI, TAU},
     path::Path,
+    sync::Arc,
 };
 use thiserror::Error;
 
 mod blur;
 mod procedural;
+mod sun;
 
 pub use procedural::{constant, orientation, studio, sun_and_sky};
+pub use sun::{MOST_SUNS, Sun, SunSettings, Suns};
 
 /// Largest radiance of an environment: ten thousand times that of the sun, and sums of its light stay numbers of 32 bits.
 pub const MOST_RADIANCE: f32 = 1e12;
@@ -27,6 +30,7 @@ pub struct Environment {
     pub name: String,
     /// Latitude-longitude radiance, of any size; 0 to [`MOST_RADIANCE`].
     pub map: Image,
+    suns: sun::SunCache,
 }
 
 /// Why there is no environment.
@@ -49,6 +53,16 @@ pub enum EnvironmentError {
 }
 
 impl Environment {
+    /// A map under a name.
+    pub fn new(name: String, map: Image) -> Self {
+        Self { name, map, suns: sun::SunCache::default() }
+    }
+
+    /// The suns of the map and what is left of it. They are found at the first call, and for other settings again.
+    pub fn suns(&self, settings: SunSettings) -> Arc<Suns> {
+        self.suns.suns(self, settings)
+    }
+
     /// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns what was repaired, in sentences.
     ///
     /// # Errors
@@ -64,7 +78,7 @@ impl Environment {
         }
         repair(&mut map, &mut warnings);
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok((Self { name, map }, warnings))
+        Ok((Self::new(name, map), warnings))
     }
 
     /// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or
@@ -90,7 +104,7 @@ impl Environment {
             _ => Err("there is no such environment".into()),
         };
         let map = map.map_err(|reason| EnvironmentError::Spec { spec: spec.into(), reason })?;
-        Ok((Self { name: spec.into(), map }, Vec::new()))
+        Ok((Self::new(spec.into(), map), Vec::new()))
     }
 
     /// Radiance from a unit direction, bilinear between texels; wraps in longitude.
@@ -246,7 +260,7 @@ mod tests {
     #[test]
     fn lookup_is_exact_at_texel_centres_and_continuous_across_the_seam() {
         let map = Image::from_fn([8, 4], |x, y| Vec3::new(x as f32, y as f32, 1.0));
-        let environment = Environment { name: "test".into(), map };
+        let environment = Environment::new("test".into(), map);
         assert!((environment.radiance(texel_direction(5, 2, [8, 4])) - Vec3::new(5.0, 2.0, 1.0)).length() < 1e-4);
         let seam = |x: f32| environment.radiance(Vec3::new(x, 0.0, -1.0).normalize());
         assert!((seam(1e-5) - seam(-1e-5)).length() < 1e-3);

@@ -3,14 +3,18 @@
 //! A lights file is JSON: `{"lights": [{"kind": "spot", "position": [x, y, z], "target": [x, y, z], "intensity": [r, g, b],
 //! "cone_degrees": 30, "penumbra_degrees": 5}, ...]}`.
 //!
+//! A directional light may have an extent, as the sun has.
+//!
 //! Lights are not geometry: neither the camera nor a ray that gathers light sees them. Only their illumination shows.
 
 mod check;
+mod disc;
 mod file;
 mod rectangle;
 mod sample;
 
-pub use check::{LightProblem, MAX_LIGHTS, MOST_INTENSITY};
+pub use check::{LightProblem, MAX_LIGHTS, MOST_ANGLE_DEGREES, MOST_INTENSITY};
+pub use disc::Disc;
 pub use file::LightsError;
 pub use rectangle::RectangleShape;
 pub use sample::{LightHit, LightSample};
@@ -33,9 +37,13 @@ pub enum Emission {
         #[serde(default)]
         penumbra_degrees: f32,
     },
-    /// Parallel light along the direction from position to target; intensity is irradiance in W/m² on a surface that
-    /// faces it.
-    Directional,
+    /// Light from infinitely far along the direction from position to target; intensity is irradiance in W/m² on a surface
+    /// that faces it.
+    Directional {
+        /// The angle that it is seen under, from rim to rim, in degrees: 0 for parallel light, 0.53 for the sun.
+        #[serde(default)]
+        angle_degrees: f32,
+    },
     /// A rectangle around the position that faces the target and emits on that side; intensity is its radiance in
     /// W/(m² sr).
     Rectangle {
@@ -47,6 +55,9 @@ pub enum Emission {
 }
 
 impl Emission {
+    /// Parallel light.
+    pub const PARALLEL: Self = Self::Directional { angle_degrees: 0.0 };
+
     /// Whether it points at a target.
     pub fn is_aimed(&self) -> bool {
         !matches!(self, Self::Point)
@@ -105,10 +116,14 @@ impl Light {
 
     /// Whether all its light at a point comes from one direction, so that one sample is exact.
     pub fn is_delta(&self) -> bool {
-        !matches!(self.emission, Emission::Rectangle { .. })
+        match self.emission {
+            Emission::Point | Emission::Spot { .. } => true,
+            Emission::Directional { angle_degrees } => angle_degrees == 0.0,
+            Emission::Rectangle { .. } => false,
+        }
     }
 
-    /// Number of samples for a picture without visible noise: one is exact, rectangles take more.
+    /// Number of samples for a picture without visible noise: one is exact, lights with an extent take more.
     pub fn samples_wanted(&self) -> u32 {
         if self.is_delta() { 1 } else { 16 }
     }

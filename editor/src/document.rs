@@ -22,6 +22,7 @@ use lapidary_core::{
     camera::Camera,
     cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
+    environment::SunSettings,
     lights::Light,
     material::Material,
     scene::Scene,
@@ -87,6 +88,27 @@ pub struct EnvironmentSettings {
     pub intensity: f32,
     /// How the map was made to lie.
     pub orientation: Orientation,
+    /// Small bright parts of the map.
+    pub sun: SunChoice,
+}
+
+/// What becomes of small bright parts of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SunChoice {
+    /// Whether they are suns; otherwise light samples stand for them.
+    pub enabled: bool,
+    /// Luminance above which light belongs to a sun, over the mean of the map.
+    pub threshold: f32,
+    /// Largest angle in degrees that a sun is seen under.
+    pub largest_degrees: f32,
+}
+
+impl Default for SunChoice {
+    fn default() -> Self {
+        let SunSettings { threshold, largest_angle } = SunSettings::default();
+        Self { enabled: true, threshold, largest_degrees: largest_angle.to_degrees() }
+    }
 }
 
 /// Where the centre of a map lies.
@@ -112,7 +134,13 @@ impl Orientation {
 
 impl Default for EnvironmentSettings {
     fn default() -> Self {
-        Self { spec: "studio".into(), rotation_degrees: 0.0, intensity: 1.0, orientation: Orientation::default() }
+        Self {
+            spec: "studio".into(),
+            rotation_degrees: 0.0,
+            intensity: 1.0,
+            orientation: Orientation::default(),
+            sun: SunChoice::default(),
+        }
     }
 }
 
@@ -120,6 +148,12 @@ impl EnvironmentSettings {
     /// The whole turn in radians.
     pub fn rotation(&self) -> f32 {
         (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
+    }
+
+    /// What is a sun, if anything is.
+    pub fn suns(&self) -> Option<SunSettings> {
+        let SunChoice { enabled, threshold, largest_degrees } = self.sun;
+        enabled.then(|| SunSettings { threshold, largest_angle: largest_degrees.to_radians() })
     }
 
     /// The map's file; `None` for a formula.

@@ -3,7 +3,9 @@
 
 pub mod bake;
 pub mod budget;
+mod guest;
 mod imported;
+pub mod kept_bakes;
 pub mod load;
 pub mod render_thread;
 pub mod thumbnails;

@@ -24,6 +24,8 @@ pub struct Preferences {
     pub side_width: f32,
     /// Width of the inspector in points.
     pub inspector_width: f32,
+    /// Whether a scene without a bake is baked when it opens.
+    pub bakes_scenes: bool,
     /// Where file dialogs begin.
     pub folders: LastFolders,
     /// Folders whose scenes and materials may name files elsewhere.
@@ -142,6 +144,7 @@ impl Default for Preferences {
             window_size: [1440.0, 900.0],
             side_width: 230.0,
             inspector_width: 340.0,
+            bakes_scenes: true,
             folders: LastFolders::default(),
             outside: AllowedFolders::default(),
         }
@@ -205,6 +208,7 @@ impl Preferences {
             ],
             side_width: clamp(self.side_width, SIDE_WIDTHS, usual.side_width),
             inspector_width: clamp(self.inspector_width, INSPECTOR_WIDTHS, usual.inspector_width),
+            bakes_scenes: self.bakes_scenes,
             folders: self.folders,
             outside: self.outside,
         }
@@ -229,6 +233,7 @@ mod tests {
             theme: Theme::Light,
             ui_scale: 1.25,
             side_width: 300.0,
+            bakes_scenes: false,
             folders,
             outside,
             ..Default::default()

@@ -24,6 +24,7 @@ mod sources;
 #[cfg(test)]
 mod test_scenes;
 mod trial;
+mod unshadowed;
 mod verify;
 mod vertices;
 mod warning;
@@ -46,6 +47,7 @@ pub use sources::{
     viewpoint::find_viewpoint,
 };
 pub use trial::Trial;
+pub use unshadowed::unshadowed;
 pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{
     sampler::VertexSampler,

@@ -223,7 +223,11 @@ impl<B: Backend + ?Sized> LitScene<B> {
         known: Option<LocalLighting>,
     ) -> Result<LocalLighting, BackendError> {
         self.local_rig.set_environment(Some(environment));
+        // Suns belong to an environment whose visibility was baked.
+        let has_environment = self.baked.dataset.settings.mode.environment();
+        let suns = if has_environment { look.light.suns() } else { Vec::new() };
         self.local_rig.set_lights(&look.lights);
+        self.local_rig.set_suns(suns);
         self.local_rig.set_tau(look.tau);
         let local = self.local_rig.lighting(look.components, look.solution, look.illum_cut);
         if !known.is_some_and(|known| known.is_same(&local)) {

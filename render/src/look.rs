@@ -112,8 +112,15 @@ impl Redo {
             // `LitScene` adds those that the light of a changed material reaches.
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && bounced)),
             direct: looks.and(Pixels::all_if(direct != old.components.direct)),
-            lights: direct && lights,
+            lights: direct && lights || Self::shows_other_suns(old, new),
         }
+    }
+
+    /// Whether other suns shine.
+    fn shows_other_suns(old: &Look, new: &Look) -> bool {
+        let is_same = old.light.is_same(&new.light) && old.components.environment == new.components.environment;
+        let shown = |look: &Look| if look.components.environment { look.light.suns() } else { Vec::new() };
+        !is_same && shown(old) != shown(new)
     }
 
     /// Pixels that show a material that has changed.

@@ -16,7 +16,7 @@ use lapidary_core::{
 pub fn look() -> Look {
     let maps = MaterialMaps::from([MapKind::Bump, MapKind::Normal].map(|kind| (kind, TextureSlot::default())));
     let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
-    let environment = Environment { name: "grey".into(), map: Image::filled([4, 2], Vec3::ONE) };
+    let environment = Environment::new("grey".into(), Image::filled([4, 2], Vec3::ONE));
     let light = Light {
         name: "key".into(),
         emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },
@@ -27,7 +27,7 @@ pub fn look() -> Look {
     };
     Look {
         appearance: Appearance { materials: vec![material("gold"), material("wood")], textures: Vec::new() },
-        light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0 },
+        light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0, sun: None },
         lights: [light].into(),
         components: Components::ALL,
         solution: Default::default(),
@@ -41,11 +41,11 @@ pub fn look() -> Look {
 
 /// A look without materials and lights under a white environment, in a small picture of `aa` samples per pixel.
 pub fn plain_look(aa: u32) -> Look {
-    let environment = Environment { name: "white".into(), map: Image::filled([8, 4], Vec3::ONE) };
+    let environment = Environment::new("white".into(), Image::filled([8, 4], Vec3::ONE));
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
     Look {
         appearance: Appearance::default(),
-        light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 },
+        light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None },
         lights: [].into(),
         components: Components::ALL,
         solution: Default::default(),

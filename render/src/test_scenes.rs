@@ -146,8 +146,8 @@ pub(crate) fn glossy(roughness: f32) -> BrdfParameters {
 }
 
 pub(crate) fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
-    let environment = Environment { name: "test".into(), map: Image::from_fn(size, f) };
-    Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 }
+    let environment = Environment::new("test".into(), Image::from_fn(size, f));
+    Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None }
 }
 
 pub(crate) fn from_above(size: u32) -> View {

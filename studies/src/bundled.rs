@@ -69,7 +69,7 @@ impl DataFolder {
     pub fn environment(&self, name: &str, console: Console) -> Result<Environment> {
         let (environment, warnings) = Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
         warnings.iter().for_each(|w| console.warning(w));
-        Ok(Environment { name: name.into(), ..environment })
+        Ok(Environment::new(name.into(), environment.map))
     }
 }
 

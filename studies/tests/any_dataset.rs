@@ -83,7 +83,7 @@ fn use_all_of(dataset: &Dataset, light: &Illumination) -> Result<(), TestCaseErr
 
 fn even_light(radiance: f32, intensity: f32) -> Illumination {
     let (environment, _) = Environment::from_spec(&format!("constant:{radiance}")).expect("radiance in its range");
-    Illumination { environment: environment.into(), rotation: 0.0, intensity }
+    Illumination { environment: environment.into(), rotation: 0.0, intensity, sun: None }
 }
 
 /// A good dataset with all parts, as a file.
@@ -164,7 +164,7 @@ fn extreme_light(scene: &Scene, random: &mut Rng) -> Light {
     let length = |random: &mut Rng| up_to(MOST_COORDINATE, random);
     let emission = match random.u8(..4) {
         0 => Emission::Point,
-        1 => Emission::Directional,
+        1 => Emission::PARALLEL,
         2 => Emission::Spot { cone_degrees: up_to(90.0, random), penumbra_degrees: 0.0 },
         _ => Emission::Rectangle { width: length(random), height: length(random) },
     };

@@ -32,7 +32,7 @@ impl Environment {
         };
         let targets: Vec<(u32, u32)> = texels(SIZE).collect();
         let pixels = targets.into_par_iter().map(mean).collect();
-        Self { name: self.name.clone(), map: Image { size: SIZE, pixels } }
+        Self::new(self.name.clone(), Image { size: SIZE, pixels })
     }
 }
 
@@ -60,9 +60,9 @@ mod tests {
 
     #[test]
     fn a_constant_stays_and_a_lamp_spreads_without_gaining() {
-        let constant = Environment { name: String::new(), map: Image::filled([37, 20], Vec3::splat(2.0)) };
+        let constant = Environment::new(String::new(), Image::filled([37, 20], Vec3::splat(2.0)));
         assert!(constant.blurred(0.3).map.pixels.iter().all(|p| (*p - 2.0).length() < 1e-4));
-        let mut lamp = Environment { name: String::new(), map: Image::filled([128, 64], Vec3::ZERO) };
+        let mut lamp = Environment::new(String::new(), Image::filled([128, 64], Vec3::ZERO));
         lamp.map.pixels[32 * 128 + 64] = Vec3::splat(100.0);
         let energy = |e: &Environment| -> f32 {
             let [w, _] = e.map.size;

@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn the_sky_is_blue_the_sun_is_where_it_should_be_and_reddens_as_it_sets() {
         let map = sun_and_sky(0.6);
-        let environment = Environment { name: String::new(), map };
+        let environment = Environment::new(String::new(), map);
         let north = environment.radiance(Vec3::new(-0.4, 0.8, -0.4).normalize());
         assert!(north.z > 1.3 * north.x, "{north}");
         let brightest = (0..environment.map.pixels.len())
@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn the_card_has_its_colours_on_their_axes() {
-        let card = Environment { name: String::new(), map: orientation() };
+        let card = Environment::new(String::new(), orientation());
         let at = |d: Vec3| card.radiance((d + Vec3::splat(0.05)).normalize());
         for (direction, color) in [
             (Vec3::X, Vec3::X),
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn the_studio_is_lit_from_the_key_more_than_from_the_backdrop() {
-        let studio = Environment { name: String::new(), map: studio() };
+        let studio = Environment::new(String::new(), studio());
         assert!((studio.radiance(SOFT_BOXES[0].toward.normalize()).x - 13.0).abs() < 0.2);
         assert!(studio.radiance(Vec3::NEG_Y).x < 0.1);
     }

@@ -225,7 +225,7 @@ mod tests {
     use crate::sphere::fibonacci_directions;
 
     fn environment(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Environment {
-        Environment { name: "test".into(), map: Image::from_fn(size, f) }
+        Environment::new("test".into(), Image::from_fn(size, f))
     }
 
     fn energy_of(map: &Image) -> f64 {

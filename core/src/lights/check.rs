@@ -11,6 +11,9 @@ pub const MAX_LIGHTS: usize = 4096;
 /// Largest intensity of a light: its light stays a number of 32 bits however close a surface is.
 pub const MOST_INTENSITY: f32 = 1e12;
 
+/// Largest angle that a directional light is seen under, in degrees.
+pub const MOST_ANGLE_DEGREES: f32 = 90.0;
+
 /// Smallest area of a light in m².
 const LEAST_AREA: f32 = 1e-18;
 
@@ -51,6 +54,9 @@ pub enum LightProblem {
         /// Degrees.
         cone: f32,
     },
+    /// A disc that is none.
+    #[error("its angle of {0} degrees is not between 0 and {MOST_ANGLE_DEGREES} (from rim to rim)")]
+    Angle(f32),
     /// Larger than all scenes.
     #[error(
         "its size of {width} x {height} m is above the limit of {MOST_COORDINATE} m; give a smaller width and height"
@@ -107,6 +113,9 @@ impl Light {
             Emission::Spot { cone_degrees: cone, penumbra_degrees: penumbra } if !(0.0..=cone).contains(&penumbra) => {
                 Err(LightProblem::Penumbra { penumbra, cone })
             }
+            Emission::Directional { angle_degrees: angle } if !(0.0..=MOST_ANGLE_DEGREES).contains(&angle) => {
+                Err(LightProblem::Angle(angle))
+            }
             Emission::Rectangle { width, height } if width.max(height) > MOST_COORDINATE => {
                 Err(LightProblem::TooLarge { width, height })
             }
@@ -128,11 +137,11 @@ mod tests {
         let spot = |cone_degrees, penumbra_degrees| Emission::Spot { cone_degrees, penumbra_degrees };
         let with = |emission| Light { emission, position: Vec3::Y, ..Default::default() };
         let good = with(Emission::Point);
-        for emission in [Emission::Point, spot(90.0, 90.0), spot(30.0, 0.0), Emission::Directional] {
+        for emission in [Emission::Point, spot(90.0, 90.0), spot(30.0, 0.0), Emission::PARALLEL] {
             assert_eq!(with(emission).validate(), Ok(()));
         }
         assert_eq!(Light { target: Vec3::Y, ..good.clone() }.validate(), Ok(()), "a point has no direction");
-        let aimed = Light { target: Vec3::Y, ..with(Emission::Directional) };
+        let aimed = Light { target: Vec3::Y, ..with(Emission::PARALLEL) };
         assert_eq!(aimed.validate(), Err(LightProblem::NoDirection(Vec3::Y)));
         for emission in [spot(0.0, 0.0), spot(91.0, 0.0), spot(f32::NAN, 0.0)] {
             assert!(matches!(with(emission).validate(), Err(LightProblem::Cone(_))));

@@ -1,6 +1,6 @@
 //! Radiometry of lights: what a point receives of each, by samples.
 
-use super::{Emission, Light, RectangleShape};
+use super::{Disc, Emission, Light, RectangleShape};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -31,7 +31,7 @@ pub struct LightHit {
 
 impl Light {
     /// The light that arrives at `point`. Lights without extent ignore `u`; rectangles sample their area uniformly by
-    /// `u` in [0, 1)². `None` where no light arrives: behind, outside the cone, switched off.
+    /// `u` in [0, 1)², directional lights their disc. `None` where no light arrives: behind, outside the cone, switched off.
     pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         if !self.shines() {
             return None;
@@ -39,14 +39,19 @@ impl Light {
         let sample = match self.emission {
             Emission::Point => self.at_position(point, 1.0),
             Emission::Spot { .. } => self.at_position(point, self.spot_factor(point - self.position)),
-            Emission::Directional => self.parallel(),
+            Emission::Directional { .. } => self.distant(u),
             Emission::Rectangle { .. } => self.on_rectangle(point, u),
         };
         sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
     }
 
-    /// The intersection of a ray with the light, without the scene; only rectangles can be hit.
+    /// The intersection of a ray with the light, without the scene; only lights with an extent can be hit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<LightHit> {
+        if let Some(disc) = Disc::of(self).filter(|_| self.shines()) {
+            let radiance = self.intensity * disc.radiance_of_irradiance();
+            let hit = LightHit { distance: f32::INFINITY, radiance, pdf: 1.0 / disc.solid_angle() };
+            return disc.contains(direction).then_some(hit);
+        }
         let shape = RectangleShape::of(self).filter(|_| self.shines())?;
         let distance = shape.intersect(origin, direction)?;
         let cos = -direction.dot(shape.normal);
@@ -59,7 +64,7 @@ impl Light {
         let power = match self.emission {
             Emission::Point => 4.0 * PI * largest,
             Emission::Spot { cone_degrees, .. } => 2.0 * PI * (1.0 - cone_degrees.to_radians().cos()) * largest,
-            Emission::Directional => PI * radius * radius * largest,
+            Emission::Directional { .. } => PI * radius * radius * largest,
             Emission::Rectangle { width, height } => PI * width * height * largest,
         };
         if self.enabled { power } else { 0.0 }
@@ -72,9 +77,16 @@ impl Light {
         Some(LightSample { direction, distance, irradiance, pdf: f32::INFINITY })
     }
 
-    fn parallel(&self) -> Option<LightSample> {
-        let direction = -self.forward()?;
-        Some(LightSample { direction, distance: f32::INFINITY, irradiance: self.intensity, pdf: f32::INFINITY })
+    fn distant(&self, u: Vec2) -> Option<LightSample> {
+        let (direction, irradiance, pdf) = match Disc::of(self) {
+            None => (-self.forward()?, self.intensity, f32::INFINITY),
+            Some(disc) => {
+                let solid_angle = disc.solid_angle();
+                let irradiance = self.intensity * (disc.radiance_of_irradiance() * solid_angle);
+                (disc.direction(u), irradiance, 1.0 / solid_angle)
+            }
+        };
+        Some(LightSample { direction, distance: f32::INFINITY, irradiance, pdf })
     }
 
     fn on_rectangle(&self, point: Vec3, u: Vec2) -> Option<LightSample> {

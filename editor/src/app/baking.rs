@@ -5,7 +5,7 @@ use super::{
     opening::draft_of,
     state::{
         EditorState,
-        baking::{Ended, Looked, Run},
+        baking::{Ended, Looked, Run, Seen},
     },
 };
 use crate::{
@@ -13,6 +13,7 @@ use crate::{
     jobs::{
         Imported,
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
+        kept_bakes,
     },
     panels::bake::{BakeStatus, control_name, stale_reasons},
 };
@@ -24,31 +25,60 @@ use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_render::Baked;
 use lapidary_studies::jobs::spawn;
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     sync::Arc,
-    time::{Instant, SystemTime},
+    time::{Duration, Instant, SystemTime},
 };
 
 /// Why a bake does not start while there is one.
 const UNDER_WAY: &str = "A bake is under way; cancel it first";
 
 impl EditorState {
-    /// Bakes with the document's settings; `progressive` bakes a draft to look at first.
+    /// Bakes with the document's settings, or goes on with what was interrupted; `progressive` bakes a draft to look at first.
     pub(super) fn start_bake(&mut self, resume: bool, progressive: bool) {
-        self.bake(resume, progressive, false);
+        if !resume && self.write_kept() {
+            return;
+        }
+        let interrupted = if resume { self.interrupted() } else { None };
+        self.bake(interrupted.or_else(|| self.scene.bake_output.clone()), resume, progressive, false);
     }
 
-    /// Bakes the bundled scene without being asked. A checkpoint of other settings is no reason to stop.
-    pub(super) fn bake_bundled(&mut self, resume: bool, progressive: bool) {
-        self.bake(resume, progressive, true);
+    /// Bakes without being asked. A checkpoint of other settings is no reason to stop.
+    pub(super) fn bake_by_itself(&mut self, resume: bool, progressive: bool) {
+        let interrupted = if resume { self.interrupted() } else { None };
+        self.bake(interrupted.or_else(|| self.scene.kept_output.clone()), resume, progressive, true);
     }
 
-    fn bake(&mut self, resume: bool, progressive: bool, or_afresh: bool) {
+    /// Writes the bake that is shown to where the user wants it, if it is what a bake would give. Returns whether it is.
+    fn write_kept(&mut self) -> bool {
+        let is_elsewhere = self.scene.kept_output != self.scene.bake_output && self.document.dataset.is_none();
+        let whole =
+            self.scene.shown().filter(|_| is_elsewhere && !self.scene.is_draft && self.stale_reasons().is_empty());
+        let Some((whole, output)) = whole.cloned().zip(self.scene.bake_output.clone()) else { return false };
+        if self.may_write(&output, Written::Dataset) {
+            match whole.dataset.write(&output) {
+                Ok(()) => {
+                    self.messages.note(format!("The bake was written ({})", output.display()));
+                    self.document.dataset = Some(output);
+                }
+                Err(error) => self.messages.error(error.to_string()),
+            }
+        }
+        true
+    }
+
+    /// The output of an interrupted bake: the user's, or else one that began by itself.
+    fn interrupted(&self) -> Option<PathBuf> {
+        let outputs = [&self.scene.bake_output, &self.scene.kept_output];
+        outputs.into_iter().flatten().find(|output| checkpoint_time(output).is_some()).cloned()
+    }
+
+    fn bake(&mut self, output: Option<PathBuf>, resume: bool, progressive: bool, or_afresh: bool) {
         if self.baking.run.is_some() {
             self.messages.note(UNDER_WAY);
             return;
         }
-        let Some((source, output)) = self.scene.source.clone().zip(self.scene.bake_output.clone()) else {
+        let Some((source, output)) = self.scene.source.clone().zip(output) else {
             self.messages.error("There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)");
             return;
         };
@@ -71,7 +101,7 @@ impl EditorState {
         let Imported { scene, import_secs, report, .. } = source;
         let mode = settings.mode;
         let (inputs, warnings) = (report.files, report.warnings);
-        let job = BakeJob { settings, output, inputs, chunks: None, resume, import_secs, warnings };
+        let job = BakeJob { settings, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
         let task = BakeTask {
             scene,
             job,
@@ -83,8 +113,17 @@ impl EditorState {
         let now = Instant::now();
         let job = BakeRun::start(task, self.wake.clone());
         self.baking.ended = None;
-        self.baking.run =
-            Some(Run { job, mode, since: now, phase: None, phase_since: now, cancelling: false, draft_shown: false });
+        self.baking.run = Some(Run {
+            job,
+            mode,
+            output,
+            since: now,
+            phase: None,
+            phase_since: now,
+            waited_before: Duration::ZERO,
+            cancelling: false,
+            draft_shown: false,
+        });
     }
 
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
@@ -109,7 +148,7 @@ impl EditorState {
         let Some(run) = &mut self.baking.run else { return };
         let phase = run.job.progress().phase;
         if phase != run.phase {
-            (run.phase, run.phase_since) = (phase, Instant::now());
+            (run.phase, run.phase_since, run.waited_before) = (phase, Instant::now(), run.job.waited());
         }
         let messages = run.job.messages();
         for message in messages {
@@ -118,14 +157,14 @@ impl EditorState {
                 BakeMessage::Draft(baked) => {
                     self.baking.run.iter_mut().for_each(|run| run.draft_shown = true);
                     self.keep_draft(&baked.dataset);
-                    self.show_baked(baked);
+                    self.show_baked(baked, true);
                 }
                 BakeMessage::Done(baked) => {
-                    let seconds = self.baking.run.take().map_or(0.0, |run| run.since.elapsed().as_secs_f64());
                     self.messages.withdraw(UNDER_WAY);
-                    self.messages.note(format!("Baked {} vertices in {seconds:.0} s", baked.dataset.report.vertices));
-                    self.document.dataset.clone_from(&self.scene.bake_output);
-                    self.show_baked(baked);
+                    if let Some(run) = self.baking.run.take() {
+                        self.note_bake(&run, baked.dataset.report.vertices);
+                    }
+                    self.show_baked(baked, false);
                 }
                 BakeMessage::Cancelled => self.end_bake(Ended::Cancelled),
                 BakeMessage::Failed(error) => {
@@ -136,14 +175,24 @@ impl EditorState {
         }
     }
 
-    /// The draft of a bundled scene is shown at the next start, if the bake is not finished by then.
+    /// Tells of a bake that is done, and remembers its file if the user asked for it.
+    fn note_bake(&mut self, run: &Run, vertices: usize) {
+        self.messages.note(format!("Baked {vertices} vertices in {:.0} s", run.since.elapsed().as_secs_f64()));
+        if self.scene.bake_output.as_ref() == Some(&run.output) {
+            self.document.dataset = Some(run.output.clone());
+        } else {
+            let (folder, latest) = (self.folders.cache.join("bakes"), run.output.clone());
+            spawn("kept bakes", move || kept_bakes::remove_oldest(&folder, &latest, kept_bakes::MOST_BYTES));
+        }
+    }
+
+    /// The draft is shown at the next start, if the bake is not finished by then.
     fn keep_draft(&self, dataset: &Arc<Dataset>) {
-        let Some(output) = self.scene.bake_output.as_deref().filter(|o| o.starts_with(&self.folders.cache)) else {
-            return;
-        };
-        let (dataset, path) = (dataset.clone(), draft_of(output));
+        let Some(path) = self.scene.kept_output.as_deref().map(draft_of) else { return };
+        let dataset = dataset.clone();
         spawn("keep draft", move || {
             // Without it the next start bakes a draft again.
+            let _ = path.parent().map(std::fs::create_dir_all);
             let _ = dataset.write(&path);
         });
     }
@@ -151,12 +200,12 @@ impl EditorState {
     /// What an interrupted bake left for a bake with the present settings. It is read again only when its inputs have
     /// changed.
     pub(super) fn leftover(&mut self) -> Leftover {
-        let Some((source, output)) = self.scene.source.as_ref().zip(self.scene.bake_output.as_ref()) else {
+        let Some((source, output)) = self.scene.source.as_ref().zip(self.interrupted()) else {
             return Leftover::Nothing;
         };
-        let Some(written) = checkpoint_time(output) else { return Leftover::Nothing };
+        let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let looked = Looked { output: output.clone(), scene_hash: source.hash.clone(), settings, written };
+        let looked = Looked { output, scene_hash: source.hash.clone(), settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {
             let found = leftover(&looked.output, &looked.scene_hash, &looked.settings);
@@ -172,12 +221,21 @@ impl EditorState {
     }
 
     /// Renders another bake of the scene. Materials that were edited stay.
-    fn show_baked(&mut self, baked: Baked) {
+    fn show_baked(&mut self, baked: Baked, is_draft: bool) {
         fit_materials(&mut self.document, &baked.dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
         self.scene.baked = Some(baked);
-        self.scene.show_stale = false;
+        (self.scene.is_draft, self.scene.show_stale, self.scene.preview) = (is_draft, false, None);
+    }
+
+    /// What the picture is rendered by.
+    pub(super) fn seen(&self) -> Seen {
+        match self.scene.shown() {
+            None => Seen::Unshadowed,
+            Some(_) if self.scene.is_draft => Seen::Draft,
+            Some(_) => Seen::Whole,
+        }
     }
 
     /// Differences between the present bake and the result of a new one.
@@ -201,6 +259,7 @@ impl EditorState {
         }
         // What is on the screen stays there, and is marked.
         self.scene.show_stale = self.scene.shown().is_some();
+        self.scene.preview = (!self.scene.show_stale).then(|| source.unshadowed());
         self.scene.source = Some(source);
     }
 

@@ -11,7 +11,7 @@ impl EditorState {
             self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
             return;
         }
-        let bounds = self.scene.shown().zip(self.selection.object);
+        let bounds = self.scene.rendered().zip(self.selection.object);
         match bounds.and_then(|(baked, object)| pick::object_bounds(&baked.dataset.scene.mesh, object)) {
             Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
             None => self.frame_all(),

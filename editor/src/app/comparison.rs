@@ -11,7 +11,7 @@ impl EditorState {
     /// Compares the picture that was asked for last, once nothing moves.
     pub(super) fn compare(&mut self) {
         let panel = &self.interface.comparison;
-        if !panel.open || self.scene.shown().is_none() {
+        if !panel.open || self.scene.rendered().is_none() {
             return self.comparison.end();
         }
         let Some(picture) = self.requests.last_sent().cloned() else { return };
@@ -66,6 +66,6 @@ impl EditorState {
 
     /// Whether there is a picture to compare.
     pub(super) fn can_compare(&self) -> bool {
-        self.scene.shown().is_some() && Pictures::shown(&self.pictures).is_some()
+        self.scene.rendered().is_some() && Pictures::shown(&self.pictures).is_some()
     }
 }

@@ -50,7 +50,7 @@ impl EditorState {
     /// Opens one of the scenes that come with the program.
     pub fn open_bundled(&mut self, index: usize) {
         match self.bundled.scenes.get(index).cloned() {
-            Some(scene) => self.open(Target::Bundled { scene, bakes: self.folders.cache.join("bakes") }),
+            Some(scene) => self.open(Target::Bundled(scene)),
             None => self.messages.error(
                 "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
             ),
@@ -121,8 +121,21 @@ impl EditorState {
     }
 
     fn take_document(&mut self, ready: Ready) {
-        let Ready { document, unknown, session, recovery, baked, source, bake_output, bake_now, warnings, recent } =
-            ready;
+        let Ready {
+            document,
+            unknown,
+            session,
+            recovery,
+            baked,
+            preview,
+            source,
+            bake_output,
+            kept_output,
+            lacks_bake,
+            is_draft,
+            warnings,
+            recent,
+        } = ready;
         self.forget_autosave();
         self.baking.clear();
         self.ladder = LadderWindow::default();
@@ -134,7 +147,19 @@ impl EditorState {
         // The cameras of sessions and of recovered work are as they were left.
         let is_kept = session.is_some() || self.recovered.is_some();
         let first_view = Some(FirstView::of(&self.document, is_kept));
-        self.scene = OpenScene { baked, source, bake_output, show_stale: false, session, unknown, first_view };
+        let show_stale = false;
+        self.scene = OpenScene {
+            baked,
+            preview,
+            source,
+            bake_output,
+            kept_output,
+            is_draft,
+            show_stale,
+            session,
+            unknown,
+            first_view,
+        };
         self.interface.lights.forget_document();
         self.interface.material.forget_document();
         self.selection =
@@ -145,9 +170,9 @@ impl EditorState {
         let name = self.title();
         self.messages.warnings(&name, &warnings);
         recent.into_iter().for_each(|path| self.remember(&path));
-        if bake_now {
+        if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
             let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() != Leftover::Nothing);
-            self.bake_bundled(has_draft && has_chunks, !has_draft);
+            self.bake_by_itself(has_draft && has_chunks, !has_draft);
         }
     }
 

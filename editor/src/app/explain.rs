@@ -69,7 +69,7 @@ impl EditorState {
             return;
         }
         let has_both = self.pictures.shown().is_some_and(|shown| shown.local.indirect.is_some())
-            && self.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.environment());
+            && self.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
         let outdated = self.explanation_is_outdated();
         let window = &mut self.explain;
         let before = window.tree;

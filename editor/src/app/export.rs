@@ -23,7 +23,7 @@ const NOTHING: &str = "There is nothing to export; open and bake a scene first";
 impl EditorState {
     /// The picture that is exported, and its scene; `None` while there is none.
     fn exported(&mut self) -> Option<(Look, Baked)> {
-        let baked = self.scene.shown()?.clone();
+        let baked = self.scene.rendered()?.clone();
         Some((self.look(self.interface.viewport_size)?, baked))
     }
 

@@ -19,7 +19,7 @@ impl EditorState {
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        self.bounds.update(self.scene.shown(), self.selection.object);
+        self.bounds.update(self.scene.rendered(), self.selection.object);
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let laid = layout::show(ui, self, &mut actions);
@@ -55,7 +55,7 @@ impl EditorState {
             return;
         }
         let mut actions = Vec::new();
-        if self.scene.shown().is_some() {
+        if self.scene.rendered().is_some() {
             viewport::turn_environment(ctx, &self.document, &mut actions);
         }
         let commands = keys::pressed(ctx);

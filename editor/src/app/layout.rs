@@ -4,9 +4,11 @@
 use super::{
     keys::{self, Command},
     menus, notice,
+    requests::illumination,
     side_panels::{self, Edge},
     state::{
         EditorState, OpenScene,
+        baking::Seen,
         environments::Environments,
         interface::{Inspector, Interface, Side},
         pictures::Pictures,
@@ -30,7 +32,8 @@ use crate::{
     viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_render::{Baked, Bounces, ViewMode};
+use lapidary_core::lights::Light;
+use lapidary_render::{Baked, Bounces, Illumination, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
@@ -158,7 +161,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
         Inspector::Material => show_material(ui, state, actions),
         Inspector::Environment => {
             let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
-            let baked = state.scene.shown().map(|baked| baked.dataset.settings.mode);
+            let baked = state.scene.rendered().map(|baked| baked.dataset.settings.mode);
             let can_bake = state.scene.source.is_some();
             scrolled(ui, |ui| {
                 lights::environment_hint(ui, baked, state.document.bake.mode, can_bake, actions);
@@ -176,7 +179,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
 
 fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let has_environment = state.document.components.shows(Component::Environment)
-        && state.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.environment());
+        && state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
     // The root of the tree has the mean of all light.
     let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
     let shown = state.pictures.shown().filter(is_lit);
@@ -190,8 +193,10 @@ fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 }
 
 fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let scene = state.scene.shown();
+    let scene = state.scene.rendered();
+    let suns = suns(state);
     let context = LightsContext {
+        suns: &suns,
         document: &state.document,
         selected: state.selected_light(),
         bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
@@ -201,6 +206,15 @@ fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) 
         can_bake: state.scene.source.is_some(),
     };
     scrolled(ui, |ui| lights::show(ui, &mut state.interface.lights, &context, actions));
+}
+
+/// The suns of the environment as if they were switched on.
+fn suns(state: &EditorState) -> Vec<Light> {
+    let Some(environment) = state.environments.loaded() else { return Vec::new() };
+    let mut document = state.document.environment.clone();
+    document.sun.enabled = true;
+    let light = Illumination { sun: document.suns(), ..illumination(&state.document, environment.clone()) };
+    light.suns()
 }
 
 fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
@@ -214,7 +228,7 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
         trial: source.and_then(|source| source.trial(!matches!(status, BakeStatus::Running { .. }))),
-        cores: std::thread::available_parallelism().map_or(1, usize::from).saturating_sub(1).max(1),
+        cores: std::thread::available_parallelism().map_or(1, usize::from),
     };
     scrolled(ui, |ui| bake::show(ui, &context, actions));
 }
@@ -231,7 +245,7 @@ fn environment_context<'a>(
         document,
         environment: environments.loaded(),
         library,
-        tree: scene.shown().map(|baked| &baked.dataset.tree),
+        tree: scene.rendered().map(|baked| &baked.dataset.tree),
         lighting: shown.map(|s| &s.lighting),
         light_revision: shown.map_or(0, |s| s.light_revision),
         message: environments.problem.as_deref(),
@@ -255,10 +269,10 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
-    let baked = state.scene.shown();
+    let baked = state.scene.rendered();
     let mesh = baked.map(|b| &b.dataset.scene.mesh);
     let selected_object = state.selection.object;
-    let busy = baked.and_then(|_| state.baking.words());
+    let busy = baked.and_then(|_| state.baking.words(state.seen()));
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;
@@ -300,15 +314,17 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     if let Some(unlit) = unlit(state) {
         notice::show_unlit(ui, response.rect, unlit, &mut state.interface, actions);
     }
-    if state.scene.shown().is_none() {
+    if state.scene.rendered().is_none() {
         notice::show(ui, response.rect, state, actions);
+    } else if state.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
+        notice::show_below(ui, response.rect, state, actions);
     }
     response
 }
 
 /// Why a lit picture is black, if one is shown by itself.
 fn unlit(state: &EditorState) -> Option<Unlit> {
-    let (document, baked) = (&state.document, state.scene.shown()?);
+    let (document, baked) = (&state.document, state.scene.rendered()?);
     let is_alone = document.view.mode == ViewMode::Shaded && !state.interface.comparison.open;
     let unlit = is_alone.then(|| Unlit::of(&document.lights, document.components, &baked.dataset)).flatten();
     unlit.filter(|_| state.pictures.shown().is_some())

@@ -130,7 +130,7 @@ impl EditorState {
         let distance = camera.eye.distance(camera.target).min(self.scene_size());
         let place = camera.target + distance * (camera.world_from_view() * NEW_AT);
         let (direction, reach) = ((place - camera.eye).normalize_or(Vec3::Y), place.distance(camera.eye));
-        let intersector = self.scene.shown().and_then(Baked::intersector_if_ready);
+        let intersector = self.scene.rendered().and_then(Baked::intersector_if_ready);
         let wall = intersector.and_then(|i| i.closest_hit(camera.eye, direction)).map(|hit| hit.distance);
         camera.eye + direction * wall.map_or(reach, |wall| reach.min(BEFORE_A_WALL * wall))
     }

@@ -67,7 +67,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.separator();
     entry(ui, state, actions, Command::Save, is_open);
     entry(ui, state, actions, Command::SaveAs, is_open);
-    entry(ui, state, actions, Command::ExportPicture, state.scene.shown().is_some());
+    entry(ui, state, actions, Command::ExportPicture, state.scene.rendered().is_some());
     export(ui, state, actions);
     ui.separator();
     entry(ui, state, actions, Command::Quit, true);
@@ -75,7 +75,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 
 /// Jobs with a renderer of their own, of which one runs at a time.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
-    let (shown, running) = (state.scene.shown().is_some(), state.exporting.is_running());
+    let (shown, running) = (state.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
         ("Export layered EXR...", Action::ExportLayers(None), shown && !running),
         ("Export sequence...", Action::DescribeSequence, shown && !running),
@@ -163,7 +163,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.separator();
     let wireframe = if state.document.view.wireframe { "Hide wireframe" } else { "Wireframe" };
     entry_as(ui, state, actions, Command::Wireframe, wireframe, true);
-    let is_shown = state.scene.shown().is_some();
+    let is_shown = state.scene.rendered().is_some();
     entry(
         ui,
         state,
@@ -207,6 +207,15 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     if ui.button("Bake settings").clicked() {
         state.interface.show_inspector(Inspector::Bake);
         ui.close();
+    }
+    ui.separator();
+    let mut bakes_scenes = state.preferences.bakes_scenes;
+    let automatic = ui.checkbox(&mut bakes_scenes, "Bake scenes when they open");
+    if automatic
+        .on_hover_text("A draft first, then the whole. It is kept in the cache, and gives way to what you do.")
+        .clicked()
+    {
+        actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.preferences.clone() }));
     }
 }
 

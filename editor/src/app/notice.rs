@@ -20,24 +20,33 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
 
 /// Says in the lower part of `rect` why the picture in it is black, and leads to light.
 pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, interface: &mut Interface, actions: &mut Vec<Action>) {
-    let size = vec2(WIDTH.min(rect.width() - 20.0).max(40.0), 90.0);
+    below(ui, rect, 90.0, |ui| match unlit {
+        Unlit::NoLights => {
+            ui.label(RichText::new("Nothing gives light").strong());
+            ui.label("The bake is without the environment, the scene without lights.");
+            ui.menu_button("Add a light", |ui| add_menu(ui, actions));
+        }
+        Unlit::SwitchedOff => {
+            ui.label(RichText::new("All light is switched off").strong());
+            ui.label("The Lights tab has switches for each light and for each part of the light.");
+            if ui.button("Open the Lights tab").clicked() {
+                interface.show_inspector(Inspector::Lights);
+            }
+        }
+    });
+}
+
+/// Says in the lower part of `rect` why the picture in it has no shadows, and leads to a bake.
+pub fn show_below(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
+    below(ui, rect, 130.0, |ui| contents(ui, state, actions));
+}
+
+fn below(ui: &mut Ui, rect: Rect, height: f32, contents: impl FnOnce(&mut Ui)) {
+    let size = vec2(WIDTH.min(rect.width() - 20.0).max(40.0), height);
     let place = Align2::CENTER_BOTTOM.align_size_within_rect(size, rect.shrink2(vec2(0.0, 40.0)));
     let layout = Layout::top_down(Align::Center);
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| {
-        Frame::popup(ui.style()).show(ui, |ui| match unlit {
-            Unlit::NoLights => {
-                ui.label(RichText::new("Nothing gives light").strong());
-                ui.label("The bake is without the environment, the scene without lights.");
-                ui.menu_button("Add a light", |ui| add_menu(ui, actions));
-            }
-            Unlit::SwitchedOff => {
-                ui.label(RichText::new("All light is switched off").strong());
-                ui.label("The Lights tab has switches for each light and for each part of the light.");
-                if ui.button("Open the Lights tab").clicked() {
-                    interface.show_inspector(Inspector::Lights);
-                }
-            }
-        });
+        Frame::popup(ui.style()).show(ui, contents);
     });
 }
 
@@ -92,7 +101,9 @@ fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Ac
 
 fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
     heading(ui, &format!("{title} is not baked yet"));
-    ui.label("A bake traces what light each point can see. The Bake tab has presets, from seconds to minutes.");
+    ui.label(
+        "A bake traces what light each point can see, for shadows. The Bake tab has presets, from seconds to minutes.",
+    );
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake now").strong()).clicked() {
         actions.push(Action::Bake { resume: false });

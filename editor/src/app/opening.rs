@@ -29,13 +29,8 @@ use std::{
 pub enum Target {
     /// A scene, a dataset or a session.
     File(PathBuf),
-    /// The scene that comes with the program; its bakes are kept in a folder.
-    Bundled {
-        /// The scene.
-        scene: PathBuf,
-        /// Where its bakes are.
-        bakes: PathBuf,
-    },
+    /// A scene that comes with the program; nothing is written beside it.
+    Bundled(PathBuf),
     /// The autosave of a process that did not exit cleanly.
     Recovered(Recovery),
     /// A session with missing files.
@@ -127,12 +122,18 @@ pub struct Ready {
     pub recovery: Option<Recovery>,
     /// The dataset, which can be rendered.
     pub baked: Option<Baked>,
+    /// The scene without shadows, to be rendered until there is a dataset.
+    pub preview: Option<Baked>,
     /// The scene, which can be baked.
     pub source: Option<Source>,
-    /// Where a bake goes.
+    /// Where a bake goes that the user asks for.
     pub bake_output: Option<PathBuf>,
-    /// Whether to bake without being asked: the bundled scene for the first time.
-    pub bake_now: bool,
+    /// Where a bake goes that begins by itself.
+    pub kept_output: Option<PathBuf>,
+    /// Whether there is no bake, or only a draft of one.
+    pub lacks_bake: bool,
+    /// Whether the dataset is a draft.
+    pub is_draft: bool,
     /// Repairs and omissions.
     pub warnings: Vec<String>,
     /// The file to list among the recent ones.
@@ -147,13 +148,13 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// Begins.
-    pub fn start(target: Target, consent: Consent, wake: Wake) -> Self {
+    /// Begins. Bakes that began by themselves are in the folder `bakes`.
+    pub fn start(target: Target, bakes: PathBuf, consent: Consent, wake: Wake) -> Self {
         let (sender, result) = channel();
         let what = name(&target);
         spawn("open", move || {
             // A window that opened something else meanwhile needs no result.
-            let _ = sender.send(guarded("opening the file", || open(target, &consent)));
+            let _ = sender.send(guarded("opening the file", || open(target, &bakes, &consent)));
             wake();
         });
         Self { what, result }
@@ -173,41 +174,45 @@ fn name(target: &Target) -> String {
     let of = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     match target {
         Target::File(path) => of(path),
-        Target::Bundled { scene, .. } => of(scene),
+        Target::Bundled(scene) => of(scene),
         Target::Recovered(_) => "recovered work".into(),
         Target::Session { path, .. } => path.as_deref().map_or("the session".into(), of),
     }
 }
 
-/// Reads all that the target names.
+/// Reads all that the target names, and bakes of it that are kept in the folder `bakes`.
 ///
 /// # Errors
 /// A file that cannot be read, in words for the user.
-pub fn open(target: Target, consent: &Consent) -> Result<Opened> {
-    let opened = read(target.clone(), consent);
+pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
+    let opened = read(target.clone(), &Reader { bakes, consent });
     match consent.unknown.take() {
         Some((scene, names)) => Ok(Opened::Outside { target: target.into(), scene, names }),
         None => opened,
     }
 }
 
-fn read(target: Target, consent: &Consent) -> Result<Opened> {
+/// What reading needs besides the file.
+struct Reader<'a> {
+    bakes: &'a Path,
+    consent: &'a Consent,
+}
+
+fn read(target: Target, reader: &Reader) -> Result<Opened> {
     match target {
         Target::File(path) => match kind_of(&path) {
-            Kind::Scene => open_scene(&path, consent).map(ready),
+            Kind::Scene => reader.scene(&path, path.with_extension("cuts")).map(ready),
             Kind::Dataset => open_dataset(&path).map(ready),
-            Kind::Session => open_session(&path, Some(path.clone()), None, consent),
+            Kind::Session => reader.session(&path, Some(path.clone()), None),
             kind => Err(anyhow::Error::msg(no_document(&path, kind))),
         },
-        Target::Bundled { scene, bakes } => open_bundled(&scene, &bakes, consent).map(ready),
+        Target::Bundled(scene) => reader.bundled(&scene).map(ready),
         Target::Recovered(recovery) => {
-            open_session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery), consent)
+            reader.session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery))
         }
-        Target::Session { loaded, path, recovery, look_in: None } => {
-            Ok(ready(resolve(*loaded, path, recovery, consent)))
-        }
+        Target::Session { loaded, path, recovery, look_in: None } => Ok(ready(reader.resolve(*loaded, path, recovery))),
         Target::Session { loaded, path, recovery, look_in: Some(folder) } => {
-            Ok(look(loaded, path, recovery, &folder, consent))
+            Ok(reader.look(loaded, path, recovery, &folder))
         }
     }
 }
@@ -226,22 +231,6 @@ fn no_document(path: &Path, kind: Kind) -> String {
 
 fn ready(ready: Ready) -> Opened {
     Opened::Ready(ready.into())
-}
-
-fn open_scene(path: &Path, consent: &Consent) -> Result<Ready> {
-    let source = consent.import(path)?;
-    let output = path.with_extension("cuts");
-    let mut warnings = source.report.warnings.clone();
-    let baked = read_if_there(&output, &mut warnings);
-    let document = match &baked {
-        Some(baked) => Document::of_dataset(&baked.dataset, output.clone(), Some(path.into())),
-        None => Document::of_scene(&source.scene, Some(path.into())),
-    };
-    Ok(Ready {
-        bake_output: Some(output),
-        recent: Some(path.into()),
-        ..Ready::new(document, baked, Some(source), warnings)
-    })
 }
 
 /// A dataset that is not there, or damaged, only has to be baked again.
@@ -264,92 +253,152 @@ fn open_dataset(path: &Path) -> Result<Ready> {
     Ok(Ready { recent: Some(path.into()), ..Ready::new(document, Some(baked), None, Vec::new()) })
 }
 
-fn open_bundled(scene: &Path, bakes: &Path, consent: &Consent) -> Result<Ready> {
-    let source = consent.import(scene)?;
-    let output = bakes.join(bundled_name(scene, &source.hash));
-    let mut warnings = source.report.warnings.clone();
-    let mut read =
-        |path: &Path| read_if_there(path, &mut warnings).filter(|baked| baked.dataset.scene_hash == source.hash);
-    // A bake of other settings is one that the user asked for.
-    let whole = read(&output);
-    let (bake_now, bake) = match &whole {
-        Some(whole) => (false, whole.dataset.settings.clone()),
-        None => (true, proposed_bake(&source.scene)),
-    };
-    let baked = whole.or_else(|| read(&draft_of(&output)));
-    let shown = baked.as_ref().map_or(&*source.scene, |baked| &baked.dataset.scene);
-    // Named before it is there, so that a session finds it later.
-    let dataset = Some(output.clone());
-    let document = Document { bake, dataset, ..Document::of_scene(shown, Some(scene.into())) };
-    Ok(Ready { bake_output: Some(output), bake_now, ..Ready::new(document, baked, Some(source), warnings) })
-}
-
-/// Path of the draft of a bundled scene's bake, which is shown at once while the bake continues.
+/// Path of the draft of a bake, which is shown at once while the bake continues.
 pub fn draft_of(output: &Path) -> PathBuf {
     output.with_extension("draft.cuts")
 }
 
-/// Another version of the scene has another bake.
-fn bundled_name(scene: &Path, hash: &str) -> String {
+/// The name of a bake that began by itself. Another version of the scene has another bake.
+fn kept_name(scene: &Path, hash: &str) -> String {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash))
 }
 
-fn open_session(file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>, consent: &Consent) -> Result<Opened> {
-    let loaded = session::load(file)?;
-    if loaded.missing.is_empty() {
-        return Ok(ready(resolve(loaded, path, recovery, consent)));
+/// The bakes of a scene.
+struct Found {
+    /// The whole one, or one of another version of the scene, and its file.
+    whole: Option<(Baked, PathBuf)>,
+    /// A draft of one, if there is no whole one.
+    draft: Option<Baked>,
+    /// Where a bake goes that begins by itself.
+    kept_output: PathBuf,
+}
+
+impl Reader<'_> {
+    /// A scene whose bakes go to `output`.
+    fn scene(&self, path: &Path, output: PathBuf) -> Result<Ready> {
+        let source = self.consent.import(path)?;
+        let mut warnings = source.report.warnings.clone();
+        let found = self.bakes_of(&source, path, &output, &mut warnings);
+        let document = match &found.whole {
+            Some((baked, file)) => {
+                // Another machine would look for it in vain.
+                let dataset = Some(file.clone()).filter(|file| *file == output);
+                Document { dataset, ..Document::of_dataset(&baked.dataset, output.clone(), Some(path.into())) }
+            }
+            None => Document::of_scene(&source.scene, Some(path.into())),
+        };
+        Ok(Ready { recent: Some(path.into()), bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
-    Ok(Opened::Missing { loaded: loaded.into(), path, recovery, found: None })
-}
 
-/// Looks for the missing files of a session.
-fn look(
-    mut loaded: Box<LoadedSession>,
-    path: Option<PathBuf>,
-    recovery: Option<Recovery>,
-    folder: &Path,
-    consent: &Consent,
-) -> Opened {
-    let found = Some(loaded.relink(folder));
-    if loaded.missing.is_empty() {
-        return ready(resolve(*loaded, path, recovery, consent));
+    fn bundled(&self, scene: &Path) -> Result<Ready> {
+        let source = self.consent.import(scene)?;
+        let output = self.bakes.join(kept_name(scene, &source.hash));
+        let mut warnings = source.report.warnings.clone();
+        let found = self.bakes_of(&source, scene, &output, &mut warnings);
+        // A bake of other settings is one that the user asked for.
+        let whole = found.whole.as_ref().map(|(baked, _)| &baked.dataset);
+        let bake = whole.map_or_else(|| proposed_bake(&source.scene), |dataset| dataset.settings.clone());
+        let shown = whole.map_or(&*source.scene, |dataset| &dataset.scene);
+        // Named before it is there, so that a session finds it later.
+        let dataset = Some(output.clone());
+        let document = Document { bake, dataset, ..Document::of_scene(shown, Some(scene.into())) };
+        Ok(Ready { bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
-    Opened::Missing { loaded, path, recovery, found }
-}
 
-/// All files that the session names, as far as they can be read; unreadable ones are left out with a warning.
-fn resolve(loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>, consent: &Consent) -> Ready {
-    let mut warnings = Vec::new();
-    let scene_path = loaded.session.scene.clone();
-    let source = scene_path.as_deref().and_then(|path| source_if_there(path, consent, &mut warnings));
-    let output = loaded.session.dataset.clone().or_else(|| scene_path.map(|p| p.with_extension("cuts")));
-    let baked = output.as_deref().and_then(|output| read_or_draft(output, source.as_ref(), &mut warnings));
-    let unknown = loaded.unknown.clone();
-    let of_bake = baked.as_ref().map(|baked| &baked.dataset.scene);
-    let scene = of_bake.or(source.as_ref().map(|source| &*source.scene));
-    let (document, remarks) = loaded.into_document(scene);
-    warnings.extend(remarks);
-    let recent = path.clone();
-    let bake_output = source.is_some().then_some(output).flatten();
-    let rest = Ready::new(document, baked, source, warnings);
-    Ready { unknown, session: path, recovery, bake_output, recent, ..rest }
-}
-
-/// Without its scene a session can still be seen, but not baked again.
-fn source_if_there(path: &Path, consent: &Consent, warnings: &mut Vec<String>) -> Option<Source> {
-    if !path.is_file() {
-        return None;
+    /// The bakes of a scene: the one at `output`, or else one that is kept, or else a draft. Of another version of the scene
+    /// only the first counts.
+    fn bakes_of(&self, source: &Source, scene: &Path, output: &Path, warnings: &mut Vec<String>) -> Found {
+        let kept_output = self.bakes.join(kept_name(scene, &source.hash));
+        let is_of_scene = |baked: &Baked| baked.dataset.scene_hash == source.hash;
+        let mut read = |path: &Path| read_if_there(path, warnings);
+        let asked_for = read(output).map(|baked| (baked, output.to_owned()));
+        let whole = match asked_for {
+            Some(asked_for) if is_of_scene(&asked_for.0) => Some(asked_for),
+            asked_for => {
+                let kept = read(&kept_output).filter(is_of_scene).map(|baked| (baked, kept_output.clone()));
+                kept.or(asked_for)
+            }
+        };
+        let draft = if whole.is_none() { read(&draft_of(&kept_output)).filter(is_of_scene) } else { None };
+        Found { whole, draft, kept_output }
     }
-    let source = consent.import(path);
-    source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {error}"))).ok()
+
+    fn session(&self, file: &Path, path: Option<PathBuf>, recovery: Option<Recovery>) -> Result<Opened> {
+        let loaded = session::load(file)?;
+        if loaded.missing.is_empty() {
+            return Ok(ready(self.resolve(loaded, path, recovery)));
+        }
+        Ok(Opened::Missing { loaded: loaded.into(), path, recovery, found: None })
+    }
+
+    /// Looks for the missing files of a session.
+    fn look(
+        &self,
+        mut loaded: Box<LoadedSession>,
+        path: Option<PathBuf>,
+        recovery: Option<Recovery>,
+        folder: &Path,
+    ) -> Opened {
+        let found = Some(loaded.relink(folder));
+        if loaded.missing.is_empty() {
+            return ready(self.resolve(*loaded, path, recovery));
+        }
+        Opened::Missing { loaded, path, recovery, found }
+    }
+
+    /// All files that the session names, as far as they can be read; unreadable ones are left out with a warning.
+    fn resolve(&self, loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
+        let mut warnings = Vec::new();
+        let scene_path = loaded.session.scene.clone();
+        let source = scene_path.as_deref().and_then(|path| self.source_if_there(path, &mut warnings));
+        let output = loaded.session.dataset.clone().or_else(|| scene_path.as_ref().map(|p| p.with_extension("cuts")));
+        let named = source.as_ref().zip(scene_path.as_deref()).zip(output.as_deref());
+        let found = named.map(|((source, scene), output)| self.bakes_of(source, scene, output, &mut warnings));
+        let baked = match &found {
+            Some(found) => found.best(),
+            // A dataset whose scene is gone can still be seen.
+            None => output.as_deref().and_then(|output| read_if_there(output, &mut warnings)),
+        };
+        let unknown = loaded.unknown.clone();
+        let of_bake = baked.as_ref().map(|baked| &baked.dataset.scene);
+        let scene = of_bake.or(source.as_ref().map(|source| &*source.scene));
+        let (document, remarks) = loaded.into_document(scene);
+        warnings.extend(remarks);
+        let recent = path.clone();
+        let bake_output = source.is_some().then_some(output).flatten();
+        let ready = match found.zip(source) {
+            Some((found, source)) => found.ready(document, source, warnings),
+            None => Ready::new(document, baked, None, warnings),
+        };
+        Ready { unknown, session: path, recovery, bake_output, recent, ..ready }
+    }
+
+    /// Without its scene a session can still be seen, but not baked again.
+    fn source_if_there(&self, path: &Path, warnings: &mut Vec<String>) -> Option<Source> {
+        if !path.is_file() {
+            return None;
+        }
+        let source = self.consent.import(path);
+        source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {error}"))).ok()
+    }
 }
 
-/// The bake, or the draft of it if that is of the scene as it is.
-fn read_or_draft(output: &Path, source: Option<&Source>, warnings: &mut Vec<String>) -> Option<Baked> {
-    let hash = source.map(|source| source.hash.as_str());
-    let is_of_scene = |baked: &Baked| hash == Some(baked.dataset.scene_hash.as_str());
-    read_if_there(output, warnings).or_else(|| read_if_there(&draft_of(output), warnings).filter(is_of_scene))
+impl Found {
+    /// The best of them.
+    fn best(&self) -> Option<Baked> {
+        self.whole.as_ref().map(|(baked, _)| baked).or(self.draft.as_ref()).cloned()
+    }
+
+    /// The document of a scene with these bakes.
+    fn ready(self, document: Document, source: Source, warnings: Vec<String>) -> Ready {
+        let baked = self.best();
+        // Of another version of the scene there may be something to see, but only if the user says so.
+        let is_seen = baked.as_ref().is_some_and(|baked| baked.dataset.scene_hash == source.hash);
+        let preview = (!is_seen).then(|| source.unshadowed());
+        let (lacks_bake, is_draft, kept_output) = (self.whole.is_none(), self.draft.is_some(), Some(self.kept_output));
+        Ready { preview, lacks_bake, is_draft, kept_output, ..Ready::new(document, baked, Some(source), warnings) }
+    }
 }
 
 impl Ready {
@@ -360,9 +409,12 @@ impl Ready {
             session: None,
             recovery: None,
             baked,
+            preview: None,
             source,
             bake_output: None,
-            bake_now: false,
+            kept_output: None,
+            lacks_bake: false,
+            is_draft: false,
             warnings,
             recent: None,
         }

@@ -16,9 +16,10 @@ impl EditorState {
     /// Asks for a picture of the document as it is now, in the size of the viewport.
     pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
         let moving = viewport.moving || self.is_editing_by_pointer(ctx);
+        self.baking.hold(moving);
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
-            baked: self.scene.shown().cloned(),
+            baked: self.scene.rendered().cloned(),
             look,
             moving,
             frame_budget_ms: self.document.view.frame_budget_ms,
@@ -36,7 +37,7 @@ impl EditorState {
     pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
         let document = &self.document;
-        let baked = self.scene.shown();
+        let baked = self.scene.rendered();
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         Some(Look {
             appearance: document.appearance(),
@@ -74,7 +75,7 @@ fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
 /// The environment as a document has it turned and scaled.
 pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
     let settings = &document.environment;
-    Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity }
+    Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity, sun: settings.suns() }
 }
 
 /// The view of a document in a picture of `size` pixels.

@@ -56,7 +56,7 @@ pub(super) const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
 
 /// Parts of the window.
 pub struct Setup {
-    /// Where preferences, autosaves and bakes of bundled scenes are.
+    /// Where preferences, autosaves and bakes that begin by themselves are.
     pub folders: Folders,
     /// The bundled scenes, and the bundled environments.
     pub bundled: Bundled,
@@ -93,10 +93,16 @@ pub struct Selection {
 pub struct OpenScene {
     /// The dataset, which can be rendered.
     pub baked: Option<Baked>,
+    /// The scene without shadows, which is rendered until there is a dataset.
+    pub preview: Option<Baked>,
     /// The scene, which can be baked.
     pub source: Option<Imported>,
-    /// Where a bake goes.
+    /// Where a bake goes that the user asks for.
     pub bake_output: Option<PathBuf>,
+    /// Where a bake goes that begins by itself.
+    pub kept_output: Option<PathBuf>,
+    /// Whether the dataset is a draft of a bake that is not finished.
+    pub is_draft: bool,
     /// Show a bake of another version of the scene.
     pub show_stale: bool,
     /// The session file.
@@ -114,9 +120,14 @@ impl OpenScene {
         hashes.is_some_and(|(baked, source)| baked.dataset.scene_hash != source.hash)
     }
 
-    /// The dataset that is rendered.
+    /// The dataset if it is rendered.
     pub fn shown(&self) -> Option<&Baked> {
         self.baked.as_ref().filter(|_| self.show_stale || !self.is_stale())
+    }
+
+    /// What is rendered: the dataset, or the scene without shadows.
+    pub fn rendered(&self) -> Option<&Baked> {
+        self.shown().or(self.preview.as_ref())
     }
 }
 
@@ -243,13 +254,16 @@ impl EditorState {
 
     /// Begins to open something. Whether changes would be lost is asked once the new document is ready.
     pub fn open(&mut self, target: Target) {
-        let consent = Consent::from(self.preferences.outside.clone());
-        self.opening = Some(Opening::start(target, consent, self.wake.clone()));
+        self.open_with(target, Consent::from(self.preferences.outside.clone()));
     }
 
     /// Begins to open something without files outside the folder of its scene.
     pub fn open_without(&mut self, target: Target) {
-        self.opening = Some(Opening::start(target, Consent::refused(), self.wake.clone()));
+        self.open_with(target, Consent::refused());
+    }
+
+    fn open_with(&mut self, target: Target, consent: Consent) {
+        self.opening = Some(Opening::start(target, self.folders.cache.join("bakes"), consent, self.wake.clone()));
     }
 
     /// Whether there are changes that are not saved.

@@ -14,7 +14,7 @@ use super::{
     opening::Target,
     state::{Bundled, EditorState, Setup},
 };
-use crate::{actions::Action, paths::Folders};
+use crate::{actions::Action, paths::Folders, preferences::Preferences};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use lapidary_core::{dataset::BakeSettings, import::import, material::MapKind};
@@ -61,6 +61,9 @@ impl Place {
     fn window_of(&self, size: egui::Vec2) -> Window {
         let home = self.path("home");
         let folders = Folders { config: home.join("config"), state: home.join("state"), cache: home.join("cache") };
+        // Tests say themselves when something is baked.
+        let quiet = Preferences { bakes_scenes: false, ..Preferences::load(&folders.config).0 };
+        quiet.save(&folders.config).unwrap();
         let setup = Setup {
             folders,
             bundled: Bundled::default(),

@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         tool(ui, state, actions, Command::Undo, "Undo", can_undo.is_some());
         tool(ui, state, actions, Command::Redo, "Redo", can_redo.is_some());
         ui.separator();
-        let shown = state.scene.shown().is_some();
+        let shown = state.scene.rendered().is_some();
         tool(ui, state, actions, Command::FrameSelection, "Frame", shown);
         ui.separator();
         let can_compare = state.interface.comparison.open || state.can_compare();

@@ -10,6 +10,8 @@ use std::f32::consts::PI;
 
 /// Largest and smallest angle of a cone in degrees, from its axis to its edge.
 pub const CONE_DEGREES: [f32; 2] = [0.1, 90.0];
+/// Least and greatest angle of a directional light in degrees, from rim to rim.
+pub const ANGLE_DEGREES: [f32; 2] = [0.0, lapidary_core::lights::MOST_ANGLE_DEGREES];
 /// Smallest and largest side of a rectangle in metres.
 pub const SIDES: [f32; 2] = [1e-3, 1e3];
 /// Largest intensity, in any unit.
@@ -37,7 +39,7 @@ impl LightKind {
         match light.emission {
             Emission::Point => Self::Point,
             Emission::Spot { .. } => Self::Spot,
-            Emission::Directional => Self::Directional,
+            Emission::Directional { .. } => Self::Directional,
             Emission::Rectangle { .. } => Self::Rectangle,
         }
     }
@@ -76,7 +78,7 @@ impl LightKind {
         match self {
             Self::Point => Emission::Point,
             Self::Spot => Emission::Spot { cone_degrees: 35.0, penumbra_degrees: 8.0 },
-            Self::Directional => Emission::Directional,
+            Self::Directional => Emission::PARALLEL,
             Self::Rectangle => {
                 let side = short(0.4 * distance).clamp(SIDES[0], SIDES[1]);
                 Emission::Rectangle { width: side, height: side }
@@ -88,7 +90,7 @@ impl LightKind {
     fn intensity_for(self, distance: f32) -> f32 {
         let intensity = match self.emission(distance) {
             Emission::Point | Emission::Spot { .. } => PI * distance * distance,
-            Emission::Directional => PI,
+            Emission::Directional { .. } => PI,
             Emission::Rectangle { width, height } => PI * distance * distance / (width * height),
         };
         short(intensity).clamp(1e-6, MOST_INTENSITY)

@@ -1,5 +1,6 @@
 //! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft to show meanwhile.
 
+use super::guest::{Door, lower_priority};
 use crate::panels::bake::control_name;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
@@ -20,6 +21,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, Sender, channel},
     },
+    time::Duration,
 };
 use tempfile::TempDir;
 
@@ -82,6 +84,7 @@ pub struct BakeRun {
     messages: Receiver<BakeMessage>,
     progress: Arc<Mutex<BakeProgress>>,
     cancel: Arc<AtomicBool>,
+    door: Door,
 }
 
 impl BakeRun {
@@ -93,12 +96,21 @@ impl BakeRun {
     fn start_with(task: BakeTask, wake: Wake, cancel: Arc<AtomicBool>) -> Self {
         let (sender, messages) = channel();
         let progress: Arc<Mutex<BakeProgress>> = Arc::default();
-        let teller = Teller { sender, progress: progress.clone(), cancel: cancel.clone(), wake, draft: false };
+        let door = Door::default();
+        let teller = Teller {
+            sender,
+            progress: progress.clone(),
+            cancel: cancel.clone(),
+            door: door.clone(),
+            wake,
+            draft: false,
+        };
         spawn("bake", move || {
+            lower_priority();
             let end = guarded("the bake", || Ok(run(task, &teller))).unwrap_or_else(BakeMessage::Failed);
             teller.tell(end);
         });
-        Self { messages, progress, cancel }
+        Self { messages, progress, cancel, door }
     }
 
     /// Events since the last call.
@@ -109,6 +121,16 @@ impl BakeRun {
     /// How far it is.
     pub fn progress(&self) -> BakeProgress {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes it wait, or go on.
+    pub fn hold(&self, hold: bool) {
+        self.door.hold(hold);
+    }
+
+    /// How long it has waited.
+    pub fn waited(&self) -> Duration {
+        self.door.waited()
     }
 
     /// Asks it to stop; [`BakeMessage::Cancelled`] follows when it has.
@@ -129,6 +151,7 @@ struct Teller {
     sender: Sender<BakeMessage>,
     progress: Arc<Mutex<BakeProgress>>,
     cancel: Arc<AtomicBool>,
+    door: Door,
     wake: Wake,
     draft: bool,
 }
@@ -138,6 +161,10 @@ impl Teller {
         // Nobody is left to tell if the window is gone.
         let _ = self.sender.send(message);
         (self.wake)();
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
     }
 }
 
@@ -157,10 +184,12 @@ impl Observer for Teller {
         }
         drop(progress);
         (self.wake)();
+        self.door.pass(|| self.is_cancelled());
     }
 
     fn cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+        self.door.pass(|| self.is_cancelled());
+        self.is_cancelled()
     }
 }
 
@@ -221,11 +250,11 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
     // A bake that failed badly has left its turn as well.
     let turn = task.turn.clone();
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+    // All of them: the picture comes first.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
     if task.progressive && !task.job.resume && *task.job.settings != draft_settings {
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
-        // There is nothing to render yet: it may have all cores.
         let draft = || {
             let folder = scratch(&task.cache)?;
             let (settings, output) = (resolve(draft_settings)?, folder.path().join("draft.cuts"));
@@ -237,8 +266,7 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
             Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {}", error.text(control_name)))),
         }
     }
-    // One core is left to the window.
-    match on_threads(cores.saturating_sub(1).max(1), || bake_whole(task, teller)) {
+    match on_threads(cores, || bake_whole(task, teller)) {
         Ok(dataset) => BakeMessage::Done(Baked::begun(dataset)),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
         Err(error) => BakeMessage::Failed(error.text(control_name)),

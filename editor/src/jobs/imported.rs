@@ -5,7 +5,8 @@ use lapidary_core::{
     import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
 };
-use lapidary_precompute::Trial;
+use lapidary_precompute::{Trial, unshadowed};
+use lapidary_render::Baked;
 use std::{
     path::Path,
     sync::{
@@ -48,6 +49,11 @@ impl Imported {
             trial: Arc::default(),
             is_tried: Arc::default(),
         })
+    }
+
+    /// It without shadows, to be seen until it is baked.
+    pub fn unshadowed(&self) -> Baked {
+        Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone()))
     }
 
     /// What a bake of it will find. The first call that `may_begin` begins to find out, on a thread; later ones tell it when it

@@ -13,15 +13,18 @@ pub use thumbnail::thumbnail;
 use super::{
     edit_row,
     entries::{Decades, decades_row},
-    widgets::{Edited, Number, choice_row, color_row, slider_row},
+    widgets::{Edited, Number, check_row, choice_row, color_row, section, slider_row},
 };
 use crate::{
     actions::Action,
-    document::{Document, Edit, EnvironmentSettings, Orientation},
+    document::{Document, Edit, EnvironmentSettings, Orientation, SunChoice},
 };
 use egui::{RichText, Ui};
 use glam::Vec3;
-use lapidary_core::{environment::Environment, light_tree::LightTree};
+use lapidary_core::{
+    environment::{Environment, Sun},
+    light_tree::LightTree,
+};
 use lapidary_render::SceneLighting;
 use std::sync::Arc;
 
@@ -61,6 +64,7 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
     }
     placement(ui, &context.document.environment, actions);
     formula(ui, &context.document.environment, actions);
+    section(ui, "Sun", true, |ui| sun(ui, context, actions));
 }
 
 /// Shows the library: formulas and maps to choose from.
@@ -96,6 +100,39 @@ fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>
     edit_row(actions, "Orientation", light, Edit::Environment, |l| {
         choice_row(ui, "Orientation", "How the map was made to lie.", &mut l.orientation, &orientations)
     });
+}
+
+/// What of the map is a sun, and what suns there are.
+fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    let light = &context.document.environment;
+    let help = "Small bright parts of the map shine as directional lights, with sharp shadows. Otherwise they are spread over \
+                the light samples around them.";
+    edit_row(actions, "Sun", light, Edit::Environment, |l| check_row(ui, "Sun", help, &mut l.sun.enabled));
+    let Some(settings) = light.suns() else { return };
+    let usual = SunChoice::default();
+    let help = "A sun is brighter than this many times the mean of the map.";
+    let threshold = Decades { decimals: 0, ..Decades::count("Threshold", help, 1.0..=1e6, f64::from(usual.threshold)) };
+    edit_row(actions, "Threshold of suns", light, Edit::Environment, |l| {
+        decades_row(ui, &threshold, &mut l.sun.threshold)
+    });
+    let help = "A sun is seen under no more than this angle, from rim to rim. Larger lights stay in the map.";
+    let largest = Number::new("Largest angle", help, 0.1..=90.0, usual.largest_degrees).unit("°", 1);
+    edit_row(actions, "Largest angle of suns", light, Edit::Environment, |l| {
+        slider_row(ui, &largest, &mut l.sun.largest_degrees)
+    });
+    if let Some(environment) = context.environment {
+        ui.label(RichText::new(suns_text(&environment.suns(settings).suns)).weak());
+    }
+}
+
+/// How many suns there are, and how large the brightest is.
+fn suns_text(suns: &[Sun]) -> String {
+    let size = |sun: &Sun| format!("{:.1}°", sun.angle.to_degrees());
+    match suns {
+        [] => "This map has no sun.".into(),
+        [sun] => format!("One sun, {} wide.", size(sun)),
+        [sun, ..] => format!("{} suns, the brightest {} wide.", suns.len(), size(sun)),
+    }
 }
 
 /// An angle in degrees from -180 to 180.

@@ -13,7 +13,7 @@ pub use list::{add_menu, display_color};
 use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
-use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, lights::Light, meshless::BounceEnergy};
 use lapidary_render::{Baked, Bounces};
 
 /// What the panel shows.
@@ -32,6 +32,8 @@ pub struct LightsContext<'a> {
     pub scene: Option<&'a Baked>,
     /// Whether there is a scene to bake.
     pub can_bake: bool,
+    /// The suns of the environment's map, whether or not they are switched on.
+    pub suns: &'a [Light],
 }
 
 /// What the panel keeps between frames.

@@ -103,7 +103,7 @@ fn show(dataset: Dataset) -> Result<(), String> {
 fn picture(baked: &Baked, change: impl Fn(&mut Look)) -> Result<(), String> {
     let scene = &baked.dataset.scene;
     let view = View::new(scene.first_view(), [8, 6]);
-    let light = Illumination { environment: studio(), rotation: 0.5, intensity: 1.0 };
+    let light = Illumination { environment: studio(), rotation: 0.5, intensity: 1.0, sun: None };
     let mut look = Look { illum_cut: 64, ..Look::under_environment(scene, view, light) };
     let environment = baked.dataset.settings.mode.environment();
     look.components = Components { environment, ..Components::ALL };

@@ -99,7 +99,7 @@ pub fn find_viewpoint(
 /// Position of a light, off the surface that it may lie on.
 fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
     match light.emission {
-        Emission::Directional => None,
+        Emission::Directional { .. } => None,
         Emission::Point => Some(light.position),
         Emission::Spot { .. } | Emission::Rectangle { .. } => {
             Some(light.position + light.forward().unwrap_or(Vec3::ZERO) * (4.0 * offset))

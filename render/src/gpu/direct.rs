@@ -202,7 +202,7 @@ fn packed(light: &Light, first_view: u32, grid: u32) -> LocalLight {
         emission: match light.emission {
             Emission::Point => constants::EMISSION_POINT,
             Emission::Spot { .. } => constants::EMISSION_SPOT,
-            Emission::Directional => constants::EMISSION_DIRECTIONAL,
+            Emission::Directional { .. } => constants::EMISSION_DIRECTIONAL,
             Emission::Rectangle { .. } => constants::EMISSION_RECTANGLE,
         },
         forward: light.forward().unwrap_or_default().to_array(),

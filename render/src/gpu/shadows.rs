@@ -109,7 +109,7 @@ mod tests {
     fn lamps() -> Vec<Light> {
         let lamp = |emission, x| Light { emission, position: Vec3::new(x, 2.0, 0.0), ..Default::default() };
         let spot = Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 10.0 };
-        vec![lamp(spot, 0.0), lamp(Emission::Point, 1.0), lamp(Emission::Directional, 2.0)]
+        vec![lamp(spot, 0.0), lamp(Emission::Point, 1.0), lamp(Emission::PARALLEL, 2.0)]
     }
 
     fn all_views(lights: &[Light]) -> Vec<ShadowView> {

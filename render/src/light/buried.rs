@@ -27,7 +27,7 @@ pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) ->
         let hit = intersector.closest_hit(light.position, look);
         hit.is_some_and(|hit| hit.back_face && !dataset.two_sided[hit.triangle as usize])
     };
-    light.emission != Emission::Directional
+    !matches!(light.emission, Emission::Directional { .. })
         && fibonacci_directions(DIRECTIONS).into_iter().filter(shines_into).all(sees_an_inside)
 }
 
@@ -49,7 +49,7 @@ mod tests {
         assert_eq!((buried(&room, lamp.clone()), buried(&ball, lamp.clone())), (0, 1));
         let outside = Light { position: Vec3::splat(2.0), ..lamp.clone() };
         let off = Light { enabled: false, ..lamp.clone() };
-        let sun = Light { emission: Emission::Directional, ..lamp };
+        let sun = Light { emission: Emission::PARALLEL, ..lamp };
         assert_eq!([outside, off, sun].map(|light| buried(&ball, light)), [0; 3]);
     }
 }

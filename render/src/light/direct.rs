@@ -13,7 +13,7 @@ use brightest::delta_light;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     lights::{Light, LightSample},
-    ray::{Intersector, offset},
+    ray::{EightRays, Intersector, offset},
     simd::Vec3x8,
     sphere::SPHERE,
 };
@@ -22,8 +22,10 @@ use wide::f32x8;
 /// Steps of the R2 sequence (Roberts 2018): 1/p and 1/p² for the plastic number p.
 const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
 
-/// Cells along each edge of a rectangle.
+/// Cells along each edge of a light with an extent.
 const CELLS: u32 = 4;
+/// Its cells.
+const ALL_CELLS: usize = (CELLS * CELLS) as usize;
 
 /// Most points along each edge of a cell.
 const FINEST: f32 = 8.0;
@@ -45,19 +47,45 @@ pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction
 /// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
 pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
     let mut arriving = Arriving::at(point);
-    let received =
-        |s: &LightSample| point.receives(s.direction) && arrives(intersector, point, s.direction, s.distance);
     for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
-        for cell in 0..CELLS * CELLS {
-            let corner = Vec2::new((cell % CELLS) as f32, (cell / CELLS) as f32);
-            let shift = (shift + STEP * cell as f32).fract();
-            let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32).filter(received);
-            ray.iter().for_each(|ray| arriving.add_cell(light, corner, shift, ray));
+        let cells = cells(shift);
+        let rays = cells.map(|(corner, shift)| {
+            let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32);
+            ray.filter(|ray| point.receives(ray.direction))
+        });
+        let seen = seen(point, &rays, intersector);
+        for (i, ((corner, shift), ray)) in cells.into_iter().zip(&rays).enumerate() {
+            ray.iter().filter(|_| seen >> i & 1 != 0).for_each(|ray| arriving.add_cell(light, corner, shift, ray));
         }
     }
     let delta = lights.iter().filter(|light| light.is_delta());
     arriving.reflected()
         + delta_light(point, delta, |direction, distance| arrives(intersector, point, direction, distance))
+}
+
+/// The cells of a light with an extent: the corner of each, in cells, and where in it its ray goes to.
+fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
+    std::array::from_fn(|cell| {
+        let corner = Vec2::new((cell % CELLS as usize) as f32, (cell / CELLS as usize) as f32);
+        (corner, (shift + STEP * cell as f32).fract())
+    })
+}
+
+/// The rays that nothing blocks, one bit each. Those to a distant light are traced eight at a time.
+fn seen(point: &SurfacePoint, rays: &[Option<LightSample>; ALL_CELLS], intersector: &Intersector) -> u32 {
+    let is_distant = rays.iter().flatten().all(|ray| ray.distance.is_infinite());
+    if !is_distant {
+        let arrives = |ray: &LightSample| arrives(intersector, point, ray.direction, ray.distance);
+        return (0..ALL_CELLS).map(|i| u32::from(rays[i].as_ref().is_some_and(arrives)) << i).sum();
+    }
+    let eight = |rays: &[Option<LightSample>]| {
+        let directions = std::array::from_fn(|i| rays[i].map_or(Vec3::Y, |ray| ray.direction));
+        let active = (0..8).map(|i| u8::from(rays[i].is_some()) << i).sum();
+        EightRays::new([point.ray_origin; 8], directions, active)
+    };
+    let eights: [EightRays; ALL_CELLS / 8] = std::array::from_fn(|i| eight(&rays[8 * i..]));
+    let open = intersector.open(&eights);
+    open.iter().enumerate().map(|(i, &open)| u32::from(open) << (8 * i)).sum()
 }
 
 /// Light from up to eight directions that has not been reflected yet.
@@ -75,7 +103,7 @@ impl<'a> Arriving<'a> {
         Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
     }
 
-    /// Adds a cell of a rectangle, visible along `ray`, at as many points as the lobe needs.
+    /// Adds a cell of a light, visible along `ray`, at as many points as the lobe needs.
     fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;

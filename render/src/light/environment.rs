@@ -2,15 +2,16 @@
 //! recomputes.
 
 use crate::{light::brightness, shade::node_row::NodeRow};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use lapidary_core::{
     color::luminance,
     cut::{
         illumination::{IlluminationCriterion, intensity_cut},
         lit::{CutValues, DEFAULT_TAU, LitCuts},
     },
-    environment::Environment,
+    environment::{Environment, Sun, SunSettings},
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, Lighting},
+    lights::{Emission, Light},
 };
 use std::sync::Arc;
 
@@ -23,13 +24,35 @@ pub struct Illumination {
     pub rotation: f32,
     /// Scales radiance.
     pub intensity: f32,
+    /// What of the map becomes suns, with shadows of their own; `None` leaves all of it to the light samples.
+    pub sun: Option<SunSettings>,
 }
 
 impl Illumination {
     /// Whether both give the same light; maps are compared by address.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.environment, &other.environment)
-            && (self.rotation, self.intensity) == (other.rotation, other.intensity)
+            && (self.rotation, self.intensity, self.sun) == (other.rotation, other.intensity, other.sun)
+    }
+
+    /// The suns of the map, as it is turned and scaled.
+    pub fn suns(&self) -> Vec<Light> {
+        let found = self.sun.map(|settings| self.environment.suns(settings));
+        let turn = Quat::from_rotation_y(self.rotation);
+        let light = |sun: &Sun| Light {
+            name: "Sun".into(),
+            enabled: true,
+            emission: Emission::Directional { angle_degrees: sun.angle.to_degrees() },
+            position: turn * sun.direction,
+            target: Vec3::ZERO,
+            intensity: self.intensity * sun.irradiance,
+        };
+        found.iter().flat_map(|found| &found.suns).map(light).filter(Light::shines).collect()
+    }
+
+    /// The map that light samples stand for: without its suns.
+    pub fn sampled(&self) -> Arc<Environment> {
+        self.sun.map_or_else(|| self.environment.clone(), |settings| self.environment.suns(settings).rest.clone())
     }
 }
 
@@ -95,8 +118,9 @@ impl LightRig {
 
     /// Lights the tree by `light`, with an illumination cut of at most `illum_cut` nodes.
     pub fn lighting(&mut self, light: &Illumination, illum_cut: u32) -> SceneLighting {
-        let known = self.resampled.take().filter(|(e, _)| Arc::ptr_eq(e, &light.environment));
-        let resample = || (light.environment.clone(), self.sampler.grid_energy(&light.environment));
+        let sampled = light.sampled();
+        let known = self.resampled.take().filter(|(e, _)| Arc::ptr_eq(e, &sampled));
+        let resample = || (sampled.clone(), self.sampler.grid_energy(&sampled));
         let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
         let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
         SceneLighting::with_radii(&self.tree, self.radii.clone(), &leaves, illum_cut)

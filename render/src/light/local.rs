@@ -10,13 +10,18 @@ use crate::{
     },
 };
 use glam::Vec3;
-use lapidary_core::{cut::lit::DEFAULT_TAU, lights::Light, meshless::BounceEnergy, surfel::Surfel};
+use lapidary_core::{
+    cut::lit::DEFAULT_TAU,
+    lights::{Emission, Light},
+    meshless::BounceEnergy,
+    surfel::Surfel,
+};
 use std::sync::Arc;
 
 /// The light of a picture beside the environment, and the components that are shown.
 #[derive(Clone, Debug, Default)]
 pub struct LocalLighting {
-    /// Lights whose direct light is shown.
+    /// Lights whose direct light is shown: local lights, and suns of the environment.
     pub lights: Arc<[Light]>,
     /// Bounced light, of these lights and of the environment.
     pub indirect: Option<Arc<SourceLighting>>,
@@ -37,9 +42,9 @@ impl LocalLighting {
             && self.components == other.components
     }
 
-    /// Local lights if their direct light is shown.
+    /// Lights whose direct light is shown, if there are any.
     pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
-        Some(&*self.lights).filter(|lights| self.components.direct && !lights.is_empty())
+        Some(&*self.lights).filter(|lights| !lights.is_empty())
     }
 
     /// Whether any bounced light is shown.
@@ -61,6 +66,10 @@ impl LocalLighting {
 /// Makes the [`LocalLighting`] of a picture.
 pub struct LocalRig {
     lights: Arc<[Light]>,
+    /// Of the environment.
+    suns: Vec<Light>,
+    /// The lights that were shown last, with the components; `None` after any change of them.
+    shown: Option<(Components, Arc<[Light]>)>,
     environment: Option<Arc<SceneLighting>>,
     /// `None` for a dataset without sources.
     sources: Option<SourceRig>,
@@ -89,6 +98,8 @@ impl LocalRig {
         let (lights, meshless) = (Arc::default(), MeshlessRig::new(baked));
         Self {
             lights,
+            suns: Vec::new(),
+            shown: None,
             environment: None,
             sources,
             meshless,
@@ -112,9 +123,34 @@ impl LocalRig {
     /// Sets the local lights; those that have changed cast rays when bounced light is needed.
     pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
         if !Arc::ptr_eq(&self.lights, lights) {
-            self.lights = lights.clone();
+            (self.lights, self.shown) = (lights.clone(), None);
             self.forget();
         }
+    }
+
+    /// Sets the suns of the environment, as [`Self::set_lights`].
+    pub fn set_suns(&mut self, suns: Vec<Light>) {
+        if self.suns != suns {
+            (self.suns, self.shown) = (suns, None);
+            self.forget();
+        }
+    }
+
+    /// The lights whose direct light is among `components`; the same as long as they are.
+    fn shown(&mut self, components: Components) -> Arc<[Light]> {
+        let known = self.shown.take().filter(|(of, _)| *of == components);
+        let (_, shown) = self.shown.insert(known.unwrap_or_else(|| {
+            let local = self.lights.iter().filter(|_| components.direct);
+            let suns = self.suns.iter().filter(|_| components.environment);
+            (components, local.chain(suns).cloned().collect())
+        }));
+        shown.clone()
+    }
+
+    /// The lights that bounce: of a sun the middle, for its penumbra is lost between the points that it lights.
+    fn bouncing(&self) -> Vec<Light> {
+        let middle = |sun: &Light| Light { emission: Emission::PARALLEL, ..sun.clone() };
+        self.lights.iter().cloned().chain(self.suns.iter().map(middle)).collect()
     }
 
     /// Gives the lit cuts over the sources another `tau`, see [`SourceLighting::with_tau`].
@@ -139,7 +175,7 @@ impl LocalRig {
     /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
     /// The illumination cut of the sources has at most `illum_cut` nodes.
     pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
-        let lights = self.lights.clone();
+        let lights = self.shown(components);
         let (indirect, vertex_irradiance) = match solution {
             _ if !components.indirect => (None, None),
             Solution::Meshless => (None, self.interpolate()),
@@ -156,8 +192,9 @@ impl LocalRig {
             return Some(lighting.clone());
         }
         let further = if solution == Solution::CutsMeshless { self.further() } else { None };
+        let lights = self.bouncing();
         let sources = self.sources.as_mut()?;
-        sources.set_lights(&self.lights);
+        sources.set_lights(&lights);
         if !is_same(self.on_sources.as_ref(), self.environment.as_ref()) {
             sources.set_environment(self.environment.as_deref());
             self.on_sources = self.environment.clone();
@@ -186,8 +223,9 @@ impl LocalRig {
     }
 
     fn lit_meshless(&mut self) -> Option<&mut MeshlessRig> {
+        let lights = self.bouncing();
         let rig = self.meshless.as_mut()?;
-        rig.set_lights(&self.lights);
+        rig.set_lights(&lights);
         if !is_same(self.on_senders.as_ref(), self.environment.as_ref()) {
             rig.set_environment(self.environment.as_deref());
             self.on_senders = self.environment.clone();

@@ -90,7 +90,9 @@ impl Renderer {
             let distant = distant.as_ref().map(|samples| samples.shader(self));
             Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
         };
-        let direct = (!light.lights.is_empty()).then(|| self.direct_light(view, light.lights));
+        let suns = light.environment.map_or_else(Vec::new, Illumination::suns);
+        let lights = [light.lights, &suns].concat();
+        let direct = (!lights.is_empty()).then(|| self.direct_light(view, &lights));
         let bases = [light.base, direct.as_ref()];
         let progress = OverBases { bases, inner: progress };
         let mut image = self.in_passes(&PixelSampler::new(self, view, &backdrop), shader, &progress);

@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_blurred_map_is_kept_until_map_or_width_change() {
-        let environment = |value| Arc::new(Environment { name: "e".into(), map: Image::filled([8, 4], value) });
+        let environment = |value| Arc::new(Environment::new("e".into(), Image::filled([8, 4], value)));
         let (a, b) = (environment(Vec3::ONE), environment(Vec3::splat(2.0)));
         let mut cache = BlurCache::default();
         let first = cache.blurred(&a, 0.2);

@@ -5,6 +5,7 @@ use clap::builder::TypedValueParser;
 use lapidary_core::light_tree::TreeKind;
 use lapidary_precompute::Preset;
 use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, compare::map::ErrorMap};
+use serde::Deserialize;
 
 /// Clustering metric of the light tree.
 pub fn tree_kind() -> impl TypedValueParser<Value = TreeKind> {
@@ -57,6 +58,28 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
         ("aces", "A fit of the ACES curves"),
         ("agx", "AgX with its default contrast"),
         ("pbr-neutral", "Khronos PBR Neutral"),
+    ])
+}
+
+/// Whether small bright parts of an environment are suns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SunOption {
+    /// They are.
+    #[default]
+    On,
+    /// They are left to the light samples.
+    Off,
+}
+
+/// Whether small bright parts of an environment are suns.
+pub fn sun() -> impl TypedValueParser<Value = SunOption> {
+    choice(&[
+        (
+            "on",
+            "Parts of the map smaller than 8 degrees and 30 times as bright as its mean shine as directional lights",
+        ),
+        ("off", "All of the map is left to the light samples"),
     ])
 }
 

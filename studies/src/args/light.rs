@@ -1,12 +1,15 @@
 //! The options about light: the environment, local lights, and what of them is in the picture.
 
-use super::{choices, values};
+use super::{
+    choices::{self, SunOption},
+    values,
+};
 use crate::terminal::Console;
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{
     dataset::{BakeParts, Dataset},
-    environment::Environment,
+    environment::{Environment, SunSettings},
     lights::{Light, LightsFile},
 };
 use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution};
@@ -30,6 +33,9 @@ pub(super) struct EnvironmentArgs {
     /// Factor on the environment's radiance, 0 to 1000000
     #[arg(long, value_name = "X", default_value = "1", value_parser = values::intensity)]
     intensity: f32,
+    /// Whether small bright parts of the environment are suns, with sharp shadows; light paths see the map as it is
+    #[arg(long, default_value = "on", value_parser = choices::sun())]
+    sun: SunOption,
 }
 
 /// Local lights, and what of all light is in the picture.
@@ -85,6 +91,7 @@ impl EnvironmentArgs {
             environment: environment.into(),
             rotation: self.rotate.to_radians(),
             intensity: self.intensity,
+            sun: (self.sun == SunOption::On).then(SunSettings::default),
         })
     }
 

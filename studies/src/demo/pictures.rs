@@ -73,7 +73,7 @@ impl<'a> StillLife<'a> {
         Look::under_environment(
             scene,
             View::new(camera, size),
-            Illumination { environment, rotation: 0.0, intensity: 1.0 },
+            Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None },
         )
     }
 

@@ -167,7 +167,7 @@ impl Measurement<'_> {
     /// A scene under the environment alone, seen in black.
     pub fn lit_from_afar(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Look {
         let environment = self.environment.clone();
-        let light = Illumination { environment, rotation: 0.0, intensity: 1.0 };
+        let light = Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None };
         Look::under_environment(&dataset.scene, view(&dataset.scene, size), light)
     }
 

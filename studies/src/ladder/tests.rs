@@ -13,7 +13,7 @@ fn look() -> Look {
     let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [16, 12]) };
     let environment = Environment::from_spec("orientation").unwrap().0.into();
     let scene = test_scenes::dataset(&["a"], &[]).scene;
-    Look::under_environment(&scene, view, Illumination { environment, rotation: 0.0, intensity: 1.0 })
+    Look::under_environment(&scene, view, Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None })
 }
 
 fn scene() -> LitScene {

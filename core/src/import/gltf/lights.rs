@@ -111,7 +111,7 @@ fn read_light(
 fn emission(light: &Punctual) -> Result<Emission, String> {
     match light.kind.as_str() {
         "point" => Ok(Emission::Point),
-        "directional" => Ok(Emission::Directional),
+        "directional" => Ok(Emission::PARALLEL),
         "spot" => {
             let cone_degrees = light.spot.outer_cone_angle.to_degrees();
             let inner_degrees = light.spot.inner_cone_angle.to_degrees();

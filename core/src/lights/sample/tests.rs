@@ -57,7 +57,7 @@ fn a_spot_fades_from_the_penumbra_to_its_edge() {
 
 #[test]
 fn directional_light_is_the_same_everywhere() {
-    let sun = light(Emission::Directional, Vec3::new(5.0, 5.0, 0.0), Vec3::ZERO);
+    let sun = light(Emission::PARALLEL, Vec3::new(5.0, 5.0, 0.0), Vec3::ZERO);
     for point in [Vec3::ZERO, Vec3::new(1e3, -7.0, 2.0), sun.position] {
         let sample = sun.sample(point, Vec2::ZERO).unwrap();
         assert_eq!((sample.irradiance, sample.distance), (sun.intensity, f32::INFINITY));

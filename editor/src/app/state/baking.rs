@@ -9,7 +9,7 @@ use lapidary_precompute::{Leftover, Phase, ResolvedBake};
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex},
-    time::{Instant, SystemTime},
+    time::{Duration, Instant, SystemTime},
 };
 
 /// The bake at work, or how the last one ended.
@@ -37,12 +37,27 @@ pub struct Looked {
 pub struct Run {
     pub(in crate::app) job: BakeRun,
     pub(in crate::app) mode: BakeParts,
+    /// Where it goes.
+    pub(in crate::app) output: PathBuf,
     pub(in crate::app) since: Instant,
     pub(in crate::app) phase: Option<Phase>,
     pub(in crate::app) phase_since: Instant,
+    /// How long it had waited for others when the phase began.
+    pub(in crate::app) waited_before: Duration,
     pub(in crate::app) cancelling: bool,
     /// A draft of it is shown.
     pub(in crate::app) draft_shown: bool,
+}
+
+/// What the picture is rendered by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// The scene without shadows.
+    Unshadowed,
+    /// A draft of a bake.
+    Draft,
+    /// A bake.
+    Whole,
 }
 
 /// How a bake ended that has no result.
@@ -54,6 +69,11 @@ pub enum Ended {
 }
 
 impl Baking {
+    /// Makes the bake at work wait, or go on.
+    pub fn hold(&self, hold: bool) {
+        self.run.iter().for_each(|run| run.job.hold(hold));
+    }
+
     /// How far the bake at work is.
     pub fn progress(&self) -> Option<BakeProgress> {
         self.run.as_ref().map(|run| run.job.progress())
@@ -64,10 +84,16 @@ impl Baking {
         line(&self.run.as_ref()?.status())
     }
 
-    /// A few words about it, to lie over the picture.
-    pub fn words(&self) -> Option<&'static str> {
-        let run = self.run.as_ref()?;
-        Some(if run.draft_shown { "Draft; full bake running" } else { "Baking" })
+    /// A few words, to lie over the picture, about what is seen and what comes.
+    pub fn words(&self, seen: Seen) -> Option<&'static str> {
+        match (seen, self.run.is_some()) {
+            (Seen::Unshadowed, true) => Some("No shadows yet; baking"),
+            (Seen::Unshadowed, false) => Some("No shadows yet"),
+            (Seen::Draft, true) => Some("Draft; full bake running"),
+            (Seen::Draft, false) => Some("Draft"),
+            (Seen::Whole, true) => Some("Baking"),
+            (Seen::Whole, false) => None,
+        }
     }
 
     /// Stops what is at work, and forgets how the last one ended: another scene was opened.
@@ -77,6 +103,12 @@ impl Baking {
 }
 
 impl Run {
+    /// Seconds that it has worked on the present phase.
+    fn phase_secs(&self) -> f64 {
+        let waited = self.job.waited().saturating_sub(self.waited_before);
+        self.phase_since.elapsed().saturating_sub(waited).as_secs_f64()
+    }
+
     /// How far it is, as the panel shows it.
     pub(in crate::app) fn status(&self) -> BakeStatus {
         let BakeProgress { draft, phase, unit, done, total } = self.job.progress();
@@ -94,7 +126,7 @@ impl Run {
             unit,
             cancelling: self.cancelling,
             elapsed_secs: self.since.elapsed().as_secs_f64(),
-            phase_elapsed_secs: self.phase_since.elapsed().as_secs_f64(),
+            phase_elapsed_secs: self.phase_secs(),
         }
     }
 }

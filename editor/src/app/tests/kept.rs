@@ -29,16 +29,12 @@ fn textured(place: &Place) -> PathBuf {
     place.path("textured.obj")
 }
 
-fn opened(target: Target) -> Box<Ready> {
-    match open(target, &Consent::default()).unwrap() {
+fn opened(place: &Place, target: Target) -> Box<Ready> {
+    match open(target, &place.path("home/cache/bakes"), &Consent::default()).unwrap() {
         Opened::Ready(ready) => ready,
         Opened::Missing { loaded, .. } => panic!("missing: {:?}", loaded.missing),
         Opened::Outside { names, .. } => panic!("outside: {names:?}"),
     }
-}
-
-fn bundled(place: &Place, scene: &Path) -> Target {
-    Target::Bundled { scene: scene.into(), bakes: place.path("bakes") }
 }
 
 fn bake_into(ready: &Ready) {
@@ -57,11 +53,11 @@ fn is_stand_in(document: &Document) -> bool {
 fn a_session_saved_before_the_first_bake_finds_bake_and_textures_later() {
     let place = Place::new();
     let scene = textured(&place);
-    let first = opened(bundled(&place, &scene));
-    assert!(first.bake_now && first.baked.is_none() && !is_stand_in(&first.document));
+    let first = opened(&place, Target::Bundled(scene.clone()));
+    assert!(first.lacks_bake && first.baked.is_none() && !is_stand_in(&first.document));
     let file = place.path("look.lapidary");
     session::save(&first.document, &Default::default(), &file).unwrap();
-    let again = opened(Target::File(file.clone()));
+    let again = opened(&place, Target::File(file.clone()));
     assert_eq!(again.bake_output, first.bake_output, "not beside the scene");
     assert!(again.baked.is_none() && !is_stand_in(&again.document));
     let mut window = place.window();
@@ -76,23 +72,23 @@ fn a_session_saved_before_the_first_bake_finds_bake_and_textures_later() {
 fn a_bake_of_other_settings_of_the_bundled_scene_is_not_replaced() {
     let place = Place::new();
     let scene = textured(&place);
-    bake_into(&opened(bundled(&place, &scene)));
-    let again = opened(bundled(&place, &scene));
-    assert!(!again.bake_now && again.baked.is_some());
+    bake_into(&opened(&place, Target::Bundled(scene.clone())));
+    let again = opened(&place, Target::Bundled(scene.clone()));
+    assert!(!again.lacks_bake && again.baked.is_some());
     assert_eq!(again.document.bake, few_lights());
     let text = std::fs::read_to_string(&scene).unwrap().replace("v 1 0 0", "v 2 0 0");
     std::fs::write(&scene, text).unwrap();
-    assert!(opened(bundled(&place, &scene)).bake_now, "another scene");
+    assert!(opened(&place, Target::Bundled(scene.clone())).lacks_bake, "another scene");
 }
 
 #[test]
 fn a_bundled_scene_with_lights_is_baked_for_their_bounce() {
     let place = Place::new();
     let scene = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf"));
-    let ready = opened(bundled(&place, scene));
-    assert!(ready.bake_now && ready.document.bake.mode == BakeParts::INDIRECT && ready.document.lights.len() == 1);
-    let dark = opened(bundled(&place, &textured(&place)));
-    assert!(dark.bake_now && dark.document.bake.mode == BakeParts::ENVIRONMENT, "negative control");
+    let ready = opened(&place, Target::Bundled(scene.into()));
+    assert!(ready.lacks_bake && ready.document.bake.mode == BakeParts::INDIRECT && ready.document.lights.len() == 1);
+    let dark = opened(&place, Target::Bundled(textured(&place)));
+    assert!(dark.lacks_bake && dark.document.bake.mode == BakeParts::ENVIRONMENT, "negative control");
 }
 
 #[test]
@@ -114,10 +110,10 @@ fn the_menu_opens_each_bundled_scene_by_its_name() {
 fn a_damaged_scene_does_not_keep_a_session_from_opening() {
     let place = Place::new();
     place.bake();
-    let document = opened(Target::File(place.path("scene.obj"))).document;
+    let document = opened(&place, Target::File(place.path("scene.obj"))).document;
     session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
     std::fs::write(place.path("scene.obj"), "v 1 nonsense\n").unwrap();
-    let ready = opened(Target::File(place.path("look.lapidary")));
+    let ready = opened(&place, Target::File(place.path("look.lapidary")));
     assert!(ready.baked.is_some() && ready.source.is_none());
     assert!(ready.warnings.iter().any(|w| w.contains("scene.obj")), "{:?}", ready.warnings);
 }
@@ -178,7 +174,7 @@ fn autosaved(place: &Place, document: &Document) -> PathBuf {
 fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
     let place = Place::new();
     place.bake();
-    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    let mut document = opened(&place, Target::File(place.path("scene.obj"))).document;
     document.materials[0].parameters.roughness = 0.125;
     let orphan = autosaved(&place, &document);
     let mut window = place.window();
@@ -195,7 +191,7 @@ fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
 fn recovery_that_was_given_up_keeps_the_autosave() {
     let place = Place::new();
     place.bake();
-    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    let mut document = opened(&place, Target::File(place.path("scene.obj"))).document;
     document.environment.spec = place.path("gone.hdr").to_string_lossy().into_owned();
     let orphan = autosaved(&place, &document);
     let mut window = place.window();
@@ -232,7 +228,7 @@ fn a_session_whose_texture_moved_is_relinked() {
     place.bake();
     let picture = place.path("red.png");
     Image::filled([3, 3], glam::Vec3::X).write(&picture).unwrap();
-    let mut document = opened(Target::File(place.path("scene.obj"))).document;
+    let mut document = opened(&place, Target::File(place.path("scene.obj"))).document;
     let texture = Texture::read(&picture).unwrap().into();
     document.textures.push(TextureEntry { texture, file: Some(picture.clone()) });
     let texture = (document.textures.len() - 1) as u32;

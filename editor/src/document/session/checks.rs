@@ -1,7 +1,7 @@
 //! Clamps values of a file that a renderer cannot use, each with a warning.
 
 use super::{Session, SessionCamera, SessionMaterial};
-use crate::document::{EnvironmentSettings, ViewSettings, lights};
+use crate::document::{EnvironmentSettings, SunChoice, ViewSettings, lights};
 use glam::Vec3;
 use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use lapidary_precompute::{Preset, resolve};
@@ -73,6 +73,9 @@ impl Checks<'_> {
     fn environment(&mut self, environment: &mut EnvironmentSettings) {
         self.range("the rotation of the environment", &mut environment.rotation_degrees, [-1e6, 1e6, 0.0]);
         self.range("the intensity of the environment", &mut environment.intensity, [0.0, 1e6, 1.0]);
+        let (sun, usual) = (&mut environment.sun, SunChoice::default());
+        self.range("the threshold of suns", &mut sun.threshold, [1.0, 1e6, usual.threshold]);
+        self.range("the largest angle of suns", &mut sun.largest_degrees, [0.1, 90.0, usual.largest_degrees]);
         if environment.spec.is_empty() {
             environment.spec = EnvironmentSettings::default().spec;
             self.warnings.push(format!("the environment names no map; \"{}\" is used", environment.spec));
@@ -112,7 +115,10 @@ impl Checks<'_> {
                 self.range(&what("the width"), width, [smallest, largest, 1.0]);
                 self.range(&what("the height"), height, [smallest, largest, 1.0]);
             }
-            Emission::Point | Emission::Directional => {}
+            Emission::Directional { angle_degrees } => {
+                self.range(&what("the angle"), angle_degrees, [0.0, lights::ANGLE_DEGREES[1], 0.0]);
+            }
+            Emission::Point => {}
         }
     }
 

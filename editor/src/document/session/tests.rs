@@ -70,6 +70,7 @@ impl Project {
             rotation_degrees: 12.5,
             intensity: 0.7,
             orientation: crate::document::Orientation::Blender,
+            sun: crate::document::SunChoice { enabled: false, threshold: 50.0, largest_degrees: 3.0 },
         };
         document.lights = LightKind::ALL.map(|kind| Light { emission: kind.emission(0.3), ..light() }).into();
         document.lights[1].enabled = false;

@@ -30,7 +30,7 @@ fn probe(spec: &str) -> Probe {
     Probe {
         document,
         library: vec![entry("Harbor", false), entry("Attic", true)],
-        environment: Arc::new(Environment { name: "test".into(), map }),
+        environment: Arc::new(Environment::new("test".into(), map)),
         light: None,
         message: None,
         panel: EnvironmentPanel::default(),

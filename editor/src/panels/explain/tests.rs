@@ -23,8 +23,8 @@ struct Probe {
 fn explained() -> Probe {
     let renderer = Renderer::new(dataset(&["white"], &[]));
     let map = Image::from_fn([32, 16], |x, y| Vec3::new(1.0 + (x * y % 7) as f32, 1.0, 0.5));
-    let environment = Environment { name: "test".into(), map }.into();
-    let light = Illumination { environment, rotation: 0.0, intensity: 1.0 };
+    let environment = Environment::new("test".into(), map).into();
+    let light = Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None };
     let lighting = renderer.lighting(&light, 64);
     let camera = Camera::look_at(Vec3::new(0.2, 1.0, 0.21), Vec3::new(0.2, 0.0, 0.2), 20.0);
     let view = View::new(camera, [9, 7]);

@@ -4,7 +4,7 @@ use super::{LightsContext, LightsPanel, buried::NOTICE};
 use crate::{
     actions::Action,
     document::{
-        Edit,
+        Edit, EnvironmentSettings, SunChoice,
         lights::{LightKind, color_and_intensity},
     },
     panels::widgets::{check_box, outline},
@@ -62,7 +62,8 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     buttons(ui, context, actions);
     check_box(ui, &mut state.in_viewport, "Show in the viewport")
         .on_hover_text("Draws the lights over the picture, to select and move them there");
-    if lights.is_empty() {
+    suns(ui, context, actions);
+    if lights.is_empty() && context.suns.is_empty() {
         ui.weak("No lights yet");
     }
     state.renaming = state.renaming.take().filter(|renaming| renaming.fits(lights));
@@ -85,6 +86,26 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     });
 }
 
+/// A row for the suns of the environment, which are all switched at once.
+fn suns(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
+    let Some(brightest) = context.suns.first() else { return };
+    let settings = &context.document.environment;
+    ui.horizontal(|ui| {
+        if eye(ui, "the sun", settings.sun.enabled).clicked() {
+            let sun = SunChoice { enabled: !settings.sun.enabled, ..settings.sun };
+            ask(actions, Edit::Environment(EnvironmentSettings { sun, ..settings.clone() }), "Sun");
+        }
+        swatch(ui, brightest);
+        let name = match context.suns.len() {
+            1 => "Sun of the environment".to_owned(),
+            count => format!("{count} suns of the environment"),
+        };
+        let text = RichText::new(name);
+        let help = "Turns with the environment, whose tab has its settings";
+        ui.label(if settings.sun.enabled { text } else { text.weak() }).on_hover_text(help);
+    });
+}
+
 fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, index: usize, actions: &mut Vec<Action>) {
     let light = &context.document.lights[index];
     let delete = ui.add(Button::new("×").frame(false)).on_hover_text("Delete this light (Delete)");
@@ -96,7 +117,10 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
         warning_sign(ui, &format!("{} is inside an object", light.name)).on_hover_text(NOTICE);
     }
     ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
-        eye(ui, index, light, actions);
+        if eye(ui, &light.name, light.enabled).clicked() {
+            let light = Box::new(Light { enabled: !light.enabled, ..light.clone() });
+            ask(actions, Edit::Light { index, light }, "Switch light");
+        }
         swatch(ui, light);
         if state.renaming.as_ref().is_some_and(|r| r.index == index) {
             return rename(ui, &mut state.renaming, light, actions);
@@ -124,15 +148,12 @@ fn warning_sign(ui: &mut Ui, what: &str) -> Response {
 }
 
 /// An open eye, or a closed one for a light that is off.
-fn eye(ui: &mut Ui, index: usize, light: &Light, actions: &mut Vec<Action>) {
+fn eye(ui: &mut Ui, name: &str, enabled: bool) -> Response {
     let (rect, eye) = ui.allocate_exact_size(vec2(EYE, ui.spacing().interact_size.y), Sense::click());
-    let verb = if light.enabled { "Switch off" } else { "Switch on" };
-    eye.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("{verb} {}", light.name)));
-    paint_eye(ui, rect, light.enabled, eye.hovered());
-    if eye.on_hover_text(verb).clicked() {
-        let light = Box::new(Light { enabled: !light.enabled, ..light.clone() });
-        ask(actions, Edit::Light { index, light }, "Switch light");
-    }
+    let verb = if enabled { "Switch off" } else { "Switch on" };
+    eye.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("{verb} {name}")));
+    paint_eye(ui, rect, enabled, eye.hovered());
+    eye.on_hover_text(verb)
 }
 
 /// The toolkit's font has no such sign.

@@ -5,7 +5,7 @@ use crate::{
     actions::Action,
     document::{
         Edit,
-        lights::{CONE_DEGREES, LightKind, MOST_INTENSITY, SIDES, color_and_intensity, with_kind},
+        lights::{ANGLE_DEGREES, CONE_DEGREES, LightKind, MOST_INTENSITY, SIDES, color_and_intensity, with_kind},
     },
     panels::{
         edit_row,
@@ -102,8 +102,20 @@ impl Rows<'_> {
         match self.light.emission {
             Emission::Spot { .. } => self.cone(),
             Emission::Rectangle { .. } => self.sides(),
-            Emission::Point | Emission::Directional => {}
+            Emission::Directional { .. } => self.angle(),
+            Emission::Point => {}
         }
+    }
+
+    fn angle(&mut self) {
+        let [least, most] = ANGLE_DEGREES;
+        let help =
+            "The angle that the light is seen under, in degrees: 0 for sharp shadows, 0.53 for those of the sun.";
+        let angle = Number::new("Angle", help, least..=most, 0.53).unit("°", 2);
+        self.row("Angle", |ui, light| match &mut light.emission {
+            Emission::Directional { angle_degrees } => slider_row(ui, &angle, angle_degrees),
+            _ => Edited::default(),
+        });
     }
 
     fn cone(&mut self) {

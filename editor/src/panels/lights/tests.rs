@@ -37,7 +37,8 @@ fn panel(selected: Option<usize>, bounces: Option<Bounces>) -> Harness<'static, 
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, selected, bounces, baked, energy, scene, panel, actions } = probe;
         let (bounces, baked, energy, scene) = (*bounces, *baked, *energy, scene.as_ref());
-        let context = LightsContext { document, selected: *selected, bounces, baked, energy, scene, can_bake: true };
+        let context =
+            LightsContext { document, selected: *selected, bounces, baked, energy, scene, can_bake: true, suns: &[] };
         show(ui, panel, &context, actions);
     };
     let probe = Probe {

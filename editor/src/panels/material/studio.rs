@@ -19,7 +19,8 @@ pub fn light() -> Option<Arc<SceneLighting>> {
 fn make() -> Option<Arc<SceneLighting>> {
     let tree = LightTree::geometric(LIGHTS).ok()?;
     let (environment, _) = Environment::from_spec("studio").ok()?;
-    let illumination = Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: INTENSITY };
+    let illumination =
+        Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: INTENSITY, sun: None };
     Some(Arc::new(LightRig::new(&tree).lighting(&illumination, CUT)))
 }
 

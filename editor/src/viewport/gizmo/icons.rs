@@ -50,7 +50,7 @@ impl Icon<'_> {
                 let length = if self.selected { light.position.distance(light.target) } else { SHORT * scale };
                 self.cone(light.position, forward, length, [cone_degrees, cone_degrees - penumbra_degrees]);
             }
-            Emission::Directional => self.beams(light.position, forward, scale),
+            Emission::Directional { .. } => self.beams(light.position, forward, scale),
             Emission::Rectangle { .. } => self.panel(light, forward, scale),
         }
         if self.selected && light.emission.is_aimed() {

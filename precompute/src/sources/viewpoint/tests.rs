@@ -56,7 +56,7 @@ fn lights_are_hints_unless_they_are_inside_something() {
     let inside = light(Emission::Point, INSIDE);
     assert_eq!(find_viewpoint(&surface, None, &[], &[in_box.clone(), inside.clone()]), Ok(INSIDE));
     assert_eq!(find_viewpoint(&surface, None, &[camera(Vec3::splat(0.5))], &[inside]), Ok(Vec3::splat(0.5)));
-    let sun = light(Emission::Directional, Vec3::new(0.2, 0.3, 0.4));
+    let sun = light(Emission::PARALLEL, Vec3::new(0.2, 0.3, 0.4));
     let searched = find_viewpoint(&surface, None, &[], &[sun.clone(), in_box]).unwrap();
     assert!(searched != sun.position && is_within(searched, Vec3::ZERO, Vec3::ONE), "{searched}");
     let in_ceiling = light(Emission::Rectangle { width: 0.2, height: 0.2 }, Vec3::new(0.1, 1.0, 0.1));

@@ -147,7 +147,7 @@ impl GpuBackend {
         let height = self.loaded().scene.tree_height;
         let make = || {
             let map = Image::filled([1, 1], Vec3::ZERO);
-            (GpuLight::dark(&self.gpu, height), Environment { name: String::new(), map }.into())
+            (GpuLight::dark(&self.gpu, height), Environment::new(String::new(), map).into())
         };
         self.dark.get_or_insert_with(make).clone()
     }

@@ -122,7 +122,7 @@ mod tests {
         let rectangle = light(Emission::Rectangle { width: 1.0, height: 1.0 });
         let spot = light(Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 });
         let point = light(Emission::Point);
-        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::Directional)], ROOM, RADIUS);
+        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::PARALLEL)], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.layers, plan.size), (&[0, 6, 7][..], 8, 2048));
         let plan = Plan::new(&[rectangle.clone(), spot.clone()], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.size, plan.grid), (&[0, 45][..], 1024, 3));
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn lights_beyond_the_limit_go_without_and_a_remark_has_both_numbers() {
         let mut lights = vec![light(Emission::Point); 45];
-        lights.push(light(Emission::Directional));
+        lights.push(light(Emission::PARALLEL));
         let plan = Plan::new(&lights, ROOM, RADIUS);
         assert_eq!((plan.first[41], plan.first[42], plan.first[45], plan.layers), (246, NO_SHADOW, 252, 253));
         let remark = plan.remark(&lights, ROOM).unwrap();
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn what_gives_no_light_is_left_out() {
-        let lamp = light(Emission::Directional);
+        let lamp = light(Emission::PARALLEL);
         assert!(shines(&lamp) && !shines(&Light { enabled: false, ..lamp.clone() }));
         assert!(!shines(&Light { intensity: Vec3::ZERO, ..lamp.clone() }));
         assert!(!shines(&Light { target: lamp.position, ..lamp }), "without a direction");

@@ -34,7 +34,7 @@ pub fn views_per_point(light: &Light) -> u32 {
     match light.emission {
         Emission::Point => 6,
         Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => 5,
-        Emission::Spot { .. } | Emission::Directional => 1,
+        Emission::Spot { .. } | Emission::Directional { .. } => 1,
         Emission::Rectangle { .. } => 5,
     }
 }
@@ -57,7 +57,7 @@ pub fn views(light: &Light, settings: &ShadowViewSettings) -> Vec<ShadowView> {
             let tan = cone_degrees.to_radians().tan();
             vec![perspective(light.position, forward, forward.any_orthonormal_vector(), tan, settings)]
         }
-        Emission::Directional => vec![parallel(forward, settings)],
+        Emission::Directional { .. } => vec![parallel(forward, settings)],
         Emission::Rectangle { .. } => {
             let points = RectangleShape::of(light).map_or_else(Vec::new, |shape| grid_points(&shape, settings.grid));
             points.into_iter().flat_map(|p| hemicube(p, forward, settings)).collect()

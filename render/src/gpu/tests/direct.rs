@@ -47,7 +47,7 @@ fn every_kind() -> Vec<Light> {
         light(spot(35.0, 12.0), [1.2, 2.0, 0.3], [0.2, 0.0, 0.1]),
         light(spot(35.0, 0.0), [1.2, 2.0, 0.3], [0.2, 0.0, 0.1]),
         light(spot(85.0, 40.0), [-0.8, 0.9, 0.4], [0.0, 0.0, 0.3]),
-        light(Emission::Directional, [1.0, 2.0, 0.5], [0.0; 3]),
+        light(Emission::PARALLEL, [1.0, 2.0, 0.5], [0.0; 3]),
         light(Emission::Rectangle { width: 0.9, height: 0.5 }, [0.4, 1.9, 0.8], [0.0, 0.0, 0.1]),
     ]
 }

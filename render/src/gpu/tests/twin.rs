@@ -103,8 +103,8 @@ pub(super) fn appearance(
 }
 
 fn light() -> Illumination {
-    let environment = Environment { name: "sky".into(), map: sun_and_sky(0.6) };
-    Illumination { environment: environment.into(), rotation: 0.7, intensity: 1.3 }
+    let environment = Environment::new("sky".into(), sun_and_sky(0.6));
+    Illumination { environment: environment.into(), rotation: 0.7, intensity: 1.3, sun: None }
 }
 
 pub(super) fn view(mode: ViewMode) -> View {

@@ -95,7 +95,7 @@ pub(crate) fn light_key(light: &Light) -> LightKey {
     let [kind, a, b] = match light.emission {
         Emission::Point => [0.0; 3],
         Emission::Spot { cone_degrees, penumbra_degrees } => [1.0, cone_degrees, penumbra_degrees],
-        Emission::Directional => [2.0, 0.0, 0.0],
+        Emission::Directional { angle_degrees } => [2.0, angle_degrees, 0.0],
         Emission::Rectangle { width, height } => [3.0, width, height],
     };
     let ([px, py, pz], [tx, ty, tz], [r, g, blue]) =

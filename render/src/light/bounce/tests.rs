@@ -162,7 +162,7 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
 /// The wall's vertices lean by 60 degrees, so that it looks as if it did; what it sends is what is seen of it.
 #[test]
 fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
-    let sun = |toward: Vec3| light(Emission::Directional, -3.0 * toward, Vec3::ZERO, 2.0);
+    let sun = |toward: Vec3| light(Emission::PARALLEL, -3.0 * toward, Vec3::ZERO, 2.0);
     let mean = |leaning: bool, side: f32, toward: Vec3| {
         let mut dataset = floor_and_wall(4);
         let lean = Vec3::new(0.5, 0.75_f32.sqrt(), 0.0);

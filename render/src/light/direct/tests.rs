@@ -24,7 +24,7 @@ fn lights_without_extent_are_exact() {
     let expected = 3.0 / 5.0 * 2.0 / 5.0_f32.sqrt();
     let found = irradiance_below(std::slice::from_ref(&point), false);
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} of {expected}");
-    let sun = light(Emission::Directional, Vec3::new(3.0, 4.0, 0.0), Vec3::ZERO, 2.0);
+    let sun = light(Emission::PARALLEL, Vec3::new(3.0, 4.0, 0.0), Vec3::ZERO, 2.0);
     assert!((irradiance_below(std::slice::from_ref(&sun), false) / 1.6 - 1.0).abs() < 1e-3);
     let both = irradiance_below(&[point.clone(), sun.clone()], false);
     assert!((both / (expected + 1.6) - 1.0).abs() < 2e-3, "{both}");
@@ -76,7 +76,7 @@ fn shifts_of_pixels_fill_the_square_and_differ_between_samples() {
 fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let renderer = Renderer::new(dataset(mesh(4, false), white()));
     let point = surface_at(&renderer, &from_above(1));
-    let sun = [light(Emission::Directional, Vec3::Y, Vec3::ZERO, 1.0)];
+    let sun = [light(Emission::PARALLEL, Vec3::Y, Vec3::ZERO, 1.0)];
     let radiance = direct_light(&point, &sun, renderer.intersector(), Vec2::ZERO);
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }

@@ -70,7 +70,7 @@ fn walls_that_absorb_nothing_end_and_stay_finite() {
 fn one_bounce_from_a_wall_is_its_form_factor() {
     let albedo = 0.8;
     let renderer = Renderer::new(dataset(plates(), grey(albedo)));
-    let along = [light(Emission::Directional, Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.0), 2.0)];
+    let along = [light(Emission::PARALLEL, Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.0), 2.0)];
     let view = view(Vec3::new(1.0, 3.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 25.0, 12);
     let picture = renderer.path_reference(&view, &dark(), &along, only("indirect", 1, 1024), &Quiet);
     let expected = |top: f32| {
@@ -163,7 +163,7 @@ fn one_of_many_lights_at_a_time_gives_the_mean_of_all() {
 #[test]
 fn shifted_places_see_whole_pixels_and_their_misses_are_noise() {
     let renderer = Renderer::new(dataset(plates(), grey(0.5)));
-    let sun = [light(Emission::Directional, Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 0.0, 0.0), 2.0)];
+    let sun = [light(Emission::PARALLEL, Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 0.0, 0.0), 2.0)];
     let view = view(Vec3::new(1.0, 40.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 5.0, 12);
     let trace = |positions, spp, first_pass, aa| {
         let settings = PathSettings { positions, first_pass, ..PathSettings::direct(spp) };

@@ -57,7 +57,7 @@ pub fn local(light: &Light) -> Option<String> {
             ];
             xml::plugin("emitter", "spot", "", &properties.concat())
         }
-        Emission::Directional => {
+        Emission::Directional { .. } => {
             let properties = xml::triple("vector", "direction", light.forward()?) + &intensity("irradiance");
             xml::plugin("emitter", "directional", "", &properties)
         }

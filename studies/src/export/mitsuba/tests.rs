@@ -26,7 +26,7 @@ fn as_mitsuba_interpolates(map: &Image, uv: Vec2) -> Vec3 {
 fn the_map_is_the_same_function_on_both_grids() {
     for size in [[8, 4], [1, 1], [2, 3]] {
         let map = Image::from_fn(size, |x, y| Vec3::new(((x * 5 + y * 3) % 7) as f32, y as f32, 1.0));
-        let ours = Environment { name: "test".into(), map };
+        let ours = Environment::new("test".into(), map);
         let exported = emitters::environment_map(&ours.map);
         let mut plain = 0.0_f32;
         for i in 0..500 {

@@ -66,7 +66,7 @@ fn all_that_a_light_reaches_is_shown_inside_the_border() {
 #[test]
 fn parallel_light_shows_the_whole_scene_with_depth_from_one_to_zero() {
     for target in [Vec3::new(1.0, 0.5, 0.2), Vec3::new(0.3, 0.0, -0.4), Vec3::new(9.0, 2.0, -0.4)] {
-        let sun = Light { target, ..light(Emission::Directional) };
+        let sun = Light { target, ..light(Emission::PARALLEL) };
         let views = views(&sun, &SETTINGS);
         let Bounds { min, max } = SETTINGS.bounds;
         for corner in 0..8 {
@@ -81,7 +81,7 @@ fn parallel_light_shows_the_whole_scene_with_depth_from_one_to_zero() {
 
 #[test]
 fn axes_are_right_handed_and_unit() {
-    for view in [Emission::Point, Emission::Directional].into_iter().flat_map(|e| views(&light(e), &SETTINGS)) {
+    for view in [Emission::Point, Emission::PARALLEL].into_iter().flat_map(|e| views(&light(e), &SETTINGS)) {
         let [right, up, forward] = [view.right, view.up, view.forward].map(Vec3::from);
         assert!((forward.cross(up) - right).length() < 1e-5 && (right.cross(forward) - up).length() < 1e-5);
     }

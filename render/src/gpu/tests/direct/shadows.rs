@@ -79,8 +79,8 @@ fn casting() -> Vec<(Light, f32)> {
         (light(Emission::Point, [1.7, 0.12, 1.4], [0.0; 3]), 2.0), // grazes the floor
         (light(spot(40.0, 10.0), [1.2, 2.4, 0.9], [-0.2, 0.0, 0.1]), 2.0 * tan(40.0)),
         (light(spot(85.0, 5.0), [0.8, 1.6, 1.0], [-0.4, 0.2, 0.0]), 2.0),
-        (light(Emission::Directional, [1.0, 1.6, 0.7], [0.0; 3]), 6.0),
-        (light(Emission::Directional, [1.0, 0.06, 0.3], [0.0; 3]), 6.0), // grazes the floor
+        (light(Emission::PARALLEL, [1.0, 1.6, 0.7], [0.0; 3]), 6.0),
+        (light(Emission::PARALLEL, [1.0, 0.06, 0.3], [0.0; 3]), 6.0), // grazes the floor
     ]
 }
 
@@ -113,7 +113,7 @@ fn edges_are_filtered_and_no_wider_than_the_kernel() {
     let Some(mut rig) = shadow_rig() else { return };
     let camera = Camera::look_at(Vec3::new(-1.0, 3.0, -0.1), Vec3::new(-1.0, 0.0, -0.11), 6.0);
     let view = dark_view(camera, [160, 120]);
-    let sun = light(Emission::Directional, [1.0, 2.0, 0.0], [0.0; 3]);
+    let sun = light(Emission::PARALLEL, [1.0, 2.0, 0.0], [0.0; 3]);
     let share_between = |rig: &mut Rig, size| {
         let gpu = rig.lit_by(&view, std::slice::from_ref(&sun), ShadowRoom { largest: size, ..ROOM });
         let full = gpu.pixels.iter().map(|p| p.x).fold(0.0, f32::max);

@@ -99,7 +99,7 @@ impl Plan {
             Some(name) => data.environment(name, Console { quiet: true })?,
             None => Environment::from_spec("constant:0,0,0")?.0,
         };
-        let light = Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0 };
+        let light = Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None };
         let view = View::new(scene.first_view(), size);
         let components = Components {
             environment: self.environment.is_some(),

@@ -1,0 +1,108 @@
+//! The disc that a directional light with an extent is on the sphere of directions.
+
+use super::{Emission, Light};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_PI_4, PI, TAU};
+
+/// A disc of directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Unit direction to its middle.
+    pub axis: Vec3,
+    /// Unit vectors that are at right angles to it and to each other.
+    pub right: Vec3,
+    /// The other.
+    pub up: Vec3,
+    /// One minus the cosine of the angle from its middle to its rim.
+    pub height: f32,
+}
+
+impl Disc {
+    /// That of a light; `None` for parallel light and other lights, and where target and position are one point.
+    pub fn of(light: &Light) -> Option<Self> {
+        let Emission::Directional { angle_degrees } = light.emission else { return None };
+        let axis = -light.forward().filter(|_| angle_degrees > 0.0)?;
+        let (right, up) = axis.any_orthonormal_pair();
+        Some(Self { axis, right, up, height: 2.0 * (0.25 * angle_degrees).to_radians().sin().powi(2) })
+    }
+
+    /// In steradians.
+    pub fn solid_angle(&self) -> f32 {
+        TAU * self.height
+    }
+
+    /// Radiance of the disc over the irradiance of a surface that faces it.
+    pub fn radiance_of_irradiance(&self) -> f32 {
+        1.0 / (PI * self.sin_sq())
+    }
+
+    /// The unit direction at `u` in the unit square, uniform per solid angle. Squares around the middle of the one become discs
+    /// around that of the other (Shirley and Chiu 1997).
+    pub fn direction(&self, u: Vec2) -> Vec3 {
+        let at = concentric(2.0 * u - 1.0);
+        let height = at.length_squared() * self.height;
+        let spread = (self.height * (2.0 - height)).max(0.0).sqrt();
+        self.axis * (1.0 - height) + (self.right * at.x + self.up * at.y) * spread
+    }
+
+    /// Whether a unit direction is in it.
+    pub fn contains(&self, direction: Vec3) -> bool {
+        self.axis.dot(direction) > 0.0 && self.axis.cross(direction).length_squared() <= self.sin_sq()
+    }
+
+    /// Square of the sine of the angle from its middle to its rim, which is at most 90 degrees.
+    fn sin_sq(&self) -> f32 {
+        self.height * (2.0 - self.height)
+    }
+}
+
+/// The place in the unit disc for one in the square from -1 to 1.
+fn concentric(square: Vec2) -> Vec2 {
+    let Vec2 { x, y } = square;
+    let (radius, angle) = match () {
+        () if x == 0.0 && y == 0.0 => return Vec2::ZERO,
+        () if x.abs() > y.abs() => (x, FRAC_PI_4 * (y / x)),
+        () => (y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (x / y)),
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn disc(angle_degrees: f32) -> Disc {
+        let emission = Emission::Directional { angle_degrees };
+        Disc::of(&Light { emission, position: Vec3::new(1.0, 2.0, -0.5), ..Default::default() }).unwrap()
+    }
+
+    #[test]
+    fn directions_fill_it_evenly() {
+        for angle in [0.53, 5.0, 90.0_f32] {
+            let disc = disc(angle);
+            let (steps, mut inside) = (200, [0; 2]);
+            for i in 0..steps * steps {
+                let u = (Vec2::new((i % steps) as f32, (i / steps) as f32) + 0.5) / steps as f32;
+                let direction = disc.direction(u);
+                assert!(disc.contains(direction) && (direction.length() - 1.0).abs() < 1e-5, "{angle}: {direction}");
+                // Half of the solid angle is within half of the height.
+                let [x, y] = [disc.right, disc.up].map(|axis| direction.dot(axis));
+                let half = 0.5 * disc.height;
+                inside[0] += usize::from(x * x + y * y < half * (2.0 - half));
+                inside[1] += usize::from(x > 0.0);
+            }
+            let share = inside.map(|count| count as f32 / (steps * steps) as f32);
+            assert!(share.iter().all(|share| (share - 0.5).abs() < 0.01), "{angle}: {share:?}");
+        }
+    }
+
+    #[test]
+    fn it_ends_at_its_rim() {
+        let disc = disc(0.53);
+        let at = |degrees: f32| disc.axis * degrees.to_radians().cos() + disc.right * degrees.to_radians().sin();
+        assert!(disc.contains(at(0.263)) && !disc.contains(at(0.267)) && !disc.contains(-disc.axis));
+        assert!((disc.solid_angle() / (PI * 0.265_f32.to_radians().powi(2)) - 1.0).abs() < 1e-3);
+        let parallel = Light { emission: Emission::PARALLEL, position: Vec3::Y, ..Default::default() };
+        assert_eq!(Disc::of(&parallel), None);
+    }
+}

@@ -1,0 +1,61 @@
+//! A dataset of a scene before its first bake, in which every vertex sees every light: what a scene that opens is shown by until
+//! its visibility is traced.
+
+use crate::vertices::sidedness::classify;
+use lapidary_core::{
+    cut::packed::{PackedCuts, pack_node},
+    dataset::{BakeReport, BakeSettings, Dataset},
+    light_tree::{LightTree, TreeKind},
+    scene::Scene,
+};
+
+/// Lights of it: what light there is without shadows is smooth.
+const LIGHTS: usize = 256;
+
+/// The dataset of a scene, as imported, with nothing in the way of light. It takes milliseconds.
+pub fn unshadowed(scene: Scene, scene_hash: String) -> Dataset {
+    let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
+    let mut cuts = PackedCuts::default();
+    let all = cuts.push_cut(&[pack_node(0, 1.0)]);
+    (0..vertices).for_each(|_| cuts.push_vertex(all));
+    let tree = TreeKind::Geometric;
+    Dataset {
+        two_sided: classify(&scene).two_sided,
+        vertex_valid: vec![true; vertices],
+        tree: LightTree::geometric(LIGHTS).expect("a power of two"),
+        cuts,
+        indirect: None,
+        meshless: None,
+        settings: BakeSettings { lights: LIGHTS, tree, max_vertices: None, ..BakeSettings::default() },
+        scene_hash,
+        report: BakeReport {
+            vertices,
+            triangles,
+            source_vertices: vertices,
+            lights: LIGHTS,
+            tree,
+            ..BakeReport::default()
+        },
+        scene,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::{room, scene_of};
+    use glam::Vec3;
+    use lapidary_core::dataset::scene_hash;
+
+    #[test]
+    fn it_is_a_valid_dataset_whose_vertices_see_everything() {
+        let scene = scene_of(&room(Vec3::ZERO, Vec3::ONE));
+        let vertices = scene.mesh.positions.len();
+        let dataset = unshadowed(scene.clone(), scene_hash(&scene));
+        dataset.validate().unwrap();
+        assert_eq!((dataset.scene_hash, dataset.scene.mesh.positions.len()), (scene_hash(&scene), vertices));
+        for vertex in 0..vertices as u32 {
+            assert_eq!(dataset.cuts.cut(8, vertex), [pack_node(0, 1.0)]);
+        }
+    }
+}
