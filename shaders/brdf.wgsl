@@ -125,6 +125,11 @@ fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return reflection_of(brdf, Light(wi, 0.0, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
 
+// The same for a light whose directions around `wi` have an inverse concentration.
+fn brdf_cos_filtered(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<f32> {
+    return reflection_of(brdf, Light(wi, inv_kappa, max(wi.z, 0.0), wi.z > 0.0), wo);
+}
+
 // f_r times the cosine for a light.
 fn reflection_of(brdf: Brdf, light: Light, wo: vec3<f32>) -> vec3<f32> {
     var value = brdf.diffuse * light.cosine;

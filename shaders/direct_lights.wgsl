@@ -12,13 +12,13 @@ struct LocalLight {
     intensity: vec3<f32>,
     // Shadow maps around each point of it.
     views_per_point: u32,
-    // From the middle of a rectangle to that of an edge, and to that of the next.
+    // From the middle of a rectangle to that of an edge, and to that of the next; of a disc two unit vectors across.
     half_width: vec3<f32>,
     // Cosines of the angles from a spot's axis to its edge, and to the start of its falloff.
     cos_edge: f32,
     half_height: vec3<f32>,
     cos_full: f32,
-    // Of a rectangle in m2.
+    // Of a rectangle in m2; of the disc of a directional light one minus the cosine from its middle to its rim, 0 without one.
     area: f32,
     // A rectangle has shadow maps at grid x grid points.
     grid: u32,
@@ -41,8 +41,11 @@ struct LightSample {
     irradiance: vec3<f32>,
 }
 
-// `u` in the unit square chooses a point of a rectangle.
+// `u` in the unit square chooses a point of a rectangle or a disc.
 fn sample_light(light: LocalLight, point: vec3<f32>, u: vec2<f32>) -> LightSample {
+    if is_disc(light) {
+        return sample_disc(light, u);
+    }
     if light.emission == EMISSION_DIRECTIONAL {
         return LightSample(-light.forward, light.intensity);
     }
@@ -56,6 +59,33 @@ fn sample_light(light: LocalLight, point: vec3<f32>, u: vec2<f32>) -> LightSampl
     }
     let direction = toward / sqrt(distance_sq);
     return LightSample(direction, light.intensity * (light_factor(light, direction) / distance_sq));
+}
+
+// Whether a light is a disc of directions. Twin of core/src/lights/disc.rs.
+fn is_disc(light: LocalLight) -> bool {
+    return light.emission == EMISSION_DIRECTIONAL && light.area > 0.0;
+}
+
+fn sample_disc(light: LocalLight, u: vec2<f32>) -> LightSample {
+    let at = concentric(2.0 * u - 1.0);
+    let height = dot(at, at) * light.area;
+    let spread = sqrt(max(light.area * (2.0 - height), 0.0));
+    let direction = (light.half_width * at.x + light.half_height * at.y) * spread - light.forward * (1.0 - height);
+    return LightSample(direction, light.intensity * (2.0 / (2.0 - light.area)));
+}
+
+// The place in the unit disc for one in the square from -1 to 1 (Shirley and Chiu 1997).
+fn concentric(square: vec2<f32>) -> vec2<f32> {
+    const QUARTER = 0.785398163;
+    var radius = square.y;
+    var angle = 2.0 * QUARTER;
+    if abs(square.x) > abs(square.y) {
+        radius = square.x;
+        angle = QUARTER * (square.y / square.x);
+    } else if square.y != 0.0 {
+        angle = 2.0 * QUARTER - QUARTER * (square.x / square.y);
+    }
+    return radius * vec2(cos(angle), sin(angle));
 }
 
 // Factor of the intensity toward a receiver that sees the light in this direction.

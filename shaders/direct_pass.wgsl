@@ -4,7 +4,15 @@
 // light, which the jitter of the picture moves. A sample beside the middle reads the map where its ray passes the
 // blockers, whose distance is estimated first (after Fernando 2005). So shadows are as soft as from all samples.
 
+//
+// A disc of directions has DISC_STEPS squared samples and one shadow map, from its middle. A sample beside the middle reads the map
+// where its ray passes the blockers.
+
 const RECTANGLE_DETAIL: u32 = 2u;
+// As on the CPU.
+const DISC_STEPS: u32 = 4u;
+// The search for the blockers of a disc takes so many steps to each side.
+const DISC_SEARCH: i32 = 2;
 // Radius of the search for blockers: a cell and a half finds blockers that are less than three times as far from the
 // receiver as from the light.
 const SEARCH_RADIUS: f32 = 1.5;
@@ -37,7 +45,10 @@ fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
         }
         return sum;
     }
-    sum = reflected(point, sample_light(light, point.position, vec2(0.5)));
+    if is_disc(light) {
+        return light_from_disc(point, light);
+    }
+    sum = reflected(point, sample_light(light, point.position, vec2(0.5)), 0.0);
     if casts_shadow(light) && any(sum > vec3(0.0)) {
         sum *= visibility_at(point.position, point.face_normal, light, 0u);
     }
@@ -66,7 +77,7 @@ fn light_from_cell(point: SurfacePoint, light: LocalLight, cell: u32) -> vec3<f3
     for (var i = 0u; i < RECTANGLE_DETAIL * RECTANGLE_DETAIL; i++) {
         let step = first + vec2(i % RECTANGLE_DETAIL, i / RECTANGLE_DETAIL);
         let u = (vec2<f32>(step) + frame.pixel_offset) / f32(steps);
-        let value = reflected(point, sample_light(light, point.position, u));
+        let value = reflected(point, sample_light(light, point.position, u), 0.0);
         if blocker > 0.0 && any(value > vec3(0.0)) {
             let in_cell = u * f32(light.grid) - vec2<f32>(first / RECTANGLE_DETAIL);
             let past = seen_past(point, light, cell, offset_in_cell(light, in_cell - 0.5) * blocker);
@@ -109,11 +120,65 @@ fn seen_past(point: SurfacePoint, light: LocalLight, cell: u32, shift: vec3<f32>
     return middle + (away - shift) * ratio;
 }
 
-fn reflected(point: SurfacePoint, sample: LightSample) -> vec3<f32> {
+// Radiance that a point reflects of a sample whose directions have an inverse concentration.
+fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f32> {
     if !(dot(sample.direction, point.smooth_normal) > 0.0) {
         return vec3(0.0);
     }
-    return brdf_cos(point.brdf, sample.direction * point.world_from_local, point.wo) * sample.irradiance;
+    let wi = sample.direction * point.world_from_local;
+    return brdf_cos_filtered(point.brdf, wi, point.wo, inv_kappa) * sample.irradiance;
+}
+
+fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
+    let samples = DISC_STEPS * DISC_STEPS;
+    // A cap has a mean resultant of one minus half its height, and 1 / kappa tends to what is missing to one.
+    let inv_kappa = 0.5 * light.area / f32(samples);
+    var gap = 0.0;
+    var visibility = 1.0;
+    if casts_shadow(light) {
+        gap = mean_gap(point, light);
+        visibility = visibility_at(point.position, point.face_normal, light, 0u);
+    }
+    var sum = vec3(0.0);
+    for (var i = 0u; i < samples; i++) {
+        let u = (vec2<f32>(vec2(i % DISC_STEPS, i / DISC_STEPS)) + frame.pixel_offset) / f32(DISC_STEPS);
+        let sample = sample_light(light, point.position, u);
+        let value = reflected(point, sample, inv_kappa);
+        if gap > 0.0 && any(value > vec3(0.0)) {
+            let at = passing(point, light, (sample.direction + light.forward) * gap);
+            visibility = visibility_at(at, point.face_normal, light, 0u);
+        }
+        sum += value * visibility;
+    }
+    return sum / f32(samples);
+}
+
+// Metres along parallel light from the blockers around to the receiver, as their mean; 0 without any. Blockers are in the cone
+// that the disc is seen in, which is as long as the way out of the scene.
+fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
+    let view = shadow_views[light.first_view];
+    let way = dot(view.forward, point.position - view.origin);
+    let radius = way * sqrt(light.area * (2.0 - light.area)) / f32(DISC_SEARCH);
+    var sum = 0.0;
+    var count = 0.0;
+    for (var y = -DISC_SEARCH; y <= DISC_SEARCH; y++) {
+        for (var x = -DISC_SEARCH; x <= DISC_SEARCH; x++) {
+            let shift = (light.half_width * f32(x) + light.half_height * f32(y)) * radius;
+            let gap = shadow_gap(light.first_view, passing(point, light, shift), point.face_normal);
+            sum += gap;
+            count += select(0.0, 1.0, gap > 0.0);
+        }
+    }
+    return sum / max(count, 1.0);
+}
+
+// The point of the receiver's plane that parallel light reaches which passes the receiver at a distance of `shift`.
+fn passing(point: SurfacePoint, light: LocalLight, shift: vec3<f32>) -> vec3<f32> {
+    let n = point.face_normal;
+    let along = dot(n, shift) / dot(n, light.forward);
+    let at = point.position + shift - light.forward * along;
+    // The plane of a surface that the light grazes reaches farther than the surface.
+    return select(point.position, at, abs(along) < 4.0 * length(shift));
 }
 
 fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell: u32) -> f32 {

@@ -82,6 +82,20 @@ fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     return select(0.0, stored / receiver.depth - 1.0, stored > nearest_depth(receiver, texel, size));
 }
 
+// Distance in metres along parallel light from the first blocker to the receiver, 0 without one.
+fn shadow_gap(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let view = shadow_views[index];
+    let face = shadow_faced(view, position, normal);
+    if !(face.facing > 0.0) {
+        return 0.0;
+    }
+    let size = vec2<f32>(textureDimensions(shadow_maps));
+    let receiver = shadow_receiver(view, face.local, face.normal, face.facing, size.x);
+    let texel = round(map_position(receiver, size));
+    let depth = nearest_depth(receiver, texel, size);
+    return max(shadow_texel(texel, index, size) - depth, 0.0) / view.depth_scale;
+}
+
 // In texels, whole at their middles.
 fn map_position(receiver: Receiver, size: vec2<f32>) -> vec2<f32> {
     return (0.5 + vec2(0.5, -0.5) * receiver.position) * size - 0.5;

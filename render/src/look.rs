@@ -138,7 +138,11 @@ impl Redo {
 mod tests {
     use super::*;
     use crate::{Background, test_looks::look};
-    use lapidary_core::texture::{Texels, Texture};
+    use lapidary_core::{
+        environment::Environment,
+        image::Image,
+        texture::{Texels, Texture},
+    };
     use std::sync::Arc;
 
     /// Steps that an edit of a look redoes.
@@ -175,6 +179,26 @@ mod tests {
         assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), sky);
         assert_eq!(redone(|look| look.illum_cut = 7), sky);
         assert_eq!(redone(|look| look.tau = 0.5), sky);
+    }
+
+    #[test]
+    fn suns_move_with_their_environment() {
+        let size = [256, 128];
+        let sunny = Image::from_fn(size, |x, y| glam::Vec3::splat(if (x, y) == (9, 40) { 1e6 } else { 1.0 }));
+        let mut old = look();
+        old.light.environment = Arc::new(Environment::new("sunny".into(), sunny));
+        old.light.sun = Some(Default::default());
+        let lights = |edit: fn(&mut Look)| {
+            let mut new = old.clone();
+            edit(&mut new);
+            Redo::between(&old, &new).pixels.lights
+        };
+        assert!(lights(|look| look.light.rotation += 0.1) && lights(|look| look.light.sun = None));
+        assert!(lights(|look| look.components.environment = false));
+        assert!(!lights(|look| look.view.camera.eye.x += 1.0) && !lights(|look| look.components.indirect = false));
+        old.light.sun = None;
+        let turned = Look { light: Illumination { rotation: 1.0, ..old.light.clone() }, ..old.clone() };
+        assert!(!Redo::between(&old, &turned).pixels.lights, "negative control");
     }
 
     #[test]

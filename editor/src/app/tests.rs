@@ -5,6 +5,7 @@ mod bounces;
 mod comparison;
 mod documents;
 mod export;
+mod first_look;
 mod hands;
 mod kept;
 mod lights;

@@ -76,7 +76,7 @@ impl Begun {
 
     /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
     fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale, local: &LocalLighting) -> bool {
-        let lights = || self.lights.clone().update(local.shown_lights().unwrap_or_default(), false);
+        let lights = || self.lights.clone().update(&local.shown_lights(), false);
         (self.view.is_same_but_seen_from(view), self.sampling) == (true, sampling)
             && !stale.any()
             && lights() == DirectStep::Keep
@@ -186,7 +186,7 @@ impl Backend for CpuBackend {
 
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
-        let remark = self.local.shown_lights().and_then(remark_on_rays);
+        let remark = remark_on_rays(&self.local.shown_lights());
         let before = std::mem::replace(&mut self.remark, remark.clone());
         Ok(remark.filter(|_| before != self.remark).into_iter().collect())
     }
@@ -206,7 +206,7 @@ impl Backend for CpuBackend {
         let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
         let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
-        let step = lights.update(self.local.shown_lights().unwrap_or_default(), complete);
+        let step = lights.update(&self.local.shown_lights(), complete);
         let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
         let parts = shown.parts(view.mode);
         self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));

@@ -206,7 +206,7 @@ impl GpuBackend {
 
     /// Replaces the local lights in the sums by those that shine now.
     fn step_lights(&mut self, lights: &mut SummedLights, before: Option<(&Plan, bool)>) -> DirectStep {
-        let shown = self.local.shown_lights().unwrap_or_default().to_vec();
+        let shown = self.local.shown_lights();
         let step = lights.update(&shown, before.is_some_and(|(_, complete)| complete));
         if self.local_lights.order(lights, before.map(|(plan, _)| plan)) || step == DirectStep::Anew {
             return step;
@@ -233,7 +233,7 @@ impl GpuBackend {
     /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
     fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale) -> bool {
         let (Some(state), true) = (&self.state, self.picture.is_some()) else { return false };
-        let lights = || state.lights.clone().update(self.local.shown_lights().unwrap_or_default(), false);
+        let lights = || state.lights.clone().update(&self.local.shown_lights(), false);
         (state.view.is_same_but_seen_from(view), state.sampling) == (true, sampling)
             && !stale.any()
             && lights() == DirectStep::Keep
@@ -344,7 +344,7 @@ impl Backend for GpuBackend {
         if lighting.shown_vertex_irradiance().is_none() {
             self.bounce = VertexBounce::default();
         }
-        let remark = self.local_lights.set(lighting.shown_lights().unwrap_or_default(), radius);
+        let remark = self.local_lights.set(&lighting.shown_lights(), radius);
         self.gpu.check()?;
         Ok(remark.into_iter().collect())
     }

@@ -14,8 +14,11 @@ use crate::{
     backend::BackendError,
     stale::{Part, SummedLights},
 };
-use lapidary_core::lights::{Emission, Light, RectangleShape};
+use lapidary_core::lights::{Disc, Emission, Light, RectangleShape};
 use wgpu::BindingResource::TextureView as View;
+
+/// Texels of a side of few shadow maps: four of them are all that there may be.
+const LARGEST: u32 = 4096;
 
 /// Pipelines of shadow maps and local lights, with what they read.
 pub struct DirectPasses {
@@ -64,7 +67,10 @@ pub struct DirectLights {
 impl DirectLights {
     /// None yet.
     pub fn new(gpu: &GpuDevice) -> Self {
-        Self::within(ShadowRoom { layers: gpu.limits.max_texture_array_layers, largest: 2048 })
+        Self::within(ShadowRoom {
+            layers: gpu.limits.max_texture_array_layers,
+            largest: LARGEST.min(gpu.limits.max_texture_dimension_2d),
+        })
     }
 
     /// None yet, with some room for shadow maps.
@@ -196,7 +202,8 @@ fn packed(light: &Light, first_view: u32, grid: u32) -> LocalLight {
         }
         _ => (0.0, 0.0),
     };
-    let shape = RectangleShape::of(light);
+    let (shape, disc) = (RectangleShape::of(light), Disc::of(light));
+    let across = shape.map(|s| [s.half_width, s.half_height]).or(disc.map(|d| [d.right, d.up])).unwrap_or_default();
     LocalLight {
         position: light.position.to_array(),
         emission: match light.emission {
@@ -209,11 +216,11 @@ fn packed(light: &Light, first_view: u32, grid: u32) -> LocalLight {
         first_view,
         intensity: light.intensity.to_array(),
         views_per_point: shadows::views_per_point(light),
-        half_width: shape.map_or([0.0; 3], |s| s.half_width.to_array()),
+        half_width: across[0].to_array(),
         cos_edge,
-        half_height: shape.map_or([0.0; 3], |s| s.half_height.to_array()),
+        half_height: across[1].to_array(),
         cos_full,
-        area: shape.map_or(0.0, |s| s.area()),
+        area: shape.map(|s| s.area()).or(disc.map(|d| d.height)).unwrap_or_default(),
         grid,
         padding: [0; 2],
     }

@@ -21,8 +21,10 @@ use std::sync::Arc;
 /// The light of a picture beside the environment, and the components that are shown.
 #[derive(Clone, Debug, Default)]
 pub struct LocalLighting {
-    /// Lights whose direct light is shown: local lights, and suns of the environment.
+    /// Lights whose direct light is shown.
     pub lights: Arc<[Light]>,
+    /// Suns, whose light belongs to the environment's.
+    pub suns: Vec<Light>,
     /// Bounced light, of these lights and of the environment.
     pub indirect: Option<Arc<SourceLighting>>,
     /// Bounced light of the meshless basis, in place of [`Self::indirect`].
@@ -39,12 +41,14 @@ impl LocalLighting {
         is_same(self.indirect.as_ref(), other.indirect.as_ref())
             && is_same(self.vertex_irradiance.as_ref(), other.vertex_irradiance.as_ref())
             && Arc::ptr_eq(&self.lights, &other.lights)
+            && self.suns == other.suns
             && self.components == other.components
     }
 
-    /// Lights whose direct light is shown, if there are any.
-    pub(crate) fn shown_lights(&self) -> Option<&[Light]> {
-        Some(&*self.lights).filter(|lights| !lights.is_empty())
+    /// Local lights if their direct light is shown, and suns if the environment is.
+    pub(crate) fn shown_lights(&self) -> Vec<Light> {
+        let local = self.lights.iter().filter(|_| self.components.direct);
+        local.chain(self.suns.iter().filter(|_| self.components.environment)).cloned().collect()
     }
 
     /// Whether any bounced light is shown.
@@ -68,8 +72,6 @@ pub struct LocalRig {
     lights: Arc<[Light]>,
     /// Of the environment.
     suns: Vec<Light>,
-    /// The lights that were shown last, with the components; `None` after any change of them.
-    shown: Option<(Components, Arc<[Light]>)>,
     environment: Option<Arc<SceneLighting>>,
     /// `None` for a dataset without sources.
     sources: Option<SourceRig>,
@@ -99,7 +101,6 @@ impl LocalRig {
         Self {
             lights,
             suns: Vec::new(),
-            shown: None,
             environment: None,
             sources,
             meshless,
@@ -123,7 +124,7 @@ impl LocalRig {
     /// Sets the local lights; those that have changed cast rays when bounced light is needed.
     pub fn set_lights(&mut self, lights: &Arc<[Light]>) {
         if !Arc::ptr_eq(&self.lights, lights) {
-            (self.lights, self.shown) = (lights.clone(), None);
+            self.lights = lights.clone();
             self.forget();
         }
     }
@@ -131,20 +132,9 @@ impl LocalRig {
     /// Sets the suns of the environment, as [`Self::set_lights`].
     pub fn set_suns(&mut self, suns: Vec<Light>) {
         if self.suns != suns {
-            (self.suns, self.shown) = (suns, None);
+            self.suns = suns;
             self.forget();
         }
-    }
-
-    /// The lights whose direct light is among `components`; the same as long as they are.
-    fn shown(&mut self, components: Components) -> Arc<[Light]> {
-        let known = self.shown.take().filter(|(of, _)| *of == components);
-        let (_, shown) = self.shown.insert(known.unwrap_or_else(|| {
-            let local = self.lights.iter().filter(|_| components.direct);
-            let suns = self.suns.iter().filter(|_| components.environment);
-            (components, local.chain(suns).cloned().collect())
-        }));
-        shown.clone()
     }
 
     /// The lights that bounce: of a sun the middle, for its penumbra is lost between the points that it lights.
@@ -175,7 +165,7 @@ impl LocalRig {
     /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
     /// The illumination cut of the sources has at most `illum_cut` nodes.
     pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
-        let lights = self.shown(components);
+        let (lights, suns) = (self.lights.clone(), self.suns.clone());
         let (indirect, vertex_irradiance) = match solution {
             _ if !components.indirect => (None, None),
             Solution::Meshless => (None, self.interpolate()),
@@ -183,7 +173,7 @@ impl LocalRig {
         };
         let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
         let energy = solved.and_then(MeshlessRig::energy);
-        LocalLighting { lights, indirect, vertex_irradiance, components, energy }
+        LocalLighting { lights, suns, indirect, vertex_irradiance, components, energy }
     }
 
     fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {

@@ -172,7 +172,7 @@ fn what_later_versions_add_is_written_back() {
     let loaded = project.changed(|json| {
         json["fog"] = json!([{"density": 1}]);
         json["lights"][1]["gobo"] = json!("leaves.png");
-        json["environment"]["sun"] = json!({"size": 1});
+        json["environment"]["moon"] = json!({"size": 1});
         json["view"]["post"]["grain"] = json!(0.1);
         json["materials"][1]["parameters"]["sheen"] = json!(0.5);
         json["materials"][1]["maps"]["bump"]["blur"] = json!(2);
@@ -187,7 +187,7 @@ fn what_later_versions_add_is_written_back() {
     let json = project.json();
     assert_eq!(json["fog"], json!([{"density": 1}]));
     assert_eq!(json["lights"][1]["gobo"], "leaves.png");
-    assert_eq!(json["environment"]["sun"], json!({"size": 1}));
+    assert_eq!(json["environment"]["moon"], json!({"size": 1}));
     assert_eq!(json["view"]["post"]["grain"], 0.1);
     assert_eq!(json["materials"][1]["parameters"]["sheen"], 0.5);
     assert_eq!(json["materials"][1]["maps"]["bump"]["blur"], 2);

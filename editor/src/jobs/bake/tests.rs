@@ -66,6 +66,27 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_bake_that_is_held_waits_and_then_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = task(folder.path(), false);
+    // It begins when the turn is free.
+    let turn = task.turn.clone();
+    let lock = turn.lock().unwrap();
+    let mut run = BakeRun::start(task, silent());
+    run.hold(true);
+    drop(lock);
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(run.messages().is_empty() && run.waited() >= Duration::from_millis(300));
+    run.hold(false);
+    assert!(matches!(all(&mut run)[..], [BakeMessage::Done(_)]));
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = BakeRun::start(self::task(folder.path(), false), silent());
+    run.hold(true);
+    run.cancel();
+    assert!(matches!(all(&mut run).last(), Some(BakeMessage::Cancelled | BakeMessage::Done(_))), "held or not");
+}
+
+#[test]
 #[cfg(unix)]
 fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
     let folder = tempfile::tempdir().unwrap();

@@ -15,17 +15,21 @@ use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     camera::Camera,
     image::Image,
-    lights::{Emission, Light, LightSample},
+    lights::{Disc, Emission, Light, LightSample},
     material::BrdfModel,
     ray::Hit,
     scene::Mesh,
+    simd::Vec3x8,
 };
 use std::sync::MutexGuard;
+use wide::f32x8;
 
 const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
 const NO_ROOM: ShadowRoom = ShadowRoom { layers: 0, largest: 512 };
 /// Points of a rectangle that the shader samples, along a side, if it has shadows from 3 x 3.
 const RECTANGLE_STEPS: u32 = 6;
+/// Samples of a disc along each side of the square that it is made of.
+const DISC_STEPS: u32 = 4;
 
 /// Local lights without a bounce.
 fn local(lights: &[Light]) -> LocalLighting {
@@ -48,6 +52,8 @@ fn every_kind() -> Vec<Light> {
         light(spot(35.0, 0.0), [1.2, 2.0, 0.3], [0.2, 0.0, 0.1]),
         light(spot(85.0, 40.0), [-0.8, 0.9, 0.4], [0.0, 0.0, 0.3]),
         light(Emission::PARALLEL, [1.0, 2.0, 0.5], [0.0; 3]),
+        light(Emission::Directional { angle_degrees: 0.53 }, [1.0, 2.0, 0.5], [0.0; 3]),
+        light(Emission::Directional { angle_degrees: 40.0 }, [1.0, 2.0, 0.5], [0.0; 3]),
         light(Emission::Rectangle { width: 0.9, height: 0.5 }, [0.4, 1.9, 0.8], [0.0, 0.0, 0.1]),
     ]
 }
@@ -111,22 +117,28 @@ fn receivers(gpu: &GpuBackend, renderer: &Renderer, view: &View) -> Vec<Option<R
     gpu.read_geometry().into_iter().enumerate().map(receiver).collect()
 }
 
-/// Light of one sample that a point reflects toward the eye.
-fn reflected(point: &SurfacePoint, sample: &LightSample) -> Vec3 {
+/// Light of one sample that a point reflects toward the eye, with the lobe filtered by its spread.
+fn reflected(point: &SurfacePoint, sample: &LightSample, inv_kappa: f32) -> Vec3 {
     if sample.direction.dot(point.smooth_normal) <= 0.0 {
         return Vec3::ZERO;
     }
     let wi = point.world_from_local.transpose() * sample.direction;
-    point.brdf.as_brdf().brdf_cos(wi, point.wo) * sample.irradiance
+    let reflected = point.brdf.as_brdf().brdf_cos_x8(Vec3x8::splat(wi), point.wo, f32x8::splat(inv_kappa));
+    reflected.lane(0) * sample.irradiance
 }
 
 /// Light of all samples, without shadows: the loop of the shader over what `core` says of lights.
 fn unshadowed(receiver: &Receiver, lights: &[Light]) -> Vec3 {
     let of_light = |light: &Light| -> Vec3 {
-        let n = if light.is_delta() { 1 } else { RECTANGLE_STEPS };
+        let n = match light.emission {
+            _ if light.is_delta() => 1,
+            Emission::Directional { .. } => DISC_STEPS,
+            _ => RECTANGLE_STEPS,
+        };
+        let inv_kappa = Disc::of(light).map_or(0.0, |disc| 0.5 * disc.height / (n * n) as f32);
         let at = |i: u32| (i as f32 + 0.5) / n as f32;
         let samples = (0..n * n).filter_map(|i| light.sample(receiver.position, Vec2::new(at(i % n), at(i / n))));
-        samples.map(|s| reflected(&receiver.point, &s)).sum::<Vec3>() / (n * n) as f32
+        samples.map(|s| reflected(&receiver.point, &s, inv_kappa)).sum::<Vec3>() / (n * n) as f32
     };
     lights.iter().map(of_light).sum()
 }

@@ -4,15 +4,19 @@
 //! are the same by definition. What is not:
 //!
 //! * A spot's penumbra: Mitsuba falls off linearly in the angle, this program smoothly in its cosine.
-//! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light.
+//! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light. So is
+//!   the disc of a directional light with an extent, a thousand kilometres away.
 
 use super::xml;
 use glam::{Mat4, Vec3};
 use lapidary_core::{
     image::Image,
-    lights::{Emission, Light, RectangleShape},
+    lights::{Disc, Emission, Light, RectangleShape},
 };
 use lapidary_render::Illumination;
+
+/// Metres to what is infinitely far: from there the rays to any place of a scene are as good as parallel.
+const FAR: f32 = 1e6;
 
 /// Where the map lies in the exported folder.
 pub const ENVIRONMENT_FILE: &str = "environment.exr";
@@ -57,22 +61,33 @@ pub fn local(light: &Light) -> Option<String> {
             ];
             xml::plugin("emitter", "spot", "", &properties.concat())
         }
-        Emission::Directional { .. } => {
-            let properties = xml::triple("vector", "direction", light.forward()?) + &intensity("irradiance");
-            xml::plugin("emitter", "directional", "", &properties)
-        }
-        Emission::Rectangle { .. } => {
-            let emitter = xml::plugin("emitter", "area", "", &intensity("radiance"));
-            // Lights reflect nothing.
-            let black = xml::plugin("bsdf", "diffuse", "", &xml::triple("rgb", "reflectance", Vec3::ZERO));
-            xml::plugin(
-                "shape",
-                "rectangle",
-                "",
-                &(xml::to_world(placed(&RectangleShape::of(light)?)) + &emitter + &black),
-            )
-        }
+        Emission::Directional { .. } => match Disc::of(light) {
+            Some(disc) => distant(&disc, light.intensity),
+            None => {
+                let properties = xml::triple("vector", "direction", light.forward()?) + &intensity("irradiance");
+                xml::plugin("emitter", "directional", "", &properties)
+            }
+        },
+        Emission::Rectangle { .. } => shape("rectangle", placed(&RectangleShape::of(light)?), light.intensity),
     })
+}
+
+/// A shape that emits and, as lights do, reflects nothing.
+fn shape(kind: &str, world_from_shape: Mat4, radiance: Vec3) -> String {
+    let emitter = xml::plugin("emitter", "area", "", &xml::triple("rgb", "radiance", radiance));
+    let black = xml::plugin("bsdf", "diffuse", "", &xml::triple("rgb", "reflectance", Vec3::ZERO));
+    xml::plugin("shape", kind, "", &(xml::to_world(world_from_shape) + &emitter + &black))
+}
+
+/// A disc far away, which is seen under the same angle.
+fn distant(disc: &Disc, irradiance: Vec3) -> String {
+    let cos = 1.0 - disc.height;
+    let radius = FAR * (1.0 - cos * cos).sqrt() / cos;
+    // Mitsuba's has a radius of 1 and faces +Z.
+    let columns = [disc.right * radius, disc.axis.cross(disc.right) * -radius, -disc.axis];
+    let [x, y, z] = columns.map(|axis| axis.extend(0.0));
+    let world_from_disc = Mat4::from_cols(x, y, z, (FAR * disc.axis).extend(1.0));
+    shape("disk", world_from_disc, irradiance * disc.radiance_of_irradiance())
 }
 
 /// Takes Mitsuba's rectangle, from -1 to 1 in x and y and facing +Z, to its place.
@@ -87,9 +102,11 @@ pub fn remarks(lights: &[&Light]) -> Vec<String> {
     let any = |is: fn(&Emission) -> bool| lights.iter().any(|light| is(&light.emission));
     let penumbra = any(|e| matches!(e, Emission::Spot { penumbra_degrees, .. } if *penumbra_degrees > 0.0));
     let rectangle = any(|e| matches!(e, Emission::Rectangle { .. }));
+    let disc = any(|e| matches!(e, Emission::Directional { angle_degrees } if *angle_degrees > 0.0));
     [
         (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, and not smoothly"),
         (rectangle, "rectangular lights are things in Mitsuba: they are seen and cast shadows"),
+        (disc, "directional lights with an angle are seen in Mitsuba"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)

@@ -124,27 +124,37 @@ fn edges_are_filtered_and_no_wider_than_the_kernel() {
     assert!(coarse > 0.01 && fine < 0.4 * coarse, "{coarse} and {fine}");
 }
 
-/// The mean over samples that share the shadow maps of 3 x 3 points is close to the mean over many shadow rays.
+/// The mean over samples that share the shadow maps of a light's points is close to the mean over many shadow rays.
 #[test]
-fn a_rectangle_casts_a_soft_shadow() {
+fn lights_with_an_extent_cast_soft_shadows() {
     let Some(mut rig) = shadow_rig() else { return };
     let view = shadow_view();
-    let lamp = light(Emission::Rectangle { width: 0.8, height: 0.8 }, [0.5, 2.2, 0.6], [0.0; 3]);
-    let soft = rig.lit_by(&view, std::slice::from_ref(&lamp), ROOM);
-    let points = receivers(&rig.gpu, &rig.renderer, &view);
-    let rays = rig.renderer.intersector();
-    let n = 24;
-    let at = |i: u32| (i as f32 + 0.5) / n as f32;
-    let traced = |receiver: &Receiver| {
-        let origin = receiver.position + 2e-4 * receiver.face_normal;
-        let samples = (0..n * n).filter_map(|i| lamp.sample(origin, Vec2::new(at(i % n), at(i / n))));
-        let seen = samples.filter(|s| !rays.occluded_before(origin, s.direction, s.distance));
-        seen.map(|s| reflected(&receiver.point, &s)).sum::<Vec3>() / (n * n) as f32
-    };
-    let pixels = points.iter().map(|r| r.as_ref().map_or(Vec3::ZERO, traced)).collect();
-    let reference = Image { size: view.size, pixels };
-    let d = difference(&soft, &reference).0;
-    let hard = rig.lit_by(&view, &[lamp], NO_ROOM);
-    assert!(d < 0.02, "{d}");
-    assert!(difference(&hard, &reference).0 > 3.0 * d, "negative control");
+    let disc = |angle_degrees| light(Emission::Directional { angle_degrees }, [0.5, 2.2, 0.6], [0.0; 3]);
+    let panel = light(Emission::Rectangle { width: 0.8, height: 0.8 }, [0.5, 2.2, 0.6], [0.0; 3]);
+    for (lamp, most) in [(panel, 0.02), (disc(2.0), 0.01), (disc(8.0), 0.02)] {
+        let soft = rig.lit_by(&view, std::slice::from_ref(&lamp), ROOM);
+        let points = receivers(&rig.gpu, &rig.renderer, &view);
+        let rays = rig.renderer.intersector();
+        let n = 24;
+        let at = |i: u32| (i as f32 + 0.5) / n as f32;
+        let traced = |receiver: &Receiver| {
+            let origin = receiver.position + 2e-4 * receiver.face_normal;
+            let samples = (0..n * n).filter_map(|i| lamp.sample(origin, Vec2::new(at(i % n), at(i / n))));
+            let seen = samples.filter(|s| !rays.occluded_before(origin, s.direction, s.distance));
+            seen.map(|s| reflected(&receiver.point, &s, 0.0)).sum::<Vec3>() / (n * n) as f32
+        };
+        let pixels = points.iter().map(|r| r.as_ref().map_or(Vec3::ZERO, traced)).collect();
+        let reference = Image { size: view.size, pixels };
+        let d = difference(&soft, &reference).0;
+        let hard = rig.lit_by(&view, std::slice::from_ref(&lamp), NO_ROOM);
+        assert!(d < most, "{:?}: {d}", lamp.emission);
+        assert!(difference(&hard, &reference).0 > 3.0 * d, "negative control");
+        let parallel = rig.lit_by(&view, &[Light { emission: Emission::PARALLEL, ..lamp.clone() }], ROOM);
+        let is_sun = matches!(lamp.emission, Emission::Directional { .. });
+        assert!(
+            !is_sun || difference(&parallel, &reference).0 > 1.5 * d,
+            "{:?}: a sharp shadow is worse",
+            lamp.emission
+        );
+    }
 }

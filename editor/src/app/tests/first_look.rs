@@ -1,0 +1,102 @@
+//! A scene that opens: seen at once, baked by itself, and what of that is kept.
+
+use super::{Place, few_lights};
+use crate::{actions::Action, app::state::baking::Seen, document::Document};
+use lapidary_core::dataset::Dataset;
+
+/// Opens the scene and bakes it as if that had begun by itself, with few lights.
+fn baked_by_itself(place: &Place) -> super::Window {
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().bake_by_itself(false, true);
+    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    window
+}
+
+#[test]
+fn a_scene_without_a_bake_is_seen_without_shadows() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
+    assert!(window.shows("No shadows yet") && window.shows("is not baked yet"));
+    let state = window.0.state();
+    assert_eq!(state.seen(), Seen::Unshadowed);
+    let baked = state.scene.rendered().unwrap();
+    assert_eq!(
+        baked.dataset.scene.mesh.positions.len(),
+        state.scene.source.as_ref().unwrap().scene.mesh.positions.len()
+    );
+    let picture = state.pictures.shown().unwrap();
+    assert!(picture.lighting.nodes.radiance[1].max_element() > 0.0, "it is lit");
+}
+
+#[test]
+fn a_bake_begins_by_itself_if_that_is_wanted() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.0.state_mut().preferences.bakes_scenes = true;
+    window.open(&place.path("scene.obj"));
+    assert!(window.0.state().baking.progress().is_some() && !window.shows("is not baked yet"));
+    window.perform(Action::CancelBake);
+    window.wait("the end", |s| s.baking.progress().is_none());
+    assert!(window.0.state().scene.rendered().is_some(), "what there was stays in use");
+    place.bake();
+    window.open(&place.path("scene.obj"));
+    assert!(window.0.state().baking.progress().is_none(), "negative control: there is a bake");
+}
+
+#[test]
+fn what_is_baked_by_itself_is_kept_and_not_beside_the_scene() {
+    let place = Place::new();
+    let window = baked_by_itself(&place);
+    assert!(!place.path("scene.cuts").exists());
+    let state = window.0.state();
+    assert_eq!((state.seen(), &state.document.dataset), (Seen::Whole, &None));
+    let kept = state.scene.kept_output.clone().unwrap();
+    assert!(kept.is_file() && kept.starts_with(place.path("home/cache/bakes")));
+    let mut again = place.window();
+    again.open(&place.path("scene.obj"));
+    assert_eq!((again.0.state().seen(), again.0.state().document.bake.lights), (Seen::Whole, few_lights().lights));
+    // Another version of the scene has another bake.
+    std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
+    again.open(&place.path("scene.obj"));
+    assert_eq!(again.0.state().seen(), Seen::Unshadowed);
+}
+
+#[test]
+fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
+    let place = Place::new();
+    let mut window = baked_by_itself(&place);
+    window.perform(Action::Bake { resume: false });
+    assert!(window.0.state().baking.progress().is_none() && window.has_said("The bake was written"));
+    assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), few_lights().lights);
+    assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
+    // With other settings it is baked.
+    window.0.state_mut().document.bake.lights = 512;
+    window.perform(Action::Bake { resume: false });
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), 512);
+}
+
+#[test]
+fn a_draft_of_an_own_scene_outlives_its_bake() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().document.bake = few_lights();
+    let scene = window.0.state().scene.source.clone().unwrap().scene;
+    let kept = window.0.state().scene.kept_output.clone().unwrap();
+    let draft = crate::app::opening::draft_of(&kept);
+    std::fs::create_dir_all(draft.parent().unwrap()).unwrap();
+    let job = lapidary_precompute::BakeJob::new(lapidary_precompute::resolve(few_lights()).unwrap(), draft);
+    lapidary_precompute::bake((*scene).clone(), &job, &lapidary_precompute::Silent).unwrap();
+    let mut later = place.window();
+    later.open(&place.path("scene.obj"));
+    assert_eq!(later.0.state().seen(), Seen::Draft);
+    later.wait("its badge", |s| s.pictures.shown().is_some());
+    assert!(later.shows("Draft"));
+    // The whole one is asked for as before.
+    assert_eq!(later.0.state().document.bake, Document::of_scene(&scene, None).bake);
+}
