@@ -136,6 +136,9 @@ pub struct BakeSettings {
     pub pilot_clusters: usize,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
+    /// Whether further vertices are spread evenly, without asking where visibility varies: for a first look.
+    #[serde(default)]
+    pub even_vertices: bool,
     /// Pictures for which most vertices are placed; empty for a bake that serves all views alike.
     #[serde(default)]
     pub shots: Vec<Shot>,
@@ -167,6 +170,7 @@ impl Default for BakeSettings {
             criterion: CutCriterion::default(),
             pilot_clusters: 1024,
             max_vertices: Some(100_000),
+            even_vertices: false,
             shots: Vec::new(),
             max_bytes: None,
             exhaustive: false,

@@ -32,7 +32,7 @@ use crate::{
     meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
     shard::Shard,
-    vertices::tracing::Tracing,
+    vertices::{tessellate::Stored, tracing::Tracing},
     warning::Warning,
 };
 use lapidary_core::{
@@ -196,7 +196,8 @@ impl<'a> Begun<'a> {
         };
         let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
         let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
-            Geometry::new(scene, settings.mode, settings.max_vertices, &settings.shots, observer)
+            let stored = Stored::of(settings.mode).filter(|_| !settings.even_vertices);
+            Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
         })?;
         cancelled(observer)?;
         let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, devices, clock)?;

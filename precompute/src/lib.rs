@@ -52,5 +52,6 @@ pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{
     sampler::VertexSampler,
     sidedness::{Sidedness, classify},
+    tessellate::Stored,
 };
 pub use warning::Warning;

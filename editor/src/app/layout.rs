@@ -140,7 +140,7 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         Side::Scene => {
             let context = SceneContext {
                 document: &state.document,
-                dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
+                dataset: state.scene.rendered().map(|b| &*b.dataset),
                 selected_object: state.selection.object,
                 selected_material: state.selection.material,
             };

@@ -199,7 +199,7 @@ impl EditorState {
     fn select_object(&mut self, object: Option<u32>) {
         self.selection.object = object;
         self.selection.light = None;
-        let Some((object, baked)) = object.zip(self.scene.baked.as_ref()) else { return };
+        let Some((object, baked)) = object.zip(self.scene.rendered()) else { return };
         let mesh = &baked.dataset.scene.mesh;
         if let Some(triangle) = mesh.triangle_object.iter().position(|&o| o == object) {
             self.selection.material = Some(mesh.triangle_material[triangle] as usize);

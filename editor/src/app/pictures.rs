@@ -23,7 +23,7 @@ impl EditorState {
         let events = self.render.events();
         // A picture of the scene before may still have been on its way.
         if let Some(frame) = self.render.frames()
-            && self.scene.shown().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
+            && self.scene.rendered().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
         {
             self.pictures.show(ctx, frame);
         }
@@ -47,7 +47,7 @@ impl EditorState {
 
     /// Asks for the complete picture, which is written when it is there.
     pub(super) fn export_picture(&mut self, path: PathBuf) {
-        if self.scene.shown().is_none() {
+        if self.scene.rendered().is_none() {
             self.messages.error("There is no picture to export; open and bake a scene first");
             return;
         }

@@ -1,7 +1,7 @@
 //! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
 //! nothing is rendered, and nothing compared there, while nothing changes.
 
-use super::state::EditorState;
+use super::state::{EditorState, baking::Seen};
 use crate::{
     document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
@@ -17,6 +17,7 @@ impl EditorState {
     pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
         let moving = viewport.moving || self.is_editing_by_pointer(ctx);
         self.baking.hold(moving);
+        self.render.set_preview(self.seen() == Seen::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
             baked: self.scene.rendered().cloned(),

@@ -11,7 +11,7 @@ use egui::{Align, Label, Layout, RichText, Ui};
 pub fn show(ui: &mut Ui, state: &mut EditorState) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            figures(ui, state.pictures.shown().filter(|_| state.scene.shown().is_some()));
+            figures(ui, state.pictures.shown().filter(|_| state.scene.rendered().is_some()));
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let running = state.exporting.is_running();
                 if running

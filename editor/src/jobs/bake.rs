@@ -4,7 +4,7 @@ use super::guest::{Door, lower_priority};
 use crate::panels::bake::control_name;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    dataset::{BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     output::OutputError,
     scene::Scene,
     threads::on_threads,
@@ -21,7 +21,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
         mpsc::{Receiver, Sender, channel},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 use tempfile::TempDir;
 
@@ -103,6 +103,7 @@ impl BakeRun {
             cancel: cancel.clone(),
             door: door.clone(),
             wake,
+            woken: Arc::default(),
             draft: false,
         };
         spawn("bake", move || {
@@ -153,6 +154,8 @@ struct Teller {
     cancel: Arc<AtomicBool>,
     door: Door,
     wake: Wake,
+    /// When progress last woke the window.
+    woken: Arc<Mutex<Option<Instant>>>,
     draft: bool,
 }
 
@@ -161,6 +164,17 @@ impl Teller {
         // Nobody is left to tell if the window is gone.
         let _ = self.sender.send(message);
         (self.wake)();
+    }
+
+    /// Shows progress. A window that is drawn for each point takes a core.
+    fn wake_now_and_then(&self) {
+        const BETWEEN: Duration = Duration::from_millis(250);
+        let mut woken = self.woken.lock().unwrap_or_else(PoisonError::into_inner);
+        if woken.is_none_or(|at| at.elapsed() >= BETWEEN) {
+            *woken = Some(Instant::now());
+            drop(woken);
+            (self.wake)();
+        }
     }
 
     fn is_cancelled(&self) -> bool {
@@ -175,8 +189,13 @@ impl Observer for Teller {
             Event::Started { phase, total, unit } => {
                 *progress = BakeProgress { draft: self.draft, phase: Some(phase), unit, done: 0, total };
             }
-            // Threads may report out of order.
-            Event::Advanced { done } => progress.done = progress.done.max(done),
+            Event::Advanced { done } => {
+                // Threads may report out of order.
+                progress.done = progress.done.max(done);
+                drop(progress);
+                self.wake_now_and_then();
+                return self.door.pass(|| self.is_cancelled());
+            }
             Event::Warning { message } => {
                 drop(progress);
                 return self.tell(BakeMessage::Warning(message.text(control_name)));
@@ -184,7 +203,6 @@ impl Observer for Teller {
         }
         drop(progress);
         (self.wake)();
-        self.door.pass(|| self.is_cancelled());
     }
 
     fn cancelled(&self) -> bool {
@@ -194,18 +212,16 @@ impl Observer for Teller {
 }
 
 /// Settings of the first bake that is shown. It has the same components and viewpoint, is coarser than a draft, because
-/// the user waits for it, and in nothing finer than the bake asked for. On the colour box, on two busy cores, it took 7
-/// s for a bounce and 20 s for all parts. The mesh has `mesh_vertices`.
+/// the user waits for it, and in nothing finer than the bake asked for. What is sharp in the light of an environment are suns,
+/// which have shadows without a bake; for the rest few lights and evenly spread vertices do. The mesh has `mesh_vertices`.
 pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings {
     let draft = Preset::Draft.settings();
-    let lights = (draft.lights / 4).min(wanted.lights);
+    let lights = (draft.lights / 16).min(wanted.lights);
     // A quarter of the lights at half the sigma is the same error in solid angle.
-    let of_wanted = wanted.criterion.sigma * (lights as f32 / wanted.lights as f32).sqrt();
-    let sigma = (0.5 * draft.criterion.sigma).max(of_wanted);
+    let as_fine_as = |other: &BakeSettings| other.criterion.sigma * (lights as f32 / other.lights as f32).sqrt();
+    let sigma = as_fine_as(&draft).max(as_fine_as(wanted));
     let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
-    // Bounced light is smooth; the shadows of an environment alone want more vertices.
-    let bounces = wanted.mode != BakeParts::ENVIRONMENT;
-    let most = if bounces { Some(15_000) } else { draft.max_vertices }.map(|most| with_room(most, mesh_vertices));
+    let most = Some(with_room(15_000, mesh_vertices));
     // A mesh that is to stay as it is does so in the draft.
     let max_vertices = most.min(wanted.max_vertices);
     let (indirect, meshless) = (draft_of_sources(&wanted.indirect), draft_of_basis(&wanted.meshless));
@@ -217,6 +233,7 @@ pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings 
         pilot_clusters,
         criterion,
         max_vertices,
+        even_vertices: true,
         indirect,
         meshless,
         ..draft

@@ -141,6 +141,7 @@ pub struct RenderThread {
     frame: Arc<Mutex<Option<RenderedFrame>>>,
     events: Receiver<RenderEvent>,
     held: Arc<AtomicBool>,
+    is_preview: Arc<AtomicBool>,
     works: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -154,14 +155,20 @@ impl RenderThread {
         let outbox = Outbox { frame: frame.clone(), events: events_sender, wake };
         let held = Arc::new(AtomicBool::new(false));
         let works = Arc::new(AtomicBool::new(false));
-        let shared = worker::Shared { held: held.clone(), works: works.clone() };
+        let is_preview = Arc::new(AtomicBool::new(false));
+        let shared = worker::Shared { held: held.clone(), is_preview: is_preview.clone(), works: works.clone() };
         let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox, shared).run());
-        Self { messages: Some(messages), frame, events, held, works, thread: Some(thread) }
+        Self { messages: Some(messages), frame, events, held, is_preview, works, thread: Some(thread) }
     }
 
     /// Gives the cores to other work: only the first coarse picture is made meanwhile, and the full one goes on afterwards.
     pub fn hold(&self, held: bool) {
         self.held.store(held, SeqCst);
+    }
+
+    /// Makes further samples wait, because a better picture is on its way.
+    pub fn set_preview(&self, is_preview: bool) {
+        self.is_preview.store(is_preview, SeqCst);
     }
 
     /// Whether it renders, and does not wait for anything.

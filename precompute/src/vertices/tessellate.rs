@@ -39,8 +39,8 @@ const SHARE_PER_ROUND: f32 = 0.3;
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The functions that they store.
-    pub stored: Stored,
+    /// The functions that they store; `None` splits long edges alone, which takes no rays.
+    pub stored: Option<Stored>,
     /// Largest number of vertices.
     pub budget: usize,
     /// Pictures for which most of them are placed, if any.
@@ -63,7 +63,7 @@ pub fn tessellate(
         return Ok(());
     }
     let scale = EdgeScale::new(mesh, scene, shots, budget, observer);
-    let mut pilot = Pilot::new(scene, stored, scale.unit, observer);
+    let mut pilot = stored.map(|stored| Pilot::new(scene, stored, scale.unit, observer));
     for round in 1..=ROUNDS {
         cancelled(observer)?;
         let left = budget.saturating_sub(mesh.positions.len());
@@ -71,7 +71,7 @@ pub fn tessellate(
             break;
         }
         let edges = Edges::new(mesh);
-        let wanted = wanted_edges(mesh, sides, &edges, &mut pilot, &scale)?;
+        let wanted = wanted_edges(mesh, sides, &edges, pilot.as_mut(), &scale)?;
         let part = if round < ROUNDS { (SHARE_PER_ROUND * left as f32) as usize } else { left };
         let mut chosen = edges.within_budget(&wanted, part);
         if chosen.is_empty() {
@@ -92,7 +92,7 @@ fn wanted_edges(
     mesh: &Mesh,
     sides: &Sidedness,
     edges: &Edges,
-    pilot: &mut Pilot,
+    pilot: Option<&mut Pilot>,
     scale: &EdgeScale,
 ) -> Result<Vec<u32>, BakeError> {
     let of_triangles = scale.of_triangles(mesh)?;
@@ -105,15 +105,16 @@ fn wanted_edges(
     let length = |e: u32| lengths[e as usize];
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
-    pilot.learn_errors(mesh, sides, edges, &candidates)?;
     // Long edges come first, by length. Then come edges with visible errors, by the area on which they are wrong.
-    let urgency = |e: u32| {
-        let error = pilot.errors[&edges.key(mesh, e)];
-        if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }
-    };
-    let long = long.into_iter().map(|e| (1e3 + length(e), e));
-    let mut ranked: Vec<(f32, u32)> =
-        long.chain(candidates.iter().map(|&e| (urgency(e), e))).filter(|r| r.0 > 0.0).collect();
+    let mut ranked: Vec<(f32, u32)> = long.into_iter().map(|e| (1e3 + length(e), e)).collect();
+    if let Some(pilot) = pilot {
+        pilot.learn_errors(mesh, sides, edges, &candidates)?;
+        let urgency = |e: u32| {
+            let error = pilot.errors[&edges.key(mesh, e)];
+            if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }
+        };
+        ranked.extend(candidates.iter().map(|&e| (urgency(e), e)).filter(|r| r.0 > 0.0));
+    }
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     Ok(ranked.into_iter().map(|r| r.1).collect())
 }

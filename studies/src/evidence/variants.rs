@@ -13,7 +13,7 @@ use lapidary_core::{
     light_tree::TreeKind,
     scene::Scene,
 };
-use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase};
+use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase, Stored};
 use std::time::Instant;
 
 /// A tree and how fine its cuts are.
@@ -46,7 +46,7 @@ impl VariantBaker {
         observer.event(Event::Started { phase: Phase::Tessellate, total: vertices, unit: "vertices" });
         let start = Instant::now();
         let hash = scene_hash(&scene);
-        let geometry = Geometry::new(scene, BakeParts::ENVIRONMENT, max_vertices, &[], observer)?;
+        let geometry = Geometry::new(scene, Stored::of(BakeParts::ENVIRONMENT), max_vertices, &[], observer)?;
         Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
     }
 

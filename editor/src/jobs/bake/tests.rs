@@ -153,9 +153,9 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
         ..normal.clone()
     };
     let draft = first_draft(&few, 0);
-    assert_eq!(draft, BakeSettings { tree: draft.tree, beta: draft.beta, ..few.clone() });
+    assert_eq!(draft, BakeSettings { tree: draft.tree, beta: draft.beta, even_vertices: true, ..few.clone() });
     assert_eq!(first_draft(&BakeSettings { max_vertices: None, ..few.clone() }, 0).max_vertices, None);
-    assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.75, "negative control");
+    assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.375, "negative control");
     assert!(!draft_is_sooner(&few));
     for (mode, [lights, sources, basis]) in [
         (BakeParts::ENVIRONMENT, [true, false, false]),

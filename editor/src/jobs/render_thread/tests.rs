@@ -119,6 +119,43 @@ fn other_work_holds_the_full_picture_and_no_coarse_one() {
 }
 
 #[test]
+fn another_bake_of_the_scene_replaces_the_picture_as_a_whole() {
+    let (_log, mut thread) = start(Log { micros_per_pixel: 10, ..Log::default() });
+    let first = request(2);
+    thread.request(first.clone());
+    complete(&mut thread);
+    let frames = |thread: &mut RenderThread| {
+        let mut frames = Vec::new();
+        wait_for("the full picture", || {
+            frames.extend(thread.frames().map(|frame| (frame.full_size, frame.samples)));
+            frames.last().is_some_and(|last| *last == (true, 2)).then_some(())
+        });
+        frames
+    };
+    thread.request(RenderRequest { baked: Some(dataset().into()), ..first.clone() });
+    let rebaked = frames(&mut thread);
+    assert!(rebaked.iter().all(|&(full_size, samples)| full_size && samples > 0), "{rebaked:?}");
+    let other = Dataset { scene_hash: "another scene".into(), ..(*dataset()).clone() };
+    thread.request(RenderRequest { baked: Some(other.into()), ..first });
+    assert!(
+        frames(&mut thread).iter().any(|&(_, samples)| samples == 0),
+        "negative control: another scene comes coarse"
+    );
+}
+
+#[test]
+fn a_preview_has_one_sample_until_it_is_none() {
+    let (_log, mut thread) = start(Log::default());
+    thread.set_preview(true);
+    thread.request(request(4));
+    wait_for("a sample", || thread.frames().filter(|f| f.full_size && f.samples == 1));
+    linger();
+    assert!(thread.frames().is_none_or(|frame| frame.samples == 1));
+    thread.set_preview(false);
+    assert_eq!(complete(&mut thread).samples, 4);
+}
+
+#[test]
 fn nothing_is_rendered_when_nothing_changed() {
     let (log, mut thread) = start(Log::default());
     let same = request(2);

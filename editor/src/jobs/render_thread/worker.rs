@@ -60,6 +60,8 @@ fn millis_since(start: Instant) -> f64 {
 pub struct Shared {
     /// Whether other work needs the cores.
     pub held: Arc<AtomicBool>,
+    /// Whether one sample for each pixel is enough for now.
+    pub is_preview: Arc<AtomicBool>,
     /// Whether the thread has something to do that waits for nothing.
     pub works: Arc<AtomicBool>,
 }
@@ -79,6 +81,8 @@ pub struct Worker {
     begun: Option<Begun>,
     /// Camera and full size of the last picture that was begun: what pixels see is known then.
     seen_from: Option<(Camera, [u32; 2])>,
+    /// Whether the picture replaces that of another bake of the scene, which stays on the screen until it has a whole sample.
+    replaces: bool,
     /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
     shown_apart: Option<f32>,
     /// Speed of first samples.
@@ -112,6 +116,7 @@ impl Worker {
             stage: PictureStage::Rest,
             begun: None,
             seen_from: None,
+            replaces: false,
             shown_apart: None,
             sketch_pace: SketchPace::default(),
             band_pace: Pace::default(),
@@ -180,7 +185,7 @@ impl Worker {
     /// Whether a picture must be shown before newer requests are looked at: while they keep coming, none would be finished
     /// otherwise.
     fn is_urgent(&self) -> bool {
-        self.stage == PictureStage::Sketch && self.shown_apart.is_none()
+        self.stage == PictureStage::Sketch && self.shown_apart.is_none() && !self.replaces
     }
 
     fn patience(&self) -> Option<Duration> {
@@ -200,7 +205,8 @@ impl Worker {
             PictureStage::Sketch => self.shown_apart.is_some(),
             PictureStage::Rest | PictureStage::Begin => false,
         };
-        has_shown && self.shared.held.load(SeqCst)
+        let is_enough = matches!(self.stage, PictureStage::Full { .. }) && self.shared.is_preview.load(SeqCst);
+        has_shown && (self.shared.held.load(SeqCst) || is_enough)
     }
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
@@ -258,6 +264,7 @@ impl Worker {
     /// frame time, which may be the full one too.
     fn begin_any(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
+        self.replaces = false;
         if let Some(baked) = &request.baked {
             self.light(baked, &request.look)?;
         }
@@ -268,6 +275,7 @@ impl Worker {
         }
         let from = (request.look.view.camera.clone(), full);
         let stays = self.seen_from.replace(from.clone()) == Some(from);
+        self.replaces &= stays;
         let size =
             if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * request.frame_budget_ms) };
         self.begin(request, size)
@@ -289,7 +297,7 @@ impl Worker {
         let is_due = sketching.is_due(&self.sketch_pace, request.frame_budget_ms);
         // Nothing worse is shown than what was shown of the same look.
         let apart = begun.sketching.stride().map(|stride| begun.apart(stride, request.look.view.size));
-        if is_due && apart.is_some_and(|apart| self.shown_apart.is_none_or(|shown| apart <= shown)) {
+        if is_due && !self.replaces && apart.is_some_and(|apart| self.shown_apart.is_none_or(|shown| apart <= shown)) {
             self.show_sketch(request)?;
             self.shown_apart = apart;
         }
@@ -327,8 +335,11 @@ impl Worker {
     fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
         let scene = match &mut self.scene {
             Some(scene) => {
+                let is_rebaked = scene.baked().dataset.scene_hash == baked.dataset.scene_hash;
                 if scene.set_scene(baked)? {
-                    (self.sketch_pace, self.band_pace, self.seen_from) = Default::default();
+                    (self.sketch_pace, self.band_pace) = Default::default();
+                    self.seen_from.take_if(|_| !is_rebaked);
+                    self.replaces = self.seen_from.is_some();
                 }
                 scene
             }

@@ -18,7 +18,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeParts, Dataset},
+    dataset::Dataset,
     light_tree::PilotVisibility,
     ray::{BoundaryTracer, Intersector},
     scene::Scene,
@@ -41,14 +41,14 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Tessellates for what `mode` stores within a budget of vertices, most finely where `shots` look; `None` leaves the mesh as
-    /// it is.
+    /// Tessellates for what vertices will store within a budget of vertices, most finely where `shots` look; `None` leaves the mesh
+    /// as it is.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
     pub fn new(
         mut scene: Scene,
-        mode: BakeParts,
+        stored: Option<Stored>,
         budget: Option<usize>,
         shots: &[Shot],
         observer: &dyn Observer,
@@ -59,7 +59,6 @@ impl Geometry {
         let intersector = match budget {
             Some(budget) => {
                 remark_on_budget(source_vertices, budget, observer);
-                let stored = Stored { environment: mode.environment(), bounces: mode.sources() || mode.meshless() };
                 let wanted = Wanted { stored, budget, shots };
                 tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
                 Intersector::new(&scene.mesh)

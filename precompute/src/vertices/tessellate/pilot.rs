@@ -12,6 +12,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    dataset::BakeParts,
     ray::{EightRays, Intersector},
     scene::Mesh,
     sphere::fibonacci_directions,
@@ -31,6 +32,13 @@ pub struct Stored {
     pub environment: bool,
     /// Light from surfaces.
     pub bounces: bool,
+}
+
+impl Stored {
+    /// Those of a bake.
+    pub fn of(mode: BakeParts) -> Option<Self> {
+        Some(Self { environment: mode.environment(), bounces: mode.sources() || mode.meshless() })
+    }
 }
 
 /// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, where `r` is

@@ -28,10 +28,10 @@ fn tessellated(budget: usize) -> Scene {
     tessellated_for(DISTANT, &[], box_over_floor(), budget)
 }
 
-fn tessellated_for(stored: Stored, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
+fn tessellated_for(stored: impl Into<Option<Stored>>, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
-    let wanted = Wanted { stored, budget, shots };
+    let wanted = Wanted { stored: stored.into(), budget, shots };
     tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &Silent).unwrap();
     assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
     scene
@@ -39,6 +39,25 @@ fn tessellated_for(stored: Stored, shots: &[Shot], mut scene: Scene, budget: usi
 
 fn area(mesh: &Mesh) -> f32 {
     (0..mesh.triangles.len()).map(|t| 0.5 * mesh.area_vector(t).length()).sum()
+}
+
+#[test]
+fn even_vertices_bound_all_edges_and_follow_no_shadow() {
+    let longest = |scene: &Scene| {
+        let mesh = &scene.mesh;
+        let edge = |t: usize| {
+            let [a, b, c] = mesh.corners(t);
+            a.distance(b).max(b.distance(c)).max(c.distance(a))
+        };
+        (0..mesh.triangles.len()).map(edge).fold(0.0, f32::max)
+    };
+    let budget = 3000;
+    let even = tessellated_for(None, &[], box_over_floor(), budget);
+    let unit = (1.15 * area(&even.mesh) / budget as f32).sqrt();
+    assert!(longest(&even) <= LONGEST * unit && longest(&box_over_floor()) > 2.0 * LONGEST * unit);
+    assert!(is_conforming(&even.mesh));
+    let adaptive = tessellated(budget);
+    assert!(4 * even.mesh.positions.len() < adaptive.mesh.positions.len(), "{} vertices", even.mesh.positions.len());
 }
 
 /// No vertex lies inside an edge of a triangle that does not have it as a corner.
@@ -136,7 +155,7 @@ fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
     let intersector = Intersector::new(&scene.mesh);
     let without = tessellated_for(DISTANT, &[], scene.clone(), 3000).mesh;
     let remarks = Remarks(Mutex::default());
-    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[away] };
+    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[away] };
     tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &remarks).unwrap();
     assert_eq!(scene.mesh, without);
     let remarks = remarks.0.into_inner().unwrap();
@@ -178,7 +197,7 @@ fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let observer = Impatient { asked: AtomicUsize::new(0), limit };
-    let wanted = Wanted { stored: DISTANT, budget: 3000, shots: &[] };
+    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[] };
     let result = tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &observer);
     (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
 }

@@ -132,6 +132,9 @@ pub struct BakeArgs {
     /// if that is more]
     #[arg(long, value_name = "V")]
     pub max_vertices: Option<usize>,
+    /// Spread further vertices evenly, without asking where visibility varies: faster, for a first look
+    #[arg(long)]
+    pub even_vertices: bool,
     /// Do not tessellate the mesh
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
@@ -182,6 +185,7 @@ impl BakeArgs {
         s.criterion.total_error = self.total_error.or(s.criterion.total_error);
         s.max_bytes = self.max_bytes.or(s.max_bytes);
         s.exhaustive = self.exhaustive;
+        s.even_vertices = self.even_vertices;
         s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
         s.mode = self.mode;
         s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
