@@ -319,7 +319,12 @@ impl Chain<'_> {
         let settings = PathSettings { bounces, components, ..PathSettings::direct(2 * half) };
         let view = View { region: Some(job.region), ..self.sampler.view.clone() };
         let part = self.part(5, 0, 2 * u64::from(half));
-        let picture = self.renderer.path_picture(&view, job.illumination, job.lights, settings, &part);
+        let light = match job.light {
+            // Suns shine past the cuts.
+            CutLight::Environment(_) => job.illumination.without_suns(),
+            CutLight::Sources(_) => job.illumination.clone(),
+        };
+        let picture = self.renderer.path_picture(&view, &light, job.lights, settings, &part);
         (!self.progress.cancelled()).then(|| (picture.image.crop(job.region), picture.noise.unwrap_or(0.0)))
     }
 
