@@ -45,8 +45,8 @@ impl EditorState {
 
     /// Bakes without being asked. A checkpoint of other settings is no reason to stop.
     pub(super) fn bake_by_itself(&mut self, resume: bool, progressive: bool) {
-        let interrupted = if resume { self.interrupted() } else { None };
-        self.bake(interrupted.or_else(|| self.scene.kept_output.clone()), resume, progressive, true);
+        // What the user began stays for the user to resume.
+        self.bake(self.scene.kept_output.clone(), resume, progressive, true);
     }
 
     /// Writes the bake that is shown to where the user wants it, if it is what a bake would give. Returns whether it is.

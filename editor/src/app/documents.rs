@@ -171,7 +171,7 @@ impl EditorState {
         self.messages.warnings(&name, &warnings);
         recent.into_iter().for_each(|path| self.remember(&path));
         if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
-            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() != Leftover::Nothing);
+            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
             self.bake_by_itself(has_draft && has_chunks, !has_draft);
         }
     }
