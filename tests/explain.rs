@@ -26,7 +26,10 @@ fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     assert!(said.contains("pixel 20,22") && said.contains("light samples"), "{said}");
     let json = folder.json("why/explain.json");
     let nodes = json["pixel"]["nodes"].as_array().expect("nodes");
-    let sum: Vec3 = nodes.iter().map(|node| vector(&node["contribution"])).sum();
+    let suns = json["pixel"]["suns"].as_array().expect("suns");
+    assert_eq!(suns.len(), 1);
+    let sum: Vec3 = nodes.iter().chain(suns).map(|term| vector(&term["contribution"])).sum();
+    assert!(vector(&suns[0]["contribution"]).max_element() > 0.0, "{said}");
     let rendered = Image::read(&folder.path("a.exr")).expect("a picture").at(20, 22);
     assert!((sum - rendered).length() < 1e-4 * rendered.length(), "{sum} for {rendered}");
     let greatest = json["by_contribution"][0].as_u64().expect("a position") as usize;

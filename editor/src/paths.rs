@@ -27,6 +27,11 @@ enum System {
 }
 
 impl Folders {
+    /// Bakes that began by themselves.
+    pub fn bakes(&self) -> PathBuf {
+        self.cache.join("bakes")
+    }
+
     /// Below `LAPIDARY_HOME` if that is set, else where this system has them.
     ///
     /// # Errors

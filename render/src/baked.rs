@@ -40,12 +40,17 @@ impl Baked {
     /// thorough one after a while.
     pub fn begun(dataset: impl Into<Arc<Dataset>>) -> Self {
         let baked = Self::from(dataset);
-        let builds = baked.clone();
+        baked.begin();
+        baked
+    }
+
+    /// The same for one that has no hierarchies yet.
+    pub fn begin(&self) {
+        let builds = self.clone();
         std::thread::spawn(move || {
             builds.intersector();
             builds.refine();
         });
-        baked
     }
 
     /// Casts rays on the mesh, by the best hierarchy that is there; they meet the same with any but along edges, see [`Intersector::quick`]. If there is none yet, the quick

@@ -58,7 +58,7 @@ pub use look::{Look, Redo};
 pub use measure::{
     compare,
     cut_light::{CutLight, GatheredLight, NoCuts, TreeOf},
-    explain::{ExplainError, ExplainedNode, ExplainedVertex, PixelExplanation, cut_map::CutMap},
+    explain::{ExplainError, ExplainedNode, ExplainedSun, ExplainedVertex, PixelExplanation, cut_map::CutMap},
     lettering::Lettering,
     predict::{Bin, Calibration, CalibrationError, PredictedError, calibrate, predicted_error},
     split::{ErrorSplit, SplitError, SplitJob, SplitPicture, SplitStep, vertices::TraceVertex},

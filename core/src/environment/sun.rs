@@ -51,8 +51,8 @@ pub struct Sun {
 pub struct Suns {
     /// From the brightest; at most [`MOST_SUNS`].
     pub suns: Vec<Sun>,
-    /// The map without them.
-    pub rest: Arc<Environment>,
+    /// The map without them; `None` if there are none.
+    pub rest: Option<Arc<Environment>>,
 }
 
 impl Suns {
@@ -65,12 +65,15 @@ impl Suns {
         spots.retain(is_sun);
         spots.sort_by(|a, b| b.share.total_cmp(&a.share));
         spots.truncate(MOST_SUNS);
+        if spots.is_empty() {
+            return Self { suns: Vec::new(), rest: None };
+        }
         let mut rest = environment.map.clone();
         for texel in spots.iter().flat_map(|spot| &spot.texels) {
             let (index, kept) = (*texel as usize, map.kept(*texel, level));
             rest.pixels[index] *= kept;
         }
-        let rest = Arc::new(Environment::new(environment.name.clone(), rest));
+        let rest = Some(Environment::new(environment.name.clone(), rest).into());
         Self { suns: spots.into_iter().map(|spot| spot.sun).collect(), rest }
     }
 }
@@ -167,9 +170,12 @@ impl<'a> Weighted<'a> {
     }
 }
 
-/// The suns that were found last, with the settings by which they were.
+/// The suns that were found last, with the settings by which they were: the window and its jobs ask for several in turn.
 #[derive(Debug, Default)]
-pub(super) struct SunCache(Mutex<Option<(SunSettings, Arc<Suns>)>>);
+pub(super) struct SunCache(Mutex<Vec<(SunSettings, Arc<Suns>)>>);
+
+/// Settings whose suns are kept.
+const KEPT: usize = 3;
 
 /// A copy finds its own.
 impl Clone for SunCache {
@@ -188,8 +194,13 @@ impl PartialEq for SunCache {
 impl SunCache {
     pub fn suns(&self, environment: &Environment, settings: SunSettings) -> Arc<Suns> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known.take().filter(|(of, _)| *of == settings);
-        known.insert(found.unwrap_or_else(|| (settings, Suns::of(environment, settings).into()))).1.clone()
+        if let Some((_, suns)) = known.iter().find(|(of, _)| *of == settings) {
+            return suns.clone();
+        }
+        let suns: Arc<Suns> = Suns::of(environment, settings).into();
+        known.insert(0, (settings, suns.clone()));
+        known.truncate(KEPT);
+        suns
     }
 }
 
@@ -242,7 +253,7 @@ mod tests {
                 assert!(off < 0.05 || angle < 1.0, "{toward} {angle}: {} for {expected}", sun.irradiance);
                 // Nothing is lost: what the disc radiates is what the map lacks.
                 let of_disc = sun.irradiance.as_dvec3() * (2.0 / (1.0 + f64::from(radius.cos())));
-                let lost = (flux(&map.map) - flux(&rest.map)) / of_disc - 1.0;
+                let lost = (flux(&map.map) - flux(&rest.unwrap().map)) / of_disc - 1.0;
                 assert!(lost.abs().max_element() < 1e-5, "{toward} {angle}: {lost}");
             }
         }
@@ -252,7 +263,7 @@ mod tests {
     fn what_is_large_faint_or_even_stays_in_the_map() {
         let none = |map: &Environment| {
             let Suns { suns, rest } = Suns::of(map, SunSettings::default());
-            suns.is_empty() && rest.map == map.map
+            suns.is_empty() && rest.is_none()
         };
         let size = [1024, 512];
         assert!(none(&Environment::new("grey".into(), constant(Vec3::ONE))));
@@ -299,5 +310,6 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &sky.suns(settings)));
         let others = sky.suns(SunSettings { threshold: 1e9, ..settings });
         assert!(!Arc::ptr_eq(&first, &others) && others.suns.is_empty() && first.suns.len() == 1);
+        assert!(Arc::ptr_eq(&first, &sky.suns(settings)), "in turn");
     }
 }

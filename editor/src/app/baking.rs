@@ -2,7 +2,7 @@
 
 use super::{
     files::Written,
-    opening::draft_of,
+    opening::{draft_of, kept_in},
     state::{
         EditorState,
         baking::{Ended, Looked, Run, Seen},
@@ -26,7 +26,7 @@ use lapidary_render::Baked;
 use lapidary_studies::jobs::spawn;
 use std::{
     path::{Path, PathBuf},
-    sync::Arc,
+    sync::{Arc, mpsc::channel},
     time::{Duration, Instant, SystemTime},
 };
 
@@ -56,15 +56,29 @@ impl EditorState {
             self.scene.shown().filter(|_| is_elsewhere && !self.scene.is_draft && self.stale_reasons().is_empty());
         let Some((whole, output)) = whole.cloned().zip(self.scene.bake_output.clone()) else { return false };
         if self.may_write(&output, Written::Dataset) {
-            match whole.dataset.write(&output) {
-                Ok(()) => {
-                    self.messages.note(format!("The bake was written ({})", output.display()));
-                    self.document.dataset = Some(output);
-                }
-                Err(error) => self.messages.error(error.to_string()),
-            }
+            let (sender, written) = channel();
+            self.baking.written = Some(written);
+            let wake = self.wake.clone();
+            spawn("write the bake", move || {
+                // Nobody is left to tell if another scene was opened.
+                let _ = sender.send(whole.dataset.write(&output).map(|()| output).map_err(|error| error.to_string()));
+                wake();
+            });
         }
         true
+    }
+
+    /// Tells of a bake that was written.
+    fn collect_written(&mut self) {
+        let Some(written) = self.baking.written.as_ref().and_then(|written| written.try_recv().ok()) else { return };
+        self.baking.written = None;
+        match written {
+            Ok(output) => {
+                self.messages.note(format!("The bake was written ({})", output.display()));
+                self.document.dataset = Some(output);
+            }
+            Err(error) => self.messages.error(error),
+        }
     }
 
     /// The output of an interrupted bake: the user's, or else one that began by itself.
@@ -145,6 +159,7 @@ impl EditorState {
     }
 
     pub(super) fn collect_bake(&mut self) {
+        self.collect_written();
         let Some(run) = &mut self.baking.run else { return };
         let phase = run.job.progress().phase;
         if phase != run.phase {
@@ -180,15 +195,22 @@ impl EditorState {
         self.messages.note(format!("Baked {vertices} vertices in {:.0} s", run.since.elapsed().as_secs_f64()));
         if self.scene.bake_output.as_ref() == Some(&run.output) {
             self.document.dataset = Some(run.output.clone());
-        } else {
-            let (folder, latest) = (self.folders.cache.join("bakes"), run.output.clone());
-            spawn("kept bakes", move || kept_bakes::remove_oldest(&folder, &latest, kept_bakes::MOST_BYTES));
+        }
+        let (folder, latest) = (self.folders.bakes(), run.output.clone());
+        if latest.starts_with(&folder) {
+            spawn("kept bakes", move || {
+                // A draft that stays is as old as the others some day.
+                let _ = std::fs::remove_file(draft_of(&latest));
+                kept_bakes::remove_oldest(&folder, &latest, kept_bakes::MOST_BYTES);
+            });
         }
     }
 
     /// The draft is shown at the next start, if the bake is not finished by then.
     fn keep_draft(&self, dataset: &Arc<Dataset>) {
-        let Some(path) = self.scene.kept_output.as_deref().map(draft_of) else { return };
+        let Some(scene) = &self.document.scene else { return };
+        // It is of the scene as it was when its bake began.
+        let path = draft_of(&kept_in(&self.folders.bakes(), scene, &dataset.scene_hash));
         let dataset = dataset.clone();
         spawn("keep draft", move || {
             // Without it the next start bakes a draft again.
@@ -225,8 +247,13 @@ impl EditorState {
         fit_materials(&mut self.document, &baked.dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
+        // The hierarchies are for the picture, and no guests.
+        baked.begin();
         self.scene.baked = Some(baked);
-        (self.scene.is_draft, self.scene.show_stale, self.scene.preview) = (is_draft, false, None);
+        (self.scene.is_draft, self.scene.show_stale) = (is_draft, false);
+        // The scene may have changed during its bake.
+        let source = self.scene.source.as_ref().filter(|_| self.scene.is_stale());
+        self.scene.preview = source.map(Imported::unshadowed);
     }
 
     /// What the picture is rendered by.
@@ -260,6 +287,7 @@ impl EditorState {
         // What is on the screen stays there, and is marked.
         self.scene.show_stale = self.scene.shown().is_some();
         self.scene.preview = (!self.scene.show_stale).then(|| source.unshadowed());
+        self.scene.kept_output = Some(kept_in(&self.folders.bakes(), path, &source.hash));
         self.scene.source = Some(source);
     }
 

@@ -210,7 +210,9 @@ fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) 
 
 /// The suns of the environment as if they were switched on.
 fn suns(state: &EditorState) -> Vec<Light> {
-    let Some(environment) = state.environments.loaded() else { return Vec::new() };
+    // They shine where the environment does.
+    let is_lit = state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    let Some(environment) = state.environments.loaded().filter(|_| is_lit) else { return Vec::new() };
     let mut document = state.document.environment.clone();
     document.sun.enabled = true;
     let light = Illumination { sun: document.suns(), ..illumination(&state.document, environment.clone()) };

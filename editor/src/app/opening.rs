@@ -9,7 +9,7 @@ use crate::{
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Imported as Source,
+        Imported as Source, kept_bakes,
         load::{Kind, foreign, kind_of},
     },
     preferences::AllowedFolders,
@@ -258,10 +258,10 @@ pub fn draft_of(output: &Path) -> PathBuf {
     output.with_extension("draft.cuts")
 }
 
-/// The name of a bake that began by itself. Another version of the scene has another bake.
-fn kept_name(scene: &Path, hash: &str) -> String {
+/// Path in the folder `bakes` of a bake that began by itself. Another version of the scene has another bake.
+pub fn kept_in(bakes: &Path, scene: &Path, hash: &str) -> PathBuf {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
-    format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash))
+    bakes.join(format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash)))
 }
 
 /// The bakes of a scene.
@@ -281,10 +281,13 @@ impl Reader<'_> {
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, path, &output, &mut warnings);
         let document = match &found.whole {
-            Some((baked, file)) => {
-                // Another machine would look for it in vain.
-                let dataset = Some(file.clone()).filter(|file| *file == output);
-                Document { dataset, ..Document::of_dataset(&baked.dataset, output.clone(), Some(path.into())) }
+            Some((baked, file)) if *file == output => {
+                Document::of_dataset(&baked.dataset, output.clone(), Some(path.into()))
+            }
+            // The look is that of the scene as it is now. The file is not named: another machine would look for it in vain.
+            Some((kept, _)) => {
+                let bake = kept.dataset.settings.clone();
+                Document { bake, ..Document::of_scene(&source.scene, Some(path.into())) }
             }
             None => Document::of_scene(&source.scene, Some(path.into())),
         };
@@ -293,23 +296,22 @@ impl Reader<'_> {
 
     fn bundled(&self, scene: &Path) -> Result<Ready> {
         let source = self.consent.import(scene)?;
-        let output = self.bakes.join(kept_name(scene, &source.hash));
+        let output = kept_in(self.bakes, scene, &source.hash);
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, scene, &output, &mut warnings);
         // A bake of other settings is one that the user asked for.
         let whole = found.whole.as_ref().map(|(baked, _)| &baked.dataset);
         let bake = whole.map_or_else(|| proposed_bake(&source.scene), |dataset| dataset.settings.clone());
-        let shown = whole.map_or(&*source.scene, |dataset| &dataset.scene);
         // Named before it is there, so that a session finds it later.
         let dataset = Some(output.clone());
-        let document = Document { bake, dataset, ..Document::of_scene(shown, Some(scene.into())) };
+        let document = Document { bake, dataset, ..Document::of_scene(&source.scene, Some(scene.into())) };
         Ok(Ready { bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
 
     /// The bakes of a scene: the one at `output`, or else one that is kept, or else a draft. Of another version of the scene
     /// only the first counts.
     fn bakes_of(&self, source: &Source, scene: &Path, output: &Path, warnings: &mut Vec<String>) -> Found {
-        let kept_output = self.bakes.join(kept_name(scene, &source.hash));
+        let kept_output = kept_in(self.bakes, scene, &source.hash);
         let is_of_scene = |baked: &Baked| baked.dataset.scene_hash == source.hash;
         let mut read = |path: &Path| read_if_there(path, warnings);
         let asked_for = read(output).map(|baked| (baked, output.to_owned()));
@@ -317,6 +319,7 @@ impl Reader<'_> {
             Some(asked_for) if is_of_scene(&asked_for.0) => Some(asked_for),
             asked_for => {
                 let kept = read(&kept_output).filter(is_of_scene).map(|baked| (baked, kept_output.clone()));
+                kept.iter().for_each(|(_, file)| kept_bakes::touch(file));
                 kept.or(asked_for)
             }
         };

@@ -263,7 +263,7 @@ impl EditorState {
     }
 
     fn open_with(&mut self, target: Target, consent: Consent) {
-        self.opening = Some(Opening::start(target, self.folders.cache.join("bakes"), consent, self.wake.clone()));
+        self.opening = Some(Opening::start(target, self.folders.bakes(), consent, self.wake.clone()));
     }
 
     /// Whether there are changes that are not saved.

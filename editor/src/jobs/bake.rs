@@ -278,13 +278,13 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
             bake((*task.scene).clone(), &BakeJob { settings, output, ..task.job.clone() }, &teller_of_draft)
         };
         match on_threads(cores, draft) {
-            Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::begun(dataset))),
+            Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::from(dataset))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
             Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {}", error.text(control_name)))),
         }
     }
     match on_threads(cores, || bake_whole(task, teller)) {
-        Ok(dataset) => BakeMessage::Done(Baked::begun(dataset)),
+        Ok(dataset) => BakeMessage::Done(Baked::from(dataset)),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
         Err(error) => BakeMessage::Failed(error.text(control_name)),
     }

@@ -1,7 +1,7 @@
 //! Bakes that began by themselves are kept, so that a scene need not be baked again; the oldest make room for new ones.
 
 use std::{
-    fs::DirEntry,
+    fs::{DirEntry, File},
     path::{Path, PathBuf},
     time::SystemTime,
 };
@@ -9,8 +9,14 @@ use std::{
 /// Most bytes of such bakes.
 pub const MOST_BYTES: u64 = 8 << 30;
 
-/// Removes the bakes of a folder that are the oldest, until the others have at most `most` bytes. `latest` stays in any case, and
-/// so does what cannot be removed.
+/// Makes a bake the newest.
+pub fn touch(bake: &Path) {
+    // One that cannot be touched is removed somewhat earlier.
+    let _ = File::options().append(true).open(bake).and_then(|file| file.set_modified(SystemTime::now()));
+}
+
+/// Removes what is the oldest of a folder of bakes, and of what interrupted ones left, until the rest has at most `most` bytes.
+/// `latest` stays in any case, and so does what cannot be removed.
 pub fn remove_oldest(folder: &Path, latest: &Path, most: u64) {
     let mut bakes: Vec<(SystemTime, u64, PathBuf)> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().filter_map(bake).collect();
@@ -20,17 +26,26 @@ pub fn remove_oldest(folder: &Path, latest: &Path, most: u64) {
         if bytes <= most {
             break;
         }
-        if std::fs::remove_file(path).is_ok() {
+        let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        if removed.is_ok() {
             bytes -= size;
         }
     }
 }
 
-/// When a bake was written, and its size.
+/// When a bake, or what is left of one, was written, and its size.
 fn bake(entry: DirEntry) -> Option<(SystemTime, u64, PathBuf)> {
     let (path, data) = (entry.path(), entry.metadata().ok()?);
-    let is_bake = data.is_file() && path.extension().is_some_and(|extension| extension == "cuts");
-    is_bake.then_some((data.modified().ok()?, data.len(), path))
+    let extension = path.extension().and_then(|extension| extension.to_str())?;
+    let size = match extension {
+        "cuts" if data.is_file() => data.len(),
+        "partial" if data.is_dir() => {
+            let files = std::fs::read_dir(&path).ok()?.flatten();
+            files.filter_map(|file| Some(file.metadata().ok()?.len())).sum()
+        }
+        _ => return None,
+    };
+    Some((data.modified().ok()?, size, path))
 }
 
 #[cfg(test)]
@@ -56,5 +71,24 @@ mod tests {
         assert!(oldest.is_file() && !old.is_file() && new.is_file() && other.is_file());
         remove_oldest(folder.path(), &new, 0);
         assert!(!oldest.is_file() && new.is_file(), "the latest stays");
+    }
+
+    #[test]
+    fn what_was_opened_lately_is_new_and_what_is_left_of_bakes_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second] = ["a.cuts", "b.cuts"].map(|name| folder.path().join(name));
+        for (path, age) in [(&first, 900), (&second, 800)] {
+            std::fs::write(path, [0; 100]).unwrap();
+            let written = SystemTime::now() - Duration::from_secs(age);
+            File::options().append(true).open(path).unwrap().set_modified(written).unwrap();
+        }
+        touch(&first);
+        let left = folder.path().join("c.cuts.partial");
+        std::fs::create_dir(&left).unwrap();
+        std::fs::write(left.join("chunk"), [0; 100]).unwrap();
+        remove_oldest(folder.path(), Path::new(""), 200);
+        assert!(first.is_file() && !second.is_file() && left.is_dir());
+        remove_oldest(folder.path(), &first, 100);
+        assert!(first.is_file() && !left.exists());
     }
 }

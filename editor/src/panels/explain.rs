@@ -10,6 +10,7 @@ mod tests;
 use super::units::grouped;
 use crate::panels::widgets::{copyable, section};
 use egui::{Grid, RichText, Ui};
+use lapidary_core::color::luminance;
 use lapidary_render::{CutMap, ErrorSplit, PixelExplanation, TreeOf};
 use std::sync::Arc;
 
@@ -116,6 +117,10 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     let dark = grouped(explanation.dark_nodes.len() as u64);
     rows.push(("Merged".into(), format!("{}, {dark} in the dark", nodes(explanation.merged_nodes as usize))));
     rows.push(("Evaluated".into(), nodes(explanation.nodes.len())));
+    let whole = luminance(explanation.radiance).max(f32::MIN_POSITIVE);
+    for sun in &explanation.suns {
+        rows.push(("Sun".into(), format!("{:.1} %, by rays", 100.0 * luminance(sun.contribution) / whole)));
+    }
     let [r, g, b] = explanation.radiance.to_array();
     rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));
     Grid::new("explained cuts").num_columns(2).show(ui, |ui| {

@@ -39,7 +39,7 @@ const SHARE_PER_ROUND: f32 = 0.3;
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The functions that they store; `None` splits long edges alone, which takes no rays.
+    /// The functions that they store; `None` splits long edges alone, and asks no pilot.
     pub stored: Option<Stored>,
     /// Largest number of vertices.
     pub budget: usize,

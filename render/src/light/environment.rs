@@ -50,14 +50,10 @@ impl Illumination {
         found.iter().flat_map(|found| &found.suns).map(light).filter(Light::shines).collect()
     }
 
-    /// The light that samples stand for, and nothing else.
-    pub fn without_suns(&self) -> Self {
-        Self { environment: self.sampled(), sun: None, ..self.clone() }
-    }
-
     /// The map that light samples stand for: without its suns.
     pub fn sampled(&self) -> Arc<Environment> {
-        self.sun.map_or_else(|| self.environment.clone(), |settings| self.environment.suns(settings).rest.clone())
+        let rest = self.sun.and_then(|settings| self.environment.suns(settings).rest.clone());
+        rest.unwrap_or_else(|| self.environment.clone())
     }
 }
 

@@ -7,6 +7,10 @@
 pub(crate) mod cut_map;
 
 use crate::{
+    light::{
+        direct::{direct_light, pixel_shift},
+        environment::Illumination,
+    },
     measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
     renderer::Renderer,
     shade::{
@@ -19,7 +23,7 @@ use crate::{
     view::View,
 };
 use glam::Vec3;
-use lapidary_core::{color::luminance, cut::packed::PackedCuts};
+use lapidary_core::{color::luminance, cut::packed::PackedCuts, lights::Emission};
 use serde::Serialize;
 use std::ops::Range;
 use thiserror::Error;
@@ -101,6 +105,17 @@ pub struct ExplainedNode {
     pub contribution: Vec3,
 }
 
+/// Light of a sun, which is no node: it is shadowed by rays from the pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ExplainedSun {
+    /// Unit direction to its middle in world space.
+    pub direction: Vec3,
+    /// The angle that it is seen under, in degrees.
+    pub angle_degrees: f32,
+    /// Light reflected to the eye.
+    pub contribution: Vec3,
+}
+
 /// Everything that decides the radiance at the centre of a pixel.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelExplanation {
@@ -122,6 +137,8 @@ pub struct PixelExplanation {
     pub nodes: Vec<ExplainedNode>,
     /// Heap indices of the nodes of the merged cut without visible light, left to right.
     pub dark_nodes: Vec<u32>,
+    /// Suns of the environment, see [`Renderer::explain_suns`].
+    pub suns: Vec<ExplainedSun>,
     /// The sum of the contributions.
     pub radiance: Vec3,
     /// The shaded surface point.
@@ -179,6 +196,18 @@ impl Renderer {
         Ok(light.with_field(Explain { pixel, tree: light.tree(), point, cuts, sampling }))
     }
 
+    /// Adds the suns of an environment to the explanation of its light.
+    pub fn explain_suns(&self, explanation: &mut PixelExplanation, illumination: &Illumination) {
+        let [x, y] = explanation.pixel;
+        for sun in illumination.suns().into_iter().filter(|_| explanation.tree == TreeOf::Environment) {
+            let Emission::Directional { angle_degrees } = sun.emission else { continue };
+            let Some(forward) = sun.forward() else { continue };
+            let contribution = direct_light(&explanation.point, &[sun], self.intersector(), pixel_shift(x, y, 0));
+            explanation.suns.push(ExplainedSun { direction: -forward, angle_degrees, contribution });
+            explanation.radiance += contribution;
+        }
+    }
+
     /// The surface at the centre of a pixel.
     fn point_at(&self, view: &View, pixel: [u32; 2]) -> Result<Box<SurfacePoint>, ExplainError> {
         let size = view.size;
@@ -232,6 +261,7 @@ impl FieldJob for Explain<'_> {
             radiance: nodes.iter().map(|node: &ExplainedNode| node.contribution).sum(),
             nodes,
             dark_nodes,
+            suns: Vec::new(),
             point: self.point,
         }
     }

@@ -244,7 +244,10 @@ impl Chain<'_> {
     /// All pictures and the noise of the last; `None` if cancelled.
     fn pictures(&self) -> Option<(Vec<(SplitPicture, Image)>, f64)> {
         let mut pictures = Vec::new();
-        let mut push = |kind, image: Image| {
+        let suns = self.suns();
+        let mut push = |kind, mut image: Image| {
+            // Paths see suns in the map.
+            suns.iter().filter(|_| kind != SplitPicture::Paths).for_each(|suns| image.add(suns));
             self.progress.preview(&Preview { image: &image, step: 1, noise: None });
             pictures.push((kind, image));
         };
@@ -262,6 +265,16 @@ impl Chain<'_> {
         let (paths, noise) = self.paths()?;
         push(SplitPicture::Paths, paths);
         Some((pictures, noise))
+    }
+
+    /// Direct light of the suns, by rays: no cut has a part in it.
+    fn suns(&self) -> Option<Image> {
+        let suns = match self.job.light {
+            CutLight::Environment(_) => self.job.illumination.suns(),
+            CutLight::Sources(_) => Vec::new(),
+        };
+        let view = View { region: Some(self.job.region), ..self.sampler.view.clone() };
+        (!suns.is_empty()).then(|| self.renderer.direct_light(&view, &suns).crop(self.job.region))
     }
 
     /// How the nodes of stored cuts are sampled.
@@ -319,12 +332,7 @@ impl Chain<'_> {
         let settings = PathSettings { bounces, components, ..PathSettings::direct(2 * half) };
         let view = View { region: Some(job.region), ..self.sampler.view.clone() };
         let part = self.part(5, 0, 2 * u64::from(half));
-        let light = match job.light {
-            // Suns shine past the cuts.
-            CutLight::Environment(_) => job.illumination.without_suns(),
-            CutLight::Sources(_) => job.illumination.clone(),
-        };
-        let picture = self.renderer.path_picture(&view, &light, job.lights, settings, &part);
+        let picture = self.renderer.path_picture(&view, job.illumination, job.lights, settings, &part);
         (!self.progress.cancelled()).then(|| (picture.image.crop(job.region), picture.noise.unwrap_or(0.0)))
     }
 

@@ -11,7 +11,7 @@ use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
 
 impl Renderer {
-    /// The direct light of local lights alone, over black.
+    /// The direct light of local lights alone, over black; black outside of a view's region.
     pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
         let backdrop = Backdrop::black();
         let (sampler, intersector) = (PixelSampler::new(self, view, &backdrop), self.intersector());
@@ -25,6 +25,7 @@ impl Renderer {
         };
         let [width, height] = view.size;
         let rows = (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (x, y)));
-        Image { size: view.size, pixels: rows.map(|(x, y)| pixel(x, y)).collect() }
+        let in_region = |x, y| if sampler.columns(y).contains(&x) { pixel(x, y) } else { Vec3::ZERO };
+        Image { size: view.size, pixels: rows.map(|(x, y)| in_region(x, y)).collect() }
     }
 }

@@ -177,7 +177,8 @@ impl<'a> Explainer<'a> {
     /// Explains a pixel, says so, and draws its merged cut.
     fn explain(&self, pixel: [u32; 2], console: Console) -> Result<PixelExplanation> {
         let light = self.light()?;
-        let explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf)?;
+        let mut explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf)?;
+        self.renderer.explain_suns(&mut explanation, &self.viewed.light);
         console.summary(report::of_pixel(&explanation))?;
         let map = self.renderer.cut_map(&explanation, light, MAP_WIDTH);
         let exposure = map.exposure();

@@ -29,7 +29,8 @@ pub struct ExplainedPicture {
 impl ExplainedPicture {
     fn explain(&self, pixel: [u32; 2]) -> Result<ExplainedPixel> {
         let (renderer, light) = (Renderer::of(&self.baked, &self.look), self.gathered.light());
-        let explanation = renderer.explain(&self.look.view, pixel, light, self.look.sampling)?;
+        let mut explanation = renderer.explain(&self.look.view, pixel, light, self.look.sampling)?;
+        renderer.explain_suns(&mut explanation, &self.look.light);
         let map = renderer.cut_map(&explanation, light, MAP_WIDTH).into();
         Ok(ExplainedPixel { explanation, map })
     }

@@ -8,7 +8,7 @@ use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::{Leftover, Phase, ResolvedBake};
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex},
+    sync::{Arc, Mutex, mpsc::Receiver},
     time::{Duration, Instant, SystemTime},
 };
 
@@ -19,6 +19,8 @@ pub struct Baking {
     pub(in crate::app) ended: Option<Ended>,
     /// Held by the bake at work, also by one that was left and has not noticed yet.
     pub(in crate::app) turn: Arc<Mutex<()>>,
+    /// A kept bake that is being written to where the user wants it.
+    pub(in crate::app) written: Option<Receiver<Result<PathBuf, String>>>,
     /// What an interrupted bake left, and when it was read.
     pub(in crate::app) leftover: Option<(Looked, Leftover)>,
 }

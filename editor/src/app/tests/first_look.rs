@@ -1,8 +1,13 @@
 //! A scene that opens: seen at once, baked by itself, and what of that is kept.
 
 use super::{Place, few_lights};
-use crate::{actions::Action, app::state::baking::Seen, document::Document};
-use lapidary_core::dataset::Dataset;
+use crate::{
+    actions::Action,
+    app::{opening::draft_of, state::baking::Seen},
+    jobs::Imported,
+};
+use glam::Vec3;
+use lapidary_core::dataset::{BakeSettings, Dataset};
 
 /// Opens the scene and bakes it as if that had begun by itself, with few lights.
 fn baked_by_itself(place: &Place) -> super::Window {
@@ -70,7 +75,8 @@ fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     let place = Place::new();
     let mut window = baked_by_itself(&place);
     window.perform(Action::Bake { resume: false });
-    assert!(window.0.state().baking.progress().is_none() && window.has_said("The bake was written"));
+    assert!(window.0.state().baking.progress().is_none());
+    window.wait("the file", |s| s.messages.any_contains("The bake was written"));
     assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), few_lights().lights);
     assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.
@@ -85,18 +91,57 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
-    let scene = window.0.state().scene.source.clone().unwrap().scene;
-    let kept = window.0.state().scene.kept_output.clone().unwrap();
-    let draft = crate::app::opening::draft_of(&kept);
-    std::fs::create_dir_all(draft.parent().unwrap()).unwrap();
-    let job = lapidary_precompute::BakeJob::new(lapidary_precompute::resolve(few_lights()).unwrap(), draft);
-    lapidary_precompute::bake((*scene).clone(), &job, &lapidary_precompute::Silent).unwrap();
+    // The whole takes a minute, and is cancelled long before that.
+    let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
+    window.0.state_mut().document.bake = long;
+    window.0.state_mut().bake_by_itself(false, true);
+    window.wait("the draft", |s| s.seen() == Seen::Draft);
+    assert!(window.shows("Draft; full bake running"));
+    let kept = draft_of(window.0.state().scene.kept_output.as_ref().unwrap());
+    window.wait("the file of the draft", |_| Dataset::read(&kept).is_ok());
+    window.perform(Action::CancelBake);
+    window.wait("the end", |s| s.baking.progress().is_none());
+    assert_eq!(window.0.state().seen(), Seen::Draft, "it stays in use");
     let mut later = place.window();
     later.open(&place.path("scene.obj"));
     assert_eq!(later.0.state().seen(), Seen::Draft);
     later.wait("its badge", |s| s.pictures.shown().is_some());
     assert!(later.shows("Draft"));
-    // The whole one is asked for as before.
-    assert_eq!(later.0.state().document.bake, Document::of_scene(&scene, None).bake);
+}
+
+#[test]
+fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
+    let place = Place::new();
+    let paint = |color: &str| {
+        let text = format!("newmtl paint\nKd {color}\n");
+        std::fs::write(place.path("look.mtl"), text).unwrap();
+    };
+    paint("1 0 0");
+    std::fs::write(place.path("scene.obj"), format!("mtllib look.mtl\nusemtl paint\n{}", super::SCENE)).unwrap();
+    let window = baked_by_itself(&place);
+    let color = |window: &super::Window| window.0.state().document.materials[0].parameters.base_color;
+    assert_eq!(color(&window), Vec3::X);
+    paint("0 0 1");
+    let mut again = place.window();
+    again.open(&place.path("scene.obj"));
+    assert_eq!((again.0.state().seen(), color(&again)), (Seen::Whole, Vec3::Z), "colours make no bake stale");
+}
+
+#[test]
+fn a_scene_that_changes_during_its_bake_is_seen_as_it_is() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().bake_by_itself(false, false);
+    // Read again before the bake is taken.
+    std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
+    let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
+    let hash = changed.hash.clone();
+    window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    let state = window.0.state();
+    assert!(state.scene.is_stale() && state.seen() == Seen::Unshadowed);
+    assert_eq!(state.scene.rendered().unwrap().dataset.scene_hash, hash);
+    assert!(state.scene.kept_output.as_ref().unwrap().to_string_lossy().contains(&hash[..16]));
 }

@@ -205,7 +205,8 @@ impl Worker {
             PictureStage::Sketch => self.shown_apart.is_some(),
             PictureStage::Rest | PictureStage::Begin => false,
         };
-        let is_enough = matches!(self.stage, PictureStage::Full { .. }) && self.shared.is_preview.load(SeqCst);
+        let is_preview = self.shared.is_preview.load(SeqCst) && self.reads.is_empty();
+        let is_enough = matches!(self.stage, PictureStage::Full { .. }) && is_preview;
         has_shown && (self.shared.held.load(SeqCst) || is_enough)
     }
 

@@ -39,6 +39,10 @@ pub fn of_pixel(explanation: &PixelExplanation) -> String {
             node.heap_index, node.depth, node.solid_angle, node.visibility
         );
     }
+    for sun in &explanation.suns {
+        let share = 100.0 * luminance(sun.contribution) / whole;
+        let _ = writeln!(text, "{share:6.2} % a sun of {:.1} degrees, by rays", sun.angle_degrees);
+    }
     text.truncate(text.trim_end().len());
     text
 }
