@@ -68,7 +68,7 @@ fn a_sequence_with_layers_is_the_same_on_both_backends() {
     let view = VIEW.replace("--eye 0.5,3,3", "--eye 0.6,3,3");
     for backend in ["gpu", "cpu"] {
         let out = format!("--layers environment,normal,depth --backend {backend} --out {backend}.#.exr");
-        folder.succeed(&format!("sequence a.cuts {view} --aa 4 --turn environment --frames 2 {out}"));
+        folder.succeed(&format!("sequence a.cuts {view} --sun off --aa 4 --turn environment --frames 2 {out}"));
     }
     let of_layer = |layer: &str, test: &str, reference: &str| {
         error(&folder, &format!("{test} --layer {layer}"), &format!("{reference} --reference-layer {layer}"))
@@ -81,6 +81,21 @@ fn a_sequence_with_layers_is_the_same_on_both_backends() {
     }
     let other = of_layer("environment", "gpu.1.exr", "cpu.2.exr");
     assert!(other > 0.01, "negative control: {other}");
+}
+
+#[test]
+fn suns_agree_on_both_backends_but_for_the_texels_of_shadow_maps() {
+    let Some(folder) = baked() else { return };
+    for degrees in [0, 180, 250] {
+        for (backend, sun) in [("gpu", "on"), ("cpu", "on"), ("cpu", "off")] {
+            let out = format!("--backend {backend} --sun {sun} --out {backend}-{sun}.exr");
+            folder.succeed(&format!("render a.cuts {VIEW} --aa 4 --rotate {degrees} {out}"));
+        }
+        let same = error(&folder, "gpu-on.exr", "cpu-on.exr");
+        assert!(same < 5e-3, "turned by {degrees} degrees: {same}");
+        let other = error(&folder, "cpu-off.exr", "cpu-on.exr");
+        assert!(other > 0.03, "negative control: {other} without a sun");
+    }
 }
 
 #[test]

@@ -72,7 +72,8 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
         ("once", "--brdf once --illum-cut 8"),
         ("bright", "--intensity 2"),
     ] {
-        folder.succeed(&format!("render a.cuts {VIEW} {options} --out {name}.exr"));
+        // The figures below are of light samples.
+        folder.succeed(&format!("render a.cuts {VIEW} --sun off {options} --out {name}.exr"));
     }
     let read = |name: &str| Image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
     assert_eq!(read("option"), read("ggx"));
@@ -89,11 +90,17 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
 #[test]
 fn more_samples_a_pixel_smooth_edges_in_all_renderers_alike() {
     let folder = baked();
-    folder.succeed(&format!("render a.cuts {VIEW} --aa 4 --out a.exr"));
-    folder.succeed(&format!("reference a.cuts {VIEW} --aa 4 --out r.exr"));
-    folder.succeed(&format!("render a.cuts {VIEW} --out one.exr"));
-    let (same, other) = (rel_rmse(&folder, "a.exr", "r.exr"), rel_rmse(&folder, "one.exr", "r.exr"));
+    let errors = |sun: &str| {
+        folder.succeed(&format!("render a.cuts {VIEW} --sun {sun} --aa 4 --out a.exr"));
+        folder.succeed(&format!("reference a.cuts {VIEW} --sun {sun} --aa 4 --out r.exr"));
+        folder.succeed(&format!("render a.cuts {VIEW} --sun {sun} --out one.exr"));
+        (rel_rmse(&folder, "a.exr", "r.exr"), rel_rmse(&folder, "one.exr", "r.exr"))
+    };
+    let (same, other) = errors("off");
     assert!(same < 0.064 && other > 0.07, "{same}, and with one sample {other}");
+    // A sun is shadowed by rays in both, and most of the light is its.
+    let (same, other) = errors("on");
+    assert!(same < 0.01 && other > 0.04, "with suns {same}, and with one sample {other}");
 }
 
 #[test]
