@@ -120,13 +120,8 @@ struct Light {
     is_above: bool,
 }
 
-// f_r(wi, wo) times the cosine for one direction; zero below the horizon.
-fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
-    return reflection_of(brdf, Light(wi, 0.0, max(wi.z, 0.0), wi.z > 0.0), wo);
-}
-
-// The same for a light whose directions around `wi` have an inverse concentration.
-fn brdf_cos_filtered(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<f32> {
+// f_r(wi, wo) times the cosine for directions around `wi` of an inverse concentration, 0 for one; zero below the horizon.
+fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<f32> {
     return reflection_of(brdf, Light(wi, inv_kappa, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
 

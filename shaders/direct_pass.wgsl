@@ -3,7 +3,6 @@
 // A rectangle is a grid of cells. Each cell has shadow maps around its middle and RECTANGLE_DETAIL squared samples of
 // light, which the jitter of the picture moves. A sample beside the middle reads the map where its ray passes the
 // blockers, whose distance is estimated first (after Fernando 2005). So shadows are as soft as from all samples.
-
 //
 // A disc of directions has DISC_STEPS squared samples and one shadow map, from its middle. A sample beside the middle reads the map
 // where its ray passes the blockers.
@@ -126,7 +125,7 @@ fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f
         return vec3(0.0);
     }
     let wi = sample.direction * point.world_from_local;
-    return brdf_cos_filtered(point.brdf, wi, point.wo, inv_kappa) * sample.irradiance;
+    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * sample.irradiance;
 }
 
 fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
