@@ -9,6 +9,8 @@ struct Display {
     view_mode: u32,
     // 1: where nothing is covered the picture is transparent.
     transparent: u32,
+    // 1: a ground lets light through.
+    lets_light_through: u32,
 }
 
 @group(0) @binding(0) var<uniform> display: Display;
@@ -33,26 +35,30 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(position.xy);
     let value = textureLoad(environment_value, pixel, 0);
     let work = textureLoad(environment_work, pixel, 0);
-    let transparent = display.transparent != 0u;
-    if transparent && covered_count(work) == 0u {
-        return vec4(0.0);
-    }
     var total = mean(value, work);
     total += mean(textureLoad(bounce_value, pixel, 0), textureLoad(bounce_work, pixel, 0));
     total += mean(textureLoad(direct_value, pixel, 0), textureLoad(direct_work, pixel, 0));
     total += mean(textureLoad(added_value, pixel, 0), textureLoad(added_work, pixel, 0));
-    let shown = mix(display_value(total), LINE_COLOR, LINE_OPACITY * value.w / weight(work));
-    let coverage = f32(covered_count(work)) / f32(max(sample_count(work), 1u));
-    return vec4(shown, select(1.0, coverage, transparent));
+    if display.transparent == 0u {
+        return vec4(with_lines(total.xyz, total.w), 1.0);
+    }
+    let through = select(0.0, total.w, display.lets_light_through != 0u);
+    let coverage = max(f32(covered_count(work)) / f32(max(sample_count(work), 1u)) - through, 0.0);
+    if coverage == 0.0 {
+        return vec4(0.0);
+    }
+    // The background must not show where the picture has no coverage, so the mean is over what is covered.
+    let lines = select(total.w, 0.0, display.lets_light_through != 0u);
+    return vec4(with_lines((total.xyz - through) / coverage, lines / coverage), coverage);
 }
 
-// The background must not show where a picture has no coverage, so the mean is over the covered samples.
-fn weight(work: vec4<u32>) -> f32 {
-    return f32(max(select(sample_count(work), covered_count(work), display.transparent != 0u), 1u));
+fn mean(value: vec4<f32>, work: vec4<u32>) -> vec4<f32> {
+    return value / f32(max(sample_count(work), 1u));
 }
 
-fn mean(value: vec4<f32>, work: vec4<u32>) -> vec3<f32> {
-    return value.xyz / weight(work);
+// A value as it is shown, with this share of it below lines.
+fn with_lines(value: vec3<f32>, lines: f32) -> vec3<f32> {
+    return mix(display_value(value), LINE_COLOR, LINE_OPACITY * lines);
 }
 
 fn display_value(value: vec3<f32>) -> vec3<f32> {

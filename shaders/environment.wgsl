@@ -1,6 +1,5 @@
-// The environment seen directly: a latitude-longitude map, bilinear. Twin of Environment::radiance.
-
-@group(3) @binding(6) var environment_map: texture_2d<f32>;
+// The environment seen directly: a latitude-longitude map, bilinear. Twin of Environment::radiance. A pass declares
+// `environment_map`.
 
 const PI: f32 = 3.14159265;
 
@@ -29,6 +28,14 @@ fn environment_radiance(direction: vec3<f32>) -> vec3<f32> {
 
 fn environment_texel(x: i32, y: i32) -> vec3<f32> {
     return textureLoad(environment_map, vec2(x, y), 0).xyz;
+}
+
+// Radiance behind a ground that catches shadows.
+fn caught_radiance(direction: vec3<f32>) -> vec3<f32> {
+    if frame.caught == BACKGROUND_FLAT {
+        return frame.caught_color;
+    }
+    return environment_radiance(direction);
 }
 
 // Radiance where there is no surface.

@@ -21,9 +21,17 @@ struct FrameUniforms {
     source_tree_height: u32,
     // Number of the sample that is rendered.
     sample: u32,
-    padding: u32,
+    // First triangle of a ground that catches shadows; none is as large if there is no such ground.
+    catcher: u32,
     // Columns and rows of pixels from texel to texel of the passes that shade: 1, or the stride of a lattice.
     stride: vec2<u32>,
+    // What such a ground catches: the map or one radiance.
+    caught_color: vec3<f32>,
+    caught: u32,
+    // Its reflectance for a radiance of 1 behind it.
+    caught_per_radiance: vec3<f32>,
+    // Whether the picture has an alpha channel, for which it tells the share of the light that it lets through.
+    lets_light_through: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

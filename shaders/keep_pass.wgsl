@@ -22,5 +22,5 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let counts = textureLoad(work, pixel, 0);
     // Nothing was shaded yet since the picture was resumed.
     let kept = vec4(counts.xyz, counts.w & 0xffffu);
-    return Sums(textureLoad(value, pixel, 0) + vec4(textureLoad(added, pixel, 0).xyz, 0.0), kept);
+    return Sums(textureLoad(value, pixel, 0) + textureLoad(added, pixel, 0), kept);
 }

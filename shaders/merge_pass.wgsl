@@ -5,6 +5,8 @@
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
+@group(3) @binding(6) var environment_map: texture_2d<f32>;
+
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let pixel = vec2<u32>(position.xy) * frame.stride;

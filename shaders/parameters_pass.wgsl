@@ -2,6 +2,7 @@
 // Material::modulated in core/src/material.rs.
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
+@group(3) @binding(1) var environment_map: texture_2d<f32>;
 
 struct Parameters {
     // Base colour and roughness.
@@ -16,6 +17,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Parameters {
     let g = textureLoad(geometry, pixel, 0);
     if g.x == 0u {
         return Parameters(vec4(0.0), vec4(0.0));
+    }
+    if (g.w & FLAG_CATCHER) != 0u {
+        return Parameters(vec4(caught_radiance(ray_direction(pixel)) * frame.caught_per_radiance, 1.0), vec4(0.0));
     }
     let triangle = triangles[g.x - 1u];
     let bc = bitcast<vec2<f32>>(g.yz);

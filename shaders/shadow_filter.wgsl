@@ -88,7 +88,7 @@ fn shadow_overhang(index: u32, position: vec3<f32>, normal: vec3<f32>) -> Overha
     let texel = round(map_position(receiver, size));
     let plane = nearest_depth(receiver, texel, size);
     let stored = shadow_texel(texel, index, size);
-    return Overhang(select(0.0, stored, stored > plane), receiver.depth, plane);
+    return Overhang(select(0.0, stored, is_nearer(stored, plane)), receiver.depth, plane);
 }
 
 // Distance from a blocker to the receiver over that from the light to the blocker, 0 without one. In perspective.
@@ -108,8 +108,17 @@ fn map_position(receiver: Receiver, size: vec2<f32>) -> vec2<f32> {
     return (0.5 + vec2(0.5, -0.5) * receiver.position) * size - 0.5;
 }
 
+// Depth of the first surface, 0 where there is none. The maps hold the scene; nothing is stored of the ground beyond.
 fn shadow_texel(texel: vec2<f32>, index: u32, size: vec2<f32>) -> f32 {
-    return textureLoad(shadow_maps, vec2<i32>(clamp(texel, vec2(0.0), size - 1.0)), index, 0);
+    if any(texel < vec2(0.0)) || any(texel >= size) {
+        return 0.0;
+    }
+    return textureLoad(shadow_maps, vec2<i32>(texel), index, 0);
+}
+
+// Whether a stored surface is nearer than a depth, which is below 0 far out on the ground.
+fn is_nearer(stored: f32, depth: f32) -> bool {
+    return stored > max(depth, 0.0);
 }
 
 // A surface of larger depth at a texel blocks the receiver.
@@ -128,7 +137,7 @@ fn shadow_filtered(index: u32, receiver: Receiver, size: vec2<f32>) -> f32 {
     for (var j = 0; j < 4; j++) {
         for (var i = 0; i < 4; i++) {
             let texel = base + vec2(f32(i - 1), f32(j - 1));
-            let is_blocked = shadow_texel(texel, index, size) > nearest_depth(receiver, texel, size);
+            let is_blocked = is_nearer(shadow_texel(texel, index, size), nearest_depth(receiver, texel, size));
             lit += select(weights_x[i] * weights_y[j], 0.0, is_blocked);
         }
     }

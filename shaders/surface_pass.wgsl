@@ -23,10 +23,15 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
     let handedness = vertices[corners.x].handedness * hit.side;
     let uv = interpolated_uv(corners, hit.barycentric);
     let material = triangle.material & ~TWO_SIDED;
-    let bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
+    // A ground that catches shadows is flat and diffuse.
+    let catches = id > frame.catcher;
+    var bumped = smoothed;
+    if !catches {
+        bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
+    }
     // The rotation alone; the mirroring is a flag.
     let rotation = frame_around(facing(bumped, -direction), tangent, 1.0);
-    var flags = materials[material].model;
+    var flags = select(materials[material].model, MODEL_LAMBERT | FLAG_CATCHER, catches);
     flags |= select(0u, FLAG_BACK, hit.side < 0.0);
     flags |= select(0u, FLAG_MIRRORED, handedness < 0.0);
     flags |= select(0u, FLAG_BLACK, hit.side < 0.0 && (triangle.material & TWO_SIDED) == 0u);

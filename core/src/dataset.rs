@@ -56,6 +56,7 @@ pub use parts::{BakeParts, PartsError};
 use crate::{
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
+    ground::Ground,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
     scene::Scene,
@@ -72,7 +73,8 @@ use std::collections::BTreeMap;
 /// Version 4 added the spacing of each source; sources of version 3 are all as far apart as was reported.
 /// Version 5 added bakes that follow boundaries; those of version 4 are exhaustive.
 /// Version 6 added boundaries between surface sources; bakes of version 5 trace every source.
-pub const FORMAT_VERSION: u32 = 6;
+/// Version 7 added the ground; scenes of version 6 have none.
+pub const FORMAT_VERSION: u32 = 7;
 
 /// A baked scene.
 #[derive(Clone, Debug)]
@@ -134,6 +136,9 @@ pub struct BakeSettings {
     pub criterion: CutCriterion,
     /// Vertex clusters of the pilot visibility, `M`.
     pub pilot_clusters: usize,
+    /// The ground under the scene. It gets a fifth of [`Self::max_vertices`] beside those of the scene.
+    #[serde(default)]
+    pub ground: Ground,
     /// Most vertices after tessellation; `None` leaves the mesh as it is.
     pub max_vertices: Option<usize>,
     /// Whether further vertices are spread evenly, without asking where visibility varies: for a first look.
@@ -169,6 +174,7 @@ impl Default for BakeSettings {
             beta: 0.5,
             criterion: CutCriterion::default(),
             pilot_clusters: 1024,
+            ground: Ground::Off,
             max_vertices: Some(100_000),
             even_vertices: false,
             shots: Vec::new(),

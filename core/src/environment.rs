@@ -4,6 +4,7 @@
 
 use crate::image::{Image, ImageError};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 use std::{
     f32::consts::{PI, TAU},
     path::Path,
@@ -30,7 +31,7 @@ pub struct Environment {
     pub name: String,
     /// Latitude-longitude radiance, of any size; 0 to [`MOST_RADIANCE`].
     pub map: Image,
-    suns: sun::SunCache,
+    known: sun::MapCache,
 }
 
 /// Why there is no environment.
@@ -55,12 +56,29 @@ pub enum EnvironmentError {
 impl Environment {
     /// A map under a name.
     pub fn new(name: String, map: Image) -> Self {
-        Self { name, map, suns: sun::SunCache::default() }
+        Self { name, map, known: sun::MapCache::default() }
     }
 
     /// The suns of the map and what is left of it. They are found at the first call, and for other settings again.
     pub fn suns(&self, settings: SunSettings) -> Arc<Suns> {
-        self.suns.suns(self, settings)
+        self.known.suns(self, settings)
+    }
+
+    /// Irradiance in W/m² per channel on a surface that faces up, with nothing in the way. It is the same for every turn of the map.
+    pub fn irradiance_from_above(&self) -> Vec3 {
+        *self.known.from_above.get_or_init(|| self.sum_from_above())
+    }
+
+    fn sum_from_above(&self) -> Vec3 {
+        let [width, height] = self.map.size;
+        // The integral of the cosine over a row's latitudes above the horizon.
+        let weight = |row: u32| {
+            let [top, bottom] =
+                [row, row + 1].map(|edge| (PI * edge as f32 / height as f32).min(PI / 2.0).sin().powi(2));
+            0.5 * (bottom - top) * TAU / width as f32
+        };
+        let rows = self.map.pixels.par_chunks(width.max(1) as usize).enumerate();
+        rows.map(|(row, texels)| texels.iter().sum::<Vec3>() * weight(row as u32)).sum()
     }
 
     /// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns what was repaired, in sentences.

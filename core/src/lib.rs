@@ -45,6 +45,7 @@ pub mod color;
 pub mod cut;
 pub mod dataset;
 pub mod environment;
+pub mod ground;
 pub mod image;
 pub mod import;
 pub mod input;

@@ -25,6 +25,7 @@ pub use eight::EightRays;
 pub use segments::SegmentBatch;
 
 use crate::{
+    bounds::Bounds,
     scene::Mesh,
     surfel::{MeshPlace, Surfel},
     threads::on_threads,
@@ -84,14 +85,22 @@ impl Intersector {
     }
 
     fn made(mesh: &Mesh, build: fn(&[Triangle]) -> Bvh2) -> Self {
-        let distinct = distinct_triangles(mesh);
+        let mut distinct = distinct_triangles(mesh);
+        let bounds = mesh.bounds();
+        distinct.sort_by_cached_key(|&t| mesh.shell_of_ground(t, bounds));
+        let shells = distinct.chunk_by(|&a, &b| mesh.shell_of_ground(a, bounds) == mesh.shell_of_ground(b, bounds));
         let triangle = |&t: &u32| {
             let [v0, v1, v2] = mesh.corners(t as usize).map(Vec3A::from);
             Triangle { v0, v1, v2 }
         };
-        let triangles: Vec<Triangle> = distinct.par_iter().map(triangle).collect();
-        let mut bvh = build(&triangles);
-        widen_boxes(&mut bvh);
+        let mut bvh = Bvh2::default();
+        let mut built = 0;
+        for shell in shells {
+            let of_shell = build(&shell.par_iter().map(triangle).collect::<Vec<Triangle>>());
+            bvh = hierarchy::joined(bvh, built, of_shell);
+            built += shell.len() as u32;
+        }
+        widen_boxes(&mut bvh, bounds);
         let leaf_ids: Vec<u32> = bvh.primitive_indices.par_iter().map(|&i| distinct[i as usize]).collect();
         let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.par_iter().map(|&t| mesh.corners(t as usize)).collect();
         let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
@@ -193,12 +202,13 @@ fn distinct_triangles(mesh: &Mesh) -> Vec<u32> {
     (0..mesh.triangles.len() as u32).filter(|&t| !is_copy[t as usize]).collect()
 }
 
-/// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes.
-fn widen_boxes(bvh: &mut Bvh2) {
+/// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes. Rays begin in
+/// the bounds of the scene, or as far out on its ground as what they meet.
+fn widen_boxes(bvh: &mut Bvh2, bounds: Bounds) {
     const SLACK: f32 = 4e-6;
-    let Some(root) = bvh.nodes.first() else { return };
-    let slack = SLACK * root.aabb.min.abs().max(root.aabb.max.abs()).max_element();
+    let scene = bounds.min.abs().max(bounds.max.abs()).max_element();
     for node in &mut bvh.nodes {
+        let slack = SLACK * node.aabb.min.abs().max(node.aabb.max.abs()).max_element().max(scene);
         node.aabb.min -= slack;
         node.aabb.max += slack;
     }

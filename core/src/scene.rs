@@ -3,6 +3,7 @@
 use crate::{
     bounds::Bounds,
     camera::Camera,
+    ground::GroundStart,
     lights::Light,
     material::Material,
     surfel::{MeshPlace, Surfel},
@@ -49,6 +50,8 @@ pub struct Mesh {
     pub triangle_material: Vec<u32>,
     /// Index into [`Scene::objects`], one per triangle.
     pub triangle_object: Vec<u32>,
+    /// Where the ground under the scene begins, if there is one; see [`crate::ground`].
+    pub ground: Option<GroundStart>,
 }
 
 /// A named part of the scene that can be selected as one.
@@ -178,6 +181,9 @@ pub enum MeshError {
         /// Diagonal of its bounds in metres.
         diagonal: f32,
     },
+    /// The ground shares vertices with the scene, or begins nowhere.
+    #[error("the ground of the mesh is not apart from the rest; the file is damaged, bake the scene again")]
+    Ground,
 }
 
 /// Checks that places are finite and within reach, and that they are not all in one.
@@ -206,9 +212,10 @@ fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Resul
 }
 
 impl Mesh {
-    /// Bounds of all vertices.
+    /// Bounds of all vertices but those of the ground.
     pub fn bounds(&self) -> Bounds {
-        Bounds::around(self.positions.iter().copied())
+        let vertices = self.ground.map_or(self.positions.len(), |start| start.vertex as usize);
+        Bounds::around(self.positions[..vertices].iter().copied())
     }
 
     /// The three corners of a triangle in metres.
@@ -277,7 +284,16 @@ impl Mesh {
             check(t, "material", self.triangle_material[t], materials)?;
             check(t, "object", self.triangle_object[t], objects)?;
         }
-        Ok(())
+        self.validate_ground()
+    }
+
+    /// The ground has its own triangles and vertices, and is not all there is.
+    fn validate_ground(&self) -> Result<(), MeshError> {
+        let Some(GroundStart { vertex, triangle }) = self.ground else { return Ok(()) };
+        let (of_scene, of_ground) = self.triangles.split_at_checked(triangle as usize).ok_or(MeshError::Ground)?;
+        let is_apart =
+            of_scene.iter().flatten().all(|&v| v < vertex) && of_ground.iter().flatten().all(|&v| v >= vertex);
+        if is_apart && !of_scene.is_empty() && !of_ground.is_empty() { Ok(()) } else { Err(MeshError::Ground) }
     }
 
     fn validate_numbers(&self) -> Result<(), MeshError> {

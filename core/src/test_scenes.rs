@@ -46,6 +46,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
         triangles: vec![[0, 2, 1]],
         triangle_material: vec![0],
         triangle_object: vec![0],
+        ground: None,
     };
     let scene = Scene {
         mesh,

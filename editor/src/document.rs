@@ -23,6 +23,7 @@ use lapidary_core::{
     cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
     environment::SunSettings,
+    ground::Ground,
     lights::Light,
     material::Material,
     scene::Scene,
@@ -302,11 +303,12 @@ impl Document {
     }
 }
 
-/// The fastest useful bake: surface sources for a scene with its own lights, the environment for other scenes. More can
-/// be chosen.
+/// The fastest useful bake: surface sources for a scene with its own lights, the environment for other scenes, and a ground
+/// that catches shadows under a lone object. More can be chosen.
 pub fn proposed_bake(scene: &Scene) -> BakeSettings {
     let mode = if scene.lights.is_empty() { BakeParts::ENVIRONMENT } else { BakeParts::INDIRECT };
-    BakeSettings { mode, ..Preset::Normal.settings_for(scene.mesh.positions.len()) }
+    let ground = Ground::suiting(&scene.mesh);
+    BakeSettings { mode, ground, ..Preset::Normal.settings_for(scene.mesh.positions.len()) }
 }
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ use self::{
         bounces::bake_bounces,
         environment::bake_environment,
         fit::{coarser_environment, fit_environment},
+        geometry::ground_budget,
         light_tree::checkpoint_and_tree,
         pack::pack,
     },
@@ -38,6 +39,7 @@ use crate::{
 use lapidary_core::{
     cut::packed::PackedCuts,
     dataset::{BakeAudit, BakeReport, Dataset, scene_hash},
+    ground::{Ground, add_ground},
     light_tree::LightTree,
     lock::OutputLock,
     memory::{peak, resident},
@@ -174,7 +176,7 @@ struct Begun<'a> {
 impl<'a> Begun<'a> {
     /// Makes geometry and light tree.
     fn new(
-        scene: Scene,
+        mut scene: Scene,
         job: &BakeJob,
         work: &Work,
         devices: Option<&'a dyn RayDevices>,
@@ -188,13 +190,16 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
+        if settings.ground != Ground::Off {
+            add_ground(&mut scene);
+        }
         let resumed = match work {
             // It always goes on.
             Work::Share(shard) => Checkpoint::open_share(&job.output, *shard, &hash, &settings)?,
             _ if job.resume => Checkpoint::open(&job.output, work, &hash, &settings)?,
             _ => None,
         };
-        let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0)) as u64;
+        let vertices = most_vertices(&scene, &settings) as u64;
         let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
             let stored = Stored::of(settings.mode).filter(|_| !settings.even_vertices);
             Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
@@ -241,9 +246,16 @@ impl<'a> Begun<'a> {
     }
 }
 
+/// Most vertices that a scene, as imported, will have.
+fn most_vertices(scene: &Scene, settings: &ResolvedBake) -> usize {
+    let of_scene = scene.mesh.ground.map_or(scene.mesh.positions.len(), |start| start.vertex as usize);
+    let vertices = of_scene.max(settings.max_vertices.unwrap_or(0));
+    vertices + if settings.ground == Ground::Off { 0 } else { ground_budget(vertices) }
+}
+
 /// Checks that there is enough memory. Returns what this process will have at most.
 fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<u64, BakeError> {
-    let vertices = scene.mesh.positions.len().max(settings.max_vertices.unwrap_or(0));
+    let vertices = most_vertices(scene, settings);
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
     let places_vertices = vertices > scene.mesh.positions.len();

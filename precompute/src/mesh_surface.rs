@@ -34,7 +34,15 @@ impl<'a> MeshSurface<'a> {
 
     /// Whether a ray meets the mesh from either side.
     pub fn hits_anything(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.intersector.occluded(origin, direction)
+        match self.mesh.ground {
+            None => self.intersector.occluded(origin, direction),
+            Some(_) => self.intersector.closest_hit(origin, direction).is_some_and(|hit| !self.is_far(hit.triangle)),
+        }
+    }
+
+    /// Whether a triangle lies so far out on the ground that its light reaches nothing: it is no surface then.
+    fn is_far(&self, triangle: u32) -> bool {
+        self.mesh.is_far_ground(triangle, self.bounds)
     }
 
     /// Whether a point of the mesh is seen from the side that its triangle faces.
@@ -61,7 +69,10 @@ impl<'a> MeshSurface<'a> {
     pub fn uniform_points(&self, count: usize, seed: u64) -> (Vec<Surfel>, f32) {
         let mut rng = fastrand::Rng::with_seed(seed);
         let sides = |t: usize| if self.two_sided[t] { 2.0 } else { 1.0 };
-        let area = |t: usize| 0.5 * f64::from(self.mesh.area_vector(t).length()) * sides(t);
+        let area = |t: usize| match self.is_far(t as u32) {
+            true => 0.0,
+            false => 0.5 * f64::from(self.mesh.area_vector(t).length()) * sides(t),
+        };
         let total: f64 = (0..self.mesh.triangles.len()).map(area).sum();
         let step = total / count.max(1) as f64;
         let mut points = Vec::with_capacity(count);
@@ -107,7 +118,7 @@ impl MeshSurface<'_> {
     /// Where a ray has met the mesh, if light sees that side of it.
     fn seen(&self, hit: Hit) -> Option<Surfel> {
         let seen = !hit.back_face || self.two_sided[hit.triangle as usize];
-        seen.then(|| self.surfel(hit.triangle, hit.barycentric, hit.back_face))
+        (seen && !self.is_far(hit.triangle)).then(|| self.surfel(hit.triangle, hit.barycentric, hit.back_face))
     }
 }
 

@@ -5,6 +5,7 @@ use crate::vertices::sidedness::classify;
 use lapidary_core::{
     cut::packed::{PackedCuts, pack_node},
     dataset::{BakeReport, BakeSettings, Dataset},
+    ground::{Ground, add_ground},
     light_tree::{LightTree, TreeKind},
     scene::Scene,
 };
@@ -12,8 +13,12 @@ use lapidary_core::{
 /// Lights of it: what light there is without shadows is smooth.
 const LIGHTS: usize = 256;
 
-/// The dataset of a scene, as imported, with nothing in the way of light. It takes milliseconds.
-pub fn unshadowed(scene: Scene, scene_hash: String) -> Dataset {
+/// The dataset of a scene, as imported, over a ground of this kind, with nothing in the way of light. It takes milliseconds.
+pub fn unshadowed(mut scene: Scene, scene_hash: String, ground: Ground) -> Dataset {
+    let source_vertices = scene.mesh.positions.len();
+    if ground != Ground::Off {
+        add_ground(&mut scene);
+    }
     let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
     let mut cuts = PackedCuts::default();
     let all = cuts.push_cut(&[pack_node(0, 1.0)]);
@@ -26,16 +31,9 @@ pub fn unshadowed(scene: Scene, scene_hash: String) -> Dataset {
         cuts,
         indirect: None,
         meshless: None,
-        settings: BakeSettings { lights: LIGHTS, tree, max_vertices: None, ..BakeSettings::default() },
+        settings: BakeSettings { lights: LIGHTS, tree, ground, max_vertices: None, ..BakeSettings::default() },
         scene_hash,
-        report: BakeReport {
-            vertices,
-            triangles,
-            source_vertices: vertices,
-            lights: LIGHTS,
-            tree,
-            ..BakeReport::default()
-        },
+        report: BakeReport { vertices, triangles, source_vertices, lights: LIGHTS, tree, ..BakeReport::default() },
         scene,
     }
 }
@@ -51,7 +49,7 @@ mod tests {
     fn it_is_a_valid_dataset_whose_vertices_see_everything() {
         let scene = scene_of(&room(Vec3::ZERO, Vec3::ONE));
         let vertices = scene.mesh.positions.len();
-        let dataset = unshadowed(scene.clone(), scene_hash(&scene));
+        let dataset = unshadowed(scene.clone(), scene_hash(&scene), Ground::Off);
         dataset.validate().unwrap();
         assert_eq!((dataset.scene_hash, dataset.scene.mesh.positions.len()), (scene_hash(&scene), vertices));
         for vertex in 0..vertices as u32 {

@@ -1,7 +1,7 @@
 //! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
 use crate::{Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View};
-use lapidary_core::{cut::lit::DEFAULT_TAU, lights::Light, scene::Scene};
+use lapidary_core::{cut::lit::DEFAULT_TAU, ground::Ground, lights::Light, scene::Scene};
 use std::sync::Arc;
 
 /// All that decides a picture of a baked scene. A copy shares texels and maps.
@@ -106,12 +106,14 @@ impl Redo {
         let looks = Self::changed_looks(old, new);
         let sky = !old.light.is_same(&new.light) || (old.illum_cut, old.tau) != (new.illum_cut, new.tau);
         let lights = old.lights != new.lights;
+        // It reflects what is behind it, whatever shines on it.
+        let catches = new.view.ground == Ground::Shadow;
         let bounced = sky || lights || old.solution != new.solution;
         Stale {
             environment: looks.and(Pixels::all_if(environment != old.components.environment || environment && sky)),
             // `LitScene` adds those that the light of a changed material reaches.
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && bounced)),
-            direct: looks.and(Pixels::all_if(direct != old.components.direct)),
+            direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && sky && catches)),
             lights: direct && lights || Self::shows_other_suns(old, new),
         }
     }

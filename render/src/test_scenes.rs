@@ -364,7 +364,7 @@ impl Renderer {
         sampling: BrdfSampling,
     ) -> (Image, RenderStats) {
         let start = Instant::now();
-        let backdrop = Backdrop::new(view, light, &mut BlurCache::default());
+        let backdrop = Backdrop::new(view, Some(light), true, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
         let light = PictureLight { environment: Some(lighting), ..Default::default() };
         let painter = || Painter::new(view.mode, &self.dataset, light, sampling);

@@ -4,6 +4,7 @@ use crate::view_mode::ViewMode;
 use glam::{DVec2, Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
+    ground::Ground,
     image::{Image, Region},
 };
 
@@ -17,7 +18,7 @@ pub enum Background {
     Blurred(f32),
     /// One radiance; black is for measuring errors on surfaces alone.
     Flat(Vec3),
-    /// Nothing: the picture has no coverage there.
+    /// Nothing: the picture has no coverage there, and that of the shadow on a ground.
     Transparent,
 }
 
@@ -32,6 +33,10 @@ pub struct View {
     pub aa: u32,
     /// The background.
     pub background: Background,
+    /// Whether pixels without a surface stay black. The ground catches the background all the same.
+    pub hides_background: bool,
+    /// How the ground is shown, if the scene has one.
+    pub ground: Ground,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
     /// Draws the triangles' edges over the picture.
@@ -43,8 +48,30 @@ pub struct View {
 impl View {
     /// A view with one sample at the centre of each pixel, before the environment.
     pub fn new(camera: Camera, size: [u32; 2]) -> Self {
-        let (background, mode) = (Background::Environment, ViewMode::Shaded);
-        Self { camera, size, aa: 1, background, mode, wireframe: false, region: None }
+        Self {
+            camera,
+            size,
+            aa: 1,
+            background: Background::Environment,
+            hides_background: false,
+            ground: Ground::On,
+            mode: ViewMode::Shaded,
+            wireframe: false,
+            region: None,
+        }
+    }
+
+    /// The view of surfaces alone, by which errors are measured: before black, with the ground as one of them.
+    pub(crate) fn of_surfaces(&self) -> Self {
+        let ground = if self.ground == Ground::Off { Ground::Off } else { Ground::On };
+        let (background, mode) = (Background::Flat(Vec3::ZERO), ViewMode::Shaded);
+        Self { background, ground, mode, wireframe: false, ..self.clone() }
+    }
+
+    /// How the ground is shown. Lines on a ground that is only a shadow would have nothing to lie on.
+    pub(crate) fn ground(&self) -> Ground {
+        let is_seen_through = self.background == Background::Transparent && self.wireframe;
+        if self.ground == Ground::Shadow && is_seen_through { Ground::Off } else { self.ground }
     }
 
     /// Whether both show light, and differ in camera, size and number of samples alone, in one at least.

@@ -1,7 +1,7 @@
 //! The JSON part of a dataset, in the metadata of its file.
 
 use super::{BakeReport, BakeSettings};
-use crate::{camera::Camera, lights::Light, material::Material};
+use crate::{camera::Camera, ground::GroundStart, lights::Light, material::Material};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -20,6 +20,9 @@ pub(super) struct Header {
     pub cameras: Vec<Camera>,
     #[serde(default)]
     pub lights: Vec<Light>,
+    /// Where the ground begins in the mesh.
+    #[serde(default)]
+    pub ground: Option<GroundStart>,
     pub textures: Vec<String>,
     /// BLAKE3 of each tensor's bytes, hexadecimal.
     pub checksums: BTreeMap<String, String>,

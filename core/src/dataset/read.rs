@@ -83,6 +83,7 @@ impl Reader<'_> {
             triangles,
             triangle_material: self.array("triangle_material", Dtype::U32, &[], t)?,
             triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,
+            ground: header.ground,
         };
         let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name).map(Into::into));
         Ok(Scene {

@@ -106,7 +106,7 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
 #[test]
 fn a_file_of_version_1_is_read_without_the_maps_that_it_does_not_know() {
     let (_folder, path, mut bytes) = written();
-    replace(&mut bytes, r#"\"format_version\":6"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"format_version\":7"#, r#"\"format_version\":1"#);
     replace(&mut bytes, r#"\"anisotropy\":null,"#, "");
     replace(&mut bytes, r#"\"ior\":null,"#, "");
     std::fs::write(&path, &bytes).unwrap();
@@ -244,7 +244,7 @@ fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_thei
         dataset.write(&path).unwrap();
         if is_older {
             let mut bytes = std::fs::read(&path).unwrap();
-            replace(&mut bytes, r#"\"format_version\":6"#, r#"\"format_version\":3"#);
+            replace(&mut bytes, r#"\"format_version\":7"#, r#"\"format_version\":3"#);
             // Its checksum and the tensor itself.
             replace(&mut bytes, "source_spacings", "what_is_unknown");
             replace(&mut bytes, "source_spacings", "what_is_unknown");

@@ -53,6 +53,7 @@ impl Dataset {
             objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
             cameras: self.scene.cameras.clone(),
             lights: self.scene.lights.clone(),
+            ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             checksums,
         }

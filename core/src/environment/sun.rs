@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use rustc_hash::FxHashSet;
 use std::{
     f64::consts::{FRAC_PI_2, TAU},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
 /// Most suns of a map: each costs rays in every pixel.
@@ -170,30 +170,35 @@ impl<'a> Weighted<'a> {
     }
 }
 
-/// The suns that were found last, with the settings by which they were: the window and its jobs ask for several in turn.
+/// What was found out about a map.
 #[derive(Debug, Default)]
-pub(super) struct SunCache(Mutex<Vec<(SunSettings, Arc<Suns>)>>);
+pub(super) struct MapCache {
+    /// The suns that were found last, with the settings by which they were: the window and its jobs ask for several in turn.
+    suns: Mutex<Vec<(SunSettings, Arc<Suns>)>>,
+    /// See [`Environment::irradiance_from_above`].
+    pub from_above: OnceLock<Vec3>,
+}
 
 /// Settings whose suns are kept.
 const KEPT: usize = 3;
 
 /// A copy finds its own.
-impl Clone for SunCache {
+impl Clone for MapCache {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
 /// They follow from the map.
-impl PartialEq for SunCache {
+impl PartialEq for MapCache {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl SunCache {
+impl MapCache {
     pub fn suns(&self, environment: &Environment, settings: SunSettings) -> Arc<Suns> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.suns.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, suns)) = known.iter().find(|(of, _)| *of == settings) {
             return suns.clone();
         }

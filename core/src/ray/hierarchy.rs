@@ -2,7 +2,10 @@
 
 use obvhs::{
     BvhBuildParams,
-    bvh2::{Bvh2, builder::build_bvh2_from_tris, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
+    bvh2::{
+        Bvh2, builder::build_bvh2_from_tris, leaf_collapser::collapse, node::Bvh2Node,
+        reinsertion::ReinsertionOptimizer,
+    },
     triangle::Triangle,
 };
 use std::time::Duration;
@@ -56,6 +59,36 @@ pub(super) fn build_quickly(triangles: &[Triangle]) -> Bvh2 {
     bvh
 }
 
+/// Two hierarchies as one, the triangles of the second after the `triangles` of the first. What is far larger than the rest, as a ground is,
+/// would spoil the curve along which neighbours are merged.
+pub(super) fn joined(a: Bvh2, triangles: u32, b: Bvh2) -> Bvh2 {
+    let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else {
+        return if a.nodes.is_empty() { b } else { a };
+    };
+    // With spatial splits a triangle may stand in several leaves.
+    let (nodes_a, places_a) = (a.nodes.len() as u32, a.primitive_indices.len() as u32);
+    let root = Bvh2Node { aabb: root_a.aabb.union(&root_b.aabb), prim_count: 0, first_index: 1, ..*root_a };
+    // Both roots follow the common one, then come the other nodes of the first hierarchy, and those of the second.
+    let moved = |node: &Bvh2Node, nodes: u32, places: u32| {
+        let by = if node.is_leaf() { places } else { nodes };
+        Bvh2Node { first_index: node.first_index + by, ..*node }
+    };
+    let of_a = |node: &Bvh2Node| moved(node, 2, 0);
+    let of_b = |node: &Bvh2Node| moved(node, nodes_a + 1, places_a);
+    let roots = [root, of_a(root_a), of_b(root_b)];
+    let others = a.nodes[1..].iter().map(of_a).chain(b.nodes[1..].iter().map(of_b));
+    let nodes = roots.into_iter().chain(others).collect();
+    let primitive_indices =
+        a.primitive_indices.iter().copied().chain(b.primitive_indices.iter().map(|&i| i + triangles)).collect();
+    Bvh2 {
+        nodes,
+        primitive_indices,
+        max_depth: a.max_depth.max(b.max_depth) + 1,
+        uses_spatial_splits: a.uses_spatial_splits || b.uses_spatial_splits,
+        ..Bvh2::default()
+    }
+}
+
 /// What a random ray that meets the whole costs: boxes and triangles that it is tested with, each as one (surface area
 /// heuristic, MacDonald and Booth 1990).
 pub(super) fn cost(bvh: &Bvh2) -> f64 {
@@ -99,6 +132,33 @@ mod tests {
         let now = cost(&build(&walls));
         assert!(now < 60.0, "{now}");
         assert!(before > 4.0 * now, "negative control: the library's own build has {before}, and this {now}");
+    }
+
+    #[test]
+    fn joined_hierarchies_hold_the_triangles_of_both() {
+        let walls = room(4);
+        let (first, second) = walls.split_at(70);
+        let both = joined(build(first), 70, build(second));
+        let mut indices = both.primitive_indices.clone();
+        indices.sort_unstable();
+        assert_eq!(indices, (0..walls.len() as u32).collect::<Vec<_>>());
+        // Each leaf contains its triangles, and each node its children.
+        for node in &both.nodes {
+            let range = node.first_index as usize..;
+            let inside = match node.is_leaf() {
+                true => both.primitive_indices[range].iter().take(node.prim_count as usize).all(|&i| {
+                    let triangle = walls[i as usize].aabb();
+                    node.aabb.min.cmple(triangle.min).all() && node.aabb.max.cmpge(triangle.max).all()
+                }),
+                false => both.nodes[range].iter().take(2).all(|child| {
+                    node.aabb.min.cmple(child.aabb.min).all() && node.aabb.max.cmpge(child.aabb.max).all()
+                }),
+            };
+            assert!(inside);
+        }
+        let leaves: u32 = both.nodes.iter().map(|node| node.prim_count).sum();
+        assert_eq!(leaves as usize, walls.len());
+        assert_eq!(joined(build(&[]), 0, build(first)).nodes.len(), build(first).nodes.len());
     }
 
     #[test]

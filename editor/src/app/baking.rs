@@ -19,6 +19,7 @@ use crate::{
 };
 use lapidary_core::{
     dataset::{BakeParts, Dataset},
+    ground::Ground,
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
@@ -253,7 +254,32 @@ impl EditorState {
         (self.scene.is_draft, self.scene.show_stale) = (is_draft, false);
         // The scene may have changed during its bake.
         let source = self.scene.source.as_ref().filter(|_| self.scene.is_stale());
-        self.scene.preview = source.map(Imported::unshadowed);
+        self.scene.preview = source.map(|source| source.unshadowed(self.document.bake.ground));
+    }
+
+    /// Shows a ground that was asked for and is not in the bake: at once without shadows, and baked anew. One that is not wanted any
+    /// more is hidden, whatever the bake has.
+    pub(super) fn follow_ground(&mut self) {
+        let ground = self.document.bake.ground;
+        let Some(source) = self.scene.source.clone().filter(|_| !self.scene.show_stale && !self.scene.is_stale())
+        else {
+            return;
+        };
+        let suits = |baked: &Baked| ground == Ground::Off || baked.dataset.scene.mesh.ground.is_some();
+        if self.scene.baked.as_ref().is_some_and(suits) {
+            self.scene.preview = None;
+        } else if !self.scene.preview.as_ref().is_some_and(suits) {
+            let preview = source.unshadowed(ground);
+            fit_materials(&mut self.document, &preview.dataset);
+            self.scene.preview = Some(preview);
+            self.baking.wants_ground = self.preferences.bakes_scenes;
+            // It has no such ground.
+            self.cancel_bake();
+        }
+        if self.baking.wants_ground && self.baking.run.is_none() {
+            self.baking.wants_ground = false;
+            self.bake_by_itself(false, true);
+        }
     }
 
     /// What the picture is rendered by.
@@ -286,7 +312,7 @@ impl EditorState {
         }
         // What is on the screen stays there, and is marked.
         self.scene.show_stale = self.scene.shown().is_some();
-        self.scene.preview = (!self.scene.show_stale).then(|| source.unshadowed());
+        self.scene.preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
         self.scene.kept_output = Some(kept_in(&self.folders.bakes(), path, &source.hash));
         self.scene.source = Some(source);
     }
@@ -319,7 +345,7 @@ fn checkpoint_time(output: &Path) -> Option<SystemTime> {
 
 /// A scene that was changed in another program may have other materials. Materials that the document lacks are added,
 /// so that there are as many as the mesh refers to.
-fn fit_materials(document: &mut Document, dataset: &Dataset) {
+pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
     let materials = &dataset.scene.materials;
     document.materials.truncate(materials.len());
     let known = document.materials.len();

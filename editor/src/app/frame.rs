@@ -135,6 +135,7 @@ impl EditorState {
         self.collect_opened();
         self.collect_loaded();
         self.collect_bake();
+        self.follow_ground();
         self.collect_pictures(ctx);
         self.collect_comparison(ctx);
         self.collect_export();

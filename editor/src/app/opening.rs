@@ -1,6 +1,7 @@
 //! Opens a file completely: scene, dataset, session and the files that they name. A thread reads them until the
 //! document is complete. Files outside the folder of a scene are read only with the user's consent.
 
+use super::baking::fit_materials;
 use crate::{
     document::{
         Document,
@@ -364,9 +365,9 @@ impl Reader<'_> {
             None => output.as_deref().and_then(|output| read_if_there(output, &mut warnings)),
         };
         let unknown = loaded.unknown.clone();
-        let of_bake = baked.as_ref().map(|baked| &baked.dataset.scene);
-        let scene = of_bake.or(source.as_ref().map(|source| &*source.scene));
-        let (document, remarks) = loaded.into_document(scene);
+        let preview = || source.as_ref().map(|source| source.unshadowed(loaded.session.bake.ground));
+        let rendered = baked.clone().or_else(preview);
+        let (document, remarks) = loaded.into_document(rendered.as_ref().map(|rendered| &rendered.dataset.scene));
         warnings.extend(remarks);
         let recent = path.clone();
         let bake_output = source.is_some().then_some(output).flatten();
@@ -394,11 +395,14 @@ impl Found {
     }
 
     /// The document of a scene with these bakes.
-    fn ready(self, document: Document, source: Source, warnings: Vec<String>) -> Ready {
+    fn ready(self, mut document: Document, source: Source, warnings: Vec<String>) -> Ready {
         let baked = self.best();
         // Of another version of the scene there may be something to see, but only if the user says so.
         let is_seen = baked.as_ref().is_some_and(|baked| baked.dataset.scene_hash == source.hash);
-        let preview = (!is_seen).then(|| source.unshadowed());
+        let preview = (!is_seen).then(|| source.unshadowed(document.bake.ground));
+        // A ground has a material of its own.
+        let rendered = preview.as_ref().or(baked.as_ref());
+        rendered.iter().for_each(|rendered| fit_materials(&mut document, &rendered.dataset));
         let (lacks_bake, is_draft, kept_output) = (self.whole.is_none(), self.draft.is_some(), Some(self.kept_output));
         Ready { preview, lacks_bake, is_draft, kept_output, ..Ready::new(document, baked, Some(source), warnings) }
     }

@@ -85,6 +85,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
     View {
         aa: view.aa,
         background: view.background(),
+        ground: document.bake.ground,
         mode: view.mode,
         wireframe: view.wireframe,
         ..View::new(document.camera.clone(), size)

@@ -120,9 +120,13 @@ impl OpenScene {
         hashes.is_some_and(|(baked, source)| baked.dataset.scene_hash != source.hash)
     }
 
-    /// The dataset if it is rendered.
+    /// The dataset if it is rendered: a bake of the scene as it is now. One without a ground that was asked for is not.
     pub fn shown(&self) -> Option<&Baked> {
-        self.baked.as_ref().filter(|_| self.show_stale || !self.is_stale())
+        let is_replaced = |baked: &Baked| {
+            let has_ground = |baked: &Baked| baked.dataset.scene.mesh.ground.is_some();
+            self.preview.as_ref().is_some_and(has_ground) && !has_ground(baked)
+        };
+        self.baked.as_ref().filter(|baked| self.show_stale || !(self.is_stale() || is_replaced(baked)))
     }
 
     /// What is rendered: the dataset, or the scene without shadows.

@@ -228,6 +228,7 @@ pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings 
     let pilot_clusters = wanted.pilot_clusters.min(64);
     BakeSettings {
         mode: wanted.mode,
+        ground: wanted.ground,
         shots: wanted.shots.clone(),
         lights,
         pilot_clusters,

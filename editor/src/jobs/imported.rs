@@ -2,6 +2,7 @@
 
 use lapidary_core::{
     dataset::scene_hash,
+    ground::Ground,
     import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
 };
@@ -51,9 +52,9 @@ impl Imported {
         })
     }
 
-    /// It without shadows, to be seen until it is baked.
-    pub fn unshadowed(&self) -> Baked {
-        Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone()))
+    /// It without shadows, over a ground of this kind, to be seen until it is baked.
+    pub fn unshadowed(&self, ground: Ground) -> Baked {
+        Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone(), ground))
     }
 
     /// What a bake of it will find. The first call that `may_begin` begins to find out, on a thread; later ones tell it when it

@@ -12,7 +12,7 @@ pub use thumbnail::thumbnail;
 
 use super::{
     edit_row,
-    entries::{Decades, decades_row},
+    entries::{Decades, combo_row, decades_row},
     widgets::{Edited, Number, check_row, choice_row, color_row, section, slider_row},
 };
 use crate::{
@@ -22,7 +22,9 @@ use crate::{
 use egui::{RichText, Ui};
 use glam::Vec3;
 use lapidary_core::{
+    dataset::BakeSettings,
     environment::{Environment, Sun},
+    ground::Ground,
     light_tree::LightTree,
 };
 use lapidary_render::SceneLighting;
@@ -45,6 +47,8 @@ pub struct EnvironmentContext<'a> {
     pub lighting: Option<&'a Arc<SceneLighting>>,
     /// Another number whenever tree or lighting are others.
     pub light_revision: u64,
+    /// Whether what is rendered has no ground, and no scene file is there to bake one.
+    pub lacks_ground: bool,
     /// What is to be told about the map: that it loads, or why it could not be read.
     pub message: Option<&'a str>,
 }
@@ -65,6 +69,7 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
     placement(ui, &context.document.environment, actions);
     formula(ui, &context.document.environment, actions);
     section(ui, "Sun", true, |ui| sun(ui, context, actions));
+    section(ui, "Ground", true, |ui| ground(ui, context, actions));
 }
 
 /// Shows the library: formulas and maps to choose from.
@@ -122,6 +127,29 @@ fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     });
     if let Some(environment) = context.environment {
         ui.label(RichText::new(suns_text(&environment.suns(settings).suns)).weak());
+    }
+}
+
+/// The ground under the scene.
+fn ground(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    let bake = &context.document.bake;
+    let kinds = [
+        (Ground::Off, "None", "The scene hovers before its background, and light reaches it from below."),
+        (
+            Ground::Shadow,
+            "Shadow",
+            "A ground that is not seen itself catches shadows and light over the background, and over nothing in pictures with an \
+             alpha channel.",
+        ),
+        (Ground::On, "Surface", "A ground with a material of its own."),
+    ];
+    let wrap = |bake: BakeSettings| Edit::Bake(Box::new(bake));
+    edit_row(actions, "Ground", bake, wrap, |bake| {
+        combo_row(ui, "Ground", "A plane under the scene, which is baked with it.", &mut bake.ground, &kinds)
+    });
+    if context.lacks_ground && bake.ground != Ground::Off {
+        let text = "This bake has no ground. Open its scene file to bake one.";
+        ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
     }
 }
 

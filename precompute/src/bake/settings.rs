@@ -4,6 +4,7 @@ use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
+    ground::Ground,
     light_tree::height_of,
     scene::MOST_COORDINATE,
     shot::Shot,
@@ -82,6 +83,12 @@ impl ResolvedBake {
     /// The same with room for some more vertices than the mesh has; see [`with_room`].
     pub fn with_room_for(mut self, mesh_vertices: usize) -> Self {
         self.0.max_vertices = self.0.max_vertices.map(|most| with_room(most, mesh_vertices));
+        self
+    }
+
+    /// The same over a ground.
+    pub fn with_ground(mut self, ground: Ground) -> Self {
+        self.0.ground = ground;
         self
     }
 

@@ -29,6 +29,7 @@ use std::{
     },
 };
 
+mod ground;
 mod resumed;
 mod shards;
 mod viewpoint;

@@ -29,6 +29,19 @@ pub struct Sidedness {
     pub closed: Vec<bool>,
 }
 
+impl Sidedness {
+    /// Takes those of the triangles from `first` on.
+    pub fn split_off(&mut self, first: usize) -> Self {
+        Self { two_sided: self.two_sided.split_off(first), closed: self.closed.split_off(first) }
+    }
+
+    /// Adds those of further triangles.
+    pub fn append(&mut self, other: Self) {
+        self.two_sided.extend(other.two_sided);
+        self.closed.extend(other.closed);
+    }
+}
+
 /// Classifies every triangle.
 pub fn classify(scene: &Scene) -> Sidedness {
     let mesh = &scene.mesh;

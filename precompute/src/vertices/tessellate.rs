@@ -17,7 +17,7 @@ use crate::{
     vertices::sidedness::Sidedness,
 };
 use edges::Edges;
-use lapidary_core::{ray::Intersector, scene::Mesh, shot::Shot};
+use lapidary_core::{bounds::Bounds, ray::Intersector, scene::Mesh, shot::Shot};
 use pilot::Pilot;
 pub use pilot::{Stored, trace_seconds};
 use scale::EdgeScale;
@@ -45,6 +45,8 @@ pub struct Wanted<'a> {
     pub budget: usize,
     /// Pictures for which most of them are placed, if any.
     pub shots: &'a [Shot],
+    /// For the ground around a scene of these bounds: the farther away, the fewer.
+    pub around: Option<Bounds>,
 }
 
 /// Splits edges of `mesh` until the vertex budget is used up, or until the stored functions are linear enough. `sides`
@@ -56,13 +58,14 @@ pub fn tessellate(
     mesh: &mut Mesh,
     sides: &mut Sidedness,
     scene: &Intersector,
-    Wanted { stored, budget, shots }: Wanted,
+    wanted: Wanted,
     observer: &dyn Observer,
 ) -> Result<(), BakeError> {
+    let Wanted { stored, budget, .. } = wanted;
     if mesh.positions.len() >= budget {
         return Ok(());
     }
-    let scale = EdgeScale::new(mesh, scene, shots, budget, observer);
+    let scale = EdgeScale::new(mesh, scene, wanted, observer);
     let mut pilot = stored.map(|stored| Pilot::new(scene, stored, scale.unit, observer));
     for round in 1..=ROUNDS {
         cancelled(observer)?;

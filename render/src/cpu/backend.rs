@@ -202,8 +202,8 @@ impl Backend for CpuBackend {
             Some(begun) if keeps(&begun) => (Some(begun), None),
             begun => (None, begun.filter(|begun| begun.is_of_same_light(view, sampling, stale, &self.local))),
         };
-        let light = self.shown_environment().map(|(light, _)| light.clone());
-        let backdrop = light.map_or_else(|| Backdrop::unlit(view), |light| Backdrop::new(view, &light, &mut self.blur));
+        let light = self.light.as_ref().map(|(light, _)| light);
+        let backdrop = Backdrop::new(view, light, self.local.components.environment, &mut self.blur);
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
         let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
         let step = lights.update(&self.local.shown_lights(), complete);

@@ -17,7 +17,7 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::image::Image;
+use lapidary_core::{color::luminance, image::Image};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -39,9 +39,9 @@ pub(super) struct Seen {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sum {
     value: Vec3,
+    /// Share of the light behind it that a ground lets through, in a picture with an alpha channel. [`Self::value`] has it as well.
+    through: f32,
     samples: u32,
-    /// Samples that met a surface, its back included.
-    covered: u32,
     merged_nodes: u32,
     brdf_evaluations: u32,
 }
@@ -150,7 +150,10 @@ impl Picture {
     /// Adds the added lights to the others; all pixels have as many samples of both.
     pub fn merge_added(&mut self) {
         let [.., direct, added] = &mut self.parts;
-        direct.par_iter_mut().zip(added.par_iter()).for_each(|(sum, added)| sum.value += added.value);
+        direct.par_iter_mut().zip(added.par_iter()).for_each(|(sum, added)| {
+            sum.value += added.value;
+            sum.through += added.through;
+        });
     }
 
     /// Adds one sample to those pixels of some rows that lack it. Each thread has a painter of its own. `patches` are
@@ -284,17 +287,25 @@ impl Picture {
 
     /// Means over the samples, and the covered share of each pixel.
     pub fn read(&self) -> (Image, Vec<f32>) {
-        let mean = |pixel| if self.is_stand_in(pixel) { self.stand_in(pixel) } else { self.mean(pixel, false) };
-        let pixels = (0..self.seen.len()).map(mean).collect();
-        let covered = |pixel| if self.is_stand_in(pixel) { 1.0 } else { self.seen[pixel].coverage() };
-        let coverage = (0..self.seen.len()).map(covered).collect();
+        let pixel = |pixel| match self.is_stand_in(pixel) {
+            true => (self.stand_in(pixel), 1.0),
+            false => (self.mean(pixel), self.coverage(pixel)),
+        };
+        let (pixels, coverage) = (0..self.seen.len()).map(pixel).unzip();
         (Image { size: self.size, pixels }, coverage)
     }
 
-    /// Mean over the samples of a pixel, or over those that met a surface.
-    fn mean(&self, pixel: usize, covered: bool) -> Vec3 {
-        let mean = |sum: &Sum| sum.value / (if covered { sum.covered } else { sum.samples }).max(1) as f32;
+    /// Mean over the samples of a pixel.
+    fn mean(&self, pixel: usize) -> Vec3 {
+        let mean = |sum: &Sum| (sum.value - sum.through) / sum.samples.max(1) as f32;
         self.parts.iter().filter_map(|sums| sums.get(pixel)).map(mean).sum()
+    }
+
+    /// Share of a pixel that hides what is behind it.
+    fn coverage(&self, pixel: usize) -> f32 {
+        let through = |sum: &Sum| sum.through / sum.samples.max(1) as f32;
+        let through: f32 = self.parts.iter().filter_map(|sums| sums.get(pixel)).map(through).sum();
+        (self.seen[pixel].coverage() - through).max(0.0)
     }
 
     /// Display colours of a picture of `view`; `count_top` as in [`display_pixel`].
@@ -303,7 +314,6 @@ impl Picture {
     }
 
     fn display_pixel(&self, pixel: usize, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
-        // The background must not show where the picture has no coverage, so the mean is over the covered samples.
         let transparent = view.background == Background::Transparent;
         if self.is_stand_in(pixel) {
             let shown = display_pixel(view.mode, post, count_top, self.stand_in(pixel));
@@ -312,13 +322,16 @@ impl Picture {
             return [r, g, b, 1.0].map(|v| (255.0 * v + 0.5) as u8);
         }
         let seen = &self.seen[pixel];
-        let weight = if transparent { seen.covered } else { seen.samples };
-        if weight == 0 {
+        if seen.samples == 0 {
             return if transparent { [0; 4] } else { [0, 0, 0, 255] };
         }
-        let alpha = if transparent { seen.coverage() } else { 1.0 };
-        let shown = display_pixel(view.mode, post, count_top, self.mean(pixel, transparent));
-        let [r, g, b] = wireframe::over(shown, seen.wire / weight as f32).to_array();
+        let alpha = if transparent { self.coverage(pixel) } else { 1.0 };
+        if alpha == 0.0 {
+            return [0; 4];
+        }
+        // The background must not show where the picture has no coverage, so the mean is over what is covered.
+        let shown = display_pixel(view.mode, post, count_top, self.mean(pixel) / alpha);
+        let [r, g, b] = wireframe::over(shown, seen.wire / (alpha * seen.samples as f32)).to_array();
         [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8)
     }
 
@@ -392,7 +405,6 @@ impl Row<'_> {
 impl Sum {
     fn add(&mut self, part: Part, (sampler, painter): (&PixelSampler, &mut Painter), sight: &Sight, shift: Vec2) {
         self.samples += 1;
-        self.covered += u32::from(!matches!(sight.seen, FirstHit::Background));
         match &sight.seen {
             // The other modes show surfaces only: an environment is no count.
             FirstHit::Background if part == Part::Environment && sampler.view.mode == ViewMode::Shaded => {
@@ -400,7 +412,14 @@ impl Sum {
             }
             FirstHit::Background | FirstHit::Back => {}
             FirstHit::Surface(point) => {
-                self.value += painter.part(part, point, shift);
+                let value = painter.part(part, point, shift);
+                if sampler.lets_light_through(point) {
+                    let share = luminance(value);
+                    self.through += share;
+                    self.value += share;
+                } else {
+                    self.value += value;
+                }
                 let work = painter.take_work();
                 self.merged_nodes += work.merged_nodes as u32;
                 self.brdf_evaluations += work.brdf_evaluations as u32;

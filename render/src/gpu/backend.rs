@@ -39,7 +39,7 @@ use crate::{
     view::View,
     view_mode::ViewMode,
 };
-use glam::Vec3;
+use glam::Vec4;
 use history::History;
 use lapidary_core::{
     dataset::Dataset,
@@ -451,18 +451,22 @@ impl Backend for GpuBackend {
 
     fn read(&mut self, _samples: u32) -> Result<(Image, Vec<f32>), BackendError> {
         let size = self.targets().size;
-        let mut pixels = vec![Vec3::ZERO; size[0] as usize * size[1] as usize];
+        let mut sum = vec![Vec4::ZERO; size[0] as usize * size[1] as usize];
         let mut coverage = Vec::new();
         for (part, sums) in self.sums() {
             let work = self.read_texels::<u32>(&sums.work)?;
             let samples = |work: &[u32; 4]| (work[2] & 0xffff).max(1) as f32;
-            for ((pixel, value), work) in pixels.iter_mut().zip(self.read_texels::<f32>(&sums.value)?).zip(&work) {
-                *pixel += Vec3::new(value[0], value[1], value[2]) / samples(work);
+            for ((pixel, value), work) in sum.iter_mut().zip(self.read_texels::<f32>(&sums.value)?).zip(&work) {
+                *pixel += Vec4::from(value) / samples(work);
             }
             if part == Part::Environment {
                 coverage = work.iter().map(|work| (work[3] & 0xffff) as f32 / samples(work)).collect();
             }
         }
+        let lets_through = self.picture.as_ref().is_some_and(Picture::lets_light_through);
+        let through = |pixel: &Vec4| if lets_through { pixel.w } else { 0.0 };
+        coverage.iter_mut().zip(&sum).for_each(|(covered, pixel)| *covered = (*covered - through(pixel)).max(0.0));
+        let pixels = sum.iter().map(|pixel| pixel.truncate() - through(pixel)).collect();
         Ok((Image { size, pixels }, coverage))
     }
 

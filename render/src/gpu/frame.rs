@@ -11,23 +11,25 @@ use super::{
 use crate::view::{Background, View};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
+/// The light of a picture.
+#[derive(Clone, Copy)]
+pub struct Lit<'a> {
+    /// The environment if it is shown.
+    pub shown: Option<&'a GpuLight>,
+    /// The environment, shown or not.
+    pub behind: Option<&'a GpuLight>,
+    /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
+    pub catches: Option<Vec3>,
+}
+
 /// Uniforms of one jittered sample, which is at `offset` in its pixel, for every `stride`th pixel of every `stride`th row.
-pub fn frame(
-    view: &View,
-    sample: u32,
-    offset: Vec2,
-    scene: &GpuScene,
-    light: Option<&GpuLight>,
-    stride: u32,
-) -> layout::FrameUniforms {
+pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit, stride: u32) -> layout::FrameUniforms {
     let world_from_view = view.camera.world_from_view();
     let tan_half_fov = (0.5 * view.camera.fov_y).tan();
-    let (sin, cos) = light.map_or(0.0, |l| l.rotation).sin_cos();
-    let (background, background_color) = match (view.background, light) {
-        (Background::Flat(color), _) => (BACKGROUND_FLAT, color),
-        (Background::Transparent, _) | (_, None) => (BACKGROUND_FLAT, Vec3::ZERO),
-        (Background::Environment | Background::Blurred(_), Some(_)) => (BACKGROUND_MAP, Vec3::ZERO),
-    };
+    let (sin, cos) = lit.behind.map_or(0.0, |l| l.rotation).sin_cos();
+    let [background, caught] = [behind(view, lit.shown.is_some()), caught(view)];
+    let background = if view.hides_background { BLACK } else { background };
+    let catcher = scene.ground.as_ref().filter(|_| lit.catches.is_some()).map_or(u32::MAX, |g| g.first_triangle);
     layout::FrameUniforms {
         clip_from_world: clip_from_world(view, offset, scene.near).to_cols_array_2d(),
         world_from_view: [0, 1, 2].map(|i| world_from_view.col(i).extend(0.0).to_array()),
@@ -35,18 +37,41 @@ pub fn frame(
         tan_half_fov,
         pixel_offset: offset.to_array(),
         size: view.size,
-        background_color: background_color.to_array(),
-        background,
+        background_color: background.1.to_array(),
+        background: background.0,
         environment_turn: [sin, cos],
-        environment_intensity: light.map_or(0.0, |l| l.intensity),
+        environment_intensity: lit.behind.map_or(0.0, |l| l.intensity),
         leaf_solid_angle: scene.leaf_solid_angle,
         tree_height: scene.tree_height,
         view_mode: view.mode as u32,
         wireframe: u32::from(view.wireframe),
         source_tree_height: scene.sources.as_ref().map_or(0, |s| s.tree_height),
         sample,
-        padding: 0,
+        catcher,
         stride: [stride; 2],
+        caught_color: caught.1.to_array(),
+        caught: caught.0,
+        caught_per_radiance: lit.catches.unwrap_or_default().to_array(),
+        lets_light_through: u32::from(view.background == Background::Transparent),
+    }
+}
+
+const BLACK: (u32, Vec3) = (BACKGROUND_FLAT, Vec3::ZERO);
+
+/// Kind and colour of what pixels without a surface show.
+fn behind(view: &View, has_map: bool) -> (u32, Vec3) {
+    match view.background {
+        Background::Flat(color) => (BACKGROUND_FLAT, color),
+        Background::Environment | Background::Blurred(_) if has_map => (BACKGROUND_MAP, Vec3::ZERO),
+        _ => BLACK,
+    }
+}
+
+/// Kind and colour of what a ground catches: white for an alpha channel.
+fn caught(view: &View) -> (u32, Vec3) {
+    match view.background {
+        Background::Transparent => (BACKGROUND_FLAT, Vec3::ONE),
+        _ => behind(view, true),
     }
 }
 

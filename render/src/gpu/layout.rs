@@ -26,9 +26,14 @@ pub struct FrameUniforms {
     pub wireframe: u32,
     pub source_tree_height: u32,
     pub sample: u32,
-    pub padding: u32,
+    /// First triangle of a ground that catches shadows, [`u32::MAX`] without one.
+    pub catcher: u32,
     /// Columns and rows of pixels from texel to texel of the passes that shade.
     pub stride: [u32; 2],
+    pub caught_color: [f32; 3],
+    pub caught: u32,
+    pub caught_per_radiance: [f32; 3],
+    pub lets_light_through: u32,
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.
@@ -163,6 +168,7 @@ pub struct Display {
     pub tone_map: u32,
     pub view_mode: u32,
     pub transparent: u32,
+    pub lets_light_through: u32,
 }
 
 /// `StaleMarks` of `keep_pass.wgsl`.

@@ -66,7 +66,6 @@ impl Passes {
     fn build(gpu: &GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
         let layouts = layouts(gpu);
         let l = &layouts;
-        let deferred = [&l.frame, &l.scene, &l.materials, &l.ids];
         let load = |program| module(gpu, source, program);
         let visibility = Pipeline {
             depth: true,
@@ -75,12 +74,12 @@ impl Passes {
             ..Pipeline::new(load(&VISIBILITY)?, "visibility")
         };
         let surface = Pipeline {
-            layouts: &deferred,
+            layouts: &[&l.frame, &l.scene, &l.materials, &l.ids],
             targets: &[format::GEOMETRY, format::FLOATS],
             ..Pipeline::new(load(&SURFACE)?, "surface")
         };
         let parameters = Pipeline {
-            layouts: &deferred,
+            layouts: &[&l.frame, &l.scene, &l.materials, &l.parameters],
             targets: &[format::FLOATS, format::FLOATS],
             ..Pipeline::new(load(&PARAMETERS)?, "parameters")
         };

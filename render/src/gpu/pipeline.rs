@@ -16,6 +16,7 @@ pub struct Layouts {
     pub light: BindGroupLayout,
     /// One texture of unsigned integers.
     pub ids: BindGroupLayout,
+    pub parameters: BindGroupLayout,
     pub merge: BindGroupLayout,
     /// The other passes that add to sums.
     pub addition: BindGroupLayout,
@@ -120,6 +121,7 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         materials: layout("materials", &[Storage, Uint, Uniform]),
         light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
+        parameters: layout("parameters", &[Uint, Float]),
         merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
         addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),

@@ -4,11 +4,12 @@ use super::{
     device::GpuDevice,
     layout::{Triangle, Vertex, constants::TWO_SIDED},
 };
-use crate::{backend::BackendError, remedy::Remedy, view_mode::visibility_cuts};
+use crate::{backend::BackendError, remedy::Remedy, view::View, view_mode::visibility_cuts};
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
+    ground::Ground,
     sources::IndirectBake,
 };
 
@@ -17,6 +18,7 @@ pub struct GpuScene {
     pub vertices: wgpu::Buffer,
     pub triangles: wgpu::Buffer,
     pub triangle_count: u32,
+    pub ground: Option<GpuGround>,
     pub cuts: GpuCuts,
     /// Vertices' cuts over surface sources, if they were baked.
     pub sources: Option<SourceCuts>,
@@ -24,8 +26,15 @@ pub struct GpuScene {
     pub leaf_solid_angle: f32,
     /// Distance in metres nearer than which nothing is drawn.
     pub near: f32,
-    /// Of the whole mesh.
+    /// Of the whole mesh but its ground.
     pub bounds: Bounds,
+}
+
+/// The ground, whose triangles are the last ones.
+pub struct GpuGround {
+    pub first_triangle: u32,
+    /// In metres along Y.
+    height: f32,
 }
 
 /// Stored cuts.
@@ -63,11 +72,23 @@ impl GpuScene {
             vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
             triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset))),
             triangle_count: mesh.triangles.len() as u32,
+            ground: mesh.ground.map(|start| GpuGround {
+                first_triangle: start.triangle,
+                height: mesh.positions[start.vertex as usize].y,
+            }),
             tree_height: dataset.tree.height(),
             leaf_solid_angle: dataset.tree.leaf_solid_angle(),
             near: 1e-5 * mesh.bounds().diagonal(),
             bounds: mesh.bounds(),
         })
+    }
+}
+
+impl GpuScene {
+    /// Number of triangles, from the first, that a view shows. From below the ground is not seen.
+    pub fn triangles_shown(&self, view: &View) -> u32 {
+        let hidden = |ground: &&GpuGround| view.ground() == Ground::Off || view.camera.eye.y < ground.height;
+        self.ground.as_ref().filter(hidden).map_or(self.triangle_count, |ground| ground.first_triangle)
     }
 }
 

@@ -77,7 +77,10 @@ pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse"
 /// The BRDF's parameters.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
-    parts: [&[], &["frame", "fullscreen", "scene", "surface", "materials", "parameters_pass"]],
+    parts: [
+        &[],
+        &["frame", "fullscreen", "scene", "geometry", "environment", "surface", "materials", "parameters_pass"],
+    ],
 };
 /// The merge of cuts.
 pub const MERGE: Program = Program {

@@ -2,6 +2,7 @@
 
 mod bounce;
 mod direct;
+mod ground;
 mod kept;
 mod reflection;
 mod sketch;

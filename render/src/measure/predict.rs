@@ -39,8 +39,7 @@ use crate::{
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
     },
-    view::{Background, Progress, View},
-    view_mode::ViewMode,
+    view::{Progress, View},
 };
 pub use calibration::{Bin, Calibration, CalibrationError, calibrate};
 use glam::Vec3;
@@ -75,8 +74,7 @@ pub fn predicted_error(
     progress: &dyn Progress,
 ) -> Result<Option<PredictedError>, NoCuts> {
     let cuts = CutLight::Environment(lighting).cuts_of(&renderer.dataset)?;
-    let black = Background::Flat(Vec3::ZERO);
-    let view = View { background: black, mode: ViewMode::Shaded, wireframe: false, ..view.clone() };
+    let view = view.of_surfaces();
     let backdrop = Backdrop::black();
     let sampler = PixelSampler::new(renderer, &view, &backdrop);
     let variance = radiance_variance(lighting);

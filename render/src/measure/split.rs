@@ -46,8 +46,7 @@ use crate::{
         point_shader::PointShader,
         surface::{FirstHit, SurfacePoint},
     },
-    view::{Background, Preview, Progress, View},
-    view_mode::ViewMode,
+    view::{Preview, Progress, View},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -178,8 +177,7 @@ impl Renderer {
     pub fn split_error(&self, job: &SplitJob, progress: &dyn Progress) -> Result<Option<ErrorSplit>, SplitError> {
         job.region.check(job.view.size)?;
         let cuts = job.light.cuts_of(&self.dataset)?;
-        let black = Background::Flat(Vec3::ZERO);
-        let view = View { background: black, mode: ViewMode::Shaded, wireframe: false, ..job.view.clone() };
+        let view = job.view.of_surfaces();
         let backdrop = Backdrop::black();
         let chain = Chain { renderer: self, sampler: PixelSampler::new(self, &view, &backdrop), cuts, job, progress };
         if !chain.shows_surface() {

@@ -1,9 +1,16 @@
 //! Direct light of local lights by shadow rays at every pixel, without cuts.
 
 use crate::{
-    light::direct::{direct_light, pixel_shift},
+    light::{
+        direct::{direct_light, pixel_shift},
+        environment::Illumination,
+    },
     renderer::Renderer,
-    shade::{background::Backdrop, pixel_sampler::PixelSampler, surface::SurfacePoint},
+    shade::{
+        background::{Backdrop, BlurCache},
+        pixel_sampler::PixelSampler,
+        surface::SurfacePoint,
+    },
     view::View,
 };
 use glam::Vec3;
@@ -13,7 +20,13 @@ use rayon::prelude::*;
 impl Renderer {
     /// The direct light of local lights alone, over black; black outside of a view's region.
     pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
-        let backdrop = Backdrop::black();
+        self.direct_light_before(None, view, lights)
+    }
+
+    /// [`Self::direct_light`] on a ground that catches an environment.
+    pub(super) fn direct_light_before(&self, behind: Option<&Illumination>, view: &View, lights: &[Light]) -> Image {
+        let view = &View { hides_background: true, ..view.clone() };
+        let backdrop = Backdrop::new(view, behind, false, &mut BlurCache::default());
         let (sampler, intersector) = (PixelSampler::new(self, view, &backdrop), self.intersector());
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {

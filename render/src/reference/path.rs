@@ -52,11 +52,8 @@ impl Renderer {
         progress: &dyn Progress,
     ) -> PathPicture {
         self.refine();
-        let backdrop = if settings.components.environment {
-            Backdrop::new(view, light, &mut BlurCache::default())
-        } else {
-            Backdrop::black()
-        };
+        let shown = settings.components.environment;
+        let backdrop = Backdrop::new(view, Some(light), shown, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
         let tracer = Tracer::new(self, light, lights, settings);
         let mut halves = Halves::new(view.size, view.aa);

@@ -6,8 +6,8 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{Quat, Vec3};
-use lapidary_core::environment::Environment;
-use std::sync::Arc;
+use lapidary_core::{environment::Environment, ground::Ground};
+use std::{f32::consts::PI, sync::Arc};
 
 /// Looks up an environment in world space.
 pub struct Sky<'a> {
@@ -37,11 +37,18 @@ impl<'a> Sky<'a> {
     }
 }
 
-/// The background where there is no surface.
-pub enum Backdrop {
-    /// The environment, sharp or blurred.
+/// What lies behind the surfaces of a picture, and what the ground catches of it.
+pub struct Backdrop {
+    /// What pixels without a surface show.
+    behind: Behind,
+    /// For a ground that catches shadows; else it is a surface as any other.
+    catcher: Option<Catcher>,
+}
+
+/// Radiance from all directions.
+enum Behind {
+    /// An environment, sharp or blurred.
     Map {
-        /// The map.
         map: Arc<Environment>,
         /// Turns world directions into the frame of the map.
         environment_from_world: Quat,
@@ -52,43 +59,86 @@ pub enum Backdrop {
     Flat(Vec3),
 }
 
-impl Backdrop {
-    /// For one picture without an environment.
-    pub fn unlit(view: &View) -> Self {
-        match view.background {
-            Background::Flat(radiance) if view.mode == ViewMode::Shaded => Self::Flat(radiance),
-            _ => Self::black(),
-        }
-    }
+impl Behind {
+    const BLACK: Self = Self::Flat(Vec3::ZERO);
 
-    /// For one picture. View modes that show quantities other than radiance have a black background.
-    pub fn new(view: &View, light: &Illumination, blur: &mut BlurCache) -> Self {
+    /// The background of a view.
+    fn of(view: &View, light: &Illumination, blur: &mut BlurCache) -> Self {
         let map = |map| {
             let environment_from_world = Sky::new(light).environment_from_world;
             Self::Map { map, environment_from_world, intensity: light.intensity }
         };
         match view.background {
-            _ if view.mode != ViewMode::Shaded => Self::black(),
             Background::Environment => map(light.environment.clone()),
             Background::Blurred(width) => map(blur.blurred(&light.environment, width)),
             Background::Flat(radiance) => Self::Flat(radiance),
-            Background::Transparent => Self::black(),
+            Background::Transparent => Self::BLACK,
         }
     }
 
-    /// Nothing at all.
-    pub fn black() -> Self {
-        Self::Flat(Vec3::ZERO)
-    }
-
-    /// Radiance from a world direction.
-    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+    fn radiance(&self, direction: Vec3) -> Vec3 {
         match self {
             Self::Map { map, environment_from_world, intensity } => {
                 map.radiance(*environment_from_world * direction) * *intensity
             }
             Self::Flat(radiance) => *radiance,
         }
+    }
+}
+
+/// A ground that shows the background times its own irradiance over that without anything in the way: a diffuse surface, the
+/// reflectance of which follows from what lies behind it. So all light that reaches it, and all that does not, is seen on the
+/// background.
+struct Catcher {
+    /// What it catches; white for a picture with an alpha channel, which takes the share that the ground lets through.
+    caught: Behind,
+    /// Reflectance for a radiance of 1 behind the ground.
+    per_radiance: Vec3,
+}
+
+/// Reflectance, for a radiance of 1 behind it, of a ground that catches shadows; `None` where the view has no such ground, and
+/// without light from above.
+pub(crate) fn caught_per_radiance(view: &View, environment: &Environment, intensity: f32) -> Option<Vec3> {
+    let catches = view.ground() == Ground::Shadow && view.mode == ViewMode::Shaded;
+    let irradiance = catches.then(|| environment.irradiance_from_above() * intensity)?;
+    let per_radiance = irradiance.map(|e| if e > 0.0 { PI / e } else { 0.0 });
+    (per_radiance.max_element() > 0.0 && per_radiance.is_finite()).then_some(per_radiance)
+}
+
+impl Backdrop {
+    /// For one picture under an environment, which pixels without a surface show if `shown`. View modes that show quantities other
+    /// than radiance have a black background.
+    pub fn new(view: &View, light: Option<&Illumination>, shown: bool, blur: &mut BlurCache) -> Self {
+        let behind = match (view.background, light) {
+            _ if view.mode != ViewMode::Shaded || view.hides_background => Behind::BLACK,
+            (Background::Flat(radiance), _) => Behind::Flat(radiance),
+            (_, Some(light)) if shown => Behind::of(view, light, blur),
+            _ => Behind::BLACK,
+        };
+        let catcher = light.and_then(|light| {
+            let per_radiance = caught_per_radiance(view, &light.environment, light.intensity)?;
+            let caught = match view.background {
+                Background::Transparent => Behind::Flat(Vec3::ONE),
+                _ => Behind::of(view, light, blur),
+            };
+            Some(Catcher { caught, per_radiance })
+        });
+        Self { behind, catcher }
+    }
+
+    /// Nothing at all; the ground is a surface as any other.
+    pub fn black() -> Self {
+        Self { behind: Behind::BLACK, catcher: None }
+    }
+
+    /// Radiance from a world direction.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        self.behind.radiance(direction)
+    }
+
+    /// Reflectance of a ground that catches shadows, seen along a world direction; `None` if it is a surface as any other.
+    pub(super) fn caught(&self, direction: Vec3) -> Option<Vec3> {
+        self.catcher.as_ref().map(|catcher| catcher.caught.radiance(direction) * catcher.per_radiance)
     }
 }
 

@@ -7,14 +7,19 @@ use crate::{
         surface::{FirstHit, SurfacePoint, Surfaces},
         wireframe::{self, Screen},
     },
-    view::View,
+    view::{Background, View},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Lens,
+    ground::Ground,
     ray::{Hit, in_eights},
+    scene::Mesh,
 };
 use std::ops::Range;
+
+/// How far behind the back of the ground a ray goes on, as a share of the distance.
+const PAST: f32 = 1e-5;
 
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
@@ -22,6 +27,8 @@ pub(crate) struct PixelSampler<'a> {
     screen: Screen,
     lens: Lens,
     backdrop: &'a Backdrop,
+    /// The mesh with its ground, if it has one.
+    mesh: &'a Mesh,
     surfaces: Surfaces<'a>,
     offsets: Vec<Vec2>,
 }
@@ -40,7 +47,8 @@ impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let screen = Screen::new(&view.camera, view.size);
         let lens = view.camera.lens(view.size);
-        Self { view, screen, lens, backdrop, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
+        let mesh = &renderer.dataset().scene.mesh;
+        Self { view, screen, lens, backdrop, mesh, surfaces: renderer.surfaces(), offsets: view.pixel_offsets() }
     }
 
     /// The pixels of a row that are wanted.
@@ -65,7 +73,8 @@ impl<'a> PixelSampler<'a> {
     /// The view from a position in the pixel's unit square.
     fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
         let (position, direction) = self.toward(x, y, in_pixel);
-        Sight { position, direction, seen: self.surfaces.seen_along(self.view.camera.eye, direction) }
+        let hit = self.past_hidden_ground(self.surfaces.hit_along(self.view.camera.eye, direction), direction);
+        Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
     fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, Vec3) {
@@ -78,21 +87,51 @@ impl<'a> PixelSampler<'a> {
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
         let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1;
         let eights = in_eights(pixels.iter().map(direction));
-        let mut hits = self.surfaces.hits_from(self.view.camera.eye, &eights).into_flattened();
-        hits.truncate(pixels.len());
-        hits
+        let hits = self.surfaces.hits_from(self.view.camera.eye, &eights).into_flattened();
+        let directions = eights.as_flattened();
+        let first = hits.into_iter().zip(directions).take(pixels.len());
+        first.map(|(hit, &direction)| self.past_hidden_ground(hit, direction)).collect()
     }
 
     /// The view along one of a pixel's samples, whose hit is known.
     pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
         let (position, direction) = self.toward(x, y, self.offset(sample));
-        Sight { position, direction, seen: self.surfaces.seen_at(hit, direction) }
+        Sight { position, direction, seen: self.seen(hit, direction) }
+    }
+
+    /// A hit of a camera ray, or the one behind a ground that is not seen. From below it never is.
+    fn past_hidden_ground(&self, hit: Option<Hit>, direction: Vec3) -> Option<Hit> {
+        let Some(ground) = hit.filter(|hit| self.mesh.is_ground(hit.triangle)) else { return hit };
+        if !ground.back_face {
+            // Nothing lies below it.
+            return hit.filter(|_| self.view.ground() != Ground::Off);
+        }
+        let beyond = self.view.camera.eye + direction * (ground.distance * (1.0 + PAST));
+        self.surfaces.hit_along(beyond, direction).filter(|hit| !self.mesh.is_ground(hit.triangle))
+    }
+
+    /// What is seen at a hit. A ground that catches shadows reflects what is behind it.
+    fn seen(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
+        let seen = self.surfaces.seen_at(hit, direction);
+        let is_ground = hit.is_some_and(|hit| self.mesh.is_ground(hit.triangle));
+        match (seen, is_ground.then(|| self.backdrop.caught(direction)).flatten()) {
+            (FirstHit::Surface(point), Some(reflectance)) => FirstHit::Surface(point.catching(reflectance).into()),
+            (seen, _) => seen,
+        }
+    }
+
+    /// Whether a point is of a ground of which the picture has only the share of the light that it lets through.
+    pub fn lets_light_through(&self, point: &SurfacePoint) -> bool {
+        point.is_catcher && self.view.background == Background::Transparent
     }
 
     /// The surface that a pixel's first sample sees at `hit`; `None` for the back of a one-sided one.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
         let (_, direction) = self.toward(x, y, self.offset(0));
-        (!self.surfaces.is_back(hit)).then(|| self.surfaces.point(hit, -direction))
+        match self.seen(Some(*hit), direction) {
+            FirstHit::Surface(point) => Some(*point),
+            FirstHit::Back | FirstHit::Background => None,
+        }
     }
 
     /// Index of a triangle's material.
@@ -128,6 +167,8 @@ impl<'a> PixelSampler<'a> {
 
     fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         match sight.seen {
+            // Nothing of it is in a picture without a background.
+            FirstHit::Surface(point) if self.lets_light_through(&point) => Vec3::ZERO,
             FirstHit::Surface(point) => shade(&point),
             FirstHit::Back => Vec3::ZERO,
             FirstHit::Background => self.behind(sight.direction),

@@ -5,7 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
     brdf::{LightsX8, LobeMomentsX8, SurfaceBrdf},
     dataset::Dataset,
-    material::{BrdfParameters, MapKind, Material},
+    material::{BrdfModel, BrdfParameters, MapKind, Material},
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
 };
@@ -38,9 +38,20 @@ pub struct SurfacePoint {
     pub parameters: BrdfParameters,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
+    /// Whether it belongs to a ground that catches shadows.
+    pub is_catcher: bool,
 }
 
 impl SurfacePoint {
+    /// The point as one of a ground that catches shadows: flat, and diffuse with some reflectance, which may be above 1.
+    pub fn catching(self, reflectance: Vec3) -> Self {
+        let wo = self.world_from_local * self.wo;
+        let world_from_local = frame(self.smooth_normal, Vec3::X, 1.0);
+        let parameters = BrdfParameters { base_color: reflectance, ..self.parameters };
+        let brdf = SurfaceBrdf::new(BrdfModel::Lambert, parameters);
+        Self { world_from_local, wo: world_from_local.transpose() * wo, parameters, brdf, is_catcher: true, ..self }
+    }
+
     /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
     /// smooth normal.
     #[inline(always)]
@@ -270,6 +281,7 @@ impl<'a> Surfaces<'a> {
             wo: looks.wo,
             parameters: looks.parameters,
             brdf: looks.brdf,
+            is_catcher: false,
         }
     }
 }

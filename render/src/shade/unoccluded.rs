@@ -57,6 +57,7 @@ impl<'a> UnoccludedShader<'a> {
             wo: looks.wo,
             parameters: looks.parameters,
             brdf: looks.brdf,
+            is_catcher: false,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::values::choice;
 use clap::builder::TypedValueParser;
-use lapidary_core::light_tree::TreeKind;
+use lapidary_core::{ground::Ground, light_tree::TreeKind};
 use lapidary_precompute::Preset;
 use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, compare::map::ErrorMap};
 use serde::Deserialize;
@@ -80,6 +80,15 @@ pub fn sun() -> impl TypedValueParser<Value = SunOption> {
             "Parts of the map smaller than 8 degrees and 30 times as bright as its mean shine as directional lights",
         ),
         ("off", "All of the map is left to the light samples"),
+    ])
+}
+
+/// What the ground of a scene is.
+pub fn ground() -> impl TypedValueParser<Value = Ground> {
+    choice(&[
+        ("off", "None"),
+        ("on", "A surface with a material of its own"),
+        ("shadow", "Its shadows and the light that it catches, over the background"),
     ])
 }
 
@@ -191,6 +200,7 @@ mod tests {
         let none = Vec::<String>::new();
         assert_eq!(gaps(tree_kind()), none);
         assert_eq!(gaps(preset()), none);
+        assert_eq!(gaps(ground()), none);
         assert_eq!(gaps(brdf_sampling()), none);
         assert_eq!(gaps(tone_map()), none);
         assert_eq!(gaps(solution()), none);

@@ -1,7 +1,7 @@
 //! The options about what is shown, which all commands that make pictures share, and what they resolve to.
 
 use super::{
-    OutsideArgs,
+    OutsideArgs, choices,
     light::{EnvironmentArgs, LocalLightArgs, LocalLights},
     values,
 };
@@ -12,13 +12,14 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
+    ground::Ground,
     import::{load_material, pictures_of_material},
     material::{BrdfModel, BrdfParameters, Material},
     memory,
     scene::{Scene, camera_named},
 };
 use lapidary_render::{Background, Baked, Illumination, Look, View};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Dataset, light, material and view.
 #[derive(Args, Clone, Debug)]
@@ -78,6 +79,9 @@ struct CameraArgs {
     /// What pixels without a surface show; black leaves the environment out of measured errors
     #[arg(long, value_enum, default_value_t)]
     background: BackgroundOption,
+    /// How the ground of the dataset is shown [default: as it was baked]
+    #[arg(long, value_parser = choices::ground())]
+    ground: Option<Ground>,
 }
 
 /// What is seen where there is no surface, as an option.
@@ -158,6 +162,7 @@ impl ViewArgs {
         let view = View {
             aa: self.camera.aa,
             background: self.camera.background.into(),
+            ground: self.camera.ground_of(&dataset, &self.file)?,
             ..View::new(camera, self.camera.size)
         };
         Ok(ViewedScene { baked: dataset.into(), view, light, local })
@@ -203,7 +208,8 @@ impl MaterialArgs {
             None => self.ggx(),
         };
         if let Some(material) = material {
-            replace_materials(&mut scene.materials, &material);
+            let ground = scene.mesh.ground_material();
+            replace_materials(&mut scene.materials, ground, &material);
         }
         Ok(())
     }
@@ -221,9 +227,9 @@ impl MaterialArgs {
     }
 }
 
-/// Gives all of a scene one material. What is seen from both sides stays so: that was baked.
-pub fn replace_materials(materials: &mut [Material], material: &Material) {
-    for old in materials {
+/// Gives all of a scene one material, but for that of its ground. What is seen from both sides stays so: that was baked.
+pub fn replace_materials(materials: &mut [Material], ground: Option<u32>, material: &Material) {
+    for (_, old) in (0..).zip(materials).filter(|(index, _)| Some(*index) != ground) {
         *old = Material { double_sided: old.double_sided, ..material.clone() };
     }
 }
@@ -232,6 +238,16 @@ pub fn replace_materials(materials: &mut [Material], material: &Material) {
 const DEFAULT_FOV: f32 = 40.0;
 
 impl CameraArgs {
+    fn ground_of(&self, dataset: &Dataset, file: &Path) -> Result<Ground> {
+        let has_ground = dataset.scene.mesh.ground.is_some();
+        match self.ground {
+            Some(ground) if ground != Ground::Off && !has_ground => {
+                bail!("the dataset has no ground; bake the scene with --ground {ground} ({})", file.display())
+            }
+            ground => Ok(ground.unwrap_or(dataset.settings.ground)),
+        }
+    }
+
     fn resolve(&self, scene: &Scene, shots: &[Camera]) -> Result<Camera> {
         let base = self.named_camera(scene, shots)?;
         let fov = |default: f32| self.fov.unwrap_or(default);
@@ -279,6 +295,7 @@ mod tests {
         size: [4, 4],
         aa: 1,
         background: BackgroundOption::Environment,
+        ground: None,
     };
 
     fn scene(cameras: Vec<Camera>) -> Scene {

@@ -75,7 +75,7 @@ pub fn take<'a>(
             .into_iter()
             .map(|(name, title, parameters)| {
                 let mut look = under(still_life, "studio");
-                replace_materials(&mut look.appearance.materials, &Material { parameters, ..Default::default() });
+                replace_materials(&mut look.appearance.materials, None, &Material { parameters, ..Default::default() });
                 take(still_life, &format!("material-{name}"), title, look)
             })
             .collect::<Result<_>>()?,

@@ -223,9 +223,7 @@ fn only(look: &Look, part: Components) -> Look {
     let mut alone = look.clone();
     let shown = look.components;
     alone.components = Components { environment: part.environment && shown.environment, ..part };
-    if !part.environment && look.view.background != Background::Transparent {
-        alone.view.background = Background::Flat(Vec3::ZERO);
-    }
+    alone.view.hides_background = !part.environment;
     alone
 }
 

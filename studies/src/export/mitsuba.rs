@@ -115,7 +115,7 @@ impl MitsubaScene<'_> {
     }
 
     fn remarks(&self) -> Vec<String> {
-        let mut remarks = sensor::remarks(self.view);
+        let mut remarks = sensor::remarks(self.view, self.dataset.scene.mesh.ground.is_some());
         remarks.extend(emitters::remarks(&self.lights));
         remarks
     }

@@ -23,6 +23,8 @@ pub struct Baking {
     pub(in crate::app) written: Option<Receiver<Result<PathBuf, String>>>,
     /// What an interrupted bake left, and when it was read.
     pub(in crate::app) leftover: Option<(Looked, Leftover)>,
+    /// A bake is to begin for a ground, once the one at work has ended.
+    pub(in crate::app) wants_ground: bool,
 }
 
 /// The inputs that decide what an interrupted bake left, small enough to compare every frame.

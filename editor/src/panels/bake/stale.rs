@@ -5,6 +5,7 @@ use crate::{document::Document, panels::units::grouped};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset},
+    ground::Ground,
     light_tree::TreeKind,
     shot::Shot,
 };
@@ -51,6 +52,7 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         beta,
         criterion,
         pilot_clusters,
+        ground,
         max_vertices,
         even_vertices,
         shots,
@@ -75,6 +77,8 @@ fn described(settings: &BakeSettings) -> Vec<(&'static str, String)> {
         ("Total error", criterion.total_error.map_or("no limit".into(), |e| e.to_string())),
         ("Pilot clusters", grouped(*pilot_clusters as u64)),
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
+        // Whether it is a surface or catches shadows is not baked.
+        ("Ground", if *ground == Ground::Off { "none" } else { "under the scene" }.into()),
         ("Placing", if *even_vertices { "evenly" } else { "where visibility varies" }.into()),
         ("Views", described_shots(shots)),
         ("Bytes", limit(*max_bytes)),

@@ -41,6 +41,7 @@ fn probe(spec: &str) -> Probe {
 fn panel(probe: Probe) -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let context = EnvironmentContext {
+            lacks_ground: false,
             document: &probe.document,
             environment: Some(&probe.environment),
             library: &probe.library,

@@ -42,7 +42,7 @@ pub struct Geometry {
 
 impl Geometry {
     /// Tessellates for what vertices will store within a budget of vertices, most finely where `shots` look; `None` leaves the mesh
-    /// as it is.
+    /// as it is. A ground gets its vertices beside the budget.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -53,18 +53,27 @@ impl Geometry {
         shots: &[Shot],
         observer: &dyn Observer,
     ) -> Result<Self, BakeError> {
-        let source_vertices = scene.mesh.positions.len();
+        let source_vertices = scene.mesh.ground.map_or(scene.mesh.positions.len(), |start| start.vertex as usize);
         let mut sides = classify(&scene);
         let source = Intersector::new(&scene.mesh);
-        let intersector = match budget {
-            Some(budget) => {
-                remark_on_budget(source_vertices, budget, observer);
-                let wanted = Wanted { stored, budget, shots };
-                tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
-                Intersector::new(&scene.mesh)
-            }
-            None => source,
-        };
+        if let Some(budget) = budget {
+            remark_on_budget(source_vertices, budget, observer);
+        }
+        let most = budget.unwrap_or(0).max(source_vertices);
+        let ground = scene.mesh.split_off_ground().map(|ground| (ground, sides.split_off(scene.mesh.triangles.len())));
+        if let Some(budget) = budget {
+            let wanted = Wanted { stored, budget, shots, around: None };
+            tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
+        }
+        let is_split = budget.is_some() || ground.is_some();
+        if let Some((mut ground, mut sides_of_ground)) = ground {
+            let around = Some(scene.mesh.bounds());
+            let wanted = Wanted { stored, budget: ground_budget(most), shots: &[], around };
+            tessellate(&mut ground, &mut sides_of_ground, &source, wanted, observer)?;
+            scene.mesh.append_ground(ground);
+            sides.append(sides_of_ground);
+        }
+        let intersector = if is_split { Intersector::new(&scene.mesh) } else { source };
         let points = BakePoints::new(&scene.mesh, &sides);
         let buried = points.buried(&intersector, &sides, observer)?;
         Ok(Self { scene, intersector, source_vertices, sides, points, buried })
@@ -150,6 +159,11 @@ impl Geometry {
         let sampler = ManySampler::new(&self.intersector, directions, tracing)?;
         sample_pilot(&self.points, &sampler, diagonal, clusters, observer)
     }
+}
+
+/// Vertices of the ground under a scene with this many: at most a fifth as many.
+pub(crate) fn ground_budget(vertices: usize) -> usize {
+    vertices / 5
 }
 
 /// Warns of a mesh that already has as many vertices as its budget allows.

@@ -2,7 +2,10 @@
 //!
 //! Without shots the unit is the same all over the surface. With shots it is the same all over their pictures: the
 //! surfaces in them get most of the vertices, and the rest is spread over all surfaces, for views from elsewhere.
+//! On the ground around a scene the unit grows with the distance, so that all of it has the same angle for who looks at the
+//! scene.
 
+use super::Wanted;
 use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
@@ -21,6 +24,8 @@ use rayon::prelude::*;
 const PICTURES: f32 = 0.8;
 /// Least and greatest number of points of a triangle that are searched for in the pictures.
 const PLACES: std::ops::RangeInclusive<f32> = 4.0..=4096.0;
+/// Points of a triangle of the ground over which its share of the vertices is averaged.
+const PLACES_OF_MEAN: u32 = 16;
 /// Segments from an eye end before a point, by this share of their length, so that the point's own surface does not
 /// hide it.
 const GAP_AT_END: f32 = 1e-4;
@@ -39,12 +44,46 @@ pub(super) struct EdgeScale<'a> {
     unseen: f32,
     /// Units per height of a picture.
     seen: f32,
+    falloff: Option<Falloff>,
+}
+
+/// How the unit grows around a scene.
+struct Falloff {
+    center: Vec3,
+    /// Within it, in metres, it does not grow.
+    radius: f32,
+}
+
+impl Falloff {
+    /// Units per metre at a place, as a share of those at the scene.
+    fn at(&self, place: Vec3) -> f32 {
+        let distance = (place - self.center).with_y(0.0).length();
+        self.radius / distance.max(self.radius)
+    }
+
+    /// Mean over a triangle of its square, which is the part of the area that counts.
+    fn mean_square(&self, [a, b, c]: [Vec3; 3]) -> f32 {
+        let place = |[u, v]: [f32; 2]| a + (b - a) * u + (c - a) * v;
+        (0..PLACES_OF_MEAN).map(|i| self.at(place(on_triangle(i))).powi(2)).sum::<f32>() / PLACES_OF_MEAN as f32
+    }
+
+    /// The largest within a triangle.
+    fn of_triangle(&self, corners: [Vec3; 3]) -> f32 {
+        corners.map(|corner| self.at(corner)).into_iter().fold(0.0, f32::max)
+    }
 }
 
 impl<'a> EdgeScale<'a> {
-    /// For a mesh that gets `budget` vertices. Warns of shots that see nothing.
-    pub fn new(mesh: &Mesh, scene: &'a Intersector, shots: &[Shot], budget: usize, observer: &'a dyn Observer) -> Self {
-        let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t)).sum();
+    /// For a mesh. Warns of shots that see nothing.
+    pub fn new(
+        mesh: &Mesh,
+        scene: &'a Intersector,
+        Wanted { shots, budget, around, .. }: Wanted,
+        observer: &'a dyn Observer,
+    ) -> Self {
+        let falloff = around.map(|b| Falloff { center: b.center(), radius: 0.5 * b.diagonal() });
+        let share = |t| falloff.as_ref().map_or(1.0, |falloff| falloff.mean_square(mesh.corners(t)));
+        let area: f32 = (0..mesh.triangles.len()).map(|t| area_of(mesh, t) * share(t)).sum();
         let unit = edge_length(area, budget as f32);
         let (mut frustums, mut in_pictures) = (Vec::new(), 0.0);
         for (i, shot) in shots.iter().enumerate() {
@@ -62,7 +101,7 @@ impl<'a> EdgeScale<'a> {
             let unit_of = |area, part| edge_length(area, part * budget as f32).recip();
             (unit_of(area, 1.0 - PICTURES), unit_of(in_pictures, PICTURES))
         };
-        Self { scene, observer, frustums, unit, unseen, seen }
+        Self { scene, observer, frustums, unit, unseen, seen, falloff }
     }
 
     /// Units per metre of each triangle.
@@ -70,6 +109,10 @@ impl<'a> EdgeScale<'a> {
     /// # Errors
     /// [`BakeError::Cancelled`].
     pub fn of_triangles(&self, mesh: &Mesh) -> Result<Vec<f32>, BakeError> {
+        if let Some(falloff) = &self.falloff {
+            let of_triangle = |t| self.unseen * falloff.of_triangle(mesh.corners(t));
+            return Ok((0..mesh.triangles.len()).map(of_triangle).collect());
+        }
         if self.frustums.is_empty() {
             return Ok(vec![self.unseen; mesh.triangles.len()]);
         }

@@ -3,7 +3,7 @@
 use super::{GpuBackend, SumState};
 use crate::{
     gpu::{
-        frame::frame,
+        frame::{Lit, frame},
         layout::{
             self,
             constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
@@ -24,7 +24,8 @@ impl GpuBackend {
     pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.picture();
         let light = self.shown_environment().map(|(light, _)| light);
-        let uniforms = frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, light, stride);
+        let lit = Lit { shown: light, behind: self.light.as_ref().map(|(light, _)| light), catches: picture.catches };
+        let uniforms = frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 
@@ -36,6 +37,7 @@ impl GpuBackend {
             tone_map: post.tone_map as u32,
             view_mode: picture.view.mode as u32,
             transparent: u32::from(picture.view.background == Background::Transparent),
+            lets_light_through: u32::from(picture.lets_light_through()),
         };
         self.gpu.queue.write_buffer(&self.display, 0, bytemuck::bytes_of(&uniforms));
     }
@@ -55,7 +57,7 @@ impl GpuBackend {
         pass.set_pipeline(&self.passes.visibility);
         pass.set_bind_group(0, &groups.frame, &[]);
         pass.set_bind_group(1, &groups.scene, &[]);
-        pass.draw(0..3 * self.loaded().scene.triangle_count, 0..1);
+        pass.draw(0..3 * self.loaded().scene.triangles_shown(&self.picture().view), 0..1);
     }
 
     pub(super) fn encode_deferred(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -69,7 +71,7 @@ impl GpuBackend {
             "parameters",
             &self.passes.parameters,
             &outputs,
-            &[&shared[..], &[&groups.geometry]].concat(),
+            &[&shared[..], &[&groups.parameters]].concat(),
         );
     }
 

@@ -15,7 +15,7 @@ pub struct Groups {
     pub materials: wgpu::BindGroup,
     pub light: wgpu::BindGroup,
     pub triangle: wgpu::BindGroup,
-    pub geometry: wgpu::BindGroup,
+    pub parameters: wgpu::BindGroup,
     /// Surface sources, if their light is shown.
     pub sources: Option<wgpu::BindGroup>,
     pub patches: wgpu::BindGroup,
@@ -85,7 +85,7 @@ impl GpuBackend {
             materials: group("materials", &layouts.materials, &look),
             light: group("light", &layouts.light, &lit),
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
-            geometry: group("geometry", &layouts.ids, &[View(&targets.geometry.view)]),
+            parameters: group("parameters", &layouts.parameters, &[View(&targets.geometry.view), View(map)]),
             sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
                 let sent = [
                     lit.nodes.as_entire_binding(),

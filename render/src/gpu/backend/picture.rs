@@ -9,7 +9,7 @@ use crate::{
         targets::Targets,
     },
     remedy::Remedy,
-    shade::merge::BrdfSampling,
+    shade::{background::caught_per_radiance, merge::BrdfSampling},
     stale::Part,
     view::{Background, View},
     view_mode::ViewMode,
@@ -28,6 +28,8 @@ pub struct Picture {
     /// Passes beside the merges.
     pub additions: Vec<Addition>,
     pub lattices: Lattices,
+    /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
+    pub catches: Option<Vec3>,
     /// The sample of which the deferred buffers tell.
     pub seen: u32,
 }
@@ -36,6 +38,11 @@ impl Picture {
     /// Where a sample is in its pixel.
     pub fn offset(&self, sample: u32) -> Vec2 {
         self.offsets[sample as usize % self.offsets.len()]
+    }
+
+    /// Whether the ground tells the share of the light that it lets through, for an alpha channel.
+    pub fn lets_light_through(&self) -> bool {
+        self.catches.is_some() && self.view.background == Background::Transparent
     }
 }
 
@@ -91,7 +98,13 @@ impl GpuBackend {
         let shown = self.local.shown_indirect().zip(baked);
         let make = |(lighting, baked)| GpuSources::new(&self.gpu, &self.passes.lit, baked, lighting, before);
         self.sources = shown.map(make).transpose()?;
-        let (light, environment) = self.light_or_dark();
+        let (light, dark) = self.light_or_dark();
+        let catches = self.light.as_ref().and_then(|(light, environment)| {
+            self.loaded().scene.ground.as_ref()?;
+            caught_per_radiance(view, environment, light.intensity)
+        });
+        // It catches an environment that does not shine as well.
+        let environment = self.light.as_ref().filter(|_| catches.is_some()).map_or(dark, |(_, map)| map.clone());
         let blur = match view.background {
             Background::Blurred(width) => Some(width),
             _ => None,
@@ -119,6 +132,7 @@ impl GpuBackend {
             groups,
             additions,
             lattices: Lattices::default(),
+            catches,
             seen: 0,
         })
     }

@@ -38,7 +38,8 @@ fn every_program_is_valid_without_optional_features() {
 
 #[test]
 fn validation_finds_a_broken_program() {
-    let text = ShaderSource::Embedded.text(&DISPLAY).unwrap().replace("return vec4(shown, ", "return vec3(shown, ");
+    let text =
+        ShaderSource::Embedded.text(&DISPLAY).unwrap().replace("return vec4(with_lines(", "return vec3(with_lines(");
     let valid = naga::front::wgsl::parse_str(&text)
         .is_ok_and(|m| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&m).is_ok());
     assert!(!valid);
@@ -100,8 +101,12 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 wireframe,
                 source_tree_height,
                 sample,
-                padding,
-                stride
+                catcher,
+                stride,
+                caught_color,
+                caught,
+                caught_per_radiance,
+                lets_light_through
             ),
         ),
         (
@@ -178,7 +183,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ),
         ("VertexIrradiance", shape!(layout::VertexIrradiance, vector)),
         ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
-        ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent)),
+        ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through)),
     ]
 }
 

@@ -4,6 +4,7 @@
 //! reference of many. Its pixel grid and vertical field of view are the same.
 
 use super::{MitsubaScene, xml};
+use lapidary_core::ground::Ground;
 use lapidary_render::{Background, View};
 
 /// What `mitsuba -D` or `mi.load_file` may set.
@@ -25,10 +26,14 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
     integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
 }
 
+/// How far the ground is to be seen, in extents of the scene.
+const TO_HORIZON: f32 = 4096.0;
+
 fn sensor(scene: &MitsubaScene) -> String {
     let View { camera, size: [width, height], .. } = scene.view;
     let bounds = scene.dataset.scene.mesh.bounds();
     let reach = camera.eye.distance(bounds.center()) + bounds.diagonal();
+    let farthest = if scene.dataset.scene.mesh.ground.is_some() { TO_HORIZON * reach } else { 2.0 * reach };
     let sampler = xml::plugin("sampler", "multijitter", "", &xml::value("integer", "sample_count", "$spp"));
     let film = [
         xml::value("integer", "width", width),
@@ -41,7 +46,7 @@ fn sensor(scene: &MitsubaScene) -> String {
         xml::value("string", "fov_axis", "y"),
         xml::value("float", "fov", camera.fov_y.to_degrees()),
         xml::value("float", "near_clip", 1e-6 * reach),
-        xml::value("float", "far_clip", 2.0 * reach),
+        xml::value("float", "far_clip", farthest),
         // The upward axis of the picture rather than that of the camera, which may lie along the view.
         xml::look_at(camera.eye, camera.target, camera.world_from_view().y_axis),
         sampler,
@@ -51,9 +56,10 @@ fn sensor(scene: &MitsubaScene) -> String {
 }
 
 /// What of the view Mitsuba does not show.
-pub fn remarks(view: &View) -> Vec<String> {
-    match view.background {
-        Background::Blurred(_) => vec!["Mitsuba shows no blurred background: it is black there".into()],
-        _ => Vec::new(),
-    }
+pub fn remarks(view: &View, has_ground: bool) -> Vec<String> {
+    let blurred = matches!(view.background, Background::Blurred(_));
+    let blurred = blurred.then(|| "Mitsuba shows no blurred background: it is black there".into());
+    let ground = has_ground && view.ground != Ground::On;
+    let ground = ground.then(|| "Mitsuba shows the ground as a surface: choose --ground on to compare with it".into());
+    blurred.into_iter().chain(ground).collect()
 }

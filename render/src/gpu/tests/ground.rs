@@ -1,0 +1,171 @@
+//! A ground as it is shown: by both renderers and by the references.
+
+use super::twin::backend;
+use crate::{
+    Backend, Background, Components, CpuBackend, Illumination, LitScene, Look, PathSettings, Quiet, Renderer, View,
+    ViewMode,
+    test_scenes::{dataset, illumination, light, mesh, rel_rmse, white},
+};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    dataset::Dataset,
+    ground::Ground,
+    image::Image,
+    lights::Emission,
+    material::{BrdfModel, Material},
+    scene::Mesh,
+};
+use std::f32::consts::PI;
+
+/// A blocker above a floor, which is the ground.
+fn scene() -> Dataset {
+    let whole = mesh(24, true);
+    let mut floor = mesh(24, false);
+    let (v, t) = (floor.positions.len(), floor.triangles.len());
+    floor.triangle_material.fill(1);
+    let mut blocker = Mesh {
+        positions: whole.positions[v..].to_vec(),
+        normals: whole.normals[v..].to_vec(),
+        tangents: whole.tangents[v..].to_vec(),
+        uvs: whole.uvs[v..].to_vec(),
+        triangles: whole.triangles[t..].iter().map(|corners| corners.map(|i| i - v as u32)).collect(),
+        triangle_material: whole.triangle_material[t..].to_vec(),
+        triangle_object: whole.triangle_object[t..].to_vec(),
+        ground: None,
+    };
+    blocker.append_ground(floor);
+    let mut dataset = dataset(blocker, white());
+    dataset.scene.materials.push(Material { model: BrdfModel::Lambert, parameters: white(), ..Default::default() });
+    dataset
+}
+
+/// A grey sky, brighter on one side, above a darker and patterned lower half.
+fn sky() -> Illumination {
+    illumination([64, 32], |x, y| {
+        let above = 0.4 + 0.02 * x as f32;
+        Vec3::splat(if y < 16 { above } else { 0.2 + 0.1 * (x % 4) as f32 })
+    })
+}
+
+fn look(ground: Ground, background: Background) -> Look {
+    let camera = Camera::look_at(Vec3::new(0.3, 2.5, 4.0), Vec3::new(0.0, 0.2, 0.0), 40.0);
+    let view = View { ground, background, aa: 2, ..View::new(camera, [40, 32]) };
+    let sun = light(Emission::PARALLEL, Vec3::new(1.0, 3.0, 0.5), Vec3::ZERO, 1.5);
+    let components = Components { environment: true, direct: true, ..Components::NONE };
+    Look { lights: [sun].into(), components, ..Look::under_environment(&scene().scene, view, sky()) }
+}
+
+/// Picture and coverage on every renderer that there is.
+fn pictures(look: &Look) -> Vec<(Image, Vec<f32>)> {
+    let picture = |backend: Box<dyn Backend>| {
+        let mut scene = LitScene::new(backend, scene().into()).unwrap();
+        let finished = scene.show_whole(look).unwrap();
+        (finished.image, finished.coverage)
+    };
+    let cpu = picture(Box::new(CpuBackend::new()));
+    let gpu = backend().map(|(_one, gpu)| picture(Box::new(gpu)));
+    std::iter::once(cpu).chain(gpu).collect()
+}
+
+fn zipped(a: &Image, b: &Image, f: impl Fn(Vec3, Vec3) -> Vec3) -> Image {
+    Image { size: a.size, pixels: a.pixels.iter().zip(&b.pixels).map(|(&a, &b)| f(a, b)).collect() }
+}
+
+/// Pixels of which all samples see the ground.
+fn shows_ground(pixels: usize) -> Vec<bool> {
+    let seen = |ground| pictures(&look(ground, Background::Transparent)).remove(0).1;
+    let (with, without) = (seen(Ground::On), seen(Ground::Off));
+    assert_eq!(with.len(), pixels);
+    with.iter().zip(&without).map(|(with, without)| *with == 1.0 && *without == 0.0).collect()
+}
+
+fn largest_difference(a: &Image, b: &Image, counts: &[bool]) -> f32 {
+    let difference = |(a, b): (&Vec3, &Vec3)| (*a - *b).abs().max_element();
+    let counted = a.pixels.iter().zip(&b.pixels).zip(counts).filter(|(_, counts)| **counts);
+    counted.map(|(pair, _)| difference(pair)).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_ground_that_catches_shadows_is_the_background_times_its_share_of_the_light() {
+    let environment = Background::Environment;
+    // A white surface tells its irradiance, and a hidden one what is behind it.
+    let [surface, behind, caught] =
+        [Ground::On, Ground::Off, Ground::Shadow].map(|ground| pictures(&look(ground, environment)));
+    let unshadowed = sky().environment.irradiance_from_above();
+    let counts = shows_ground(surface[0].0.pixels.len());
+    assert!(counts.iter().filter(|counts| **counts).count() > 300);
+    for ((surface, behind), caught) in surface.iter().zip(&behind).zip(&caught) {
+        let expected = zipped(&surface.0, &behind.0, |surface, behind| surface * PI / unshadowed * behind);
+        // The background changes between the samples of a pixel.
+        let difference = largest_difference(&expected, &caught.0, &counts);
+        assert!(difference < 0.03, "{difference}");
+        let control = largest_difference(&surface.0, &caught.0, &counts);
+        assert!(control > 0.3, "negative control: {control}");
+    }
+}
+
+#[test]
+fn with_an_alpha_channel_a_ground_darkens_what_a_picture_is_laid_over() {
+    let over = |plate: f32| {
+        let laid = pictures(&look(Ground::Shadow, Background::Transparent)).into_iter().map(|(image, coverage)| {
+            let pixels = image.pixels.iter().zip(&coverage).map(|(c, alpha)| *c + (1.0 - alpha) * plate).collect();
+            (Image { size: image.size, pixels }, coverage)
+        });
+        laid.collect::<Vec<_>>()
+    };
+    for plate in [0.0, 0.2, 0.7] {
+        let expected = pictures(&look(Ground::Shadow, Background::Flat(Vec3::splat(plate))));
+        for ((laid, coverage), (expected, _)) in over(plate).iter().zip(&expected) {
+            // Where local lights shine, more light arrives than from the environment alone, which no coverage can tell.
+            let is_darker = |i: usize| expected.pixels[i].x <= plate || coverage[i] == 1.0;
+            let counts: Vec<bool> = (0..coverage.len()).map(is_darker).collect();
+            assert!(largest_difference(laid, expected, &counts) < 2e-3);
+            assert!(counts.iter().filter(|counts| **counts).count() > 100);
+            let shadow = coverage.iter().filter(|coverage| (0.2..0.95).contains(*coverage)).count();
+            assert!(shadow > 10, "{shadow} pixels with a shadow");
+        }
+    }
+}
+
+#[test]
+fn a_hidden_ground_shows_what_is_behind_it_and_from_below_the_scene() {
+    let hidden = pictures(&look(Ground::Off, Background::Flat(Vec3::X)));
+    let counts = shows_ground(hidden[0].0.pixels.len());
+    for (picture, _) in &hidden {
+        let flat = Image::filled(picture.size, Vec3::X);
+        assert_eq!(largest_difference(picture, &flat, &counts), 0.0);
+    }
+    for ground in Ground::ALL {
+        let mut below = look(ground, Background::Transparent);
+        below.view.camera = Camera::look_at(Vec3::new(0.01, -3.0, 0.0), Vec3::Y, 40.0);
+        below.view.mode = ViewMode::Normals;
+        for (picture, coverage) in pictures(&below) {
+            let [width, height] = picture.size.map(|side| side as usize);
+            let middle = height / 2 * width + width / 2;
+            assert!((picture.pixels[middle] - Vec3::new(0.5, 0.0, 0.5)).length() < 1e-3, "{}", picture.pixels[middle]);
+            assert_eq!((coverage[middle], coverage[0]), (1.0, 0.0), "{ground}");
+        }
+    }
+}
+
+#[test]
+fn references_have_the_same_ground() {
+    let look = Look {
+        components: Components { environment: true, ..Components::NONE },
+        ..look(Ground::Shadow, Background::Environment)
+    };
+    let baked = scene().into();
+    let renderer = Renderer::of(&baked, &look);
+    let samples = renderer.samples_reference(&look.view, &look.light, &Quiet);
+    let settings = PathSettings { components: look.components, ..PathSettings::direct(256) };
+    let paths = renderer.path_reference(&look.view, &look.light, &[], settings, &Quiet);
+    let surface = Look { view: View { ground: Ground::On, ..look.view.clone() }, ..look.clone() };
+    for ((picture, _), (surface, _)) in pictures(&look).iter().zip(&pictures(&surface)) {
+        for (name, reference, most) in [("samples", &samples, 0.03), ("paths", &paths, 0.04)] {
+            let (error, control) = (rel_rmse(picture, reference), rel_rmse(surface, reference));
+            assert!(error < most, "{name}: {error}");
+            assert!(control > 5.0 * most, "negative control, {name}: {control}");
+        }
+    }
+}
