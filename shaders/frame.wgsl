@@ -32,6 +32,9 @@ struct FrameUniforms {
     caught_per_radiance: vec3<f32>,
     // Whether the picture has an alpha channel, for which it tells the share of the light that it lets through.
     lets_light_through: u32,
+    // Weights of the channels in that share.
+    share_weights: vec3<f32>,
+    padding: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

@@ -17,8 +17,6 @@ fn lacks_sample(sums: Sums) -> bool {
     return sample_count(sums.work) == frame.sample;
 }
 
-const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
-
 // The sums with one more sample, of the surface `g` or of none. Of a ground in a picture with an alpha channel they have the
 // share of the light that it lets through, in all four numbers.
 fn with_sample(sums: Sums, g: vec4<u32>, value: vec4<f32>, merged_nodes: u32, brdf_evaluations: u32) -> Sums {
@@ -27,7 +25,7 @@ fn with_sample(sums: Sums, g: vec4<u32>, value: vec4<f32>, merged_nodes: u32, br
     let counts = vec2(1u | (surface << 16u), covered | (surface << 16u));
     var added = value;
     if frame.lets_light_through != 0u && (g.w & FLAG_CATCHER) != 0u {
-        added = vec4(dot(value.xyz, LUMINANCE));
+        added = vec4(dot(value.xyz, frame.share_weights));
     }
     return Sums(sums.value + added, sums.work + vec4(merged_nodes, brdf_evaluations, counts));
 }

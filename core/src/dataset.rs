@@ -187,6 +187,14 @@ impl Default for BakeSettings {
     }
 }
 
+impl BakeSettings {
+    /// Those of all bakes with the same contents: how a ground is shown is not baked.
+    pub fn of_content(&self) -> Self {
+        let ground = if self.ground == Ground::Off { Ground::Off } else { Ground::Shadow };
+        Self { ground, ..self.clone() }
+    }
+}
+
 /// Datasets before version 5 do not say how they were traced.
 fn before_boundaries() -> bool {
     true

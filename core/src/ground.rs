@@ -80,6 +80,8 @@ const SEGMENTS: u32 = 12;
 const REACH: f32 = 8.0;
 /// How far it lies below the lowest point, as a share of the diagonal, so that flat bottoms do not lie in it.
 const GAP: f32 = 1e-4;
+/// Vertices of the mesh that is split further.
+pub const LEAST_VERTICES: usize = 1 + RINGS.len() * SEGMENTS as usize;
 /// Reflectance of a ground that has no other material yet.
 const REFLECTANCE: f32 = 0.5;
 
@@ -150,13 +152,18 @@ impl Mesh {
             return 0;
         }
         let radii = self.distance_of(triangle, bounds) / (0.5 * bounds.diagonal());
-        1 + (radii.max(1.0).log2() / 2.0) as u32
+        1 + (radii.clamp(1.0, 1e9).log2() / 2.0) as u32
     }
 
     /// Distance in metres of the middle of a triangle from the centre of bounds, along the ground.
     fn distance_of(&self, triangle: u32, bounds: Bounds) -> f32 {
         let middle = self.corners(triangle as usize).iter().sum::<Vec3>() / 3.0;
         middle.with_y(0.0).distance(bounds.center().with_y(0.0))
+    }
+
+    /// The object of the ground, if there is one.
+    pub fn ground_object(&self) -> Option<u32> {
+        self.triangle_object.get(self.ground?.triangle as usize).copied()
     }
 
     /// Whether a triangle lies so far out on the ground that its light reaches no other surface. `bounds` are those of the mesh.
@@ -207,7 +214,8 @@ const FLOOR_HEIGHT: f32 = 0.05;
 pub fn has_floor(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let mut cells = vec![Column::default(); CELLS * CELLS];
-    (0..mesh.triangles.len()).for_each(|t| Column::add_triangle(&mut cells, mesh, t, bounds));
+    let triangles = mesh.ground.map_or(mesh.triangles.len(), |start| start.triangle as usize);
+    (0..triangles).for_each(|t| Column::add_triangle(&mut cells, mesh, t, bounds));
     let highest = bounds.min.y + FLOOR_HEIGHT * bounds.diagonal();
     let floors = cells.iter().filter(|column| column.has_floor(highest)).count();
     floors as f32 >= FLOOR_COVERS * cells.len() as f32

@@ -109,6 +109,11 @@ impl Light {
         (self.target - self.position).try_normalize()
     }
 
+    /// Whether it shines up from infinitely far below, so that a ground is before all of its light.
+    pub fn comes_from_below(&self) -> bool {
+        matches!(self.emission, Emission::Directional { .. }) && self.forward().is_some_and(|forward| forward.y > 0.0)
+    }
+
     /// Whether it can give any light at all.
     pub fn shines(&self) -> bool {
         self.enabled && self.intensity.max_element() > 0.0

@@ -113,6 +113,39 @@ impl Intersector {
         Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
     }
 
+    /// The first triangle along a ray, but for the ground of `mesh`, of which it was made. Nothing lies below a ground.
+    pub fn closest_hit_without_ground(&self, mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.past_ground(mesh, self.closest_hit(origin, direction), (origin, direction), false)
+    }
+
+    /// The first triangle along a ray, but for the underside of the ground.
+    pub fn closest_hit_above_ground(&self, mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.past_ground(mesh, self.closest_hit(origin, direction), (origin, direction), true)
+    }
+
+    /// The first hit of a ray, or the one behind the ground if that is hit from below, or not to be hit from above either.
+    pub fn past_ground(
+        &self,
+        mesh: &Mesh,
+        hit: Option<Hit>,
+        (origin, direction): (Vec3, Vec3),
+        from_above: bool,
+    ) -> Option<Hit> {
+        /// Steps behind the plane as shares of the distance, until rounding leaves it behind.
+        const STEPS: [f32; 5] = [2e-7, 1e-6, 5e-6, 2.5e-5, 1.25e-4];
+        let Some(ground) = hit.filter(|hit| mesh.is_ground(hit.triangle)) else { return hit };
+        if !ground.back_face {
+            return hit.filter(|_| from_above);
+        }
+        let behind = |step: f32| {
+            let passed = ground.distance * (1.0 + step);
+            let hit = self.closest_hit(origin + direction * passed, direction);
+            hit.map(|hit| Hit { distance: hit.distance + passed, ..hit })
+        };
+        let beyond = STEPS.into_iter().map(behind).find(|hit| hit.is_none_or(|hit| !mesh.is_ground(hit.triangle)));
+        beyond.flatten()
+    }
+
     /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
         let (leaf, hit) = self.closest_leaf(origin, direction, distance)?;

@@ -300,7 +300,9 @@ impl Mesh {
         fn check(array: &'static str, mut finite: impl Iterator<Item = bool>) -> Result<(), MeshError> {
             finite.position(|f| !f).map_or(Ok(()), |index| Err(MeshError::NotFinite { array, index }))
         }
-        check_extent(self.positions.iter().copied())?;
+        let of_scene = self.ground.map_or(self.positions.len(), |start| start.vertex as usize);
+        check_extent(self.positions[..of_scene].iter().copied())?;
+        check_numbers("position", self.positions[of_scene..].iter().map(|p| size(p.as_ref())))?;
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
         check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))

@@ -11,7 +11,7 @@ pub(crate) mod settings;
 mod variant;
 
 pub use job::BakeJob;
-pub use phases::geometry::Geometry;
+pub use phases::geometry::{Geometry, tessellation_units};
 
 use self::{
     checkpoint::{Checkpoint, Places, Series, Work},
@@ -38,7 +38,7 @@ use crate::{
 };
 use lapidary_core::{
     cut::packed::PackedCuts,
-    dataset::{BakeAudit, BakeReport, Dataset, scene_hash},
+    dataset::{BakeAudit, BakeReport, BakeSettings, Dataset, scene_hash},
     ground::{Ground, add_ground},
     light_tree::LightTree,
     lock::OutputLock,
@@ -190,6 +190,7 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
+        let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);
         }
@@ -199,8 +200,8 @@ impl<'a> Begun<'a> {
             _ if job.resume => Checkpoint::open(&job.output, work, &hash, &settings)?,
             _ => None,
         };
-        let vertices = most_vertices(&scene, &settings) as u64;
-        let geometry = clock.time(Phase::Tessellate, vertices, "vertices", || {
+        let units = tessellation_units(vertices);
+        let geometry = clock.time(Phase::Tessellate, units, "points", || {
             let stored = Stored::of(settings.mode).filter(|_| !settings.even_vertices);
             Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
         })?;
@@ -246,16 +247,15 @@ impl<'a> Begun<'a> {
     }
 }
 
-/// Most vertices that a scene, as imported, will have.
-fn most_vertices(scene: &Scene, settings: &ResolvedBake) -> usize {
-    let of_scene = scene.mesh.ground.map_or(scene.mesh.positions.len(), |start| start.vertex as usize);
-    let vertices = of_scene.max(settings.max_vertices.unwrap_or(0));
+/// Most vertices of a bake of a scene that has so many as it is imported.
+pub fn most_vertices(imported: usize, settings: &BakeSettings) -> usize {
+    let vertices = imported.max(settings.max_vertices.unwrap_or(0));
     vertices + if settings.ground == Ground::Off { 0 } else { ground_budget(vertices) }
 }
 
 /// Checks that there is enough memory. Returns what this process will have at most.
 fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<u64, BakeError> {
-    let vertices = most_vertices(scene, settings);
+    let vertices = most_vertices(scene.mesh.positions.len(), settings);
     let triangles = scene.mesh.triangles.len().max(2 * vertices);
     let threads = rayon::current_num_threads();
     let places_vertices = vertices > scene.mesh.positions.len();

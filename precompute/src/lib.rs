@@ -35,6 +35,7 @@ pub use bake::{
     merge,
     settings::{Preset, ResolvedBake, resolve, with_room},
 };
+pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
 pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
@@ -52,6 +53,6 @@ pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{
     sampler::VertexSampler,
     sidedness::{Sidedness, classify},
-    tessellate::Stored,
+    tessellate::{POINTS_PER_VERTEX, Stored},
 };
 pub use warning::Warning;

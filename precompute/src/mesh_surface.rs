@@ -92,7 +92,11 @@ impl<'a> MeshSurface<'a> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let triangles = self.mesh.triangles.len();
         let count = if triangles == 0 { 0 } else { count };
-        (0..count).map(|_| self.random_point(rng.usize(0..triangles), &mut rng)).collect()
+        let point = |_| {
+            let triangle = rng.usize(0..triangles);
+            (!self.is_far(triangle as u32)).then(|| self.random_point(triangle, &mut rng))
+        };
+        (0..count).filter_map(point).collect()
     }
 
     /// A uniformly distributed point of a triangle, on either side if it has two.

@@ -44,6 +44,11 @@ impl Baked {
         baked
     }
 
+    /// Whether the scene stands on a ground.
+    pub fn has_ground(&self) -> bool {
+        self.dataset.scene.mesh.ground.is_some()
+    }
+
     /// The same for one that has no hierarchies yet.
     pub fn begin(&self) {
         let builds = self.clone();

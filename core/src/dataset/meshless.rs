@@ -47,6 +47,11 @@ pub struct MeshlessSettings {
 impl MeshlessSettings {
     /// The paper's scenes have 176 to 339.
     pub const COARSEST_FUNCTIONS: usize = 300;
+
+    /// About how many functions there will be: each level has four times as many as the one before.
+    pub fn expected_functions(&self) -> u64 {
+        Self::COARSEST_FUNCTIONS as u64 * ((1 << (2 * self.levels)) - 1) / 3
+    }
 }
 
 impl Default for MeshlessSettings {

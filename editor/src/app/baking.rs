@@ -59,10 +59,12 @@ impl EditorState {
         if self.may_write(&output, Written::Dataset) {
             let (sender, written) = channel();
             self.baking.written = Some(written);
-            let wake = self.wake.clone();
+            let (wake, ground) = (self.wake.clone(), self.document.bake.ground);
             spawn("write the bake", move || {
                 // Nobody is left to tell if another scene was opened.
-                let _ = sender.send(whole.dataset.write(&output).map(|()| output).map_err(|error| error.to_string()));
+                let _ = sender.send(
+                    shown_on(ground, whole.dataset).write(&output).map(|()| output).map_err(|error| error.to_string()),
+                );
                 wake();
             });
         }
@@ -114,7 +116,7 @@ impl EditorState {
             return;
         }
         let Imported { scene, import_secs, report, .. } = source;
-        let mode = settings.mode;
+        let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
         let job = BakeJob { settings, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
         let task = BakeTask {
@@ -138,6 +140,8 @@ impl EditorState {
             waited_before: Duration::ZERO,
             cancelling: false,
             draft_shown: false,
+            has_ground,
+            by_itself: or_afresh,
         });
     }
 
@@ -245,7 +249,7 @@ impl EditorState {
 
     /// Renders another bake of the scene. Materials that were edited stay.
     fn show_baked(&mut self, baked: Baked, is_draft: bool) {
-        fit_materials(&mut self.document, &baked.dataset);
+        self.take_materials_of(&baked.dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
         // The hierarchies are for the picture, and no guests.
@@ -261,24 +265,54 @@ impl EditorState {
     /// more is hidden, whatever the bake has.
     pub(super) fn follow_ground(&mut self) {
         let ground = self.document.bake.ground;
-        let Some(source) = self.scene.source.clone().filter(|_| !self.scene.show_stale && !self.scene.is_stale())
-        else {
-            return;
-        };
-        let suits = |baked: &Baked| ground == Ground::Off || baked.dataset.scene.mesh.ground.is_some();
-        if self.scene.baked.as_ref().is_some_and(suits) {
-            self.scene.preview = None;
-        } else if !self.scene.preview.as_ref().is_some_and(suits) {
-            let preview = source.unshadowed(ground);
-            fit_materials(&mut self.document, &preview.dataset);
-            self.scene.preview = Some(preview);
-            self.baking.wants_ground = self.preferences.bakes_scenes;
-            // It has no such ground.
-            self.cancel_bake();
-        }
-        if self.baking.wants_ground && self.baking.run.is_none() {
+        let Some(source) = self.scene.source.clone().filter(|_| !self.scene.show_stale) else { return };
+        let suits = |baked: &Baked| ground == Ground::Off || baked.has_ground();
+        let is_current = !self.scene.is_stale();
+        if let Some(baked) = self.scene.baked.clone().filter(|baked| is_current && suits(baked)) {
+            if self.scene.preview.is_some() {
+                self.take_materials_of(&baked.dataset);
+                self.scene.preview = None;
+            }
             self.baking.wants_ground = false;
-            self.bake_by_itself(false, true);
+            return;
+        }
+        if !self.scene.preview.as_ref().is_some_and(suits) {
+            let preview = source.unshadowed(ground);
+            self.take_materials_of(&preview.dataset);
+            self.scene.preview = Some(preview);
+            self.baking.wants_ground = is_current && self.preferences.bakes_scenes;
+        }
+        self.bake_ground();
+    }
+
+    /// Begins a bake for a ground if one is wanted. A bake without one that began by itself ends for it, and one that the user
+    /// asked for is finished first.
+    fn bake_ground(&mut self) {
+        self.baking.wants_ground &= self.document.bake.ground != Ground::Off;
+        match &self.baking.run {
+            _ if !self.baking.wants_ground => {}
+            Some(run) if run.has_ground => self.baking.wants_ground = false,
+            Some(run) if run.by_itself && !run.cancelling => self.cancel_bake(),
+            Some(_) => {}
+            None => {
+                self.baking.wants_ground = false;
+                self.bake_by_itself(false, true);
+            }
+        }
+    }
+
+    /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
+    fn take_materials_of(&mut self, next: &Dataset) {
+        let ground_of = |dataset: &Dataset| dataset.scene.mesh.ground_material().map(|index| index as usize);
+        let materials = self.document.materials.len();
+        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset));
+        if let Some(index) = shown.filter(|&index| index < materials) {
+            self.scene.ground_material = Some(self.document.materials.remove(index));
+        }
+        fit_materials(&mut self.document, next);
+        let place = ground_of(next).and_then(|index| self.document.materials.get_mut(index));
+        if let Some((place, kept)) = place.zip(self.scene.ground_material.take_if(|_| ground_of(next).is_some())) {
+            *place = kept;
         }
     }
 
@@ -312,7 +346,9 @@ impl EditorState {
         }
         // What is on the screen stays there, and is marked.
         self.scene.show_stale = self.scene.shown().is_some();
-        self.scene.preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
+        let preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
+        preview.iter().for_each(|preview| self.take_materials_of(&preview.dataset));
+        self.scene.preview = preview;
         self.scene.kept_output = Some(kept_in(&self.folders.bakes(), path, &source.hash));
         self.scene.source = Some(source);
     }
@@ -334,6 +370,14 @@ impl EditorState {
             (None, None) => BakeStatus::None,
         }
     }
+}
+
+/// A dataset whose ground is shown in this way when it is opened.
+fn shown_on(ground: Ground, mut dataset: Arc<Dataset>) -> Arc<Dataset> {
+    if dataset.settings.ground != ground {
+        Arc::make_mut(&mut dataset).settings.ground = ground;
+    }
+    dataset
 }
 
 /// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.

@@ -69,7 +69,7 @@ impl EditorState {
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
         let mesh = &baked.dataset.scene.mesh;
-        pick::pick(mesh, baked.intersector_if_ready()?, &self.document.camera, pixel, size)
-            .map(|picked| picked.material)
+        let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.document);
+        pick::pick(scene, document.bake.ground, &document.camera, pixel, size).map(|picked| picked.material)
     }
 }

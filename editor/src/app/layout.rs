@@ -243,7 +243,7 @@ fn environment_context<'a>(
     library: &'a [LibraryEntry],
 ) -> EnvironmentContext<'a> {
     let shown = pictures.shown();
-    let lacks_ground = scene.rendered().is_some_and(|baked| baked.dataset.scene.mesh.ground.is_none());
+    let lacks_ground = scene.rendered().is_some_and(|baked| !baked.has_ground());
     EnvironmentContext {
         lacks_ground: lacks_ground && scene.source.is_none(),
         document,

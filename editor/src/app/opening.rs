@@ -16,7 +16,7 @@ use crate::{
     preferences::AllowedFolders,
 };
 use anyhow::Result;
-use lapidary_core::{dataset::Dataset, import::ImportError};
+use lapidary_core::{dataset::Dataset, ground::Ground, import::ImportError};
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
@@ -365,8 +365,11 @@ impl Reader<'_> {
             None => output.as_deref().and_then(|output| read_if_there(output, &mut warnings)),
         };
         let unknown = loaded.unknown.clone();
-        let preview = || source.as_ref().map(|source| source.unshadowed(loaded.session.bake.ground));
-        let rendered = baked.clone().or_else(preview);
+        let ground = loaded.session.bake.ground;
+        // A ground that is not baked yet has its material in the session.
+        let suits = |baked: &Baked| ground == Ground::Off || baked.has_ground() || source.is_none();
+        let preview = || source.as_ref().map(|source| source.unshadowed(ground));
+        let rendered = baked.clone().filter(suits).or_else(preview);
         let (document, remarks) = loaded.into_document(rendered.as_ref().map(|rendered| &rendered.dataset.scene));
         warnings.extend(remarks);
         let recent = path.clone();
@@ -402,7 +405,10 @@ impl Found {
         let preview = (!is_seen).then(|| source.unshadowed(document.bake.ground));
         // A ground has a material of its own.
         let rendered = preview.as_ref().or(baked.as_ref());
-        rendered.iter().for_each(|rendered| fit_materials(&mut document, &rendered.dataset));
+        let lacks_some = |baked: &&&Baked| document.materials.len() < baked.dataset.scene.materials.len();
+        if let Some(rendered) = rendered.as_ref().filter(lacks_some) {
+            fit_materials(&mut document, &rendered.dataset);
+        }
         let (lacks_bake, is_draft, kept_output) = (self.whole.is_none(), self.draft.is_some(), Some(self.kept_output));
         Ready { preview, lacks_bake, is_draft, kept_output, ..Ready::new(document, baked, Some(source), warnings) }
     }

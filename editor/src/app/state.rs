@@ -38,7 +38,7 @@ use explain::ExplainWindow;
 use exporting::Exporting;
 use interface::Interface;
 use ladder::LadderWindow;
-use lapidary_core::{bounds::Bounds, scene::Mesh};
+use lapidary_core::{bounds::Bounds, material::Material, scene::Mesh};
 use lapidary_render::{BackendFactory, Baked};
 use lapidary_studies::jobs::Wake;
 use pictures::Pictures;
@@ -95,6 +95,8 @@ pub struct OpenScene {
     pub baked: Option<Baked>,
     /// The scene without shadows, which is rendered until there is a dataset.
     pub preview: Option<Baked>,
+    /// The material of the ground while none is shown.
+    pub ground_material: Option<Material>,
     /// The scene, which can be baked.
     pub source: Option<Imported>,
     /// Where a bake goes that the user asks for.
@@ -122,10 +124,7 @@ impl OpenScene {
 
     /// The dataset if it is rendered: a bake of the scene as it is now. One without a ground that was asked for is not.
     pub fn shown(&self) -> Option<&Baked> {
-        let is_replaced = |baked: &Baked| {
-            let has_ground = |baked: &Baked| baked.dataset.scene.mesh.ground.is_some();
-            self.preview.as_ref().is_some_and(has_ground) && !has_ground(baked)
-        };
+        let is_replaced = |baked: &Baked| self.preview.as_ref().is_some_and(Baked::has_ground) && !baked.has_ground();
         self.baked.as_ref().filter(|baked| self.show_stale || !(self.is_stale() || is_replaced(baked)))
     }
 

@@ -6,6 +6,7 @@ mod comparison;
 mod documents;
 mod export;
 mod first_look;
+mod ground;
 mod hands;
 mod kept;
 mod lights;

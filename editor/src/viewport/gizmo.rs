@@ -15,7 +15,7 @@ use egui::{Align2, Color32, CursorIcon, FontId, Key, Modifiers, PointerButton, P
 use glam::Vec3;
 use handles::{Constraint, Handle, Handles};
 use icons::Icon;
-use lapidary_core::lights::Light;
+use lapidary_core::{ground::Ground, lights::Light};
 pub use projection::Projection;
 
 /// More lights than this are drawn as lamps only.
@@ -239,7 +239,9 @@ impl Pass<'_> {
         let size = super::pixels(rect, self.ui.pixels_per_point());
         let share = (pointer - rect.min) / rect.size();
         let pixel = glam::Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
-        pick::pick(mesh, intersector, &self.context.document.camera, pixel, size).map(|picked| picked.position)
+        // What it aims at may be a shadow on the ground.
+        let picked = pick::pick((mesh, intersector), Ground::On, &self.context.document.camera, pixel, size);
+        picked.map(|picked| picked.position)
     }
 }
 

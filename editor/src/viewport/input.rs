@@ -260,7 +260,8 @@ impl Pass<'_> {
 
     fn picked(&self, pointer: Pos2) -> Option<Picked> {
         let (mesh, intersector) = (self.context.mesh?, self.context.intersector?);
-        pick::pick(mesh, intersector, &self.camera, self.pixel(pointer), self.size_px)
+        let ground = self.context.document.bake.ground;
+        pick::pick((mesh, intersector), ground, &self.camera, self.pixel(pointer), self.size_px)
     }
 
     fn pixel(&self, pointer: Pos2) -> Vec2 {

@@ -1,7 +1,7 @@
 //! What lies under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{bounds::Bounds, camera::Camera, ray::Intersector, scene::Mesh};
+use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground, ray::Intersector, scene::Mesh};
 
 /// What lies under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,10 +16,20 @@ pub struct Picked {
     pub position: Vec3,
 }
 
-/// What `camera` sees at `pixel` of a picture of `size`. `intersector` is made of `mesh`.
-pub fn pick(mesh: &Mesh, intersector: &Intersector, camera: &Camera, pixel: Vec2, size: [u32; 2]) -> Option<Picked> {
+/// What `camera` sees at `pixel` of a picture of `size`. `intersector` is made of `mesh`. A ground can be picked if it is shown as a
+/// surface, from above.
+pub fn pick(
+    (mesh, intersector): (&Mesh, &Intersector),
+    ground: Ground,
+    camera: &Camera,
+    pixel: Vec2,
+    size: [u32; 2],
+) -> Option<Picked> {
     let direction = camera.direction_through(pixel, size);
-    let hit = intersector.closest_hit(camera.eye, direction)?;
+    let hit = match ground {
+        Ground::On => intersector.closest_hit_above_ground(mesh, camera.eye, direction),
+        Ground::Off | Ground::Shadow => intersector.closest_hit_without_ground(mesh, camera.eye, direction),
+    }?;
     let index = hit.triangle as usize;
     Some(Picked {
         object: *mesh.triangle_object.get(index)?,
@@ -29,8 +39,11 @@ pub fn pick(mesh: &Mesh, intersector: &Intersector, camera: &Camera, pixel: Vec2
     })
 }
 
-/// Bounds of an object's triangles; `None` if it has none. Goes through the whole mesh: keep the result.
+/// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes through the whole mesh: keep the result.
 pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
+    if mesh.ground_object() == Some(object) {
+        return Some(mesh.bounds());
+    }
     let of_object = mesh.triangle_object.iter().enumerate().filter(|&(_, &owner)| owner == object);
     let bounds = Bounds::around(of_object.flat_map(|(triangle, _)| mesh.corners(triangle)));
     (bounds.min.x <= bounds.max.x).then_some(bounds)
@@ -40,13 +53,14 @@ pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
 mod tests {
     use super::*;
     use crate::test_support::two_squares;
+    use lapidary_core::{ground::add_ground, scene::Scene};
 
     const SIZE: [u32; 2] = [800, 600];
 
     fn picked_at(pixel: Vec2) -> Option<Picked> {
         let mesh = two_squares();
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, 40.0);
-        pick(&mesh, &Intersector::new(&mesh), &camera, pixel, SIZE)
+        pick((&mesh, &Intersector::new(&mesh)), Ground::On, &camera, pixel, SIZE)
     }
 
     #[test]
@@ -60,6 +74,28 @@ mod tests {
         assert_eq!((right.object, right.material), (1, 0));
         assert!(right.triangle >= 2);
         assert_eq!(picked_at(Vec2::new(400.0, 300.0)), None);
+    }
+
+    #[test]
+    fn a_ground_is_picked_where_it_is_seen_as_a_surface() {
+        let mut scene = Scene { mesh: two_squares(), ..Default::default() };
+        let bounds = scene.mesh.bounds();
+        add_ground(&mut scene);
+        let (mesh, intersector) = (&scene.mesh, Intersector::new(&scene.mesh));
+        let picked = |ground, eye, target| {
+            let camera = Camera::look_at(eye, target, 40.0);
+            pick((mesh, &intersector), ground, &camera, Vec2::new(400.0, 300.0), SIZE)
+        };
+        let (above, beside) = (Vec3::new(3.0, 4.0, 3.0), Vec3::new(3.0, bounds.min.y, 3.0));
+        assert_eq!(picked(Ground::On, above, beside).map(|picked| picked.object), mesh.ground_object());
+        for ground in [Ground::Off, Ground::Shadow] {
+            assert_eq!(picked(ground, above, beside), None);
+        }
+        for ground in Ground::ALL {
+            let from_below = picked(ground, Vec3::new(-1.0, -40.0, 0.5), Vec3::NEG_X).unwrap();
+            assert_eq!(from_below.object, 0, "{ground:?}");
+        }
+        assert_eq!(object_bounds(mesh, mesh.ground_object().unwrap()), Some(bounds));
     }
 
     #[test]

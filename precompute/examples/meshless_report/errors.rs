@@ -74,7 +74,7 @@ fn test_points(surface: &MeshSurface, viewpoint: Vec3, radius: f32, count: usize
     const SEED: u64 = 77;
     const SET: usize = 20_000;
     let mut candidates = Candidates::new(surface, viewpoint, SEED, &Silent).ok()?;
-    let points = poisson_disk(&mut candidates, Darts { radius, open_only: false, most: SET }).ok()?;
+    let points = poisson_disk(&mut candidates, Darts { radius, open_only: false, most: SET }, |_| ()).ok()?;
     let step = (points.len() / count.max(1)).max(1);
     Some(points.into_iter().step_by(step).collect()).filter(|points: &Vec<_>| !points.is_empty())
 }

@@ -64,7 +64,7 @@ fn basis_and_links(settings: &MeshlessSettings) -> u64 {
     const BYTES_PER_FUNCTION: u64 = 150; // point, place in its tree, row of links
     const LINKS_PER_FUNCTION: u64 = 20; // 9 to 40 in real scenes, fewer with more levels
     const BYTES_PER_LINK: u64 = 24; // 16 in rows while baking, 8 packed
-    let functions = MeshlessSettings::COARSEST_FUNCTIONS as u64 * ((1 << (2 * settings.levels)) - 1) / 3;
+    let functions = settings.expected_functions();
     functions * (BYTES_PER_FUNCTION + LINKS_PER_FUNCTION * BYTES_PER_LINK)
 }
 

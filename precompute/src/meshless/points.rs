@@ -48,7 +48,7 @@ fn coarse_radius(surface: &dyn Surface, viewpoint: Vec3, observer: &dyn Observer
     let mut radius = 0.05 * surface.bounds().diagonal();
     for _ in 0..3 {
         let darts = Darts { radius, open_only: true, most: 1 << 16 };
-        let count = poisson_disk(&mut candidates, darts)?.len().max(1);
+        let count = poisson_disk(&mut candidates, darts, |_| ())?.len().max(1);
         radius *= (count as f32 / MeshlessSettings::COARSEST_FUNCTIONS as f32).sqrt();
     }
     Ok(radius)

@@ -118,7 +118,7 @@ fn one_bounce_between_boxes_agrees_with_rays() {
     let once = SolveSettings { bounces: 1, threshold: 0.0 };
     let coefficients = Solver::new(&bake).solve(&bake, &lit, &grey, once).coefficients;
     let darts = Darts { radius: 0.05 * report.coarse_radius, open_only: false, most: 400 };
-    let points = poisson_disk(&mut Candidates::new(&surface, light, 77, &Silent).unwrap(), darts).unwrap();
+    let points = poisson_disk(&mut Candidates::new(&surface, light, 77, &Silent).unwrap(), darts, |_| ()).unwrap();
     let pair = |p: &Surfel| {
         let vector = bake.basis.evaluate(3, p.position, p.normal, &coefficients);
         (bounced(&surface, light, p), irradiance(&vector, p.normal).x)

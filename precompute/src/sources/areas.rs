@@ -103,6 +103,9 @@ impl<'a> Census<'a> {
         }
         self.draws += 1;
         self.area_of_point = area_of_point;
+        // After all samples were placed.
+        let measured = self.owned() / OWNED_PER_SAMPLE;
+        self.observer.event(Event::Advanced { done: (self.points_of.len() + measured) as u64 });
         Ok(())
     }
 

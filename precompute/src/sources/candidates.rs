@@ -116,6 +116,11 @@ impl<'a> Candidates<'a> {
         self.surface
     }
 
+    /// Who hears how far they are.
+    pub(super) fn observer(&self) -> &'a dyn Observer {
+        self.observer
+    }
+
     /// The segments of a particle, and [`PICTURED_PER_OTHER`] times as many from the surfaces that the shots see.
     fn segments(&self, index: u64) -> Vec<Segment> {
         let mut segments = self.particle(index);

@@ -36,24 +36,29 @@ pub struct Darts {
     pub most: usize,
 }
 
-/// A Poisson-disk set of candidates.
+/// A Poisson-disk set of candidates; `placed` hears the number of its points as they come.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
-pub fn poisson_disk(candidates: &mut Candidates, darts: Darts) -> Result<Vec<Surfel>, PointsError> {
+pub fn poisson_disk(
+    candidates: &mut Candidates,
+    darts: Darts,
+    placed: impl Fn(usize),
+) -> Result<Vec<Surfel>, PointsError> {
     let hemisphere: Vec<Vec3> = fibonacci_directions(2 * OPENNESS_RAYS).into_iter().filter(|d| d.z > 0.0).collect();
     let surface = candidates.surface();
     let is_open = |place: &Surfel| !darts.open_only || !is_narrow(surface, place, darts.radius, &hemisphere);
-    let points = throw_darts(candidates, darts.most, |place| is_open(place).then_some(darts.radius))?;
+    let points = throw_darts(candidates, darts.most, |place| is_open(place).then_some(darts.radius), placed)?;
     Ok(points.into_iter().map(|(point, _)| point).collect())
 }
 
 /// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in metres.
-/// `radius` returns that of a point, or `None` where no point may be.
+/// `radius` returns that of a point, or `None` where no point may be; `placed` hears their number.
 fn throw_darts(
     candidates: &mut Candidates,
     most: usize,
     radius: impl Fn(&Surfel) -> Option<f32>,
+    placed: impl Fn(usize),
 ) -> Result<Vec<(Surfel, f32)>, PointsError> {
     let mut accepted = GradedGrid::default();
     let mut failures = 0;
@@ -63,6 +68,7 @@ fn throw_darts(
         if let Some(radius) = is_free.then(|| radius(&candidate)).flatten() {
             failures = 0;
             accepted.push(candidate, radius);
+            placed(accepted.points().len());
         } else {
             failures += 1;
         }
@@ -114,15 +120,18 @@ pub(super) fn levels_of_at_most(
     // replaces them.
     let open_only = |level| level + 1 < levels;
     let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most };
-    let set = |level: usize| {
-        let points = poisson_disk(&mut candidates, darts(level))?;
+    let mut sets: Vec<Vec<Surfel>> = Vec::with_capacity(levels);
+    for level in 0..levels {
+        let before: usize = sets.iter().map(Vec::len).sum();
+        let placed = |points: usize| observer.event(Event::Advanced { done: (before + points) as u64 });
+        let points = poisson_disk(&mut candidates, darts(level), placed)?;
         if points.len() >= most {
             let message = Warning::UncoveredLevel { level: level + 1, points: most };
             observer.event(Event::Warning { message });
         }
-        Ok(points)
-    };
-    (0..levels).map(set).collect()
+        sets.push(points);
+    }
+    Ok(sets)
 }
 
 /// A Poisson-disk set of exactly `count` points with variable radius, and the radius of each in metres.
@@ -142,11 +151,13 @@ pub fn poisson_count(
     const ATTEMPTS: usize = 16;
     /// Factor below which the search fails.
     const LEAST_FACTOR: f32 = 1e-6;
+    let observer = candidates.observer();
     let most = (count as f32 * (1.0 + SURPLUS)) as usize + 1;
     let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        let points = throw_darts(candidates, 2 * most, |place| Some(radius(place, factor)))?;
+        let placed = |points: usize| observer.event(Event::Advanced { done: points.min(count) as u64 });
+        let points = throw_darts(candidates, 2 * most, |place| Some(radius(place, factor)), placed)?;
         let found = points.len();
         if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {
             best = Some(points);

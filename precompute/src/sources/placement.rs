@@ -13,6 +13,11 @@ const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
 /// Seed of the points that estimate areas.
 const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
 
+/// Units of progress of [`place_sources`]: each source is placed, and then its area measured.
+pub fn placement_units(count: usize) -> u64 {
+    2 * count as u64
+}
+
 /// `count` sources on the surfaces that light reaches from the viewpoint. They are closer together where receivers are
 /// close, above all receivers that the shots see.
 ///

@@ -49,7 +49,7 @@ fn graded_points(prepared: &Prepared, count: usize, shots: &[Shot]) -> Vec<(Surf
 fn disk(prepared: &Prepared, radius: f32, seed: u64) -> Vec<Surfel> {
     let surface = prepared.surface();
     let mut candidates = Candidates::new(&surface, INSIDE, seed, &Silent).unwrap();
-    poisson_disk(&mut candidates, Darts { radius, open_only: false, most: 100_000 }).unwrap()
+    poisson_disk(&mut candidates, Darts { radius, open_only: false, most: 100_000 }, |_| ()).unwrap()
 }
 
 /// Keeps warnings.
@@ -148,7 +148,7 @@ fn narrow_places_get_no_coarse_points() {
     let in_slot = |open_only| {
         let surface = prepared.surface();
         let mut candidates = Candidates::new(&surface, INSIDE, 1, &Silent).unwrap();
-        let points = poisson_disk(&mut candidates, Darts { radius: 0.15, open_only, most: 100_000 }).unwrap();
+        let points = poisson_disk(&mut candidates, Darts { radius: 0.15, open_only, most: 100_000 }, |_| ()).unwrap();
         points.iter().filter(|p| p.position.y < -0.995 && p.position.abs().with_y(0.0).max_element() < 0.2).count()
     };
     assert_eq!(in_slot(true), 0);

@@ -89,6 +89,8 @@ impl Pieces {
     /// Flat pieces with nothing of the scene behind them.
     fn ground(&self, mesh: &Mesh) -> Vec<bool> {
         let slack = 1e-3 * mesh.bounds().diagonal();
+        // A ground that was added lies behind all that stands on it.
+        let of_scene = &mesh.positions[..mesh.ground.map_or(mesh.positions.len(), |start| start.vertex as usize)];
         let mut normal = vec![Vec3::ZERO; self.open.len()];
         let mut anchor = vec![Vec3::ZERO; self.open.len()];
         for (t, &piece) in self.of_triangle.iter().enumerate() {
@@ -102,7 +104,7 @@ impl Pieces {
         }
         let all_in_front = |piece: usize| {
             let n = normal[piece].normalize_or_zero();
-            mesh.positions.iter().all(|p| (*p - anchor[piece]).dot(n) > -slack)
+            of_scene.iter().all(|p| (*p - anchor[piece]).dot(n) > -slack)
         };
         (0..self.open.len()).map(|piece| flat[piece] && all_in_front(piece)).collect()
     }

@@ -13,7 +13,7 @@ mod split;
 
 use crate::{
     errors::{BakeError, cancelled},
-    observer::{Event, Observer},
+    observer::Observer,
     vertices::sidedness::Sidedness,
 };
 use edges::Edges;
@@ -22,6 +22,7 @@ use pilot::Pilot;
 pub use pilot::{Stored, trace_seconds};
 use scale::EdgeScale;
 use split::split_edges;
+use std::sync::atomic::AtomicU64;
 
 /// Error at an edge's midpoint above which the edge is split: the wrong part of the sphere, or the error of nearness.
 const TOLERANCE: f32 = 0.01;
@@ -36,6 +37,9 @@ const ROUNDS: usize = 16;
 /// black.
 const SHARE_PER_ROUND: f32 = 0.3;
 
+/// Points for each vertex at which the pilot is asked whether to split, about.
+pub const POINTS_PER_VERTEX: u64 = 4;
+
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
@@ -47,6 +51,8 @@ pub struct Wanted<'a> {
     pub shots: &'a [Shot],
     /// For the ground around a scene of these bounds: the farther away, the fewer.
     pub around: Option<Bounds>,
+    /// Counts the points that the pilot has traced.
+    pub traced: &'a AtomicU64,
 }
 
 /// Splits edges of `mesh` until the vertex budget is used up, or until the stored functions are linear enough. `sides`
@@ -66,7 +72,7 @@ pub fn tessellate(
         return Ok(());
     }
     let scale = EdgeScale::new(mesh, scene, wanted, observer);
-    let mut pilot = stored.map(|stored| Pilot::new(scene, stored, scale.unit, observer));
+    let mut pilot = stored.map(|stored| Pilot::new(scene, stored, scale.unit, (observer, wanted.traced)));
     for round in 1..=ROUNDS {
         cancelled(observer)?;
         let left = budget.saturating_sub(mesh.positions.len());
@@ -85,7 +91,6 @@ pub fn tessellate(
             break;
         }
         split_edges(mesh, sides, &edges, &chosen);
-        observer.event(Event::Advanced { done: mesh.positions.len() as u64 });
     }
     Ok(())
 }

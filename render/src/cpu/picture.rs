@@ -17,7 +17,7 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{color::luminance, image::Image};
+use lapidary_core::image::Image;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -66,6 +66,8 @@ pub(super) struct Filled {
     pub values: [Vec<Vec3>; Part::COUNT],
     /// Coverage by the lines of a wireframe; empty without one.
     wire: Vec<f32>,
+    /// Whether the value is the share of the light behind it that a ground lets through; empty without such a ground.
+    through: Vec<bool>,
 }
 
 /// The stand-ins of a row.
@@ -75,6 +77,8 @@ pub(super) struct FilledRow<'f> {
     pub values: [&'f mut [Vec3]; Part::COUNT],
     /// Empty without a wireframe.
     pub wire: &'f mut [f32],
+    /// Empty without a ground that lets light through.
+    pub through: &'f mut [bool],
 }
 
 impl Filled {
@@ -84,10 +88,12 @@ impl Filled {
         let count = self.values[Part::Environment as usize].len().div_ceil(width) as u32;
         let mut values = self.values.each_mut().map(|values| values.chunks_mut(width));
         let mut wire = self.wire.chunks_mut(width);
+        let mut through = self.through.chunks_mut(width);
         let mut row = |y| FilledRow {
             y,
             values: values.each_mut().map(|rows| rows.next().unwrap_or_default()),
             wire: wire.next().unwrap_or_default(),
+            through: through.next().unwrap_or_default(),
         };
         (0..count).map(&mut row).collect()
     }
@@ -256,12 +262,14 @@ impl Picture {
     }
 
     /// Room for stand-ins of all pixels, with what was there before.
-    pub(super) fn take_filled(&mut self, wireframe: bool) -> Filled {
+    pub(super) fn take_filled(&mut self, sampler: &PixelSampler) -> Filled {
         let mut filled = std::mem::take(&mut self.filled);
         for (values, sums) in filled.values.iter_mut().zip(&self.parts) {
             values.resize(sums.len(), Vec3::ZERO);
         }
-        filled.wire.resize(if wireframe { self.seen.len() } else { 0 }, 0.0);
+        let room = |wanted| if wanted { self.seen.len() } else { 0 };
+        filled.wire.resize(room(sampler.view.wireframe), 0.0);
+        filled.through.resize(room(sampler.has_alpha_of_ground()), false);
         filled
     }
 
@@ -280,15 +288,19 @@ impl Picture {
         self.is_filled() && self.lacks_any(pixel)
     }
 
-    /// All parts of what a pixel shows.
-    fn stand_in(&self, pixel: usize) -> Vec3 {
-        Part::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum()
+    /// All parts of what a pixel shows, and its coverage.
+    fn stand_in(&self, pixel: usize) -> (Vec3, f32) {
+        let shown = Part::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
+        match self.filled.through.get(pixel) {
+            Some(true) => (Vec3::ZERO, (1.0 - shown.x).max(0.0)),
+            _ => (shown, 1.0),
+        }
     }
 
     /// Means over the samples, and the covered share of each pixel.
     pub fn read(&self) -> (Image, Vec<f32>) {
         let pixel = |pixel| match self.is_stand_in(pixel) {
-            true => (self.stand_in(pixel), 1.0),
+            true => self.stand_in(pixel),
             false => (self.mean(pixel), self.coverage(pixel)),
         };
         let (pixels, coverage) = (0..self.seen.len()).map(pixel).unzip();
@@ -316,10 +328,11 @@ impl Picture {
     fn display_pixel(&self, pixel: usize, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
         let transparent = view.background == Background::Transparent;
         if self.is_stand_in(pixel) {
-            let shown = display_pixel(view.mode, post, count_top, self.stand_in(pixel));
+            let (value, alpha) = self.stand_in(pixel);
+            let shown = display_pixel(view.mode, post, count_top, value);
             let wire = self.filled.wire.get(pixel).copied().unwrap_or_default();
             let [r, g, b] = wireframe::over(shown, wire).to_array();
-            return [r, g, b, 1.0].map(|v| (255.0 * v + 0.5) as u8);
+            return [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8);
         }
         let seen = &self.seen[pixel];
         if seen.samples == 0 {
@@ -414,7 +427,7 @@ impl Sum {
             FirstHit::Surface(point) => {
                 let value = painter.part(part, point, shift);
                 if sampler.lets_light_through(point) {
-                    let share = luminance(value);
+                    let share = sampler.share_let_through(value);
                     self.through += share;
                     self.value += share;
                 } else {

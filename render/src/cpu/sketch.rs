@@ -138,7 +138,7 @@ impl Sketch {
             history.predict(|x, y| self.guide(x, y), sampler.view.size);
             self.history = Some(history);
         }
-        let mut filled = picture.take_filled(sampler.view.wireframe);
+        let mut filled = picture.take_filled(sampler);
         let holes = Filter::new(self, picture, sampler).fill(&mut filled);
         let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
             let [x, y] = hole.pixel;

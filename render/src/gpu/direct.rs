@@ -14,6 +14,7 @@ use crate::{
     backend::BackendError,
     stale::{Part, SummedLights},
 };
+use glam::Vec3;
 use lapidary_core::lights::{Disc, Emission, Light, RectangleShape};
 use wgpu::BindingResource::TextureView as View;
 
@@ -143,7 +144,7 @@ impl DirectLights {
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
         let views_buffer = storage(gpu, "shadow views", bytemuck::cast_slice(bound));
-        let packed = self.packed();
+        let packed = self.packed(scene);
         self.make_room(gpu);
         let Some(maps) = self.maps.as_mut() else { return Vec::new() };
         let group = bind(gpu, "shadow views", &passes.views, &[views_buffer.as_entire_binding()]);
@@ -179,8 +180,15 @@ impl DirectLights {
         casting.flat_map(|(light, _)| shadows::views(light, &settings)).collect()
     }
 
-    fn packed(&self) -> Vec<LocalLight> {
-        self.lights.iter().zip(&self.plan.first).map(|(light, &first)| packed(light, first, self.plan.grid)).collect()
+    fn packed(&self, scene: &GpuScene) -> Vec<LocalLight> {
+        // Shadow maps begin at the bounds of the scene, and the ground between it and such a light lies before them.
+        let is_below = |light: &Light| scene.ground.is_some() && light.comes_from_below();
+        let shining = |light: &Light| if is_below(light) { Vec3::ZERO } else { light.intensity };
+        let packed = |(light, &first): (&Light, &u32)| LocalLight {
+            intensity: shining(light).to_array(),
+            ..packed(light, first, self.plan.grid)
+        };
+        self.lights.iter().zip(&self.plan.first).map(packed).collect()
     }
 
     fn make_room(&mut self, gpu: &GpuDevice) {

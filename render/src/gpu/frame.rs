@@ -8,7 +8,10 @@ use super::{
     light::GpuLight,
     scene::GpuScene,
 };
-use crate::view::{Background, View};
+use crate::{
+    shade::background::share_weights,
+    view::{Background, View},
+};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// The light of a picture.
@@ -53,6 +56,8 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
         caught: caught.0,
         caught_per_radiance: lit.catches.unwrap_or_default().to_array(),
         lets_light_through: u32::from(view.background == Background::Transparent),
+        share_weights: lit.catches.map_or(Vec3::ZERO, share_weights).to_array(),
+        padding: 0,
     }
 }
 

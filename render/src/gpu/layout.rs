@@ -34,6 +34,8 @@ pub struct FrameUniforms {
     pub caught: u32,
     pub caught_per_radiance: [f32; 3],
     pub lets_light_through: u32,
+    pub share_weights: [f32; 3],
+    pub padding: u32,
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.

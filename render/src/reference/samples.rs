@@ -58,8 +58,6 @@ impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
 pub struct SampledLight<'a> {
     /// All light samples of it, and itself as the background.
     pub environment: Option<&'a Illumination>,
-    /// The environment before which the scene is, whether it shines or not: the ground catches it.
-    pub behind: Option<&'a Illumination>,
     /// Their direct light.
     pub lights: &'a [Light],
     /// All of them.
@@ -86,15 +84,14 @@ impl Renderer {
         let distant =
             light.environment.map(|environment| LightSamples::of(&self.dataset.tree, &self.lighting(environment, 1)));
         let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));
-        let (behind, shown) = (light.environment.or(light.behind), light.environment.is_some());
-        let backdrop = Backdrop::new(view, behind, shown, &mut BlurCache::default());
+        let backdrop = Backdrop::new(view, light.environment, light.environment.is_some(), &mut BlurCache::default());
         let shader = || {
             let distant = distant.as_ref().map(|samples| samples.shader(self));
             Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
         };
         let suns = light.environment.map_or_else(Vec::new, Illumination::suns);
         let lights = [light.lights, &suns].concat();
-        let direct = (!lights.is_empty()).then(|| self.direct_light_before(behind, view, &lights));
+        let direct = (!lights.is_empty()).then(|| self.direct_light_before(light.environment, view, &lights));
         let bases = [light.base, direct.as_ref()];
         let progress = OverBases { bases, inner: progress };
         let mut image = self.in_passes(&PixelSampler::new(self, view, &backdrop), shader, &progress);

@@ -6,7 +6,7 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{Quat, Vec3};
-use lapidary_core::{environment::Environment, ground::Ground};
+use lapidary_core::{color::LUMINANCE, environment::Environment, ground::Ground};
 use std::{f32::consts::PI, sync::Arc};
 
 /// Looks up an environment in world space.
@@ -94,12 +94,22 @@ struct Catcher {
     caught: Behind,
     /// Reflectance for a radiance of 1 behind the ground.
     per_radiance: Vec3,
+    /// Weights of the channels in the share that it lets through.
+    weights: Vec3,
 }
 
-/// Reflectance, for a radiance of 1 behind it, of a ground that catches shadows; `None` where the view has no such ground, and
-/// without light from above.
-pub(crate) fn caught_per_radiance(view: &View, environment: &Environment, intensity: f32) -> Option<Vec3> {
-    let catches = view.ground() == Ground::Shadow && view.mode == ViewMode::Shaded;
+/// Weights of the luminance of the channels in which light arrives, which sum to 1: the others tell no share.
+pub(crate) fn share_weights(per_radiance: Vec3) -> Vec3 {
+    let weights = LUMINANCE * per_radiance.map(|reflectance| f32::from(reflectance > 0.0));
+    weights / weights.element_sum()
+}
+
+/// Reflectance, for a radiance of 1 behind it, of a ground that catches shadows; `None` where the view has no such ground. Under
+/// an environment that does not shine, or not from above, it is a surface as any other. `shown` tells whether the environment
+/// shines; in a part of a picture that hides its background it shines in the others.
+pub(crate) fn caught_per_radiance(view: &View, environment: &Environment, intensity: f32, shown: bool) -> Option<Vec3> {
+    let shines = shown || view.hides_background;
+    let catches = shines && view.ground() == Ground::Shadow && view.mode == ViewMode::Shaded;
     let irradiance = catches.then(|| environment.irradiance_from_above() * intensity)?;
     let per_radiance = irradiance.map(|e| if e > 0.0 { PI / e } else { 0.0 });
     (per_radiance.max_element() > 0.0 && per_radiance.is_finite()).then_some(per_radiance)
@@ -116,12 +126,12 @@ impl Backdrop {
             _ => Behind::BLACK,
         };
         let catcher = light.and_then(|light| {
-            let per_radiance = caught_per_radiance(view, &light.environment, light.intensity)?;
+            let per_radiance = caught_per_radiance(view, &light.environment, light.intensity, shown)?;
             let caught = match view.background {
                 Background::Transparent => Behind::Flat(Vec3::ONE),
                 _ => Behind::of(view, light, blur),
             };
-            Some(Catcher { caught, per_radiance })
+            Some(Catcher { caught, per_radiance, weights: share_weights(per_radiance) })
         });
         Self { behind, catcher }
     }
@@ -134,6 +144,16 @@ impl Backdrop {
     /// Radiance from a world direction.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         self.behind.radiance(direction)
+    }
+
+    /// Whether the ground catches shadows.
+    pub(super) fn catches(&self) -> bool {
+        self.catcher.is_some()
+    }
+
+    /// Share of the light behind it that a ground lets through, from what it shows of white.
+    pub(super) fn share_let_through(&self, shown: Vec3) -> f32 {
+        self.catcher.as_ref().map_or(0.0, |catcher| shown.dot(catcher.weights))
     }
 
     /// Reflectance of a ground that catches shadows, seen along a world direction; `None` if it is a surface as any other.

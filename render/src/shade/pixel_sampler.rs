@@ -18,9 +18,6 @@ use lapidary_core::{
 };
 use std::ops::Range;
 
-/// How far behind the back of the ground a ray goes on, as a share of the distance.
-const PAST: f32 = 1e-5;
-
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
@@ -101,13 +98,8 @@ impl<'a> PixelSampler<'a> {
 
     /// A hit of a camera ray, or the one behind a ground that is not seen. From below it never is.
     fn past_hidden_ground(&self, hit: Option<Hit>, direction: Vec3) -> Option<Hit> {
-        let Some(ground) = hit.filter(|hit| self.mesh.is_ground(hit.triangle)) else { return hit };
-        if !ground.back_face {
-            // Nothing lies below it.
-            return hit.filter(|_| self.view.ground() != Ground::Off);
-        }
-        let beyond = self.view.camera.eye + direction * (ground.distance * (1.0 + PAST));
-        self.surfaces.hit_along(beyond, direction).filter(|hit| !self.mesh.is_ground(hit.triangle))
+        let is_seen = self.view.ground() != Ground::Off;
+        self.surfaces.past_ground(hit, (self.view.camera.eye, direction), is_seen)
     }
 
     /// What is seen at a hit. A ground that catches shadows reflects what is behind it.
@@ -118,6 +110,16 @@ impl<'a> PixelSampler<'a> {
             (FirstHit::Surface(point), Some(reflectance)) => FirstHit::Surface(point.catching(reflectance).into()),
             (seen, _) => seen,
         }
+    }
+
+    /// Whether the ground, if there is one, only tells the share of the light that it lets through.
+    pub fn has_alpha_of_ground(&self) -> bool {
+        self.view.background == Background::Transparent && self.backdrop.catches() && self.mesh.ground.is_some()
+    }
+
+    /// Whether a material is that of the ground.
+    pub fn is_of_ground(&self, material: u32) -> bool {
+        self.mesh.ground_material() == Some(material)
     }
 
     /// Whether a point is of a ground of which the picture has only the share of the light that it lets through.
@@ -148,6 +150,11 @@ impl<'a> PixelSampler<'a> {
     /// [`Self::wire`] of a pixel's first sample.
     pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
         self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.surfaces.corners(triangle))
+    }
+
+    /// Share of the light behind it that a ground lets through, from what it shows of white.
+    pub fn share_let_through(&self, shown: Vec3) -> f32 {
+        self.backdrop.share_let_through(shown)
     }
 
     /// Background along a direction that hits no surface.

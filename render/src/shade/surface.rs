@@ -221,6 +221,11 @@ impl<'a> Surfaces<'a> {
         self.intersector.closest_hit(origin, direction)
     }
 
+    /// See [`Intersector::past_ground`].
+    pub fn past_ground(&self, hit: Option<Hit>, ray: (Vec3, Vec3), from_above: bool) -> Option<Hit> {
+        self.intersector.past_ground(&self.dataset.scene.mesh, hit, ray, from_above)
+    }
+
     /// What is seen along `direction` where a ray in that direction met the mesh. The distance of the hit is not read.
     pub fn seen_at(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
         match hit {

@@ -13,7 +13,7 @@ use lapidary_core::{
     light_tree::TreeKind,
     scene::Scene,
 };
-use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase, Stored};
+use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase, Stored, tessellation_units};
 use std::time::Instant;
 
 /// A tree and how fine its cuts are.
@@ -42,8 +42,9 @@ impl VariantBaker {
     /// # Errors
     /// [`BakeError::Cancelled`].
     pub fn new(scene: Scene, max_vertices: Option<usize>, observer: &dyn Observer) -> Result<Self, BakeError> {
-        let vertices = scene.mesh.positions.len().max(max_vertices.unwrap_or(0)) as u64;
-        observer.event(Event::Started { phase: Phase::Tessellate, total: vertices, unit: "vertices" });
+        let vertices = scene.mesh.positions.len().max(max_vertices.unwrap_or(0));
+        let total = tessellation_units(vertices);
+        observer.event(Event::Started { phase: Phase::Tessellate, total, unit: "points" });
         let start = Instant::now();
         let hash = scene_hash(&scene);
         let geometry = Geometry::new(scene, Stored::of(BakeParts::ENVIRONMENT), max_vertices, &[], observer)?;

@@ -3,6 +3,7 @@
 use super::{Studio, Taken};
 use anyhow::{Result, bail};
 use glam::Vec3;
+use lapidary_core::ground::Ground;
 use lapidary_core::image::Layer;
 use lapidary_render::{Background, Components, Look, SurfaceLayers, ViewMode};
 use std::{fmt, str::FromStr};
@@ -224,6 +225,10 @@ fn only(look: &Look, part: Components) -> Look {
     let shown = look.components;
     alone.components = Components { environment: part.environment && shown.environment, ..part };
     alone.view.hides_background = !part.environment;
+    if !shown.environment && alone.view.ground == Ground::Shadow {
+        // As in the picture, where no environment shines.
+        alone.view.ground = Ground::On;
+    }
     alone
 }
 

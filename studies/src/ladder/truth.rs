@@ -42,7 +42,6 @@ pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &
     let base = bounced.as_mut().map(Bounced::interpolated).transpose()?.flatten();
     let light = SampledLight {
         environment: components.environment.then_some(&look.light),
-        behind: Some(&look.light),
         lights: if components.direct { &look.lights } else { &[] },
         sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.indirect.as_deref()),
         base: base.as_ref(),

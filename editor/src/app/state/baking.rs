@@ -23,7 +23,7 @@ pub struct Baking {
     pub(in crate::app) written: Option<Receiver<Result<PathBuf, String>>>,
     /// What an interrupted bake left, and when it was read.
     pub(in crate::app) leftover: Option<(Looked, Leftover)>,
-    /// A bake is to begin for a ground, once the one at work has ended.
+    /// A bake is to begin for a ground that was asked for, once the one at work has ended.
     pub(in crate::app) wants_ground: bool,
 }
 
@@ -51,6 +51,10 @@ pub struct Run {
     pub(in crate::app) cancelling: bool,
     /// A draft of it is shown.
     pub(in crate::app) draft_shown: bool,
+    /// It is of a scene on a ground.
+    pub(in crate::app) has_ground: bool,
+    /// It began without being asked for.
+    pub(in crate::app) by_itself: bool,
 }
 
 /// What the picture is rendered by.

@@ -2,7 +2,7 @@
 
 use super::BakeContext;
 use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings};
-use lapidary_precompute::{Phase, Trial};
+use lapidary_precompute::{POINTS_PER_VERTEX, Phase, Trial, most_vertices};
 
 /// (vertex, light) pairs per second and core of a bake that follows boundaries, where no bake has measured it, at the lights
 /// that it holds for: 40 to 60 million in nine scenes.
@@ -17,8 +17,6 @@ const PILOT_POINTS: f64 = 8.0;
 /// Core seconds for each vertex of placing vertices where visibility varies, where no trial has measured it; and of all else
 /// before the light tree.
 const TESSELLATION: [f64; 2] = [2.5e-4, 5e-5];
-/// Points for each vertex at which tessellation asks whether to split.
-const SPLITS_PER_VERTEX: f64 = 4.0;
 /// Mean nodes of a cut at 32,768 lights and sigma 2 on the test scenes.
 const MEAN_CUT: f64 = 170.0;
 /// The lights and sigma that it holds for.
@@ -111,7 +109,7 @@ impl Speed {
                 .and_then(source_pairs_per_second)
                 .unwrap_or(SOURCE_PAIRS_PER_SECOND_AND_CORE * cores as f64),
             mean_source_cut: (MEAN_SOURCE_CUT, MEAN_SOURCE_CUT_AT.0, MEAN_SOURCE_CUT_AT.1),
-            core_secs_per_placed: trial.map_or(TESSELLATION[0], |t| SPLITS_PER_VERTEX * t.core_secs_per_split),
+            core_secs_per_placed: trial.map_or(TESSELLATION[0], |t| POINTS_PER_VERTEX as f64 * t.core_secs_per_split),
             cores,
             mean_cut: cut.or(cut_of_trial).unwrap_or((MEAN_CUT, MEAN_CUT_AT.0, MEAN_CUT_AT.1)),
         }
@@ -119,7 +117,8 @@ impl Speed {
 
     /// What a bake with `settings` will take; `None` if its number of vertices cannot be told.
     pub fn estimate(&self, settings: &BakeSettings) -> Option<Estimate> {
-        let vertices = self.source_vertices.max(settings.max_vertices)?;
+        self.source_vertices.max(settings.max_vertices)?;
+        let vertices = most_vertices(self.source_vertices.unwrap_or(0), settings);
         let mode = settings.mode;
         let parts = [
             (mode.environment(), self.environment(settings, vertices as f64)),

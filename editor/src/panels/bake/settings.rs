@@ -61,12 +61,12 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 
-/// A preset for what is baked now, for the same views and from the same viewpoint.
+/// A preset for what is baked now, over the same ground, for the same views and from the same viewpoint.
 fn of_preset(preset: Preset, context: &BakeContext) -> BakeSettings {
     let bake = &context.document.bake;
     let settings = preset.settings_for(context.source_vertices().unwrap_or(0));
     let indirect = IndirectSettings { viewpoint: bake.indirect.viewpoint, ..settings.indirect };
-    BakeSettings { mode: bake.mode, shots: bake.shots.clone(), indirect, ..settings }
+    BakeSettings { mode: bake.mode, ground: bake.ground, shots: bake.shots.clone(), indirect, ..settings }
 }
 
 /// The rest of a preset's row; a dash where the size of the scene is not known.

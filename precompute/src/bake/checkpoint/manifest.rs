@@ -39,7 +39,7 @@ impl Manifest {
         Self {
             version: VERSION,
             scene_hash: scene_hash.into(),
-            settings: settings.clone(),
+            settings: settings.of_content(),
             points,
             chunks: chunks.clamp(1, points.max(1)),
             tree_order: tree_order.to_vec(),
@@ -48,7 +48,7 @@ impl Manifest {
 
     /// Whether it is of a bake of this scene with these settings.
     pub fn is_of(&self, scene_hash: &str, settings: &BakeSettings) -> bool {
-        self.version == VERSION && self.scene_hash == scene_hash && self.settings == *settings
+        self.version == VERSION && self.scene_hash == scene_hash && self.settings == settings.of_content()
     }
 
     /// BLAKE3 of its JSON. Equal bakes have equal ones.

@@ -10,7 +10,7 @@ use crate::{
         points::{BakePoint, BakePoints},
         sampler::bake_points,
         sidedness::{Sidedness, classify},
-        tessellate::{Stored, Wanted, tessellate},
+        tessellate::{POINTS_PER_VERTEX, Stored, Wanted, tessellate},
         tracing::{ManySampler, Tracing},
         visibility::{EXHAUSTIVE, VisibilitySampler},
     },
@@ -19,6 +19,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
+    ground::LEAST_VERTICES,
     light_tree::PilotVisibility,
     ray::{BoundaryTracer, Intersector},
     scene::Scene,
@@ -60,15 +61,16 @@ impl Geometry {
             remark_on_budget(source_vertices, budget, observer);
         }
         let most = budget.unwrap_or(0).max(source_vertices);
+        let traced = AtomicU64::new(0);
         let ground = scene.mesh.split_off_ground().map(|ground| (ground, sides.split_off(scene.mesh.triangles.len())));
         if let Some(budget) = budget {
-            let wanted = Wanted { stored, budget, shots, around: None };
+            let wanted = Wanted { stored, budget, shots, around: None, traced: &traced };
             tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
         }
         let is_split = budget.is_some() || ground.is_some();
         if let Some((mut ground, mut sides_of_ground)) = ground {
             let around = Some(scene.mesh.bounds());
-            let wanted = Wanted { stored, budget: ground_budget(most), shots: &[], around };
+            let wanted = Wanted { stored, budget: ground_budget(most), shots: &[], around, traced: &traced };
             tessellate(&mut ground, &mut sides_of_ground, &source, wanted, observer)?;
             scene.mesh.append_ground(ground);
             sides.append(sides_of_ground);
@@ -161,9 +163,14 @@ impl Geometry {
     }
 }
 
-/// Vertices of the ground under a scene with this many: at most a fifth as many.
+/// Units of progress of [`Geometry::new`] for at most so many vertices: points that the pilot traces.
+pub fn tessellation_units(vertices: usize) -> u64 {
+    POINTS_PER_VERTEX * vertices as u64
+}
+
+/// Vertices of the ground under a scene with this many: at most a fifth as many, if that is enough for a ground at all.
 pub(crate) fn ground_budget(vertices: usize) -> usize {
-    vertices / 5
+    (vertices / 5).max(LEAST_VERTICES)
 }
 
 /// Warns of a mesh that already has as many vertices as its budget allows.

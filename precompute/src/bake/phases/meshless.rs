@@ -27,8 +27,9 @@ pub fn bake_meshless(
     clock: &mut Clock,
 ) -> Result<(MeshlessBake, MeshlessReport), BakeError> {
     let observer = clock.observer;
-    let (basis, radius) =
-        clock.time(Phase::Basis, 0, "points", || place_basis(surface, viewpoint, settings, observer))?;
+    let (basis, radius) = clock.time(Phase::Basis, settings.expected_functions(), "points", || {
+        place_basis(surface, viewpoint, settings, observer)
+    })?;
     if basis.level(0).len() < 2 {
         observer.event(Event::Warning { message: Warning::FewFunctions });
     }

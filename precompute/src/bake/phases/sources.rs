@@ -20,7 +20,11 @@ use crate::{
     errors::{BakeError, CutsOf},
     mesh_surface::MeshSurface,
     observer::{Event, Phase},
-    sources::{order::order_sources, placement::place_sources, sampler::SourceSampler},
+    sources::{
+        order::order_sources,
+        placement::{place_sources, placement_units},
+        sampler::SourceSampler,
+    },
     vertices::{
         points::BakePoint,
         tracing::{ManySampler, Tracing},
@@ -80,7 +84,7 @@ impl SourcePhases<'_> {
     fn sources(&self, clock: &mut Clock) -> Result<Vec<Source>, BakeError> {
         let count = self.settings.indirect.sources;
         let observer = clock.observer;
-        let sources = clock.time(Phase::Points, 0, "points", || {
+        let sources = clock.time(Phase::Points, placement_units(count), "points", || {
             place_sources(self.surface, self.viewpoint, count, &self.settings.shots, observer)
         })?;
         let clusters = self.settings.pilot_clusters as u64;

@@ -3,7 +3,7 @@
 use super::edges::{EdgeKey, Edges, end_vertices};
 use crate::{
     errors::{BakeError, cancelled},
-    observer::Observer,
+    observer::{Event, Observer},
     vertices::{
         points::{BakePoint, BakePoints},
         sidedness::{Sidedness, exact_key},
@@ -19,7 +19,10 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-use std::time::Instant;
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
 
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √128. Pictures of drafts have the same errors
 /// with 256, which take half as long again.
@@ -57,8 +60,9 @@ pub(super) struct Pilot<'a> {
     pub errors: FxHashMap<EdgeKey, f32>,
     /// Samples of vertices. A midpoint that becomes a vertex in its first round is not traced again.
     samples: FxHashMap<PointKey, PilotSample>,
-    /// Asked before each point whether to continue: a round traces millions of rays.
+    /// Asked before each point whether to continue: a round traces millions of rays. It hears of the points that were traced.
     observer: &'a dyn Observer,
+    traced: &'a AtomicU64,
 }
 
 /// What a point sees in each direction.
@@ -86,10 +90,15 @@ fn key_of(point: &BakePoint) -> PointKey {
 
 impl<'a> Pilot<'a> {
     /// `unit` is the edge length in metres that equal triangles would have.
-    pub fn new(scene: &'a Intersector, stored: Stored, unit: f32, observer: &'a dyn Observer) -> Self {
+    pub fn new(
+        scene: &'a Intersector,
+        stored: Stored,
+        unit: f32,
+        (observer, traced): (&'a dyn Observer, &'a AtomicU64),
+    ) -> Self {
         let toward = fibonacci_directions(DIRECTIONS);
         let (errors, samples) = (FxHashMap::default(), FxHashMap::default());
-        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer }
+        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer, traced }
     }
 
     /// Samples of the points, in their order. Neighbours are traced together: their rays in one direction lie side by side.
@@ -98,7 +107,10 @@ impl<'a> Pilot<'a> {
         let eights = order.par_chunks(8).map(|members| {
             cancelled(self.observer)?;
             let eight: Vec<&BakePoint> = members.iter().map(|&i| &points[i as usize]).collect();
-            Ok(members.iter().copied().zip(self.seen_from_eight(&eight)).collect::<Vec<_>>())
+            let seen = members.iter().copied().zip(self.seen_from_eight(&eight)).collect::<Vec<_>>();
+            let traced = members.len() as u64;
+            self.observer.event(Event::Advanced { done: self.traced.fetch_add(traced, Ordering::Relaxed) + traced });
+            Ok(seen)
         });
         let mut samples: Vec<(u32, PilotSample)> = eights.collect::<Result<Vec<_>, BakeError>>()?.concat();
         samples.sort_unstable_by_key(|(index, _)| *index);
@@ -189,7 +201,8 @@ pub fn trace_seconds(
     points: &[BakePoint],
     observer: &dyn Observer,
 ) -> Result<f64, BakeError> {
-    let pilot = Pilot::new(scene, stored, 1.0, observer);
+    let traced = AtomicU64::new(0);
+    let pilot = Pilot::new(scene, stored, 1.0, (observer, &traced));
     let start = Instant::now();
     pilot.seen_from(points)?;
     Ok(start.elapsed().as_secs_f64())

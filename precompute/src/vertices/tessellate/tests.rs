@@ -2,7 +2,7 @@
 
 use super::{edges::end_vertices, split::midpoint_vertex, *};
 use crate::{
-    observer::Silent,
+    observer::{Event, Silent},
     test_scenes::{cuboid, floor, room, scene_of},
     vertices::sidedness::classify,
 };
@@ -12,7 +12,7 @@ use std::{
     collections::HashSet,
     sync::{
         Mutex,
-        atomic::{AtomicUsize, Ordering},
+        atomic::{AtomicU64, AtomicUsize, Ordering},
     },
 };
 
@@ -31,7 +31,7 @@ fn tessellated(budget: usize) -> Scene {
 fn tessellated_for(stored: impl Into<Option<Stored>>, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
-    let wanted = Wanted { stored: stored.into(), budget, shots, around: None };
+    let wanted = Wanted { stored: stored.into(), budget, shots, around: None, traced: &AtomicU64::new(0) };
     tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &Silent).unwrap();
     assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
     scene
@@ -155,7 +155,8 @@ fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
     let intersector = Intersector::new(&scene.mesh);
     let without = tessellated_for(DISTANT, &[], scene.clone(), 3000).mesh;
     let remarks = Remarks(Mutex::default());
-    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[away], around: None };
+    let wanted =
+        Wanted { stored: Some(DISTANT), budget: 3000, shots: &[away], around: None, traced: &AtomicU64::new(0) };
     tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &remarks).unwrap();
     assert_eq!(scene.mesh, without);
     let remarks = remarks.0.into_inner().unwrap();
@@ -197,7 +198,7 @@ fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let observer = Impatient { asked: AtomicUsize::new(0), limit };
-    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[], around: None };
+    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[], around: None, traced: &AtomicU64::new(0) };
     let result = tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &observer);
     (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
 }

@@ -58,6 +58,9 @@ impl<'a> Filter<'a> {
             if let Some(wire) = row.wire.get_mut(x as usize) {
                 *wire = self.sampler.first_wire(x, y, guide.triangle & !Guide::FROM_BEHIND);
             }
+            if let Some(through) = row.through.get_mut(x as usize) {
+                *through = self.sampler.is_of_ground(guide.material);
+            }
             let (near, mut hole) = (self.taps([x, y], 1, |other, reach| guide.fit(other, reach)), None);
             for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
                 let fitting = self.fitting(part, [x, y], guide, &near);
@@ -66,11 +69,18 @@ impl<'a> Filter<'a> {
                     hole = Some(Hole { pixel: [x, y], is_bare: guess.is_none() });
                     guess
                 });
-                row.values[part as usize][x as usize] = value.unwrap_or_default() * self.divisor(guide);
+                row.values[part as usize][x as usize] = self.value(guide, value.unwrap_or_default());
             }
             holes.extend(hole);
         }
         holes
+    }
+
+    /// What a pixel shows of the mean around it, in units of its divisor.
+    fn value(&self, guide: &Guide, mean: Vec3) -> Vec3 {
+        let shown = mean * self.divisor(guide);
+        let is_share = self.sampler.has_alpha_of_ground() && self.sampler.is_of_ground(guide.material);
+        if is_share { Vec3::splat(self.sampler.share_let_through(shown)) } else { shown }
     }
 
     /// Fills holes beside holes that were shaded: thin things are shaded in part.
@@ -93,7 +103,7 @@ impl<'a> Filter<'a> {
             for (other, weight) in around([x, y], 1, BESIDE).filter(|_| lacks[part as usize]) {
                 self.add(part, &mut mean, other, weight, |other| guide.fit(other, reach));
             }
-            mean.any().map(|mean| mean * self.divisor(guide))
+            mean.any().map(|mean| self.value(guide, mean))
         })
     }
 

@@ -101,7 +101,7 @@ impl GpuBackend {
         let (light, dark) = self.light_or_dark();
         let catches = self.light.as_ref().and_then(|(light, environment)| {
             self.loaded().scene.ground.as_ref()?;
-            caught_per_radiance(view, environment, light.intensity)
+            caught_per_radiance(view, environment, light.intensity, self.local.components.environment)
         });
         // It catches an environment that does not shine as well.
         let environment = self.light.as_ref().filter(|_| catches.is_some()).map_or(dark, |(_, map)| map.clone());

@@ -129,6 +129,67 @@ fn with_an_alpha_channel_a_ground_darkens_what_a_picture_is_laid_over() {
 }
 
 #[test]
+fn light_of_one_color_gives_an_open_ground_no_coverage() {
+    let red = illumination([8, 4], |_, _| Vec3::X);
+    let transparent = Look { light: red, lights: [].into(), ..look(Ground::Shadow, Background::Transparent) };
+    let counts = shows_ground(transparent.view.size.iter().product::<u32>() as usize);
+    for (_, coverage) in pictures(&transparent) {
+        let of_ground = || coverage.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(coverage, _)| *coverage);
+        let open = of_ground().filter(|coverage| *coverage < 0.05).count();
+        assert!(open > 100, "{open} of {}", of_ground().count());
+        assert!(of_ground().any(|coverage| coverage > 0.08), "and in the shadow some");
+    }
+}
+
+#[test]
+fn without_an_environment_a_ground_is_a_surface() {
+    let lamps = Components { direct: true, ..Components::NONE };
+    let [shadow, surface] =
+        [Ground::Shadow, Ground::On].map(|ground| Look { components: lamps, ..look(ground, Background::Environment) });
+    for ((shadow, _), (surface, _)) in pictures(&shadow).iter().zip(&pictures(&surface)) {
+        assert_eq!(shadow.pixels, surface.pixels);
+        assert!(surface.pixels.iter().any(|pixel| pixel.x > 0.1));
+    }
+    // A part of a picture with an environment adds up with the others.
+    let part = |components, hides_background| {
+        let look = look(Ground::Shadow, Background::Environment);
+        let view = View { hides_background, ..look.view.clone() };
+        pictures(&Look { components, view, ..look })
+    };
+    let both = Components { environment: true, ..lamps };
+    let sky = Components { direct: false, ..both };
+    for (((all, _), (sky, _)), (lamps, _)) in part(both, false).iter().zip(&part(sky, false)).zip(&part(lamps, true)) {
+        let sum = zipped(sky, lamps, |sky, lamps| sky + lamps);
+        assert!(largest_difference(&sum, all, &vec![true; all.pixels.len()]) < 1e-4);
+    }
+}
+
+#[test]
+fn sketches_leave_the_ground_out_of_pictures_with_an_alpha_channel() {
+    let look = look(Ground::Shadow, Background::Transparent);
+    let size = look.view.size;
+    let sketch = |backend: Box<dyn Backend>| {
+        let baked: crate::Baked = scene().into();
+        let mut scene = LitScene::new(backend, baked).unwrap();
+        scene.light(&look).unwrap();
+        scene.begin(&look.view, look.sampling).unwrap();
+        let tiles = crate::Tiles::of(size);
+        let all: Vec<u32> = (0..tiles.count()).collect();
+        scene.sketch(crate::STRIDES[0], &all).unwrap();
+        scene.fill(0).unwrap();
+        scene.display(&look.post).unwrap()
+    };
+    let cpu = sketch(Box::new(CpuBackend::new()));
+    let gpu = backend().map(|(_one, gpu)| sketch(Box::new(gpu)));
+    let counts = shows_ground((size[0] * size[1]) as usize);
+    for shown in std::iter::once(cpu).chain(gpu) {
+        let opaque = shown.iter().zip(&counts).filter(|(shown, counts)| **counts && shown[3] == 255).count();
+        let ground = counts.iter().filter(|counts| **counts).count();
+        assert!(10 * opaque < ground, "{opaque} of {ground} are opaque");
+    }
+}
+
+#[test]
 fn a_hidden_ground_shows_what_is_behind_it_and_from_below_the_scene() {
     let hidden = pictures(&look(Ground::Off, Background::Flat(Vec3::X)));
     let counts = shows_ground(hidden[0].0.pixels.len());

@@ -106,7 +106,9 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 caught_color,
                 caught,
                 caught_per_radiance,
-                lets_light_through
+                lets_light_through,
+                share_weights,
+                padding
             ),
         ),
         (

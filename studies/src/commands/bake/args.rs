@@ -130,7 +130,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "M")]
     pub pilot_clusters: Option<usize>,
     /// A ground under the scene, which renderings show unless they are told otherwise; it takes up to a fifth more vertices
-    /// [default: shadow under a lone object, off where the scene has a floor]
+    /// [default: shadow under a lone object; off where the scene has a floor, and with a meshless basis]
     #[arg(long, value_parser = choices::ground())]
     pub ground: Option<Ground>,
     /// Most vertices after tessellation, 3 or more [default: that of the preset, or 1.25 times the scene's vertices
@@ -235,7 +235,9 @@ impl BakeArgs {
             settings = settings.with_room_for(vertices);
         }
         if self.ground.is_none() {
-            settings = settings.with_ground(Ground::suiting(&imported.scene.mesh));
+            // The basis would spread over all of a ground, and be coarse on what stands on it.
+            let ground = if settings.mode.meshless() { Ground::Off } else { Ground::suiting(&imported.scene.mesh) };
+            settings = settings.with_ground(ground);
         }
         let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
         let settings = settings.for_shots(shots)?;

@@ -1,0 +1,86 @@
+//! A ground that is chosen: seen at once, baked, and hidden again.
+
+use super::{Place, Window, few_lights};
+use crate::{actions::Action, app::state::baking::Seen, document::Edit};
+use glam::Vec3;
+use lapidary_core::{dataset::BakeSettings, ground::Ground};
+
+fn choose(window: &mut Window, ground: Ground) {
+    let bake = BakeSettings { ground, ..window.0.state().document.bake.clone() };
+    window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
+    window.perform(Action::EndGesture);
+}
+
+/// The scene with its bake, which has no ground; `by_itself` tells whether scenes are baked without being asked.
+fn opened(place: &Place, by_itself: bool) -> Window {
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().preferences.bakes_scenes = by_itself;
+    assert_eq!((window.0.state().seen(), has_ground(&window)), (Seen::Whole, false));
+    window
+}
+
+fn has_ground(window: &Window) -> bool {
+    window.0.state().scene.rendered().unwrap().has_ground()
+}
+
+fn is_baking(window: &Window) -> bool {
+    window.0.state().baking.progress().is_some()
+}
+
+#[test]
+fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
+    let place = Place::new();
+    let mut window = opened(&place, true);
+    choose(&mut window, Ground::Shadow);
+    assert!(window.0.state().seen() == Seen::Unshadowed && has_ground(&window) && is_baking(&window));
+    // The bake at work has it.
+    choose(&mut window, Ground::Off);
+    choose(&mut window, Ground::Shadow);
+    assert!(!window.0.state().baking.run.as_ref().unwrap().cancelling);
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    assert!(window.0.state().seen() == Seen::Whole && has_ground(&window));
+    let ground = window.0.state().document.materials.last().unwrap().name.clone();
+    assert_eq!(ground, "Ground");
+    // It is hidden and shown without another bake.
+    for other in [Ground::On, Ground::Off, Ground::Shadow] {
+        choose(&mut window, other);
+        assert!(window.0.state().seen() == Seen::Whole && has_ground(&window) && !is_baking(&window), "{other:?}");
+        let look = window.0.state().look([8, 8]).unwrap();
+        assert_eq!(look.view.ground, other);
+    }
+}
+
+#[test]
+fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
+    let place = Place::new();
+    let mut window = opened(&place, false);
+    let materials = window.0.state().document.materials.len();
+    choose(&mut window, Ground::On);
+    assert!(window.0.state().seen() == Seen::Unshadowed && has_ground(&window) && !is_baking(&window));
+    window.0.state_mut().document.materials[materials].parameters.base_color = Vec3::X;
+    choose(&mut window, Ground::Off);
+    assert!(window.0.state().seen() == Seen::Whole && !has_ground(&window));
+    assert_eq!(window.0.state().document.materials.len(), materials);
+    choose(&mut window, Ground::On);
+    assert_eq!(window.0.state().document.materials[materials].parameters.base_color, Vec3::X, "its material is kept");
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().seen(), Seen::Whole);
+}
+
+#[test]
+fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
+    let place = Place::new();
+    let mut window = opened(&place, true);
+    window.0.state_mut().document.bake = BakeSettings { lights: 512, ..few_lights() };
+    window.perform(Action::Bake { resume: false });
+    let output = window.0.state().baking.run.as_ref().unwrap().output.clone();
+    choose(&mut window, Ground::Shadow);
+    let run = window.0.state().baking.run.as_ref().unwrap();
+    assert!(run.output == output && !run.cancelling);
+    window.wait("both", |s| s.baking.progress().is_none() && s.seen() == Seen::Whole);
+    assert!(has_ground(&window));
+    let written = lapidary_core::dataset::Dataset::read(&output).unwrap();
+    assert_eq!((written.tree.len(), written.scene.mesh.ground), (512, None));
+}
