@@ -47,7 +47,7 @@ pub use sources::{
     disk::{Darts, poisson_disk},
     viewpoint::find_viewpoint,
 };
-pub use trial::Trial;
+pub use trial::{BounceTrial, Trial};
 pub use unshadowed::unshadowed;
 pub use verify::{MeshlessVerification, Verification, verify};
 pub use vertices::{

@@ -1,5 +1,9 @@
 //! A bake in small: a few points of a scene, traced as a bake traces them, tell what the whole will take before it begins.
 
+mod bounces;
+
+pub use bounces::BounceTrial;
+
 use crate::{
     mesh_surface::MeshSurface,
     observer::Silent,

@@ -223,13 +223,16 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let status = state.bake_status();
     let source = state.scene.source.as_ref();
     let report = source.map(|source| &source.report);
+    let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), state.document.bake.mode);
+    let bounces = mode.sources() || mode.meshless();
     let context = BakeContext {
         document: &state.document,
         dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
-        trial: source.and_then(|source| source.trial(!matches!(status, BakeStatus::Running { .. }))),
+        trial: source.and_then(|source| source.trial(may_try)),
+        bounce_trial: source.filter(|_| bounces).and_then(|source| source.bounce_trial(may_try)),
         cores: std::thread::available_parallelism().map_or(1, usize::from),
     };
     scrolled(ui, |ui| bake::show(ui, &context, actions));

@@ -1,12 +1,13 @@
 //! A scene that can be baked.
 
+use super::guest::lower_priority;
 use lapidary_core::{
     dataset::scene_hash,
     ground::Ground,
     import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
 };
-use lapidary_precompute::{Trial, unshadowed};
+use lapidary_precompute::{BounceTrial, Trial, unshadowed};
 use lapidary_render::Baked;
 use std::{
     path::Path,
@@ -28,8 +29,8 @@ pub struct Imported {
     pub import_secs: f64,
     /// Report of the import and its repairs.
     pub report: ImportReport,
-    trial: Arc<OnceLock<Option<Trial>>>,
-    is_tried: Arc<AtomicBool>,
+    trial: Arc<Tried<Trial>>,
+    bounces: Arc<Tried<BounceTrial>>,
 }
 
 impl Imported {
@@ -48,7 +49,7 @@ impl Imported {
             import_secs,
             report: imported.report,
             trial: Arc::default(),
-            is_tried: Arc::default(),
+            bounces: Arc::default(),
         })
     }
 
@@ -60,10 +61,38 @@ impl Imported {
     /// What a bake of it will find. The first call that `may_begin` begins to find out, on a thread; later ones tell it when it
     /// is known.
     pub fn trial(&self, may_begin: bool) -> Option<Trial> {
-        if may_begin && !self.is_tried.swap(true, Ordering::Relaxed) {
-            let (scene, trial) = (self.scene.clone(), self.trial.clone());
-            std::thread::spawn(move || trial.set(Trial::of(&scene)));
+        self.trial.get(&self.scene, may_begin, Trial::of)
+    }
+
+    /// The same for the parts that bounce light.
+    pub fn bounce_trial(&self, may_begin: bool) -> Option<BounceTrial> {
+        self.bounces.get(&self.scene, may_begin, BounceTrial::of)
+    }
+}
+
+/// A trial of a scene, as far as it is.
+#[derive(Debug)]
+struct Tried<T> {
+    found: OnceLock<Option<T>>,
+    has_begun: AtomicBool,
+}
+
+impl<T> Default for Tried<T> {
+    fn default() -> Self {
+        Self { found: OnceLock::new(), has_begun: AtomicBool::new(false) }
+    }
+}
+
+impl<T: Copy + Send + Sync + 'static> Tried<T> {
+    fn get(self: &Arc<Self>, scene: &Arc<Scene>, may_begin: bool, of: fn(&Scene) -> Option<T>) -> Option<T> {
+        if may_begin && !self.has_begun.swap(true, Ordering::Relaxed) {
+            let (scene, tried) = (scene.clone(), self.clone());
+            std::thread::spawn(move || {
+                lower_priority();
+                // Nobody else sets it.
+                let _ = tried.found.set(of(&scene));
+            });
         }
-        self.trial.get().copied().flatten()
+        self.found.get().copied().flatten()
     }
 }

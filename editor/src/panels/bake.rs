@@ -22,7 +22,7 @@ use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
 use lapidary_core::dataset::{BakeParts, Dataset};
-use lapidary_precompute::{Leftover, Phase, Trial, resolve};
+use lapidary_precompute::{BounceTrial, Leftover, Phase, Trial, resolve};
 
 /// What the panel shows.
 pub struct BakeContext<'a> {
@@ -38,6 +38,8 @@ pub struct BakeContext<'a> {
     pub scene_stats: Option<SceneStats>,
     /// What a few of its points told, if they have.
     pub trial: Option<Trial>,
+    /// The same of the parts that bounce light, if they are to be baked.
+    pub bounce_trial: Option<BounceTrial>,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
 }

@@ -1,8 +1,8 @@
 //! What a bake will cost, from what the last one did.
 
 use super::BakeContext;
-use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings};
-use lapidary_precompute::{POINTS_PER_VERTEX, Phase, Trial, most_vertices};
+use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings};
+use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Phase, Trial, most_vertices};
 
 /// (vertex, light) pairs per second and core of a bake that follows boundaries, where no bake has measured it, at the lights
 /// that it holds for: 40 to 60 million in nine scenes.
@@ -24,9 +24,14 @@ const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
 /// Bytes of a packed node.
 const NODE_BYTES: f64 = 2.0;
 
-/// Pairs of vertex and source that a core resolves per second along boundaries, where no bake has measured them: 4.5 to 16.5
-/// million in rooms.
-const SOURCE_PAIRS_PER_SECOND_AND_CORE: f64 = 8e6;
+/// Pairs of vertex and source that a core resolves per second along boundaries, where nothing has measured them, at the sources
+/// that it holds for: 4.5 to 16.5 million in rooms.
+const SOURCE_PAIRS_PER_SECOND_AND_CORE: (f64, usize) = (8e6, 32_768);
+/// A vertex takes a time that grows by this power of the sources, beside what is near: in the colour box and the interior eight
+/// times as many take 1.55 times as long, and 32 times as many 2.6 and 3.0 times.
+const SOURCES_POWER: f64 = 0.27;
+/// Core seconds for each source of placing it and measuring its area, where no trial has measured them.
+const PLACING: f64 = 7.5e-4;
 /// How much longer it takes to trace every source: 1.2 times in a furnished room, twice in an empty one.
 const EXHAUSTIVE_SOURCES: f64 = 1.5;
 /// Mean nodes of a cut over surface samples: between the 500 of the colour box and the 1,340 of the Cornell box.
@@ -41,6 +46,11 @@ const SOURCE_BYTES: f64 = 40.0;
 /// Core seconds, bytes and levels of the colour box's meshless basis. Each level has about four times the functions of
 /// the one above it; their number depends on the surface in units of the coarsest distance, not on the vertices.
 const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
+/// Functions that gather light, in terms of those of the first two levels: all of three and four levels do, and as many of each
+/// further level as need detail.
+const GATHERING: [f64; 3] = [3.75, 13.3, 16.3];
+/// How much longer a ray of a whole basis takes than one of its first two levels, with what placing its points takes.
+const OF_WHOLE_BASIS: f64 = 1.25;
 
 /// Size of a scene before tessellation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +70,10 @@ pub struct Speed {
     pub pairs_per_second: (f64, usize),
     /// A mean cut size, and the lights and sigma that it came from.
     pub mean_cut: (f64, usize, f32),
-    /// (vertex, surface sample) pairs a second along boundaries.
-    pub source_pairs_per_second: f64,
+    /// (vertex, surface sample) pairs a second along boundaries, and the samples that it came from.
+    pub source_pairs_per_second: (f64, usize),
+    /// What a trial of the bounces found.
+    pub bounces: Option<BounceTrial>,
     /// A mean cut over surface samples, and the samples and sigma that it came from.
     pub mean_source_cut: (f64, usize, f32),
     /// Core seconds for each vertex of placing vertices.
@@ -86,9 +98,16 @@ impl Speed {
     pub fn known(context: &BakeContext) -> Self {
         let report = context.dataset.map(|d| &d.report);
         let known = Self::from(report, context.trial, context.cores);
+        let (bounces, cores) = (context.bounce_trial, known.cores as f64);
+        let of_trial = |trial: BounceTrial| (cores * trial.sources as f64 / trial.core_secs_per_point, trial.sources);
+        let cut_of_trial = |trial: BounceTrial| (trial.mean_cut.0, trial.sources, trial.mean_cut.1);
+        let cut = context.dataset.and_then(mean_source_cut).or(bounces.map(cut_of_trial));
+        let measured = report.and_then(source_pairs_per_second).or(bounces.map(of_trial));
         Self {
             source_vertices: context.source_vertices(),
-            mean_source_cut: context.dataset.and_then(mean_source_cut).unwrap_or(known.mean_source_cut),
+            mean_source_cut: cut.unwrap_or(known.mean_source_cut),
+            source_pairs_per_second: measured.unwrap_or(known.source_pairs_per_second),
+            bounces,
             ..known
         }
     }
@@ -107,7 +126,8 @@ impl Speed {
             pairs_per_second: measured.filter(|m| m.0 > 0.0).unwrap_or((rate * cores as f64, at)),
             source_pairs_per_second: report
                 .and_then(source_pairs_per_second)
-                .unwrap_or(SOURCE_PAIRS_PER_SECOND_AND_CORE * cores as f64),
+                .unwrap_or((SOURCE_PAIRS_PER_SECOND_AND_CORE.0 * cores as f64, SOURCE_PAIRS_PER_SECOND_AND_CORE.1)),
+            bounces: None,
             mean_source_cut: (MEAN_SOURCE_CUT, MEAN_SOURCE_CUT_AT.0, MEAN_SOURCE_CUT_AT.1),
             core_secs_per_placed: trial.map_or(TESSELLATION[0], |t| POINTS_PER_VERTEX as f64 * t.core_secs_per_split),
             cores,
@@ -123,7 +143,7 @@ impl Speed {
         let parts = [
             (mode.environment(), self.environment(settings, vertices as f64)),
             (mode.sources(), self.sources(settings, vertices as f64)),
-            (mode.meshless(), self.meshless(settings.meshless.levels)),
+            (mode.meshless(), self.meshless(&settings.meshless)),
         ];
         let wanted = || parts.iter().filter(|(wanted, _)| *wanted).map(|(_, cost)| cost);
         let bytes = wanted().map(|(_, bytes)| *bytes as u64).sum();
@@ -161,16 +181,25 @@ impl Speed {
             false => (0.0, 1.0),
         };
         let longer = if settings.exhaustive { EXHAUSTIVE_SOURCES } else { 1.0 };
-        let secs = longer * vertices * sources / self.source_pairs_per_second + own_secs;
+        let (rate, at) = self.source_pairs_per_second;
+        let per_point = longer * at as f64 * (sources / at as f64).powf(SOURCES_POWER) / rate;
+        // Their tree needs a pilot of its own.
+        let pilot = (PILOT_POINTS * settings.pilot_clusters as f64).min(vertices);
+        let placing = self.bounces.map_or(PLACING, |trial| trial.core_secs_per_source) / self.cores as f64;
+        let secs = (vertices + pilot) * per_point + sources * placing + own_secs;
         let nodes = vertices * self.source_cut_size(&settings.indirect) + sources * own_nodes;
         (secs, nodes * NODE_BYTES + sources * SOURCE_BYTES)
     }
 
     /// Those of the meshless basis, which go with its levels.
-    fn meshless(&self, levels: usize) -> (f64, f64) {
+    fn meshless(&self, settings: &MeshlessSettings) -> (f64, f64) {
         let (core_secs, bytes, measured_levels) = MESHLESS;
-        let share = 4_f64.powf(levels as f64 - measured_levels as f64);
-        (share * core_secs / self.cores as f64, share * bytes)
+        let share = 4_f64.powf(settings.levels as f64 - measured_levels as f64);
+        let core_secs = self.bounces.map_or(share * core_secs, |trial| {
+            let receivers = trial.functions as f64 * gathering(settings.levels);
+            OF_WHOLE_BASIS * receivers * settings.rays as f64 * trial.core_secs_per_gather_ray
+        });
+        (core_secs / self.cores as f64, share * bytes)
     }
 
     /// Mean cut for `settings`. A cut refines along the borders of visibility, lines on the sphere, down to clusters of
@@ -193,13 +222,22 @@ impl Speed {
     }
 }
 
-/// What the last bake has measured along boundaries, if it had surface samples.
-fn source_pairs_per_second(report: &BakeReport) -> Option<f64> {
+/// Functions that gather light in a basis of so many levels, as a multiple of those of the first two.
+fn gathering(levels: usize) -> f64 {
+    match levels {
+        0..=2 => 1.0,
+        3 => GATHERING[0],
+        _ => GATHERING[1] + (levels - 4) as f64 * GATHERING[2],
+    }
+}
+
+/// What the last bake has measured along boundaries, if it had surface samples, and their number.
+fn source_pairs_per_second(report: &BakeReport) -> Option<(f64, usize)> {
     let secs = report.seconds(Phase::SourceVisibility.name())?;
     let indirect = report.indirect.as_ref()?;
     let along_boundaries = if indirect.sources_per_probe() == 1 { EXHAUSTIVE_SOURCES } else { 1.0 };
     let pairs = report.bake_points as f64 * indirect.sources as f64;
-    (pairs > 0.0 && secs > 0.0).then(|| along_boundaries * pairs / secs)
+    (pairs > 0.0 && secs > 0.0).then(|| (along_boundaries * pairs / secs, indirect.sources))
 }
 
 fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
@@ -210,7 +248,7 @@ fn mean_source_cut(dataset: &Dataset) -> Option<(f64, usize, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeAudit, BakeParts, BakeRun, IndirectReport, MeshlessSettings};
+    use lapidary_core::dataset::{BakeAudit, BakeParts, BakeRun, IndirectReport};
     use lapidary_precompute::Preset;
 
     fn speed(report: Option<&BakeReport>) -> Speed {
@@ -291,22 +329,47 @@ mod tests {
 
     #[test]
     fn sources_have_a_rate_of_their_own() {
-        let pairs = 5000.0 * 32_768.0;
+        // The pilot of their tree traces all points as well.
+        let pairs = 2.0 * 5000.0 * 32_768.0;
         let secs = |report: Option<&BakeReport>| bounce(&speed(report), 32_768, 2.0).secs;
-        let placed = 5000.0 * 5e-5 / 2.0;
+        let placed = 5000.0 * 5e-5 / 2.0 + 32_768.0 * PLACING / 2.0;
         assert!((secs(None) - placed - pairs / 16e6).abs() < 1e-6);
         let run = BakeRun { samples_per_second: 90e6, ..Default::default() };
         let environment = BakeReport { run: Some(run.clone()), ..Default::default() };
         assert_eq!(secs(Some(&environment)), secs(None), "those of an environment are other rays");
         let seconds = [(Phase::SourceVisibility.name().to_owned(), 4.0)].into();
         let audit = Some(BakeAudit { leaves_per_probe: 16, ..Default::default() });
-        let indirect = Some(IndirectReport { sources: 8000, audit, ..Default::default() });
+        let indirect = Some(IndirectReport { sources: 32_768, audit, ..Default::default() });
         let run = Some(BakeRun { seconds, ..run });
         let mut measured = BakeReport { run, indirect, bake_points: 1000, ..environment };
-        assert!((secs(Some(&measured)) - placed - pairs / 2e6).abs() < 1e-6);
+        // 1,000 points of 32,768 sources in 4 seconds.
+        assert!((secs(Some(&measured)) - placed - pairs / 8.192e6).abs() < 1e-6);
         measured.indirect.as_mut().unwrap().audit = None;
         let exhaustive = secs(Some(&measured));
-        assert!((exhaustive - placed - pairs / 3e6).abs() < 1e-6, "boundaries will be faster: {exhaustive}");
+        assert!((exhaustive - placed - pairs / 12.288e6).abs() < 1e-6, "boundaries will be faster: {exhaustive}");
+    }
+
+    #[test]
+    fn a_trial_of_the_bounces_tells_what_they_take() {
+        let trial = BounceTrial {
+            sources: 1024,
+            core_secs_per_source: 6e-4,
+            core_secs_per_point: 3e-4,
+            mean_cut: (85.0, 2.0),
+            functions: 1276,
+            core_secs_per_gather_ray: 2e-6,
+        };
+        let of = |mode, bounces| {
+            let source_pairs_per_second = (2.0 * 1024.0 / 3e-4, 1024);
+            let speed = Speed { bounces, source_pairs_per_second, ..speed(None) };
+            let settings = BakeSettings { mode, max_vertices: None, ..Preset::Normal.settings() };
+            speed.estimate(&settings).unwrap().secs - 5000.0 * 5e-5 / 2.0
+        };
+        let sources = 1e4 * 3e-4 * 32_f64.powf(0.27) / 2.0 + 32_768.0 * 6e-4 / 2.0;
+        assert!((of(BakeParts::INDIRECT, Some(trial)) - sources).abs() < 1e-6);
+        let gathered = 1276.0 * (13.3 + 2.0 * 16.3) * 512.0 * 2e-6 * 1.25 / 2.0;
+        assert!((of(BakeParts::MESHLESS, Some(trial)) - gathered).abs() < 1e-6);
+        assert!((of(BakeParts::MESHLESS, None) - 55.0).abs() < 1e-6, "the average without one");
     }
 
     #[test]

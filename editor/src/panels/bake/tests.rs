@@ -42,7 +42,16 @@ fn panel_of_scene(
         let Probe { document, dataset, status, actions } = probe;
         let scene_stats = Some(SceneStats { vertices, triangles: 2 * vertices });
         let dataset = dataset.as_ref();
-        let context = BakeContext { document, dataset, status, reasons: &[], scene_stats, trial: None, cores: 2 };
+        let context = BakeContext {
+            document,
+            dataset,
+            status,
+            reasons: &[],
+            scene_stats,
+            trial: None,
+            bounce_trial: None,
+            cores: 2,
+        };
         show(ui, &context, actions);
     };
     let probe = Probe { document, dataset, status, actions: Vec::new() };
