@@ -209,14 +209,14 @@ const FLOOR_COVERS: f32 = 0.5;
 /// How high above the lowest point a floor may lie, as a share of the diagonal: slabs are thin.
 const FLOOR_HEIGHT: f32 = 0.05;
 
-/// Whether a scene has a floor of its own: over most of its footprint there is something to stand on, with nothing below it or
-/// close above the lowest point.
+/// Whether a scene has a floor of its own: over most of its footprint there is something to stand on, close above the lowest point,
+/// or in the lower half of the scene with nothing below it, as land is.
 pub fn has_floor(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let mut cells = vec![Column::default(); CELLS * CELLS];
     let triangles = mesh.ground.map_or(mesh.triangles.len(), |start| start.triangle as usize);
     (0..triangles).for_each(|t| Column::add_triangle(&mut cells, mesh, t, bounds));
-    let highest = bounds.min.y + FLOOR_HEIGHT * bounds.diagonal();
+    let highest = [bounds.min.y + FLOOR_HEIGHT * bounds.diagonal(), bounds.center().y];
     let floors = cells.iter().filter(|column| column.has_floor(highest)).count();
     floors as f32 >= FLOOR_COVERS * cells.len() as f32
 }
@@ -235,8 +235,9 @@ impl Default for Column {
 }
 
 impl Column {
-    fn has_floor(&self, highest: f32) -> bool {
-        self.facing_up.is_finite() && (self.facing_up <= highest || self.facing_up <= self.facing_down)
+    /// For the highest floor with something below it, and the highest one without.
+    fn has_floor(&self, [slab, land]: [f32; 2]) -> bool {
+        self.facing_up <= slab || self.facing_up <= land && self.facing_up <= self.facing_down
     }
 
     /// Adds the heights of a triangle over the middles of the cells that it covers.
@@ -321,6 +322,10 @@ mod tests {
             mesh.positions.iter_mut().for_each(|p| *p *= Vec3::new(1.0, -1.0, -1.0));
             assert!(!has_floor(&mesh), "{name}");
         }
+        let mut open = cube();
+        open.triangles.retain(|corners| corners.iter().any(|&v| open.positions[v as usize].y > 0.0));
+        open.triangle_material.truncate(open.triangles.len());
+        assert!(open.triangles.len() == 10 && !has_floor(&open), "without a bottom");
         let small = both(cube(), block(Vec3::ZERO, Vec3::new(0.1, 0.0, 0.1)));
         assert!(!has_floor(&small), "negative control");
     }
