@@ -129,11 +129,14 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
     }
 }
 
+/// Share of a phase after which its speed is known: it begins slowly beside the first picture of a draft.
+const KNOWN_AFTER: f64 = 0.03;
+
 /// How long the present phase will still take, at the mean speed so far, if that is known.
 fn time_left(done: u64, total: u64, phase_elapsed_secs: f64) -> Option<String> {
     let left = || total.saturating_sub(done) as f64 * phase_elapsed_secs / done as f64;
     // Some steps have a little to do after all units are done.
-    (done > 0 && done < total).then(|| duration(left()))
+    (done as f64 > KNOWN_AFTER * total as f64 && done < total).then(|| duration(left()))
 }
 
 #[cfg(test)]
@@ -144,8 +147,8 @@ mod tests {
     fn time_left_follows_from_the_speed_so_far() {
         assert_eq!(time_left(25, 100, 20.0).unwrap(), "1 min 00 s");
         assert_eq!(
-            [(0, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
-            [None, None, None]
+            [(0, 100), (1, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
+            [None; 4]
         );
         assert_eq!(time_left(50, 100, 20.0).unwrap(), "20 s");
     }
