@@ -1,5 +1,7 @@
 //! Work on its own pool of threads, so that some of the machine is left to others.
 
+use std::time::Duration;
+
 /// Runs `work` with its parallel parts on `threads` threads, or on the shared pool if the system has no more threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
@@ -8,9 +10,56 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T
     }
 }
 
+/// Measures the work of the thread that began it. Where the system tells, what others do on its core does not count.
+pub struct CoreClock(Duration);
+
+impl CoreClock {
+    /// Begins now.
+    pub fn begin() -> Self {
+        Self(time_of_thread())
+    }
+
+    /// Seconds since then.
+    pub fn secs(&self) -> f64 {
+        time_of_thread().saturating_sub(self.0).as_secs_f64()
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn time_of_thread() -> Duration {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn time_of_thread() -> Duration {
+    static BEGAN: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    BEGAN.get_or_init(std::time::Instant::now).elapsed()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_core_clock_counts_work() {
+        let clock = CoreClock::begin();
+        let mut rng = fastrand::Rng::with_seed(1);
+        let mut sum = 0_u64;
+        while clock.secs() < 0.01 {
+            sum = sum.wrapping_add(rng.u64(..));
+        }
+        assert!(std::hint::black_box(sum) > 0 && clock.secs() < 60.0);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn waiting_is_no_work() {
+        let clock = CoreClock::begin();
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(clock.secs() < 0.1);
+    }
 
     #[test]
     fn the_pool_has_as_many_threads_as_asked_for() {

@@ -22,9 +22,8 @@ use lapidary_core::{
     ray::{BoundaryTracer, Intersector, offset},
     scene::{Mesh, Scene},
     sphere::fibonacci_directions,
-    threads::on_threads,
+    threads::{CoreClock, on_threads},
 };
-use std::time::Instant;
 
 /// Lights of the trial, those of a draft.
 const LIGHTS: usize = 8192;
@@ -78,9 +77,9 @@ impl Trial {
             selector.select(&visible, &mut cut);
             cut.len()
         };
-        let start = Instant::now();
+        let start = CoreClock::begin();
         let nodes: usize = points.iter().map(length).sum();
-        let secs = start.elapsed().as_secs_f64();
+        let secs = start.secs();
         let stored = Stored { environment: true, bounces: false };
         let split_secs = trace_seconds(&intersector, stored, &points, &Silent).ok()?;
         let count = points.len() as f64;

@@ -28,9 +28,8 @@ use lapidary_core::{
     scene::Scene,
     sources::Source,
     surfel::Surface,
-    threads::on_threads,
+    threads::{CoreClock, on_threads},
 };
-use std::time::Instant;
 
 /// Sources of the trial.
 const SOURCES: usize = 1024;
@@ -71,9 +70,9 @@ impl BounceTrial {
         let black = |_: &_| Vec3::ZERO;
         let surface = MeshSurface::new(&scene.mesh, &intersector, &sides.two_sided, &black);
         let viewpoint = find_viewpoint(&surface, None, &scene.cameras, &scene.lights)?;
-        let start = Instant::now();
+        let start = CoreClock::begin();
         let sources = place_sources(&surface, viewpoint, SOURCES, &[], &Silent)?;
-        let placing = start.elapsed().as_secs_f64();
+        let placing = start.secs();
         let settings = BakeSettings { tree: TreeKind::Geometric, ..Preset::Draft.settings() };
         let points = BakePoints::new(&scene.mesh, &sides);
         let sources = order_sources(sources, &points, &intersector, &surface, &settings, &Silent)?;
@@ -81,9 +80,9 @@ impl BounceTrial {
         let criterion = settings.indirect.criterion;
         let (secs, nodes) = traced(&points, &intersector, &sources, surface.offset(), criterion);
         let (basis, _) = place_basis(&surface, viewpoint, &BASIS, &Silent)?;
-        let start = Instant::now();
+        let start = CoreClock::begin();
         let (_, report) = transport_operator(&surface, &basis, &BASIS, &Silent)?;
-        let gathering = start.elapsed().as_secs_f64();
+        let gathering = start.secs();
         let count = points.len().max(1) as f64;
         Ok(Self {
             sources: SOURCES,
@@ -113,9 +112,9 @@ fn traced(
         selector.select(&seen, &mut cut);
         cut.len()
     };
-    let start = Instant::now();
+    let start = CoreClock::begin();
     let nodes = points.iter().map(length).sum();
-    (start.elapsed().as_secs_f64(), nodes)
+    (start.secs(), nodes)
 }
 
 #[cfg(test)]

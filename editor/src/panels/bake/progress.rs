@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(time_left(25, 100, 20.0).unwrap(), "1 min 00 s");
         assert_eq!(
             [(0, 100), (1, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
-            [None; 4]
+            [const { None }; 4]
         );
         assert_eq!(time_left(50, 100, 20.0).unwrap(), "20 s");
     }

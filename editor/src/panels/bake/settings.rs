@@ -57,7 +57,11 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
             cost(ui, speed.estimate(bake));
         }
     });
-    let source = if context.dataset.is_some() { "the last bake" } else { "other scenes" };
+    let source = match (context.dataset, context.trial.is_some() || context.bounce_trial.is_some()) {
+        (Some(_), _) => "the last bake",
+        (None, true) => "a trial of this scene",
+        (None, false) => "other scenes",
+    };
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 

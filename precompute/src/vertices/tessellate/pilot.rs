@@ -16,13 +16,11 @@ use lapidary_core::{
     ray::{EightRays, Intersector},
     scene::Mesh,
     sphere::fibonacci_directions,
+    threads::CoreClock,
 };
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-use std::{
-    sync::atomic::{AtomicU64, Ordering},
-    time::Instant,
-};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √128. Pictures of drafts have the same errors
 /// with 256, which take half as long again.
@@ -191,7 +189,7 @@ impl<'a> Pilot<'a> {
     }
 }
 
-/// Seconds in which the pilot samples points.
+/// Core seconds in which the pilot samples points, on a pool of one thread.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -203,9 +201,9 @@ pub fn trace_seconds(
 ) -> Result<f64, BakeError> {
     let traced = AtomicU64::new(0);
     let pilot = Pilot::new(scene, stored, 1.0, (observer, &traced));
-    let start = Instant::now();
+    let start = CoreClock::begin();
     pilot.seen_from(points)?;
-    Ok(start.elapsed().as_secs_f64())
+    Ok(start.secs())
 }
 
 /// Rays of one to eight points in one direction, each from the side that samples it.
