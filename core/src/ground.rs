@@ -69,7 +69,7 @@ pub struct GroundStart {
 }
 
 /// Name of the ground's object and material.
-const NAME: &str = "Ground";
+pub const NAME: &str = "Ground";
 
 /// Radii of the rings of its mesh as shares of the scene's radius, half of the diagonal. A bake splits them further.
 const RINGS: [f32; 9] = [0.5, 1.0, 2.0, 4.0, REACH, 32.0, 128.0, 512.0, 2048.0];

@@ -47,6 +47,8 @@ pub struct Document {
     pub dataset: Option<PathBuf>,
     /// One for each material index of the mesh.
     pub materials: Vec<Material>,
+    /// The material of the ground while none is shown.
+    pub hidden_ground: Option<Material>,
     /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
     /// undoing an edit finds its texture again; sessions keep those in use.
     pub textures: Vec<TextureEntry>,
@@ -249,6 +251,7 @@ impl Document {
             scene: None,
             dataset: None,
             materials: Vec::new(),
+            hidden_ground: None,
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),
             lights: Vec::new(),

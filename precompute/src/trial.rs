@@ -51,7 +51,7 @@ pub struct Trial {
 
 impl Trial {
     /// Of a scene as imported; `None` if nothing of it can be seen, or if it is very large. It takes a second or less, by one
-    /// thread but for the hierarchy.
+    /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
         if scene.mesh.triangles.len() > MOST_TRIANGLES {
             return None;

@@ -1,10 +1,10 @@
 //! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
 use crate::{
-    Backend, BackendError, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks, Pixels, Post,
-    Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, View, light::bounce::Drift,
+    Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
+    Pixels, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, View, light::bounce::Drift,
 };
-use lapidary_core::image::Image;
+use lapidary_core::{ground::Ground, image::Image};
 use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
@@ -327,7 +327,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Surface properties in a look, without light.
     pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
-        Renderer::of(&self.baked, look).surface_layers(&look.view)
+        // A shadow over nothing is no surface.
+        let is_shadow = look.catches_shadows() && look.view.background == Background::Transparent;
+        let ground = if is_shadow { Ground::Off } else { look.view.ground };
+        Renderer::of(&self.baked, look).surface_layers(&View { ground, ..look.view.clone() })
     }
 
     /// The scene.

@@ -1,6 +1,9 @@
 //! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
-use crate::{Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View};
+use crate::{
+    Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View,
+    shade::background::caught_per_radiance,
+};
 use lapidary_core::{cut::lit::DEFAULT_TAU, ground::Ground, lights::Light, scene::Scene};
 use std::sync::Arc;
 
@@ -31,6 +34,12 @@ pub struct Look {
 }
 
 impl Look {
+    /// Whether the ground, if there is one, catches shadows over what is behind it.
+    pub fn catches_shadows(&self) -> bool {
+        let Illumination { environment, intensity, .. } = &self.light;
+        caught_per_radiance(&self.view, environment, *intensity, self.components.environment).is_some()
+    }
+
     /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
     pub fn under_environment(scene: &Scene, view: View, light: Illumination) -> Self {
         Self {
@@ -106,14 +115,15 @@ impl Redo {
         let looks = Self::changed_looks(old, new);
         let sky = !old.light.is_same(&new.light) || (old.illum_cut, old.tau) != (new.illum_cut, new.tau);
         let lights = old.lights != new.lights;
-        // It reflects what is behind it, whatever shines on it.
+        // A ground that catches shadows reflects what is behind it, and is a surface where no environment shines.
         let catches = new.view.ground == Ground::Shadow;
+        let ground = catches && (sky || environment != old.components.environment);
         let bounced = sky || lights || old.solution != new.solution;
         Stale {
             environment: looks.and(Pixels::all_if(environment != old.components.environment || environment && sky)),
             // `LitScene` adds those that the light of a changed material reaches.
-            bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && bounced)),
-            direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && sky && catches)),
+            bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && (bounced || ground))),
+            direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && ground)),
             lights: direct && lights || Self::shows_other_suns(old, new),
         }
     }

@@ -102,7 +102,7 @@ impl Dataset {
 
     /// The JSON part reads back as what it was. Numbers that are not finite become `null` in JSON and do not.
     fn check_header(&self) -> Result<(), Damage> {
-        let header = self.header(BTreeMap::new());
+        let header = self.header(&self.settings, BTreeMap::new());
         let unreadable = |e: serde_json::Error| Damage::Metadata(e.to_string());
         let json = serde_json::to_string(&header).map_err(unreadable)?;
         let again: Header = serde_json::from_str(&json).map_err(unreadable)?;

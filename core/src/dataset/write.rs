@@ -1,7 +1,7 @@
 //! Writing a dataset, atomically.
 
 use super::{
-    BakeReport, Dataset, DatasetError, FORMAT_VERSION,
+    BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION,
     header::Header,
     indirect, meshless,
     tensors::{Tensor, arranged, checksum, cut_tensors, tensor},
@@ -18,9 +18,17 @@ impl Dataset {
     /// Contents that contradict themselves or hold numbers that nothing can be computed with; a file that cannot be
     /// written, such as on a full disk.
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
+        self.write_as(path, &self.settings)
+    }
+
+    /// The same as of settings that have the same contents.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_as(&self, path: &Path, settings: &BakeSettings) -> Result<(), DatasetError> {
         self.validate().map_err(|reason| DatasetError::Unwritable { path: path.into(), reason })?;
         let tensors = self.tensors();
-        let header = self.header(tensors.iter().map(|t| (t.name.clone(), checksum(&t.bytes))).collect());
+        let header = self.header(settings, tensors.iter().map(|t| (t.name.clone(), checksum(&t.bytes))).collect());
         self.write_tensors(path, &tensors, &header).map_err(|source| DatasetError::Io {
             action: "write",
             path: path.into(),
@@ -43,10 +51,10 @@ impl Dataset {
     }
 
     /// The JSON part, with these checksums of the tensors.
-    pub(super) fn header(&self, checksums: BTreeMap<String, String>) -> Header {
+    pub(super) fn header(&self, settings: &BakeSettings, checksums: BTreeMap<String, String>) -> Header {
         Header {
             format_version: FORMAT_VERSION,
-            settings: self.settings.clone(),
+            settings: settings.clone(),
             scene_hash: self.scene_hash.clone(),
             report: BakeReport { run: None, ..self.report.clone() },
             materials: self.scene.materials.clone(),

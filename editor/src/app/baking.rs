@@ -18,7 +18,7 @@ use crate::{
     panels::bake::{BakeStatus, control_name, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeParts, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     ground::Ground,
     texture::Texture,
 };
@@ -59,11 +59,13 @@ impl EditorState {
         if self.may_write(&output, Written::Dataset) {
             let (sender, written) = channel();
             self.baking.written = Some(written);
-            let (wake, ground) = (self.wake.clone(), self.document.bake.ground);
+            // How a ground is shown is the document's.
+            let settings = BakeSettings { ground: self.document.bake.ground, ..whole.dataset.settings.clone() };
+            let wake = self.wake.clone();
             spawn("write the bake", move || {
                 // Nobody is left to tell if another scene was opened.
                 let _ = sender.send(
-                    shown_on(ground, whole.dataset).write(&output).map(|()| output).map_err(|error| error.to_string()),
+                    whole.dataset.write_as(&output, &settings).map(|()| output).map_err(|error| error.to_string()),
                 );
                 wake();
             });
@@ -249,16 +251,16 @@ impl EditorState {
 
     /// Renders another bake of the scene. Materials that were edited stay.
     fn show_baked(&mut self, baked: Baked, is_draft: bool) {
-        self.take_materials_of(&baked.dataset);
+        // The scene may have changed during its bake.
+        let changed = self.scene.source.as_ref().filter(|source| source.hash != baked.dataset.scene_hash);
+        let preview = changed.map(|source| source.unshadowed(self.document.bake.ground));
+        self.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
         // The hierarchies are for the picture, and no guests.
         baked.begin();
-        self.scene.baked = Some(baked);
+        (self.scene.baked, self.scene.preview) = (Some(baked), preview);
         (self.scene.is_draft, self.scene.show_stale) = (is_draft, false);
-        // The scene may have changed during its bake.
-        let source = self.scene.source.as_ref().filter(|_| self.scene.is_stale());
-        self.scene.preview = source.map(|source| source.unshadowed(self.document.bake.ground));
     }
 
     /// Shows a ground that was asked for and is not in the bake: at once without shadows, and baked anew. One that is not wanted any
@@ -274,7 +276,7 @@ impl EditorState {
                 self.scene.preview = None;
             }
             self.baking.wants_ground = false;
-            return;
+            return self.bake_ground();
         }
         if !self.scene.preview.as_ref().is_some_and(suits) {
             let preview = source.unshadowed(ground);
@@ -285,20 +287,28 @@ impl EditorState {
         self.bake_ground();
     }
 
-    /// Begins a bake for a ground if one is wanted. A bake without one that began by itself ends for it, and one that the user
-    /// asked for is finished first.
+    /// Begins a bake for a ground if one is wanted. A bake without one that began by itself ends for it, and what is chosen by then
+    /// is baked; one that the user asked for is finished first.
     fn bake_ground(&mut self) {
-        self.baking.wants_ground &= self.document.bake.ground != Ground::Off;
+        let wants_ground = self.baking.wants_ground && self.document.bake.ground != Ground::Off;
         match &self.baking.run {
-            _ if !self.baking.wants_ground => {}
             Some(run) if run.has_ground => self.baking.wants_ground = false,
-            Some(run) if run.by_itself && !run.cancelling => self.cancel_bake(),
-            Some(_) => {}
-            None => {
-                self.baking.wants_ground = false;
+            Some(run) if wants_ground && run.by_itself && !run.cancelling => {
+                self.cancel_bake();
+                self.baking.begins_anew = true;
+            }
+            None if wants_ground || self.baking.begins_anew => {
+                (self.baking.wants_ground, self.baking.begins_anew) = (false, false);
                 self.bake_by_itself(false, true);
             }
+            _ => {}
         }
+    }
+
+    /// What the user does not want is not begun anew either.
+    pub(super) fn cancel_for_good(&mut self) {
+        (self.baking.wants_ground, self.baking.begins_anew) = (false, false);
+        self.cancel_bake();
     }
 
     /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
@@ -307,11 +317,11 @@ impl EditorState {
         let materials = self.document.materials.len();
         let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset));
         if let Some(index) = shown.filter(|&index| index < materials) {
-            self.scene.ground_material = Some(self.document.materials.remove(index));
+            self.document.hidden_ground = Some(self.document.materials.remove(index));
         }
         fit_materials(&mut self.document, next);
         let place = ground_of(next).and_then(|index| self.document.materials.get_mut(index));
-        if let Some((place, kept)) = place.zip(self.scene.ground_material.take_if(|_| ground_of(next).is_some())) {
+        if let Some((place, kept)) = place.zip(self.document.hidden_ground.take_if(|_| ground_of(next).is_some())) {
             *place = kept;
         }
     }
@@ -370,14 +380,6 @@ impl EditorState {
             (None, None) => BakeStatus::None,
         }
     }
-}
-
-/// A dataset whose ground is shown in this way when it is opened.
-fn shown_on(ground: Ground, mut dataset: Arc<Dataset>) -> Arc<Dataset> {
-    if dataset.settings.ground != ground {
-        Arc::make_mut(&mut dataset).settings.ground = ground;
-    }
-    dataset
 }
 
 /// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.

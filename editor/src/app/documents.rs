@@ -151,7 +151,6 @@ impl EditorState {
         self.scene = OpenScene {
             baked,
             preview,
-            ground_material: None,
             source,
             bake_output,
             kept_output,

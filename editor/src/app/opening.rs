@@ -366,8 +366,11 @@ impl Reader<'_> {
         };
         let unknown = loaded.unknown.clone();
         let ground = loaded.session.bake.ground;
-        // A ground that is not baked yet has its material in the session.
-        let suits = |baked: &Baked| ground == Ground::Off || baked.has_ground() || source.is_none();
+        // What will be shown: a bake of the scene as it is, with the ground that the session has.
+        let suits = |baked: &Baked| match &source {
+            Some(source) => baked.dataset.scene_hash == source.hash && (ground == Ground::Off || baked.has_ground()),
+            None => true,
+        };
         let preview = || source.as_ref().map(|source| source.unshadowed(ground));
         let rendered = baked.clone().filter(suits).or_else(preview);
         let (document, remarks) = loaded.into_document(rendered.as_ref().map(|rendered| &rendered.dataset.scene));

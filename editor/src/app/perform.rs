@@ -49,7 +49,7 @@ impl EditorState {
             Action::Preferences(preferences) => self.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
             Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
-            Action::CancelBake => self.cancel_bake(),
+            Action::CancelBake => self.cancel_for_good(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
             Action::Open(Some(path)) => self.open(Target::File(path)),
             Action::OpenBundled(index) => self.open_bundled(index),

@@ -38,7 +38,7 @@ use explain::ExplainWindow;
 use exporting::Exporting;
 use interface::Interface;
 use ladder::LadderWindow;
-use lapidary_core::{bounds::Bounds, material::Material, scene::Mesh};
+use lapidary_core::{bounds::Bounds, scene::Mesh};
 use lapidary_render::{BackendFactory, Baked};
 use lapidary_studies::jobs::Wake;
 use pictures::Pictures;
@@ -95,8 +95,6 @@ pub struct OpenScene {
     pub baked: Option<Baked>,
     /// The scene without shadows, which is rendered until there is a dataset.
     pub preview: Option<Baked>,
-    /// The material of the ground while none is shown.
-    pub ground_material: Option<Material>,
     /// The scene, which can be baked.
     pub source: Option<Imported>,
     /// Where a bake goes that the user asks for.

@@ -156,7 +156,10 @@ pub fn poisson_count(
     let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        let placed = |points: usize| observer.event(Event::Advanced { done: points.min(count) as u64 });
+        // Each attempt tells half of what is left.
+        let [before, part] = [1.0 - (-(attempt as f64)).exp2(), (-(attempt as f64) - 1.0).exp2()];
+        let done = |points: usize| before * count as f64 + part * points.min(count) as f64;
+        let placed = |points: usize| observer.event(Event::Advanced { done: done(points) as u64 });
         let points = throw_darts(candidates, 2 * most, |place| Some(radius(place, factor)), placed)?;
         let found = points.len();
         if found >= count && best.as_ref().is_none_or(|b| found < b.len()) {

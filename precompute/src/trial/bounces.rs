@@ -56,7 +56,7 @@ pub struct BounceTrial {
 
 impl BounceTrial {
     /// Of a scene as imported; `None` if light bounces nowhere in it, or if it is very large. It takes a second or two, by one
-    /// thread but for the hierarchy.
+    /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
         if scene.mesh.triangles.len() > MOST_TRIANGLES {
             return None;

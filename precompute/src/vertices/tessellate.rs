@@ -13,7 +13,7 @@ mod split;
 
 use crate::{
     errors::{BakeError, cancelled},
-    observer::Observer,
+    observer::{Event, Observer},
     vertices::sidedness::Sidedness,
 };
 use edges::Edges;
@@ -91,6 +91,9 @@ pub fn tessellate(
             break;
         }
         split_edges(mesh, sides, &edges, &chosen);
+        if pilot.is_none() {
+            observer.event(Event::Advanced { done: POINTS_PER_VERTEX * mesh.positions.len() as u64 });
+        }
     }
     Ok(())
 }

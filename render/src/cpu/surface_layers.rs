@@ -7,10 +7,10 @@ use crate::{
         pixel_sampler::{PixelSampler, Sight},
         surface::FirstHit,
     },
-    view::{Background, View},
+    view::View,
 };
 use glam::Vec3;
-use lapidary_core::{ground::Ground, image::Image};
+use lapidary_core::image::Image;
 use rayon::prelude::*;
 
 /// Distance in metres where there is no surface: far beyond any scene, but finite, because filters could not handle
@@ -51,10 +51,6 @@ impl Renderer {
     /// Surface properties in a view, with the present appearance of the scene.
     pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
         let backdrop = Backdrop::black();
-        // A shadow over nothing is no surface.
-        let is_shadow = view.ground == Ground::Shadow && view.background == Background::Transparent;
-        let ground = if is_shadow { Ground::Off } else { view.ground };
-        let view = &View { ground, ..view.clone() };
         let sampler = PixelSampler::new(self, view, &backdrop);
         let [width, height] = view.size;
         let row = |y: u32| (0..width).map(|x| Pixel::of(&sampler, x, y)).collect::<Vec<_>>();

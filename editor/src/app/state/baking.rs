@@ -25,6 +25,8 @@ pub struct Baking {
     pub(in crate::app) leftover: Option<(Looked, Leftover)>,
     /// A bake is to begin for a ground that was asked for, once the one at work has ended.
     pub(in crate::app) wants_ground: bool,
+    /// The bake at work was cancelled for a ground, and another is to follow whatever is chosen by then.
+    pub(in crate::app) begins_anew: bool,
 }
 
 /// The inputs that decide what an interrupted bake left, small enough to compare every frame.

@@ -63,8 +63,16 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     choose(&mut window, Ground::Off);
     assert!(window.0.state().seen() == Seen::Whole && !has_ground(&window));
     assert_eq!(window.0.state().document.materials.len(), materials);
+    let session = place.path("look.lapidary");
+    window.perform(Action::SaveAs(Some(session.clone())));
     choose(&mut window, Ground::On);
-    assert_eq!(window.0.state().document.materials[materials].parameters.base_color, Vec3::X, "its material is kept");
+    let color = |window: &Window| window.0.state().document.materials[materials].parameters.base_color;
+    assert_eq!(color(&window), Vec3::X, "its material is kept");
+    let mut again = place.window();
+    again.open(&session);
+    assert_eq!(again.0.state().document.materials.len(), materials);
+    choose(&mut again, Ground::On);
+    assert_eq!(color(&again), Vec3::X, "in sessions too");
     window.perform(Action::Undo);
     assert_eq!(window.0.state().seen(), Seen::Whole);
 }
@@ -83,4 +91,29 @@ fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     assert!(has_ground(&window));
     let written = lapidary_core::dataset::Dataset::read(&output).unwrap();
     assert_eq!((written.tree.len(), written.scene.mesh.ground), (512, None));
+}
+
+#[test]
+fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().preferences.bakes_scenes = true;
+    window.0.state_mut().document.bake = BakeSettings { lights: 8192, max_vertices: Some(20_000), ..few_lights() };
+    window.0.state_mut().bake_by_itself(false, false);
+    for ground in [Ground::Shadow, Ground::Off] {
+        let bake = BakeSettings { ground, lights: 256, max_vertices: None, ..window.0.state().document.bake.clone() };
+        window.0.state_mut().document.bake = bake;
+        window.0.state_mut().follow_ground();
+    }
+    assert!(window.0.state().baking.run.as_ref().unwrap().cancelling);
+    window.wait("another bake", |s| s.seen() == Seen::Whole && s.baking.progress().is_none());
+    assert_eq!(window.0.state().scene.shown().unwrap().dataset.tree.len(), 256);
+    // What the user cancels stays cancelled.
+    window.0.state_mut().document.bake.lights = 8192;
+    window.0.state_mut().bake_by_itself(false, false);
+    window.perform(Action::CancelBake);
+    window.wait("the end", |s| s.baking.progress().is_none());
+    window.0.run_steps(3);
+    assert!(!is_baking(&window));
 }

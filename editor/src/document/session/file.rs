@@ -113,7 +113,13 @@ impl Session {
         Self {
             scene: document.scene.clone(),
             dataset: document.dataset.clone(),
-            materials: document.materials.iter().map(|m| SessionMaterial::of(m, document)).collect(),
+            // A ground's is the last one.
+            materials: document
+                .materials
+                .iter()
+                .chain(&document.hidden_ground)
+                .map(|m| SessionMaterial::of(m, document))
+                .collect(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
             components: document.components,

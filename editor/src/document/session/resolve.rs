@@ -2,7 +2,7 @@
 
 use super::{LoadedSession, Session, SessionMaterial, TextureSource};
 use crate::document::{Document, TextureEntry};
-use lapidary_core::{material::Material, scene::Scene, texture::Texture};
+use lapidary_core::{ground, material::Material, scene::Scene, texture::Texture};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -23,6 +23,8 @@ impl LoadedSession {
             None => Document::empty(),
         };
         let mut textures = Textures::new(document.textures, &mut session, scene.is_some(), &mut warnings);
+        let hidden = scene.and_then(|scene| hidden_ground(scene, &mut session.materials));
+        document.hidden_ground = hidden.map(|m| m.material(|source| textures.index_of(source)));
         document.materials = match scene {
             Some(_) => merged_materials(&document.materials, &session.materials, &mut textures),
             None => session.materials.iter().map(|m| m.material(|source| textures.index_of(source))).collect(),
@@ -43,6 +45,12 @@ impl LoadedSession {
         document.bake = session.bake;
         (document, warnings)
     }
+}
+
+/// Takes the material of a ground from those of a session, if the scene has no ground.
+fn hidden_ground(scene: &Scene, session: &mut Vec<SessionMaterial>) -> Option<SessionMaterial> {
+    let is_left = scene.mesh.ground.is_none() && session.len() == scene.materials.len() + 1;
+    session.pop_if(|last| is_left && last.name == ground::NAME)
 }
 
 fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mut Textures) -> Vec<Material> {

@@ -1,7 +1,10 @@
 //! What a bake will cost, from what the last one did.
 
 use super::BakeContext;
-use lapidary_core::dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings};
+use lapidary_core::{
+    dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    light_tree::TreeKind,
+};
 use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Phase, Trial, most_vertices};
 
 /// (vertex, light) pairs per second and core of a bake that follows boundaries, where no bake has measured it, at the lights
@@ -183,8 +186,9 @@ impl Speed {
         let longer = if settings.exhaustive { EXHAUSTIVE_SOURCES } else { 1.0 };
         let (rate, at) = self.source_pairs_per_second;
         let per_point = longer * at as f64 * (sources / at as f64).powf(SOURCES_POWER) / rate;
-        // Their tree needs a pilot of its own.
-        let pilot = (PILOT_POINTS * settings.pilot_clusters as f64).min(vertices);
+        // Their tree has a pilot of its own, unless it is by place alone.
+        let has_pilot = settings.tree != TreeKind::Geometric;
+        let pilot = if has_pilot { (PILOT_POINTS * settings.pilot_clusters as f64).min(vertices) } else { 0.0 };
         let placing = self.bounces.map_or(PLACING, |trial| trial.core_secs_per_source) / self.cores as f64;
         let secs = (vertices + pilot) * per_point + sources * placing + own_secs;
         let nodes = vertices * self.source_cut_size(&settings.indirect) + sources * own_nodes;

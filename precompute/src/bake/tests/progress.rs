@@ -48,10 +48,16 @@ fn every_phase_tells_how_far_it_is() {
         Phase::Basis,
         Phase::Transport,
     ];
+    let mut in_steps = 0;
     for phase in long {
         let (_, total, told) = heard.iter().find(|(heard, ..)| *heard == phase).unwrap();
         let farthest = *told.iter().max().unwrap_or(&0) as f64 / *total as f64;
+        in_steps += usize::from(told.len() > 1);
+        if matches!(phase, Phase::Points | Phase::Basis) {
+            assert!(told.is_sorted() && told.len() > 100, "{phase:?} told {told:?}");
+        }
         assert!(told.len() > 1 || *total < 100, "{phase:?} told {told:?} of {total}");
         assert!((0.25..2.0).contains(&farthest), "{phase:?} came to {farthest} of its total");
     }
+    assert!(in_steps >= 5, "{in_steps} phases told steps");
 }

@@ -103,7 +103,7 @@ impl GpuBackend {
             self.loaded().scene.ground.as_ref()?;
             caught_per_radiance(view, environment, light.intensity, self.local.components.environment)
         });
-        // It catches an environment that does not shine as well.
+        // In a part of a picture that hides its background it catches one that does not shine there.
         let environment = self.light.as_ref().filter(|_| catches.is_some()).map_or(dark, |(_, map)| map.clone());
         let blur = match view.background {
             Background::Blurred(width) => Some(width),

@@ -150,13 +150,24 @@ fn without_an_environment_a_ground_is_a_surface() {
         assert_eq!(shadow.pixels, surface.pixels);
         assert!(surface.pixels.iter().any(|pixel| pixel.x > 0.1));
     }
+    // Also after it was switched off, when pixels keep what the edit leaves.
+    let both = Components { environment: true, ..lamps };
+    let toggled = |backend: Box<dyn Backend>| {
+        let mut scene = LitScene::new(backend, scene().into()).unwrap();
+        scene.show_whole(&Look { components: both, ..shadow.clone() }).unwrap();
+        scene.show_whole(&shadow).unwrap().image
+    };
+    let gpu = backend().map(|(_one, gpu)| toggled(Box::new(gpu)));
+    let toggled = std::iter::once(toggled(Box::new(CpuBackend::new()))).chain(gpu);
+    for (toggled, (fresh, _)) in toggled.zip(&pictures(&shadow)) {
+        assert!(rel_rmse(&toggled, fresh) < 1e-4);
+    }
     // A part of a picture with an environment adds up with the others.
     let part = |components, hides_background| {
         let look = look(Ground::Shadow, Background::Environment);
         let view = View { hides_background, ..look.view.clone() };
         pictures(&Look { components, view, ..look })
     };
-    let both = Components { environment: true, ..lamps };
     let sky = Components { direct: false, ..both };
     for (((all, _), (sky, _)), (lamps, _)) in part(both, false).iter().zip(&part(sky, false)).zip(&part(lamps, true)) {
         let sum = zipped(sky, lamps, |sky, lamps| sky + lamps);
