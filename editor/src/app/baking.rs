@@ -15,7 +15,7 @@ use crate::{
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
         kept_bakes,
     },
-    panels::bake::{BakeStatus, control_name, stale_reasons},
+    panels::bake::{BakeStatus, Pace, control_name, stale_reasons},
 };
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset},
@@ -140,6 +140,7 @@ impl EditorState {
             phase: None,
             phase_since: now,
             waited_before: Duration::ZERO,
+            pace: Pace::default(),
             cancelling: false,
             draft_shown: false,
             has_ground,
@@ -168,10 +169,7 @@ impl EditorState {
     pub(super) fn collect_bake(&mut self) {
         self.collect_written();
         let Some(run) = &mut self.baking.run else { return };
-        let phase = run.job.progress().phase;
-        if phase != run.phase {
-            (run.phase, run.phase_since, run.waited_before) = (phase, Instant::now(), run.job.waited());
-        }
+        run.follow();
         let messages = run.job.messages();
         for message in messages {
             match message {

@@ -3,6 +3,7 @@
 mod bounces;
 mod estimate;
 mod mode;
+mod pace;
 mod progress;
 mod report;
 mod setting_names;
@@ -13,6 +14,7 @@ mod tests;
 mod views;
 
 pub use estimate::SceneStats;
+pub use pace::Pace;
 pub use progress::line;
 pub use setting_names::{control_name, remedy_control};
 pub use stale::stale_reasons;
@@ -93,8 +95,8 @@ pub enum BakeStatus {
         cancelling: bool,
         /// Seconds since the bake began.
         elapsed_secs: f64,
-        /// Seconds since the phase began.
-        phase_elapsed_secs: f64,
+        /// Seconds that the phase will still take, if that is known.
+        left_secs: Option<f64>,
     },
     /// It was stopped.
     Cancelled {

@@ -2,7 +2,7 @@
 
 use crate::{
     jobs::bake::{BakeProgress, BakeRun},
-    panels::bake::{BakeStatus, Draft, line},
+    panels::bake::{BakeStatus, Draft, Pace, line},
 };
 use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::{Leftover, Phase, ResolvedBake};
@@ -50,6 +50,8 @@ pub struct Run {
     pub(in crate::app) phase_since: Instant,
     /// How long it had waited for others when the phase began.
     pub(in crate::app) waited_before: Duration,
+    /// How fast the phase goes.
+    pub(in crate::app) pace: Pace,
     pub(in crate::app) cancelling: bool,
     /// A draft of it is shown.
     pub(in crate::app) draft_shown: bool,
@@ -113,6 +115,16 @@ impl Baking {
 }
 
 impl Run {
+    /// Takes note of how far it is.
+    pub(in crate::app) fn follow(&mut self) {
+        let BakeProgress { phase, done, .. } = self.job.progress();
+        if phase != self.phase {
+            (self.phase, self.phase_since, self.waited_before) = (phase, Instant::now(), self.job.waited());
+            self.pace = Pace::default();
+        }
+        self.pace.note(self.phase_secs(), done);
+    }
+
     /// Seconds that it has worked on the present phase.
     fn phase_secs(&self) -> f64 {
         let waited = self.job.waited().saturating_sub(self.waited_before);
@@ -136,7 +148,7 @@ impl Run {
             unit,
             cancelling: self.cancelling,
             elapsed_secs: self.since.elapsed().as_secs_f64(),
-            phase_elapsed_secs: self.phase_secs(),
+            left_secs: self.pace.left(done, total),
         }
     }
 }

@@ -12,8 +12,7 @@ use lapidary_precompute::Phase;
 
 /// Shows a running bake, with a button to stop it.
 pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
-    let BakeStatus::Running { mode, draft, phase, done, total, unit, cancelling, elapsed_secs, phase_elapsed_secs } =
-        *status
+    let BakeStatus::Running { mode, draft, phase, done, total, unit, cancelling, elapsed_secs, left_secs } = *status
     else {
         return;
     };
@@ -47,7 +46,7 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
     if cancelling {
         ui.label("Cancelling: it stops at the next point");
     } else {
-        let left = time_left(done, total, phase_elapsed_secs);
+        let left = left_secs.map(duration);
         ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
     }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
@@ -75,7 +74,7 @@ impl Draft {
 
 /// One line about a bake at work: what it does, how far that is, and when it ends.
 pub fn line(status: &BakeStatus) -> Option<String> {
-    let BakeStatus::Running { mode, draft, phase, done, total, phase_elapsed_secs, .. } = *status else { return None };
+    let BakeStatus::Running { mode, draft, phase, done, total, left_secs, .. } = *status else { return None };
     let shown = steps(phase, mode);
     let step = shown.iter().position(|p| *p == phase).unwrap_or_default() + 1;
     let what = match draft {
@@ -87,7 +86,7 @@ pub fn line(status: &BakeStatus) -> Option<String> {
     if total > 0 {
         line += &format!(", {:.0} %", 100.0 * (done as f64 / total as f64).min(1.0));
     }
-    if let Some(left) = time_left(done, total, phase_elapsed_secs) {
+    if let Some(left) = left_secs.map(duration) {
         line += &format!(", {left} left");
     }
     Some(format!("{line} (step {step} of {})", shown.len()))
@@ -129,29 +128,9 @@ pub fn described(phase: Phase) -> (&'static str, &'static str) {
     }
 }
 
-/// Share of a phase after which its speed is known: it begins slowly beside the first picture of a draft.
-const KNOWN_AFTER: f64 = 0.03;
-
-/// How long the present phase will still take, at the mean speed so far, if that is known.
-fn time_left(done: u64, total: u64, phase_elapsed_secs: f64) -> Option<String> {
-    let left = || total.saturating_sub(done) as f64 * phase_elapsed_secs / done as f64;
-    // Some steps have a little to do after all units are done.
-    (done as f64 > KNOWN_AFTER * total as f64 && done < total).then(|| duration(left()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn time_left_follows_from_the_speed_so_far() {
-        assert_eq!(time_left(25, 100, 20.0).unwrap(), "1 min 00 s");
-        assert_eq!(
-            [(0, 100), (1, 100), (5, 0), (100, 100)].map(|(done, total)| time_left(done, total, 20.0)),
-            [const { None }; 4]
-        );
-        assert_eq!(time_left(50, 100, 20.0).unwrap(), "20 s");
-    }
 
     #[test]
     fn the_line_says_what_is_a_draft_and_what_comes() {
@@ -164,7 +143,7 @@ mod tests {
             unit: "points",
             cancelling: false,
             elapsed_secs: 90.0,
-            phase_elapsed_secs: 45.0,
+            left_secs: (done > 0).then_some(55.0),
         };
         let line = |draft, phase, done| line(&running(draft, phase, done)).unwrap();
         let drafting = line(Draft::UnderWay, Phase::Points, 0);

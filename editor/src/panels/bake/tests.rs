@@ -104,7 +104,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
         unit: "points",
         cancelling: false,
         elapsed_secs: 30.0,
-        phase_elapsed_secs: 20.0,
+        left_secs: Some(60.0),
     };
     let mut panel = panel(running, document(), None);
     assert!(panel.query_by_label("250 of 1,000 points").is_some());
@@ -136,7 +136,7 @@ fn a_bake_of_bounces_shows_its_own_phases() {
         unit: "points",
         cancelling: false,
         elapsed_secs: 9.0,
-        phase_elapsed_secs: 3.0,
+        left_secs: Some(1.0),
     };
     let panel = panel(running, document(), None);
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
