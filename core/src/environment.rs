@@ -244,6 +244,21 @@ mod tests {
     use super::*;
     use crate::output::write_atomically;
 
+    #[test]
+    fn irradiance_from_above_is_that_of_the_upper_half() {
+        for size in [[64, 32], [10, 7], [1, 1]] {
+            let all = Environment::new("white".into(), Image::filled(size, Vec3::ONE)).irradiance_from_above();
+            assert!((all - PI).abs().max_element() < 1e-4, "{size:?}: {all}");
+        }
+        let half = |of: fn(u32) -> bool| {
+            let map = Image::from_fn([64, 32], |_, y| Vec3::splat(f32::from(of(y))));
+            Environment::new("half".into(), map).irradiance_from_above().x
+        };
+        assert!((half(|y| y < 16) - PI).abs() < 1e-4 && half(|y| y >= 16).abs() < 1e-6);
+        // Within an angle of the zenith it is the sine squared of that.
+        assert!((half(|y| y < 11) - PI * (PI * 11.0 / 32.0).sin().powi(2)).abs() < 1e-4);
+    }
+
     fn written(image: &Image, name: &str) -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);

@@ -113,17 +113,8 @@ impl Intersector {
         Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
     }
 
-    /// The first triangle along a ray, but for the ground of `mesh`, of which it was made. Nothing lies below a ground.
-    pub fn closest_hit_without_ground(&self, mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.past_ground(mesh, self.closest_hit(origin, direction), (origin, direction), false)
-    }
-
-    /// The first triangle along a ray, but for the underside of the ground.
-    pub fn closest_hit_above_ground(&self, mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.past_ground(mesh, self.closest_hit(origin, direction), (origin, direction), true)
-    }
-
-    /// The first hit of a ray, or the one behind the ground if that is hit from below, or not to be hit from above either.
+    /// The first hit of a ray, or the one behind the ground of `mesh` if that is hit from below, or not to be hit from above either.
+    /// Nothing lies below a ground.
     pub fn past_ground(
         &self,
         mesh: &Mesh,

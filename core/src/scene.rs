@@ -214,8 +214,7 @@ fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Resul
 impl Mesh {
     /// Bounds of all vertices but those of the ground.
     pub fn bounds(&self) -> Bounds {
-        let vertices = self.ground.map_or(self.positions.len(), |start| start.vertex as usize);
-        Bounds::around(self.positions[..vertices].iter().copied())
+        Bounds::around(self.positions[..self.vertices_of_scene()].iter().copied())
     }
 
     /// The three corners of a triangle in metres.
@@ -300,9 +299,9 @@ impl Mesh {
         fn check(array: &'static str, mut finite: impl Iterator<Item = bool>) -> Result<(), MeshError> {
             finite.position(|f| !f).map_or(Ok(()), |index| Err(MeshError::NotFinite { array, index }))
         }
-        let of_scene = self.ground.map_or(self.positions.len(), |start| start.vertex as usize);
-        check_extent(self.positions[..of_scene].iter().copied())?;
-        check_numbers("position", self.positions[of_scene..].iter().map(|p| size(p.as_ref())))?;
+        let (of_scene, of_ground) = self.positions.split_at(self.vertices_of_scene());
+        check_extent(of_scene.iter().copied())?;
+        check_numbers("position", of_ground.iter().map(|p| size(p.as_ref())))?;
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
         check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))

@@ -53,10 +53,7 @@ impl Trial {
     /// Of a scene as imported; `None` if nothing of it can be seen, or if it is very large. It takes a second or less, by one
     /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
-        if scene.mesh.triangles.len() > MOST_TRIANGLES {
-            return None;
-        }
-        on_threads(1, || Self::on_this_thread(scene))
+        tried(scene, Self::on_this_thread)
     }
 
     fn on_this_thread(scene: &Scene) -> Option<Self> {
@@ -91,6 +88,12 @@ impl Trial {
             core_secs_per_split: split_secs / count,
         })
     }
+}
+
+/// What a trial by one thread finds, unless the scene is too large for one.
+fn tried<T: Send>(scene: &Scene, on_this_thread: fn(&Scene) -> Option<T>) -> Option<T> {
+    let is_small = scene.mesh.triangles.len() <= MOST_TRIANGLES;
+    is_small.then(|| on_threads(1, || on_this_thread(scene))).flatten()
 }
 
 /// The tree of a bake whose pilot has each of the points.

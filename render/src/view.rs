@@ -69,7 +69,7 @@ impl View {
     }
 
     /// How the ground is shown. Lines on a ground that is only a shadow would have nothing to lie on.
-    pub(crate) fn ground(&self) -> Ground {
+    pub fn ground(&self) -> Ground {
         let is_seen_through = self.background == Background::Transparent && self.wireframe;
         if self.ground == Ground::Shadow && is_seen_through { Ground::Off } else { self.ground }
     }

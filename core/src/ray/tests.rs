@@ -1,7 +1,7 @@
 //! Batches, single rays and brute force agree to the bit; closest hits agree with plain geometry.
 
 use super::*;
-use crate::{simd::InstructionSet, sphere::fibonacci_directions, test_scenes::soup};
+use crate::{ground::add_ground, scene::Scene, simd::InstructionSet, sphere::fibonacci_directions, test_scenes::soup};
 
 #[test]
 fn batches_single_rays_and_brute_force_agree_to_the_bit() {
@@ -309,4 +309,63 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
             eights.iter().map(|&(o, d, active)| EightRays::new(o.map(|o| o + 1.0), d, active)).collect();
         assert!(scene.open(&elsewhere) != open || met == 0, "negative control: other origins");
     }
+}
+
+/// A soup over its ground, in radii of 6 or so.
+fn grounded_soup() -> Mesh {
+    let mut scene = Scene { mesh: soup(5, 400), ..Scene::default() };
+    add_ground(&mut scene);
+    scene.mesh
+}
+
+#[test]
+fn over_a_ground_rays_meet_what_they_meet_by_brute_force() {
+    let mesh = grounded_soup();
+    let scene = Intersector::new(&mesh);
+    let directions = fibonacci_directions(2000);
+    let set = DirectionSet::new(&directions);
+    let low = mesh.bounds().min.y;
+    for origin in [Vec3::ZERO, Vec3::new(3.0, low, 2.0), Vec3::new(90.0, low, -60.0), Vec3::new(0.0, low - 4.0, 0.0)] {
+        let mut visible = vec![0; directions.len()];
+        scene.trace_batch(origin, &set, |_| true, &mut visible);
+        for (v, &d) in visible.iter().zip(&directions) {
+            let occluded = scene.occluded_by_brute_force(origin, d);
+            assert_eq!((scene.occluded(origin, d), *v == 0), (occluded, occluded), "{origin} {d}");
+        }
+        let blocked = visible.iter().filter(|v| **v == 0).count();
+        assert!((900..1600).contains(&blocked), "half of the sphere is ground: {blocked}");
+    }
+}
+
+#[test]
+fn from_below_rays_pass_the_ground_however_far_they_begin() {
+    let mesh = grounded_soup();
+    let of_soup = 0..mesh.ground.unwrap().triangle;
+    let scene = Intersector::new(&mesh);
+    let (mut met, mut differing) = (0, 0);
+    for distance in [10.0, 100.0, 1000.0] {
+        let origin = Vec3::new(0.3, -1.0, 0.2).normalize() * distance;
+        for target in fibonacci_directions(200).into_iter().map(|d| d * 3.0) {
+            let ray = (origin, (target - origin).normalize());
+            let first = scene.closest_hit(ray.0, ray.1);
+            assert!(first.is_some_and(|hit| mesh.is_ground(hit.triangle) && hit.back_face), "negative control");
+            let triangle = |hit: Option<Hit>| hit.map(|hit| hit.triangle);
+            let of_triangle =
+                |t: u32| Some((TriangleFrom::new(ray.0, mesh.corners(t as usize)).hit(ray.1)?.distance, t));
+            let nearest = of_soup.clone().filter_map(of_triangle).min_by(|a, b| a.0.total_cmp(&b.0));
+            let expected = nearest.map(|(_, triangle)| triangle);
+            for from_above in [false, true] {
+                let found = triangle(scene.past_ground(&mesh, first, ray, from_above));
+                // From a hundred diagonals away edges are rounded to either side, in the oracle above all.
+                assert!(found == expected || distance > 100.0, "{distance}: {found:?} and {expected:?}");
+                differing += usize::from(found != expected);
+            }
+            met += usize::from(expected.is_some());
+        }
+    }
+    assert!(met > 150 && differing < 40, "{met} met, {differing} of 1200 differ");
+    let down = (Vec3::new(0.0, 20.0, 40.0), Vec3::NEG_Y);
+    let first = scene.closest_hit(down.0, down.1);
+    assert!(scene.past_ground(&mesh, first, down, true) == first && first.is_some());
+    assert_eq!(scene.past_ground(&mesh, first, down, false), None);
 }

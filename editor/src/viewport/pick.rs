@@ -26,10 +26,8 @@ pub fn pick(
     size: [u32; 2],
 ) -> Option<Picked> {
     let direction = camera.direction_through(pixel, size);
-    let hit = match ground {
-        Ground::On => intersector.closest_hit_above_ground(mesh, camera.eye, direction),
-        Ground::Off | Ground::Shadow => intersector.closest_hit_without_ground(mesh, camera.eye, direction),
-    }?;
+    let first = intersector.closest_hit(camera.eye, direction);
+    let hit = intersector.past_ground(mesh, first, (camera.eye, direction), ground == Ground::On)?;
     let index = hit.triangle as usize;
     Some(Picked {
         object: *mesh.triangle_object.get(index)?,
@@ -39,7 +37,8 @@ pub fn pick(
     })
 }
 
-/// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes through the whole mesh: keep the result.
+/// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes
+/// through the whole mesh: keep the result.
 pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
     if mesh.ground_object() == Some(object) {
         return Some(mesh.bounds());

@@ -1,6 +1,6 @@
 //! The parts that bounce light, in small.
 
-use super::{MOST_TRIANGLES, some_points};
+use super::{some_points, tried};
 use crate::{
     bake::settings::Preset,
     errors::BakeError,
@@ -28,7 +28,7 @@ use lapidary_core::{
     scene::Scene,
     sources::Source,
     surfel::Surface,
-    threads::{CoreClock, on_threads},
+    threads::CoreClock,
 };
 
 /// Sources of the trial.
@@ -58,10 +58,7 @@ impl BounceTrial {
     /// Of a scene as imported; `None` if light bounces nowhere in it, or if it is very large. It takes a second or two, by one
     /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
-        if scene.mesh.triangles.len() > MOST_TRIANGLES {
-            return None;
-        }
-        on_threads(1, || Self::on_this_thread(scene).ok())
+        tried(scene, |scene| Self::on_this_thread(scene).ok())
     }
 
     fn on_this_thread(scene: &Scene) -> Result<Self, BakeError> {

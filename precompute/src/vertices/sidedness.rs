@@ -90,7 +90,7 @@ impl Pieces {
     fn ground(&self, mesh: &Mesh) -> Vec<bool> {
         let slack = 1e-3 * mesh.bounds().diagonal();
         // A ground that was added lies behind all that stands on it.
-        let of_scene = &mesh.positions[..mesh.ground.map_or(mesh.positions.len(), |start| start.vertex as usize)];
+        let of_scene = &mesh.positions[..mesh.vertices_of_scene()];
         let mut normal = vec![Vec3::ZERO; self.open.len()];
         let mut anchor = vec![Vec3::ZERO; self.open.len()];
         for (t, &piece) in self.of_triangle.iter().enumerate() {

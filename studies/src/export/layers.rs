@@ -225,7 +225,7 @@ fn only(look: &Look, part: Components) -> Look {
     let shown = look.components;
     alone.components = Components { environment: part.environment && shown.environment, ..part };
     alone.view.hides_background = !part.environment;
-    if !look.catches_shadows() && alone.view.ground == Ground::Shadow {
+    if !look.catches_shadows() && look.view.ground() == Ground::Shadow {
         // As in the picture, where no environment shines.
         alone.view.ground = Ground::On;
     }

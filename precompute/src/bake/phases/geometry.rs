@@ -54,7 +54,7 @@ impl Geometry {
         shots: &[Shot],
         observer: &dyn Observer,
     ) -> Result<Self, BakeError> {
-        let source_vertices = scene.mesh.ground.map_or(scene.mesh.positions.len(), |start| start.vertex as usize);
+        let source_vertices = scene.mesh.vertices_of_scene();
         let mut sides = classify(&scene);
         let source = Intersector::new(&scene.mesh);
         if let Some(budget) = budget {

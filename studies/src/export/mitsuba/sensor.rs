@@ -4,7 +4,7 @@
 //! reference of many. Its pixel grid and vertical field of view are the same.
 
 use super::{MitsubaScene, xml};
-use lapidary_core::ground::Ground;
+use lapidary_core::{bounds::Bounds, ground::Ground};
 use lapidary_render::{Background, View};
 
 /// What `mitsuba -D` or `mi.load_file` may set.
@@ -26,14 +26,12 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
     integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
 }
 
-/// How far the ground is to be seen, in extents of the scene.
-const TO_HORIZON: f32 = 4096.0;
-
 fn sensor(scene: &MitsubaScene) -> String {
     let View { camera, size: [width, height], .. } = scene.view;
-    let bounds = scene.dataset.scene.mesh.bounds();
-    let reach = camera.eye.distance(bounds.center()) + bounds.diagonal();
-    let farthest = if scene.dataset.scene.mesh.ground.is_some() { TO_HORIZON * reach } else { 2.0 * reach };
+    let mesh = &scene.dataset.scene.mesh;
+    let extent = |bounds: Bounds| camera.eye.distance(bounds.center()) + bounds.diagonal();
+    // The ground is seen as far as it goes.
+    let [reach, farthest] = [mesh.bounds(), Bounds::around(mesh.positions.iter().copied())].map(extent);
     let sampler = xml::plugin("sampler", "multijitter", "", &xml::value("integer", "sample_count", "$spp"));
     let film = [
         xml::value("integer", "width", width),
@@ -46,7 +44,7 @@ fn sensor(scene: &MitsubaScene) -> String {
         xml::value("string", "fov_axis", "y"),
         xml::value("float", "fov", camera.fov_y.to_degrees()),
         xml::value("float", "near_clip", 1e-6 * reach),
-        xml::value("float", "far_clip", farthest),
+        xml::value("float", "far_clip", 2.0 * farthest),
         // The upward axis of the picture rather than that of the camera, which may lie along the view.
         xml::look_at(camera.eye, camera.target, camera.world_from_view().y_axis),
         sampler,
