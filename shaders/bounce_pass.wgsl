@@ -22,8 +22,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         return with_sample(sums, g, vec4(0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, ray_direction(pixel));
-    let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
-    let value = albedo(point.brdf, alpha) * irradiance_at(point, (g.w & FLAG_BACK) != 0u) * FRAC_1_PI;
+    let value = albedo_of(point.brdf) * irradiance_at(point, (g.w & FLAG_BACK) != 0u) * FRAC_1_PI;
     return with_sample(sums, g, vec4(value, 0.0), 0u, 0u);
 }
 

@@ -1,7 +1,7 @@
 // Output of the deferred passes: one texel of 16 bytes per pixel for the geometry, one for the frame.
 //
 // geometry: x = triangle + 1, or 0 for nothing; y, z = barycentric weights of the second and third corner (f32 bits);
-//           w = bits 0 to 7 BRDF model, bit 8 back side seen, bit 9 mirrored frame, bit 10 nothing is reflected, bit 11
+//           w = bit 8 back side seen, bit 9 mirrored frame, bit 10 nothing is reflected, bit 11
 //           ground that catches shadows.
 // frame:    the rotation from the local frame (before mirroring) to the world as a quaternion.
 
@@ -9,11 +9,6 @@ const FLAG_BACK: u32 = 0x100u;
 const FLAG_MIRRORED: u32 = 0x200u;
 const FLAG_BLACK: u32 = 0x400u;
 const FLAG_CATCHER: u32 = 0x800u;
-const MODEL_MASK: u32 = 0xffu;
-
-const MODEL_LAMBERT: u32 = 0u;
-const MODEL_GGX: u32 = 1u;
-const MODEL_WARD: u32 = 2u;
 
 // Rotation matrix to quaternion, by the largest of its components (Shepperd 1978).
 fn quaternion_from_rotation(m: mat3x3<f32>) -> vec4<f32> {

@@ -18,8 +18,7 @@ struct Guide {
 
 fn guide(g: vec4<u32>, pixel: vec2<u32>) -> Guide {
     let point = surface_point(g, pixel, ray_direction(pixel));
-    let alpha = lobe_alpha(textureLoad(color_roughness, pixel, 0).w, textureLoad(others, pixel, 0).y);
-    let share = max(albedo(point.brdf, alpha), vec3(LEAST_ALBEDO));
+    let share = max(albedo_of(point.brdf), vec3(LEAST_ALBEDO));
     let divisor = select(vec3(1.0), share, frame.view_mode == VIEW_SHADED);
     let material = triangles[g.x - 1u].material & ~TWO_SIDED;
     return Guide(material, point.position, point.smooth_normal, point.world_from_local[2], share, divisor);

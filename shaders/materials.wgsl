@@ -16,25 +16,25 @@ struct TextureSlot {
     channel: u32,
 }
 
+// A declared parameter of a model: the value of a material, and the map that modulates it.
+struct MaterialParameter {
+    value: vec3<f32>,
+    padding: u32,
+    map: TextureSlot,
+}
+
+// Most parameters of a model.
+const MOST_PARAMETERS: u32 = 32u;
+
 struct Material {
-    base_color: vec3<f32>,
-    roughness: f32,
-    metalness: f32,
-    anisotropy: f32,
-    ior: f32,
-    specular: f32,
     model: u32,
     // -1 if the normal map has green down, else 1.
     normal_y: f32,
     padding: vec2<u32>,
-    base_color_map: TextureSlot,
-    roughness_map: TextureSlot,
-    metalness_map: TextureSlot,
-    specular_map: TextureSlot,
-    anisotropy_map: TextureSlot,
-    ior_map: TextureSlot,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
+    // In the order in which the model declares them.
+    parameters: array<MaterialParameter, MOST_PARAMETERS>,
 }
 
 // One word per texel, 8 bits per component.
@@ -47,10 +47,10 @@ const KIND_FLOAT: u32 = 3u;
 // The pool is this wide, as a power of two.
 const POOL_WIDTH_LOG2: u32 = 13u;
 
-@group(2) @binding(0) var<storage, read> materials: array<Material>;
-@group(2) @binding(1) var pool: texture_2d<u32>;
+@group(1) @binding(2) var<storage, read> materials: array<Material>;
+@group(1) @binding(3) var pool: texture_2d<u32>;
 // Linear values of the 256 sRGB codes.
-@group(2) @binding(2) var<uniform> linear_from_srgb: array<vec4<f32>, 64>;
+@group(1) @binding(4) var<uniform> linear_from_srgb: array<vec4<f32>, 64>;
 
 fn pool_word(index: u32) -> u32 {
     let position = vec2(index & ((1u << POOL_WIDTH_LOG2) - 1u), index >> POOL_WIDTH_LOG2);
@@ -100,10 +100,22 @@ fn sample_slot(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
     return sample_texture(slot, transform_uv(slot, uv));
 }
 
-// Factor of a map for a scalar parameter.
-fn scalar_map(slot: TextureSlot, uv: vec2<f32>) -> f32 {
-    if slot.kind == 0u {
-        return 1.0;
+// A colour of a material after its map, within the parameter's range. Twin of `Material::values` in core/src/material.rs.
+fn material_color(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, least: f32) -> vec3<f32> {
+    let value = materials[material].parameters[index].value;
+    let map = materials[material].parameters[index].map;
+    if map.kind == 0u {
+        return clamp(value, vec3(range.x), vec3(range.y));
     }
-    return sample_slot(slot, uv)[slot.channel];
+    return clamp(least + (value - least) * sample_slot(map, uv).xyz, vec3(range.x), vec3(range.y));
+}
+
+// The same of a number. What is above `least` is scaled by the map.
+fn material_number(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, least: f32) -> f32 {
+    let value = materials[material].parameters[index].value.x;
+    let map = materials[material].parameters[index].map;
+    if map.kind == 0u {
+        return clamp(value, range.x, range.y);
+    }
+    return clamp(least + (value - least) * sample_slot(map, uv)[map.channel], range.x, range.y);
 }

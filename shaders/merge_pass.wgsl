@@ -5,7 +5,7 @@
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
-@group(3) @binding(6) var environment_map: texture_2d<f32>;
+@group(3) @binding(5) var environment_map: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
@@ -86,7 +86,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var c = visibility_cursor(cut_offset(point.vertices.z));
     var l = illumination_cursor();
     let w = point.weights;
-    let lobe = lobe_to_follow(point);
+    let lobes = lobes_to_follow(point);
     var first = 0u;
     var visibility = 0.0;
     // The node of the merged cut, and the part of it that is looked at.
@@ -111,7 +111,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        let part = first_fine(point, seen_from(point, node), lobe);
+        let part = first_fine(point, seen_from(point, node), lobes);
         shaded.radiance += reflected_light(point, part, visibility);
         shaded.brdf_evaluations += 1u;
         node = next_node(part.node, root);
@@ -120,9 +120,10 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     return shaded;
 }
 
-// Width of the lobe that refinement follows; 0 for none.
-fn lobe_to_follow(point: SurfacePoint) -> f32 {
-    return select(0.0, max(point.brdf.lobe, NARROWEST), REFINE && point.brdf.lobe > 0.0);
+// Widths of the lobes that refinement follows; 0 for none.
+fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
+    let lobes = lobes_of(point.brdf);
+    return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
 }
 
 // The lit cuts, and the stored ones below a node that is too wide for the lobe; then halves of nodes of the tree.
@@ -136,7 +137,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_b = visibility_cursor(offsets.y);
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
-    let lobe = lobe_to_follow(point);
+    let lobes = lobes_to_follow(point);
     var first = 0u;
     // Up to this leaf the stored cuts are merged.
     var stored_end = 0u;
@@ -184,7 +185,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
         }
         if node == 0u { break; }
         let whole = seen_from(point, node);
-        if is_lit && node == root && shows_in_lobe(point, whole, lobe) {
+        if is_lit && node == root && shows_in_lobe(point, whole, lobes) {
             first = interval.x;
             stored_end = interval.y;
             seek_visibility(&stored_a, offsets.x, lit_a, first);
@@ -194,7 +195,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             node = 0u;
             continue;
         }
-        let part = first_fine(point, whole, lobe);
+        let part = first_fine(point, whole, lobes);
         shaded.radiance += reflected_light(point, part, visibility);
         shaded.brdf_evaluations += 1u;
         node = next_node(part.node, root);
@@ -232,18 +233,18 @@ fn seen_from(point: SurfacePoint, node: u32) -> SeenNode {
     return SeenNode(node, cone, cone.direction * point.world_from_local);
 }
 
-// Whether the lobe needs more directions than that of the node.
-fn shows_in_lobe(point: SurfacePoint, seen: SeenNode, lobe: f32) -> bool {
+// Whether a lobe needs more directions than that of the node.
+fn shows_in_lobe(point: SurfacePoint, seen: SeenNode, lobes: vec3<f32>) -> bool {
     let mirrored = vec3(-point.wo.xy, point.wo.z);
-    return is_too_wide(lobe, mirrored, seen.wi, seen.cone.radius, brightness[seen.node]);
+    return is_too_wide(lobes, mirrored, seen.wi, seen.cone.radius, brightness[seen.node]);
 }
 
 // A node or the first of its halves, and halves of these, that the BRDF needs no finer.
-fn first_fine(point: SurfacePoint, whole: SeenNode, lobe: f32) -> SeenNode {
+fn first_fine(point: SurfacePoint, whole: SeenNode, lobes: vec3<f32>) -> SeenNode {
     let leaves = 1u << tree_height();
     var part = whole;
     while part.node < leaves
-        && (is_too_wide_for_a_cosine(part.wi, part.cone.radius) || shows_in_lobe(point, part, lobe)) {
+        && (is_too_wide_for_a_cosine(part.wi, part.cone.radius) || shows_in_lobe(point, part, lobes)) {
         part = seen_from(point, 2u * part.node);
     }
     return part;

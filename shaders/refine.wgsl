@@ -13,9 +13,17 @@ fn is_too_wide_for_a_cosine(wi: vec3<f32>, radius: f32) -> bool {
     return REFINE && radius > WIDEST && wi.z > -radius;
 }
 
-// Whether a node of this radius and brightness, whose local direction is `wi`, has too many directions for `lobe`, which is 0
-// without a lobe and has its peak at `mirrored`.
-fn is_too_wide(lobe: f32, mirrored: vec3<f32>, wi: vec3<f32>, radius: f32, brightness: f32) -> bool {
+// Whether a node of this radius and brightness, whose local direction is `wi`, has too many directions for one of the lobes,
+// whose widths are 0 for none and which have their peak at `mirrored`.
+fn is_too_wide(lobes: vec3<f32>, mirrored: vec3<f32>, wi: vec3<f32>, radius: f32, brightness: f32) -> bool {
+    // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
+    let cos = dot(wi, mirrored);
+    return is_too_wide_for(lobes.x, cos, radius, brightness)
+        || is_too_wide_for(lobes.y, cos, radius, brightness)
+        || is_too_wide_for(lobes.z, cos, radius, brightness);
+}
+
+fn is_too_wide_for(lobe: f32, cos: f32, radius: f32, brightness: f32) -> bool {
     if !(lobe > 0.0) || radius <= FINE * lobe {
         return false;
     }
@@ -23,8 +31,6 @@ fn is_too_wide(lobe: f32, mirrored: vec3<f32>, wi: vec3<f32>, radius: f32, brigh
     // an axis widens the lobe.
     let node_sq = 0.25 * radius * radius;
     let width_sq = lobe * lobe + 0.25 * node_sq;
-    // The squared tangent of half of the angle to the lobe's peak is (1 - cos) / (1 + cos).
-    let cos = dot(wi, mirrored);
     let near = 1.0 + cos;
     let far = width_sq * (1.0 + cos) + (1.0 - cos);
     return brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far;

@@ -3,10 +3,9 @@
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
-@group(3) @binding(3) var others: texture_2d<f32>;
 // The sums of the part of the light that is rendered.
-@group(3) @binding(4) var previous_value: texture_2d<f32>;
-@group(3) @binding(5) var previous_work: texture_2d<u32>;
+@group(3) @binding(3) var previous_value: texture_2d<f32>;
+@group(3) @binding(4) var previous_work: texture_2d<u32>;
 
 fn previous_sums(pixel: vec2<u32>) -> Sums {
     return Sums(textureLoad(previous_value, pixel, 0), textureLoad(previous_work, pixel, 0));
@@ -50,14 +49,19 @@ struct SurfacePoint {
 }
 
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
-    let corners = triangles[g.x - 1u].vertices;
+    let triangle = triangles[g.x - 1u];
+    let corners = triangle.vertices;
     let bc = bitcast<vec2<f32>>(g.yz);
     let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
     let a = vertices[corners.x].position;
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
-    let p = textureLoad(color_roughness, pixel, 0);
-    let q = textureLoad(others, pixel, 0);
+    var brdf: Brdf;
+    if (g.w & FLAG_CATCHER) != 0u {
+        brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
+    } else {
+        brdf = brdf_of(triangle.material & ~TWO_SIDED, interpolated_uv(corners, hit.barycentric));
+    }
     return SurfacePoint(
         corners,
         valid_weights(corners, hit.barycentric),
@@ -66,6 +70,6 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         smooth_normal(corners, hit, -direction),
         local,
         -direction * local,
-        brdf_from_parameters(g.w & MODEL_MASK, p, q),
+        brdf,
     );
 }

@@ -7,7 +7,7 @@
 @group(2) @binding(1) var lattice_work: texture_2d<u32>;
 // What the last picture tells of the pixels, and 1 where it tells anything; a texel of zeros without one.
 @group(2) @binding(2) var predicted: texture_2d<f32>;
-@group(3) @binding(6) var environment_map: texture_2d<f32>;
+@group(3) @binding(5) var environment_map: texture_2d<f32>;
 
 // Weight of another material where nothing fits.
 const OTHER: f32 = 1e-3;

@@ -1,6 +1,6 @@
 // Deferred pass 2: barycentric weights, and the frame after bump and normal map. Twin of render/src/shade/surface.rs.
 
-@group(3) @binding(0) var triangle_ids: texture_2d<u32>;
+@group(2) @binding(0) var triangle_ids: texture_2d<u32>;
 
 struct Surface {
     @location(0) geometry: vec4<u32>,
@@ -31,7 +31,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
     }
     // The rotation alone; the mirroring is a flag.
     let rotation = frame_around(facing(bumped, -direction), tangent, 1.0);
-    var flags = select(materials[material].model, MODEL_LAMBERT | FLAG_CATCHER, catches);
+    var flags = select(0u, FLAG_CATCHER, catches);
     flags |= select(0u, FLAG_BACK, hit.side < 0.0);
     flags |= select(0u, FLAG_MIRRORED, handedness < 0.0);
     flags |= select(0u, FLAG_BLACK, hit.side < 0.0 && (triangle.material & TWO_SIDED) == 0u);

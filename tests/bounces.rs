@@ -58,7 +58,7 @@ fn the_bounce_of_the_colour_box_is_that_of_traced_paths() {
     // Negative controls: a green wall in place of the red one, without another bake, and a lamp that points elsewhere.
     let mut other = folder.dataset("box.cuts");
     let red = other.scene.materials.iter_mut().find(|m| m.name == "Red paint").expect("a red wall");
-    red.parameters.base_color = Vec3::new(0.1, 0.6, 0.05);
+    red.parameters.set("base_color", Vec3::new(0.1, 0.6, 0.05));
     other.write(&folder.path("green.cuts")).expect("a writable folder");
     let (error, means) = against_paths("green.cuts", "");
     assert!(error > 0.18 && means.x < 0.9 && means.y > 1.1, "{error} {means}");

@@ -1,26 +1,33 @@
 //! Reflectance models, evaluated eight light directions at a time.
 //!
 //! Directions are in the local frame: +Z the shading normal, +X the tangent. One implementation serves the merged cut, the
-//! references and the tests. A new model is a file here, a variant of [`BrdfModel`] and of [`SurfaceBrdf`].
+//! references and the tests. All models are listed in `models.rs`; each declares its parameters.
 
 mod ggx;
 mod lambert;
 mod lights;
 mod microfacet;
+mod models;
+mod parameter;
+mod parameters;
+mod shared;
 mod ward;
 
-pub use ggx::Ggx;
-pub use lambert::Lambert;
+pub use ggx::{Ggx, GgxParameters};
+pub use lambert::{Lambert, LambertParameters};
 pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
 pub use microfacet::{LOBE_LOSS, LobeWidth, MIN_ALPHA};
+pub use models::{BrdfModel, BrdfVisitor, Model, SurfaceBrdf};
+pub use parameter::{MOST_NUMBERS, MapUse, Parameter, Value, Values};
+pub use parameters::Parameters;
 pub use ward::Ward;
 
-use crate::{
-    material::{BrdfModel, BrdfParameters},
-    simd::{Lanes, Vec3x8},
-};
+use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use wide::f32x8;
+
+/// Widths of a model's lobes around the direction of the mirror, as the narrower microfacet `alpha`; 0 for none.
+pub type Lobes = [f32; 3];
 
 /// A reflectance model with its parameters.
 pub trait Brdf {
@@ -38,8 +45,13 @@ pub trait Brdf {
     /// gives the BRDF itself.
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
 
-    /// Width of the narrowest lobe, if the model has one: how finely light directions must be resolved.
-    fn lobe(&self) -> Option<LobeWidth>;
+    /// Its lobes: how finely light directions must be resolved around the mirror's.
+    fn lobes(&self) -> Lobes;
+
+    /// Width of the narrowest lobe, if there is one.
+    fn narrowest_lobe(&self) -> Option<f32> {
+        self.lobes().into_iter().filter(|&width| width > 0.0).reduce(f32::min)
+    }
 
     /// Albedo for light from the normal: the share of light that a bounce reflects.
     fn albedo(&self) -> Vec3;
@@ -53,39 +65,6 @@ pub trait Brdf {
     /// [`Self::brdf_cos_x8`] for one direction.
     fn brdf_cos(&self, wi: Vec3, wo: Vec3) -> Vec3 {
         self.brdf_cos_x8(Vec3x8::splat(wi), wo, f32x8::ZERO).lane(0)
-    }
-}
-
-/// Any of the models, by value.
-#[derive(Clone, Copy, Debug)]
-pub enum SurfaceBrdf {
-    /// See [`Lambert`].
-    Lambert(Lambert),
-    /// See [`Ggx`].
-    Ggx(Ggx),
-    /// See [`Ward`].
-    Ward(Ward),
-}
-
-impl SurfaceBrdf {
-    /// The model with parameters within their ranges, see [`BrdfParameters::sanitized`]: the code that applies the maps
-    /// clamps them, once.
-    pub fn new(model: BrdfModel, p: BrdfParameters) -> Self {
-        match model {
-            BrdfModel::Lambert => Self::Lambert(Lambert::new(p.base_color)),
-            BrdfModel::Ggx => Self::Ggx(Ggx::new(&p)),
-            BrdfModel::Ward => Self::Ward(Ward::new(&p)),
-        }
-    }
-
-    /// The model behind the variant.
-    #[inline(always)]
-    pub fn as_brdf(&self) -> &dyn Brdf {
-        match self {
-            Self::Lambert(b) => b,
-            Self::Ggx(b) => b,
-            Self::Ward(b) => b,
-        }
     }
 }
 

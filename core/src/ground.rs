@@ -9,7 +9,8 @@ pub use floor::has_floor;
 
 use crate::{
     bounds::Bounds,
-    material::{BrdfModel, BrdfParameters, Material},
+    brdf::GgxParameters,
+    material::{BrdfModel, Material},
     scene::{MOST_COORDINATE, Mesh, Object, Scene},
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -88,8 +89,13 @@ pub fn add_ground(scene: &mut Scene) {
     let [object, material] = [scene.objects.len() as u32, scene.materials.len() as u32];
     let ground = plane(scene.mesh.bounds(), object, material);
     scene.objects.push(Object { name: NAME.into() });
-    let parameters = BrdfParameters { base_color: Vec3::splat(REFLECTANCE), ..BrdfParameters::default() };
-    scene.materials.push(Material { name: NAME.into(), model: BrdfModel::Lambert, parameters, ..Material::default() });
+    let parameters = GgxParameters { base_color: Vec3::splat(REFLECTANCE), ..GgxParameters::default() };
+    scene.materials.push(Material {
+        name: NAME.into(),
+        model: BrdfModel::Lambert,
+        parameters: parameters.into(),
+        ..Material::default()
+    });
     scene.mesh.append_ground(ground);
 }
 

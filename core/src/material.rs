@@ -1,96 +1,110 @@
-//! Materials: a BRDF model, its eight parameters, and the textures that modulate them.
+//! Materials: a BRDF model, the values of its parameters, and the textures that modulate them.
 //!
-//! The paper (4.2) allows a BRDF up to eight floating-point parameters per pixel, all modulated by textures. All models
-//! here read the same eight, so that an artist can change the model and keep the look.
+//! Nothing about the BRDF is precomputed (paper, 4.2): each pixel has parameters of its own, all modulated by textures.
 
 mod check;
 mod maps;
 
-pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem};
-pub use maps::{MapKind, Maps, MaterialMaps};
+pub use crate::brdf::BrdfModel;
+pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem, UnknownName};
+pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map_names};
 
-use crate::texture::TextureSlot;
+use crate::{
+    brdf::{Parameters, SurfaceBrdf, Values},
+    texture::TextureSlot,
+};
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
-/// Which reflectance model a material uses; `brdf` has one file for each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BrdfModel {
-    /// Ideal diffuse reflection; reads the base colour only.
-    Lambert,
-    /// GGX microfacets with Fresnel over a diffuse base, metal or dielectric.
-    #[default]
-    Ggx,
-    /// Ward's lobe over a diffuse base, isotropic or anisotropic.
-    Ward,
-}
-
-/// The eight parameters of a BRDF (three of them a colour).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct BrdfParameters {
-    /// Diffuse albedo of a dielectric, normal-incidence reflectance of a metal; linear, 0 to 1.
-    pub base_color: Vec3,
-    /// Perceptual roughness, 0 to 1; the microfacet width is `alpha = roughness²`.
-    pub roughness: f32,
-    /// 0 for a dielectric, 1 for a metal.
-    pub metalness: f32,
-    /// -1 to 1: how far the highlight is stretched along the tangent (positive) or across it.
-    pub anisotropy: f32,
-    /// Index of refraction of a dielectric, at least 1.
-    pub ior: f32,
-    /// Weight of a dielectric's specular lobe, 0 to 1.
-    pub specular: f32,
-}
-
-impl Default for BrdfParameters {
-    fn default() -> Self {
-        Self { base_color: Vec3::splat(0.8), roughness: 0.5, metalness: 0.0, anisotropy: 0.0, ior: 1.5, specular: 1.0 }
-    }
-}
-
-impl BrdfParameters {
-    /// Clamps every parameter into its range; NaN becomes the default.
-    #[inline]
-    pub fn sanitized(self) -> Self {
-        let fallback = Self::default();
-        let clamp = |x: f32, low: f32, high: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
-        let color = self.base_color;
-        let component = |x: f32, d: f32| clamp(x, 0.0, 1.0, d);
-        Self {
-            base_color: Vec3::new(
-                component(color.x, fallback.base_color.x),
-                component(color.y, fallback.base_color.y),
-                component(color.z, fallback.base_color.z),
-            ),
-            roughness: clamp(self.roughness, 0.0, 1.0, fallback.roughness),
-            metalness: clamp(self.metalness, 0.0, 1.0, fallback.metalness),
-            anisotropy: clamp(self.anisotropy, -1.0, 1.0, fallback.anisotropy),
-            ior: clamp(self.ior, 1.0, 10.0, fallback.ior),
-            specular: clamp(self.specular, 0.0, 1.0, fallback.specular),
-        }
-    }
-}
-
 /// A material of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Material {
+pub type Material = MaterialOf<TextureSlot>;
+
+/// A material whose maps are told by slots `S`: of a scene, of a file of its own, of a session.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "MaterialFields<S>", bound(deserialize = "S: Deserialize<'de>"))]
+pub struct MaterialOf<S> {
     /// Name from the source file.
     pub name: String,
     /// Reflectance model.
     pub model: BrdfModel,
-    /// Values that the maps multiply.
-    pub parameters: BrdfParameters,
+    /// Values that the maps modulate.
+    pub parameters: Parameters,
     /// Textures.
-    pub maps: MaterialMaps,
+    pub maps: Maps<S>,
     /// Both sides reflect: the surface is lit and seen from behind as well.
     pub double_sided: bool,
 }
 
+impl<S> Default for MaterialOf<S> {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            model: BrdfModel::default(),
+            parameters: Parameters::default(),
+            maps: Maps::default(),
+            double_sided: false,
+        }
+    }
+}
+
+/// A material as files have it, its names not yet checked.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields, bound = "S: Deserialize<'de>")]
+struct MaterialFields<S> {
+    name: String,
+    model: BrdfModel,
+    parameters: Parameters,
+    maps: Maps<S>,
+    double_sided: bool,
+}
+
+impl<S> Default for MaterialFields<S> {
+    fn default() -> Self {
+        let MaterialOf { name, model, parameters, maps, double_sided } = MaterialOf::default();
+        Self { name, model, parameters, maps, double_sided }
+    }
+}
+
+impl<S> TryFrom<MaterialFields<S>> for MaterialOf<S> {
+    type Error = UnknownName;
+
+    fn try_from(fields: MaterialFields<S>) -> Result<Self, UnknownName> {
+        let MaterialFields { name, model, parameters, maps, double_sided } = fields;
+        check::check_names(model, &parameters, &maps)?;
+        Ok(Self { name, model, parameters, maps, double_sided })
+    }
+}
+
+impl<S> MaterialOf<S> {
+    /// The same with other maps.
+    pub fn with_maps<T>(&self, maps: Maps<T>) -> MaterialOf<T> {
+        let Self { name, model, parameters, double_sided, .. } = self;
+        MaterialOf {
+            name: name.clone(),
+            model: *model,
+            parameters: parameters.clone(),
+            maps,
+            double_sided: *double_sided,
+        }
+    }
+}
+
+impl<S: Clone> MaterialOf<S> {
+    /// With another model, which takes over the values and maps of the quantities that both have.
+    pub fn change_model(&mut self, model: BrdfModel) {
+        for to in model.parameters() {
+            let Some(from) = self.model.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
+                continue;
+            };
+            self.parameters.set(to.name, to.sanitized(self.parameters.value(from)));
+            self.maps.set(to.name, self.maps.get(from.name).cloned());
+        }
+        self.model = model;
+    }
+}
+
 impl Material {
-    /// With parameters and placements of maps in their ranges; see [`BrdfParameters::sanitized`] and
+    /// With parameters and placements of maps in their ranges; see [`Parameters::sanitized`] and
     /// [`TextureSlot::sanitized`].
     pub fn sanitized(mut self) -> Self {
         self.parameters = self.parameters.sanitized();
@@ -100,59 +114,91 @@ impl Material {
         self
     }
 
-    /// The parameters after their maps, whose texels `sample` looks up; not yet clamped. Twin of
-    /// `shaders/parameters_pass.wgsl`.
-    pub fn modulated(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> BrdfParameters {
-        let (maps, p) = (&self.maps, self.parameters);
-        let scalar = |kind| maps[kind].as_ref().map_or(1.0, |s| sample(s)[s.channel as usize]);
-        BrdfParameters {
-            base_color: p.base_color * maps[MapKind::BaseColor].as_ref().map_or(Vec3::ONE, |s| sample(s).truncate()),
-            roughness: p.roughness * scalar(MapKind::Roughness),
-            metalness: p.metalness * scalar(MapKind::Metalness),
-            anisotropy: p.anisotropy * scalar(MapKind::Anisotropy),
-            ior: maps[MapKind::Ior].as_ref().map_or(p.ior, |_| 1.0 + (p.ior - 1.0) * scalar(MapKind::Ior)),
-            specular: p.specular * scalar(MapKind::Specular),
+    /// The values of the model's parameters after their maps, whose texels `sample` looks up, within their ranges.
+    ///
+    /// They are clamped here and nowhere later. Twin of `material_value` in `shaders/materials.wgsl`.
+    #[inline]
+    pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
+        let mut values = Values::default();
+        for parameter in self.model.parameters() {
+            let mut value = self.parameters.value(parameter);
+            if let Some(slot) = self.maps.get(parameter.name) {
+                let texel = sample(slot);
+                let is_color = parameter.is_color();
+                let factor = if is_color { texel.truncate() } else { Vec3::splat(texel[slot.channel as usize]) };
+                value = parameter.modulated(value, factor);
+            }
+            values.push(parameter.sanitized(value));
         }
+        values
+    }
+
+    /// The reflectance of its constants, as if it had no maps.
+    pub fn plain_brdf(&self) -> SurfaceBrdf {
+        SurfaceBrdf::new(self.model, &self.model.values(&self.parameters))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::Channel;
-    use serde_json::Value;
+    use crate::{
+        brdf::{GgxParameters, Lambert},
+        texture::Channel,
+    };
 
     #[test]
     fn sanitizing_clamps_and_replaces_nan() {
-        let bad = BrdfParameters { roughness: 7.0, ior: 0.2, metalness: f32::NAN, ..Default::default() };
-        let good = bad.sanitized();
-        assert_eq!((good.roughness, good.ior, good.metalness), (1.0, 1.0, 0.0));
+        let bad = GgxParameters { roughness: 7.0, ior: 0.2, metalness: f32::NAN, ..Default::default() };
+        let good = Parameters::from(bad).sanitized();
+        assert_eq!((good.number("roughness"), good.number("ior"), good.number("metalness")), (1.0, 1.0, 0.0));
     }
 
     #[test]
-    fn a_partial_json_material_takes_defaults_and_a_misspelt_key_is_an_error() {
+    fn a_partial_json_material_takes_defaults_and_a_misspelt_name_is_an_error() {
         let m: Material = serde_json::from_str(r#"{"model": "ward", "parameters": {"roughness": 0.3}}"#).unwrap();
-        assert_eq!(m.model, BrdfModel::Ward);
-        assert_eq!(m.parameters.ior, 1.5);
-        assert!(serde_json::from_str::<Material>(r#"{"parameters": {"rougness": 0.3}}"#).is_err());
+        assert_eq!((m.model, m.parameters.number("ior")), (BrdfModel::Ward, 1.5));
+        let error = |json| serde_json::from_str::<Material>(json).unwrap_err().to_string();
+        let misspelt = error(r#"{"parameters": {"rougness": 0.3}}"#);
+        assert!(misspelt.starts_with("unknown parameter `rougness`, expected one of `base_color`"), "{misspelt}");
+        let misspelt = error(r#"{"maps": {"iro": {}}}"#);
+        assert!(misspelt.starts_with("unknown map `iro`, expected one of `base_color`"), "{misspelt}");
+        assert!(error(r#"{"parameters": {"roughness": "dull"}}"#).contains("a number, or a colour"));
+        assert!(error(r#"{"colour": 1}"#).contains("unknown field `colour`"));
     }
 
     #[test]
-    fn every_parameter_has_a_map() {
-        let keys = |value: Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
-        let maps = keys(serde_json::to_value(MaterialMaps::default()).unwrap());
-        let parameters = keys(serde_json::to_value(BrdfParameters::default()).unwrap());
-        assert_eq!(parameters.len(), 6);
-        assert!(parameters.iter().all(|p| maps.contains(p)), "{parameters:?}, {maps:?}");
-        let slots = r#"{"texture": 1}"#;
-        let all: String = maps.iter().map(|key| format!("\"{key}\": {slots},")).collect();
-        let mut all: MaterialMaps = serde_json::from_str(&format!("{{{}}}", all.trim_end_matches(','))).unwrap();
-        assert_eq!((all.slots().count(), all.slots_mut().count()), (maps.len(), maps.len()));
+    fn a_name_means_the_same_in_all_models() {
+        for model in BrdfModel::ALL {
+            for p in model.parameters() {
+                assert_eq!(Some(p), BrdfModel::declared(p.name), "{model:?}");
+                assert_eq!(p.default, p.sanitized(p.default), "{model:?} {}", p.name);
+                let [low, high] = p.range;
+                assert!(low < high && low <= p.slider[0] && p.slider[1] <= high, "{model:?} {}", p.name);
+                assert!(p.help.ends_with('.') && !p.label.is_empty(), "{model:?} {}", p.name);
+            }
+        }
+    }
+
+    #[test]
+    fn another_model_keeps_the_look() {
+        let mut material = Material::default();
+        material.parameters.set("roughness", 0.25);
+        material.maps.set("roughness", Some(TextureSlot::default()));
+        let before = material.clone();
+        material.change_model(BrdfModel::Lambert);
+        material.change_model(BrdfModel::Ggx);
+        assert_eq!(material, before);
+    }
+
+    /// The Lambertian albedo, or the GGX parameters, that a material has after its maps.
+    fn read(material: &Material, texel: Vec4) -> GgxParameters {
+        GgxParameters::new(&material.values(|_| texel))
     }
 
     #[test]
     fn maps_scale_what_they_modulate_and_nothing_else() {
-        let parameters = BrdfParameters {
+        let parameters = GgxParameters {
             base_color: Vec3::new(0.8, 0.4, 0.2),
             roughness: 0.6,
             metalness: 0.9,
@@ -160,25 +206,33 @@ mod tests {
             ior: 2.0,
             specular: 0.5,
         };
-        let plain = Material { parameters, ..Default::default() };
+        let plain = Material { parameters: parameters.into(), ..Default::default() };
         let texel = Vec4::new(0.5, 0.25, -1.0, 0.0);
-        let with = |kind, channel| {
+        let with = |name: &'static str, channel| {
             let mut material = plain.clone();
-            material.maps[kind] = Some(TextureSlot { channel, ..Default::default() });
-            material.modulated(|_| texel)
+            material.maps.set(name, Some(TextureSlot { channel, ..Default::default() }));
+            read(&material, texel)
         };
-        let expect = |p: BrdfParameters, expected: BrdfParameters| assert_eq!(p, expected);
-        expect(plain.modulated(|_| texel), parameters);
-        let base_color = Vec3::new(0.4, 0.1, -0.2);
-        expect(with(MapKind::BaseColor, Channel::R), BrdfParameters { base_color, ..parameters });
-        expect(with(MapKind::Roughness, Channel::R), BrdfParameters { roughness: 0.3, ..parameters });
-        expect(with(MapKind::Metalness, Channel::A), BrdfParameters { metalness: 0.0, ..parameters });
-        expect(with(MapKind::Specular, Channel::G), BrdfParameters { specular: 0.125, ..parameters });
-        expect(with(MapKind::Anisotropy, Channel::G), BrdfParameters { anisotropy: -0.2, ..parameters });
-        expect(with(MapKind::Anisotropy, Channel::B), BrdfParameters { anisotropy: 0.8, ..parameters });
-        for (channel, ior) in [(Channel::R, 1.5), (Channel::G, 1.25), (Channel::A, 1.0)] {
-            expect(with(MapKind::Ior, channel), BrdfParameters { ior, ..parameters });
+        assert_eq!(read(&plain, texel), parameters);
+        let base_color = Vec3::new(0.4, 0.1, 0.0);
+        assert_eq!(with("base_color", Channel::R), GgxParameters { base_color, ..parameters });
+        assert_eq!(with("roughness", Channel::R), GgxParameters { roughness: 0.3, ..parameters });
+        assert_eq!(with("metalness", Channel::A), GgxParameters { metalness: 0.0, ..parameters });
+        assert_eq!(with("specular", Channel::G), GgxParameters { specular: 0.125, ..parameters });
+        assert_eq!(with("anisotropy", Channel::G), GgxParameters { anisotropy: -0.2, ..parameters });
+        assert_eq!(with("anisotropy", Channel::B), GgxParameters { anisotropy: 0.8, ..parameters });
+        for (channel, ior) in [(Channel::R, 1.5), (Channel::G, 1.25), (Channel::A, 1.0), (Channel::B, 1.0)] {
+            assert_eq!(with("ior", channel), GgxParameters { ior, ..parameters });
         }
-        assert_eq!(with(MapKind::Ior, Channel::B).sanitized().ior, 1.0);
+        assert_eq!(with("normal", Channel::R), parameters);
+    }
+
+    #[test]
+    fn a_brdf_has_the_constants() {
+        let mut material = Material { model: BrdfModel::Lambert, ..Default::default() };
+        material.parameters.set("base_color", Vec3::new(0.1, 0.2, 2.0));
+        let SurfaceBrdf::Lambert(brdf) = material.plain_brdf() else { panic!("another model") };
+        use crate::brdf::Brdf;
+        assert_eq!(brdf.albedo(), Lambert::new(Vec3::new(0.1, 0.2, 1.0)).albedo());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeParts, material::MapKind};
+use lapidary_core::{camera::Camera, dataset::BakeParts};
 use lapidary_studies::ladder::Cuts;
 use std::path::PathBuf;
 
@@ -45,7 +45,7 @@ pub enum Action {
         /// Which material.
         material: usize,
         /// Which map.
-        map: MapKind,
+        map: &'static str,
         /// The picture.
         path: Option<PathBuf>,
     },

@@ -119,7 +119,6 @@ mod tests {
     use super::*;
     use crate::document::{Document, TextureEntry};
     use lapidary_core::{
-        material::MapKind,
         test_scenes::{dataset, write_picture},
         texture::{Texture, TextureSlot},
     };
@@ -137,7 +136,7 @@ mod tests {
             let mut document = Document::of_dataset(&dataset, place.path("a.cuts"), None);
             let texture = Texture::read(&place.path("linen.png")).unwrap().into();
             document.textures.push(TextureEntry { texture, file: Some(place.path("linen.png")) });
-            document.materials[0].maps[MapKind::BaseColor] = Some(TextureSlot::default());
+            document.materials[0].maps.set("base_color", Some(TextureSlot::default()));
             document.environment.spec = place.path("room.png").display().to_string();
             session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
             place

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::SurfaceBrdf,
-    material::{BrdfParameters, Material, MaterialMaps},
+    brdf::{SurfaceBrdf, Values},
+    material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
     texture::Texture,
@@ -45,9 +45,9 @@ impl Appearance {
     }
 
     /// A material's values after its maps, clamped to their ranges here and nowhere later. Twin of
-    /// `shaders/parameters_pass.wgsl`.
-    pub(crate) fn parameters(&self, material: &Material, uv: Vec2) -> BrdfParameters {
-        material.modulated(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot)).sanitized()
+    /// `material_number` and `material_color` in `shaders/materials.wgsl`.
+    pub(crate) fn values(&self, material: &Material, uv: Vec2) -> Values {
+        material.values(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot))
     }
 
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
@@ -56,7 +56,7 @@ impl Appearance {
         let material = &self.materials[mesh.triangle_material[triangle] as usize];
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
         let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        SurfaceBrdf::new(material.model, self.parameters(material, uv)).as_brdf().albedo()
+        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
     }
 
     /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,

@@ -220,7 +220,7 @@ mod tests {
             Stale { environment: pixels, bounce: pixels, direct: pixels, lights: false }
         };
         let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, ..Redo::NOTHING };
-        let rough = redone(|look| look.appearance.materials[1].parameters.roughness = 0.1);
+        let rough = redone(|look| look.appearance.materials[1].parameters.set("roughness", 0.1));
         assert_eq!(rough, appearance(showing(&[1])));
         // Both have maps that had no picture.
         let texture =

@@ -8,13 +8,13 @@ use lapidary_core::{
     environment::Environment,
     image::Image,
     lights::{Emission, Light},
-    material::{MapKind, Material, MaterialMaps},
+    material::{Material, MaterialMaps},
     texture::TextureSlot,
 };
 
 /// A look with two materials with maps, a light and an environment.
 pub fn look() -> Look {
-    let maps = MaterialMaps::from([MapKind::Bump, MapKind::Normal].map(|kind| (kind, TextureSlot::default())));
+    let maps = MaterialMaps::from(["bump", "normal"].map(|kind| (kind, TextureSlot::default())));
     let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
     let environment = Environment::new("grey".into(), Image::filled([4, 2], Vec3::ONE));
     let light = Light {

@@ -13,6 +13,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
+    brdf::{GgxParameters, Parameters},
     camera::Camera,
     cut::{
         CutCriterion, CutSelector,
@@ -24,7 +25,7 @@ use lapidary_core::{
     image::Image,
     light_tree::{LightTree, TreeKind},
     lights::{Emission, Light},
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, Material},
     meshless::{Basis, MeshlessBake, Transport},
     ray::{DirectionSet, Intersector},
     scene::{Mesh, Object, Scene},
@@ -78,7 +79,7 @@ pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
 }
 
 /// A dataset whose cuts are exact at every vertex (sigma 0).
-pub(crate) fn dataset(mesh: Mesh, parameters: BrdfParameters) -> Dataset {
+pub(crate) fn dataset(mesh: Mesh, parameters: impl Into<Parameters>) -> Dataset {
     dataset_of_sigma(mesh, parameters, 0.0)
 }
 
@@ -94,7 +95,7 @@ pub(crate) fn trace_vertex(
     intersector.trace_batch(p + n * 1e-3, lights, |d| d.dot(n) > 0.0, seen);
 }
 
-pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f32) -> Dataset {
+pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: impl Into<Parameters>, sigma: f32) -> Dataset {
     let tree = LightTree::geometric(LIGHTS).unwrap();
     let directions = DirectionSet::new(tree.leaf_directions());
     let intersector = Intersector::new(&mesh);
@@ -125,7 +126,11 @@ pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f3
         vertex_valid: vec![true; mesh.positions.len()],
         scene: Scene {
             mesh,
-            materials: vec![Material { model: BrdfModel::Lambert, parameters, ..Default::default() }],
+            materials: vec![Material {
+                model: BrdfModel::Lambert,
+                parameters: parameters.into(),
+                ..Default::default()
+            }],
             objects: vec![Object { name: "test".into() }],
             ..Default::default()
         },
@@ -137,12 +142,12 @@ pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: BrdfParameters, sigma: f3
     }
 }
 
-pub(crate) fn white() -> BrdfParameters {
-    BrdfParameters { base_color: Vec3::ONE, ..Default::default() }
+pub(crate) fn white() -> GgxParameters {
+    GgxParameters { base_color: Vec3::ONE, ..Default::default() }
 }
 
-pub(crate) fn glossy(roughness: f32) -> BrdfParameters {
-    BrdfParameters { base_color: Vec3::ZERO, roughness, ..Default::default() }
+pub(crate) fn glossy(roughness: f32) -> GgxParameters {
+    GgxParameters { base_color: Vec3::ZERO, roughness, ..Default::default() }
 }
 
 pub(crate) fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Illumination {
@@ -250,8 +255,12 @@ pub(crate) fn floor_and_wall(depth: u32) -> Dataset {
     add_wall(&mut mesh);
     let wall = (mesh.triangles.len() - 2) as u32;
     let mut dataset = dataset(mesh, white());
-    let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..Default::default() };
-    dataset.scene.materials.push(Material { model: BrdfModel::Lambert, parameters, ..Default::default() });
+    let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..Default::default() };
+    dataset.scene.materials.push(Material {
+        model: BrdfModel::Lambert,
+        parameters: parameters.into(),
+        ..Default::default()
+    });
     let sources = wall_sources(wall);
     let environment_cuts = environment_cuts(&dataset, &sources);
     let cuts = source_cuts(&dataset, &sources, depth);

@@ -4,11 +4,12 @@
 use fastrand::Rng;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::GgxParameters,
     camera::Camera,
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     environment::{self, Environment},
     lights::{self, Emission, Light},
-    material::{BrdfParameters, MOST_MATERIAL_NUMBER, MapKind, MaterialMaps},
+    material::{MOST_MATERIAL_NUMBER, MaterialMaps},
     scene::{MOST_COORDINATE, Scene},
     shot::Shot,
     test_files::FileParts,
@@ -29,7 +30,7 @@ fn small_scene() -> Scene {
         *uv = Vec2::new((i % 3) as f32, (i / 3 % 3) as f32);
     }
     scene.textures = vec![Texture::missing("a").into()];
-    let maps = [MapKind::BaseColor, MapKind::Normal, MapKind::Bump].map(|kind| (kind, TextureSlot::default()));
+    let maps = ["base_color", "normal", "bump"].map(|kind| (kind, TextureSlot::default()));
     scene.materials[0].maps = MaterialMaps::from(maps);
     scene.cameras = vec![Camera::look_at(Vec3::new(-0.8, 0.3, 0.6), Vec3::new(0.3, -0.4, 0.2), 60.0)];
     let emission = Emission::Spot { cone_degrees: 50.0, penumbra_degrees: 20.0 };
@@ -187,14 +188,15 @@ fn extreme_scene(random: &mut Rng) -> Scene {
         slot.strength = number(random);
     }
     let bound = |random: &mut Rng| f32::from(random.u8(..2));
-    scene.materials[0].parameters = BrdfParameters {
+    scene.materials[0].parameters = GgxParameters {
         base_color: Vec3::splat(bound(random)),
         roughness: bound(random),
         metalness: bound(random),
         anisotropy: 2.0 * bound(random) - 1.0,
         ior: up_to(10.0, random),
         specular: bound(random),
-    };
+    }
+    .into();
     scene
 }
 

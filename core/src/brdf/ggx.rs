@@ -5,18 +5,31 @@
 //! Accurate Spherical Gaussian Lighting*): in projected slope space the widths of lobe and light add up.
 
 use super::{
-    Brdf, LightsX8, LobeWidth,
-    microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
+    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    microfacet::{HalfVectors, LobeWidth, Reflectance, Sym2x8, is_seen},
+    parameter::parameters,
+    shared,
 };
 use crate::{
     color::luminance,
-    material::BrdfParameters,
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
 };
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, TAU};
 use wide::f32x8;
+
+parameters! {
+    /// Parameters of [`Ggx`].
+    pub struct GgxParameters {
+        base_color: Vec3 = shared::BASE_COLOR,
+        roughness: f32 = shared::ROUGHNESS,
+        metalness: f32 = shared::METALNESS,
+        specular: f32 = shared::SPECULAR,
+        ior: f32 = shared::IOR,
+        anisotropy: f32 = shared::ANISOTROPY,
+    }
+}
 
 /// GGX with Fresnel over a diffuse base.
 #[derive(Clone, Copy, Debug)]
@@ -29,15 +42,16 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// `p` must be sanitised.
-    pub fn new(p: &BrdfParameters) -> Self {
-        let width = LobeWidth::new(p);
+    /// `p` must be within the ranges.
+    pub fn new(p: &GgxParameters) -> Self {
+        let width = LobeWidth::new(p.roughness, p.anisotropy);
         // An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
         let slope = |alpha: f32| {
             let sq = (alpha * alpha).min(0.9998);
             sq / (1.0 - sq)
         };
-        Self { reflectance: Reflectance::new(p), width, slope_x: slope(width.alpha_x), slope_y: slope(width.alpha_y) }
+        let reflectance = Reflectance::new(p);
+        Self { reflectance, width, slope_x: slope(width.alpha_x), slope_y: slope(width.alpha_y) }
     }
 
     /// The isotropic width that is closest.
@@ -97,6 +111,17 @@ impl Ggx {
     }
 }
 
+impl Model for Ggx {
+    const LABEL: &'static str = "GGX";
+    const SUMMARY: &'static str =
+        "Microfacets with Fresnel over a diffuse base, as in glTF and most renderers. Highlights with long tails.";
+    const PARAMETERS: &'static [Parameter] = GgxParameters::LIST;
+
+    fn from_values(values: &Values) -> Self {
+        Self::new(&GgxParameters::new(values))
+    }
+}
+
 impl Brdf for Ggx {
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
         self.reflect(&LightsX8::at(wi, inv_kappa), wo)
@@ -123,8 +148,8 @@ impl Brdf for Ggx {
         (base + fresnel * (d * shadowed * above)) * is_seen(wo)
     }
 
-    fn lobe(&self) -> Option<LobeWidth> {
-        Some(self.width)
+    fn lobes(&self) -> Lobes {
+        [self.width.narrow(), 0.0, 0.0]
     }
 
     fn albedo(&self) -> Vec3 {

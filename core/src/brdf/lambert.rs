@@ -1,6 +1,6 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
-use super::{Brdf, LightsX8, LobeWidth, microfacet::is_seen};
+use super::{Brdf, LightsX8, Lobes, Model, Parameter, Values, microfacet::is_seen, parameter::parameters, shared};
 use crate::{
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
@@ -8,6 +8,13 @@ use crate::{
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
+
+parameters! {
+    /// Parameters of [`Lambert`].
+    pub struct LambertParameters {
+        base_color: Vec3 = shared::BASE_COLOR,
+    }
+}
 
 /// Ideal diffuse reflection.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +29,16 @@ impl Lambert {
     }
 }
 
+impl Model for Lambert {
+    const LABEL: &'static str = "Lambert";
+    const SUMMARY: &'static str = "Ideal diffuse reflection: chalk, plaster.";
+    const PARAMETERS: &'static [Parameter] = LambertParameters::LIST;
+
+    fn from_values(values: &Values) -> Self {
+        Self::new(LambertParameters::new(values).base_color)
+    }
+}
+
 impl Brdf for Lambert {
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
         self.reflect(&LightsX8::at(wi, inv_kappa), wo)
@@ -32,8 +49,8 @@ impl Brdf for Lambert {
         Vec3x8::splat(self.albedo * FRAC_1_PI) * (lights.cosine * is_seen(wo))
     }
 
-    fn lobe(&self) -> Option<LobeWidth> {
-        None
+    fn lobes(&self) -> Lobes {
+        [0.0; 3]
     }
 
     fn albedo(&self) -> Vec3 {

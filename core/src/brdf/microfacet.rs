@@ -1,9 +1,7 @@
 //! Shared parts of the microfacet models: anisotropic widths, the filtered lobe, and Fresnel.
 
-use crate::{
-    material::BrdfParameters,
-    simd::{Lanes, Vec3x8},
-};
+use super::GgxParameters;
+use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 
 /// Narrowest lobe that is evaluated: for narrower ones, `f32` half vectors are too coarse for the peak.
@@ -24,15 +22,11 @@ pub struct LobeWidth {
 
 impl LobeWidth {
     /// `alpha = roughness²`, stretched by the anisotropy as in Burley 2012: aspect `sqrt(1 - 0.9 |anisotropy|)`.
-    pub fn new(parameters: &BrdfParameters) -> Self {
-        let alpha = parameters.roughness * parameters.roughness;
-        let aspect = (1.0 - 0.9 * parameters.anisotropy.abs()).sqrt();
+    pub fn new(roughness: f32, anisotropy: f32) -> Self {
+        let alpha = roughness * roughness;
+        let aspect = (1.0 - 0.9 * anisotropy.abs()).sqrt();
         let (long, short) = ((alpha / aspect).clamp(MIN_ALPHA, 1.0), (alpha * aspect).clamp(MIN_ALPHA, 1.0));
-        if parameters.anisotropy >= 0.0 {
-            Self { alpha_x: long, alpha_y: short }
-        } else {
-            Self { alpha_x: short, alpha_y: long }
-        }
+        if anisotropy >= 0.0 { Self { alpha_x: long, alpha_y: short } } else { Self { alpha_x: short, alpha_y: long } }
     }
 
     /// The narrower of the two.
@@ -110,7 +104,7 @@ pub(super) struct Reflectance {
 }
 
 impl Reflectance {
-    pub fn new(p: &BrdfParameters) -> Self {
+    pub fn new(p: &GgxParameters) -> Self {
         let dielectric = ((p.ior - 1.0) / (p.ior + 1.0)).powi(2) * p.specular;
         Self {
             f0: Vec3::splat(dielectric).lerp(p.base_color, p.metalness),

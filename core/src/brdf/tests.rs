@@ -8,14 +8,17 @@ fn models() -> Vec<(String, SurfaceBrdf)> {
     for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
         for (roughness, metalness, anisotropy) in [(0.3, 0.0, 0.0), (0.6, 1.0, 0.0), (0.5, 0.5, 0.8), (1.0, 0.0, -0.5)]
         {
-            let p = BrdfParameters {
+            let p = GgxParameters {
                 base_color: Vec3::new(0.9, 0.6, 0.3),
                 roughness,
                 metalness,
                 anisotropy,
                 ..Default::default()
             };
-            all.push((format!("{model:?} {roughness} {metalness} {anisotropy}"), SurfaceBrdf::new(model, p)));
+            all.push((
+                format!("{model:?} {roughness} {metalness} {anisotropy}"),
+                SurfaceBrdf::new(model, &model.values(&p.into())),
+            ));
         }
     }
     all
@@ -122,8 +125,8 @@ fn sampling_follows_its_density() {
 #[test]
 fn filtered_lobe_is_close_to_the_mean_over_the_spread() {
     for model in [BrdfModel::Ggx, BrdfModel::Ward] {
-        let p = BrdfParameters { base_color: Vec3::ZERO, roughness: 0.3, ..Default::default() };
-        let brdf = SurfaceBrdf::new(model, p);
+        let p = GgxParameters { base_color: Vec3::ZERO, roughness: 0.3, ..Default::default() };
+        let brdf = SurfaceBrdf::new(model, &model.values(&p.into()));
         let wo = Vec3::new(0.4, 0.0, 0.9).normalize();
         let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
         let kappa = 100.0_f32;

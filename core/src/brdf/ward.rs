@@ -4,12 +4,11 @@
 //! model has no Fresnel factor: `s` is the reflectance at normal incidence.
 
 use super::{
-    Brdf, LightsX8, LobeWidth,
-    microfacet::{HalfVectors, Reflectance, Sym2x8, is_seen},
+    Brdf, GgxParameters, LightsX8, Lobes, Model, Parameter, Values,
+    microfacet::{HalfVectors, LobeWidth, Reflectance, Sym2x8, is_seen},
 };
 use crate::{
     color::luminance,
-    material::BrdfParameters,
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
 };
@@ -26,12 +25,12 @@ pub struct Ward {
 }
 
 impl Ward {
-    /// `p` must be sanitised.
-    pub fn new(p: &BrdfParameters) -> Self {
+    /// `p` must be within the ranges.
+    pub fn new(p: &GgxParameters) -> Self {
         let reflectance = Reflectance::new(p);
         // Light that the lobe reflects does not reach the base: the sum of both never exceeds one.
         let diffuse = reflectance.diffuse * (1.0 - reflectance.f0.max_element());
-        Self { specular: reflectance.f0, diffuse, width: LobeWidth::new(p) }
+        Self { specular: reflectance.f0, diffuse, width: LobeWidth::new(p.roughness, p.anisotropy) }
     }
 
     fn specular_probability(&self) -> f32 {
@@ -55,6 +54,17 @@ impl Ward {
         let (ax, ay) = (self.width.alpha_x, self.width.alpha_y);
         let slope_sq = ((h.x / ax).powi(2) + (h.y / ay).powi(2)) / (h.z * h.z);
         (-slope_sq).exp() / (PI * ax * ay * h.z.powi(3)) / (4.0 * wi.dot(h).abs().max(1e-4))
+    }
+}
+
+impl Model for Ward {
+    const LABEL: &'static str = "Ward";
+    const SUMMARY: &'static str =
+        "A Gaussian lobe over a diffuse base, without Fresnel. Highlights with sharp ends; brushed metals.";
+    const PARAMETERS: &'static [Parameter] = GgxParameters::LIST;
+
+    fn from_values(values: &Values) -> Self {
+        Self::new(&GgxParameters::new(values))
     }
 }
 
@@ -83,8 +93,8 @@ impl Brdf for Ward {
         (base + Vec3x8::splat(self.specular) * (lobe * wi.z * above)) * is_seen(wo)
     }
 
-    fn lobe(&self) -> Option<LobeWidth> {
-        Some(self.width)
+    fn lobes(&self) -> Lobes {
+        [self.width.narrow(), 0.0, 0.0]
     }
 
     fn albedo(&self) -> Vec3 {

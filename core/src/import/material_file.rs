@@ -10,7 +10,7 @@ use super::{
 use crate::{
     image::{ImageError, decode, footprint},
     input,
-    material::{BrdfModel, BrdfParameters, Maps, Material},
+    material::{Maps, Material, MaterialOf, map_color_space},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
 };
@@ -21,21 +21,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The contents of a material file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MaterialFile {
-    /// Name of the material; the file's name if empty.
-    pub name: String,
-    /// Reflectance model.
-    pub model: BrdfModel,
-    /// Values that the maps multiply.
-    pub parameters: BrdfParameters,
-    /// Picture files.
-    pub maps: MapFiles,
-    /// Both sides reflect.
-    pub double_sided: bool,
-}
+/// The contents of a material file. An empty name is the file's.
+pub type MaterialFile = MaterialOf<SlotFile>;
 
 /// The maps of a [`MaterialFile`].
 pub type MapFiles = Maps<SlotFile>;
@@ -131,15 +118,11 @@ impl MaterialLoader<'_> {
         };
         let file: MaterialFile = serde_json::from_slice(&read_file(path, &mut self.files)?).map_err(parse_error)?;
         self.check_outside(&file.maps)?;
-        let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, kind.color_space()))?;
-        let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let mut material = Material {
-            name: if file.name.is_empty() { stem() } else { file.name },
-            model: file.model,
-            parameters: file.parameters,
-            maps,
-            double_sided: file.double_sided,
-        };
+        let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
+        let mut material = file.with_maps(maps);
+        if material.name.is_empty() {
+            material.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        }
         if repair_material(&mut material) {
             self.report.warnings.push(material_warning(std::slice::from_ref(&material.name)));
         }

@@ -11,8 +11,9 @@ use super::{
     textures::TextureLibrary,
 };
 use crate::{
+    brdf::GgxParameters,
     color::luminance,
-    material::{BrdfParameters, MapKind, Material},
+    material::Material,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3};
@@ -209,12 +210,12 @@ fn material(
     if entry.map("map_ns").is_some() {
         ignored.shininess_maps.push(name.to_owned());
     }
-    let mut material = Material { name: name.to_owned(), parameters: parameters(entry), ..Default::default() };
+    let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     add_maps(&mut material, entry, library)?;
     Ok(material)
 }
 
-fn parameters(entry: &MtlEntry) -> BrdfParameters {
+fn parameters(entry: &MtlEntry) -> GgxParameters {
     let has = |map: &str| entry.map(map).is_some();
     let diffuse = entry.color("kd");
     let specular = entry.color("ks");
@@ -226,17 +227,17 @@ fn parameters(entry: &MtlEntry) -> BrdfParameters {
         // Programs leave the colour black when a texture stands in for it.
         (Some(kd), _) if !(has("map_kd") && kd.max_element() <= 0.0) => kd,
         _ if has("map_kd") => Vec3::ONE,
-        _ => BrdfParameters::default().base_color,
+        _ => GgxParameters::default().base_color,
     };
     let (ior, weight) = dielectric(entry.number("ni"), specular, has("map_ks"));
     let roughness = entry.number("pr").unwrap_or_else(|| match entry.number("ns") {
         _ if has("map_pr") => 1.0,
         // The Blinn-Phong lobe as wide as alpha = sqrt(2 / (Ns + 2)), and roughness = sqrt(alpha).
         Some(shininess) => (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25),
-        None => BrdfParameters::default().roughness,
+        None => GgxParameters::default().roughness,
     });
     let anisotropy = entry.number("aniso").unwrap_or(0.0);
-    BrdfParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight }
+    GgxParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight }
 }
 
 /// Index of refraction and specular weight from `Ni` and `Ks`.
@@ -262,18 +263,20 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     };
     let mut value = |key: &str, color_space| slot(&[key], color_space).map(|found| found.map(|(_, slot)| slot));
     let maps = &mut material.maps;
-    maps[MapKind::BaseColor] = value("map_kd", ColorSpace::Srgb)?;
-    maps[MapKind::Roughness] = value("map_pr", ColorSpace::Linear)?;
-    maps[MapKind::Metalness] = value("map_pm", ColorSpace::Linear)?;
-    maps[MapKind::Specular] = value("map_ks", ColorSpace::Linear)?;
-    maps[MapKind::Normal] = slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength);
+    maps.set("base_color", value("map_kd", ColorSpace::Srgb)?);
+    maps.set("roughness", value("map_pr", ColorSpace::Linear)?);
+    maps.set("metalness", value("map_pm", ColorSpace::Linear)?);
+    maps.set("specular", value("map_ks", ColorSpace::Linear)?);
+    maps.set("normal", slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength));
     let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;
     match bump {
         // Many exporters name normal maps so.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
-            maps[MapKind::Normal].get_or_insert_with(|| with_strength(bump));
+            if maps.get("normal").is_none() {
+                maps.set("normal", Some(with_strength(bump)));
+            }
         }
-        Some((multiplier, slot)) => maps[MapKind::Bump] = Some(with_strength((BUMP_METRES * multiplier, slot))),
+        Some((multiplier, slot)) => maps.set("bump", Some(with_strength((BUMP_METRES * multiplier, slot)))),
         None => {}
     }
     Ok(())

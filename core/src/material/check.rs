@@ -1,11 +1,14 @@
-//! Checks of the values of materials.
+//! Checks of the names and values of materials.
 
-use super::{BrdfParameters, MapKind, Material};
-use crate::texture::TextureSlot;
+use super::{BUMP, Maps, Material, NORMAL};
+use crate::{
+    brdf::{BrdfModel, Parameters},
+    texture::TextureSlot,
+};
 use thiserror::Error;
 
 /// Largest parameter of a material and number of a texture's transform: their products stay numbers of 32 bits.
-/// Parameters are clamped to their ranges after their maps, see [`BrdfParameters::sanitized`].
+/// Parameters are clamped to their ranges after their maps, see [`Parameter::sanitized`](crate::brdf::Parameter::sanitized).
 pub const MOST_MATERIAL_NUMBER: f32 = 1e6;
 
 /// A number of a material that nothing can be computed with.
@@ -18,18 +21,47 @@ pub struct MaterialProblem {
     pub value: f32,
 }
 
+/// A name that no model knows.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("unknown {what} `{name}`, expected one of {}", expected.join(", "))]
+pub struct UnknownName {
+    what: &'static str,
+    name: String,
+    expected: Vec<String>,
+}
+
+/// Checks that each parameter and map is one of some model: materials keep those of models that they had.
+///
+/// # Errors
+/// The first that is not, with the names of `model`.
+pub(super) fn check_names<T>(model: BrdfModel, parameters: &Parameters, maps: &Maps<T>) -> Result<(), UnknownName> {
+    let is_declared = |name: &str| BrdfModel::declared(name).is_some();
+    let known = || model.parameters().iter().map(|p| p.name);
+    let quoted = |names: &mut dyn Iterator<Item = &'static str>| names.map(|name| format!("`{name}`")).collect();
+    if let Some((name, _)) = parameters.iter().find(|(name, _)| !is_declared(name)) {
+        return Err(UnknownName { what: "parameter", name: name.into(), expected: quoted(&mut known()) });
+    }
+    let is_map = |name: &str| is_declared(name) || [NORMAL, BUMP].contains(&name);
+    if let Some((name, _)) = maps.iter().find(|(name, _)| !is_map(name)) {
+        return Err(UnknownName { what: "map", name: name.into(), expected: quoted(&mut super::map_names(model)) });
+    }
+    Ok(())
+}
+
 impl Material {
     /// Checks that all numbers are finite, and none so large that products of them are not.
     ///
     /// # Errors
     /// The first number that is not.
     pub fn validate(&self) -> Result<(), MaterialProblem> {
-        let slots = MapKind::all().filter_map(|kind| Some((kind, self.maps[kind].as_ref()?)));
-        let of_slot = |(kind, slot): (MapKind, &TextureSlot)| {
-            slot_numbers(slot).map(|(what, value)| (format!("{what} of the map {}", kind.key()), value))
+        let parameters = self.parameters.iter().flat_map(|(name, value)| {
+            let numbers = if BrdfModel::declared(name).is_some_and(|p| p.is_color()) { 3 } else { 1 };
+            value.color().to_array().into_iter().take(numbers).map(move |number| (name.replace('_', " "), number))
+        });
+        let of_slot = |(name, slot): (&str, &TextureSlot)| {
+            slot_numbers(slot).map(|(what, value)| (format!("{what} of the map {name}"), value))
         };
-        let parameters = parameter_numbers(&self.parameters).map(|(what, value)| (what.to_owned(), value));
-        match parameters.into_iter().chain(slots.flat_map(of_slot)).find(|(_, value)| !is_usable(*value)) {
+        match parameters.chain(self.maps.iter().flat_map(of_slot)).find(|(_, value)| !is_usable(*value)) {
             Some((what, value)) => Err(MaterialProblem { what, value }),
             None => Ok(()),
         }
@@ -38,19 +70,6 @@ impl Material {
 
 fn is_usable(value: f32) -> bool {
     value.abs() <= MOST_MATERIAL_NUMBER
-}
-
-fn parameter_numbers(p: &BrdfParameters) -> [(&'static str, f32); 8] {
-    [
-        ("base color", p.base_color.x),
-        ("base color", p.base_color.y),
-        ("base color", p.base_color.z),
-        ("roughness", p.roughness),
-        ("metalness", p.metalness),
-        ("anisotropy", p.anisotropy),
-        ("index of refraction", p.ior),
-        ("specular weight", p.specular),
-    ]
 }
 
 fn slot_numbers(slot: &TextureSlot) -> [(&'static str, f32); 6] {
@@ -73,14 +92,15 @@ mod tests {
     fn every_number_is_checked_and_named() {
         let good = Material::default();
         assert_eq!(good.validate(), Ok(()));
-        let most = BrdfParameters { base_color: Vec3::splat(MOST_MATERIAL_NUMBER), ..Default::default() };
-        assert_eq!(Material { parameters: most, ..good.clone() }.validate(), Ok(()));
-        let of = |parameters| Material { parameters, ..good.clone() }.validate().unwrap_err().to_string();
-        let plain = BrdfParameters::default();
-        assert!(of(BrdfParameters { ior: f32::INFINITY, ..plain }).starts_with("its index of refraction inf"));
-        assert!(of(BrdfParameters { base_color: Vec3::new(0.0, 0.0, 2e6), ..plain }).contains("base color 2000000"));
+        let with = |name, value: crate::brdf::Value| {
+            let parameters = Parameters::default().with(name, value);
+            Material { parameters, ..good.clone() }.validate()
+        };
+        assert_eq!(with("base_color", Vec3::splat(MOST_MATERIAL_NUMBER).into()), Ok(()));
+        let of = |name, value| with(name, value).unwrap_err().to_string();
+        assert!(of("ior", f32::INFINITY.into()).starts_with("its ior inf"));
+        assert!(of("base_color", Vec3::new(0.0, 0.0, 2e6).into()).contains("base color 2000000"));
         let slot = TextureSlot::default();
-        assert_eq!(slot_numbers(&slot).len(), 6);
         for slot in [
             TextureSlot { scale: Vec2::new(1.0, f32::INFINITY), ..slot.clone() },
             TextureSlot { offset: Vec2::splat(f32::NAN), ..slot.clone() },
@@ -88,7 +108,7 @@ mod tests {
             TextureSlot { strength: f32::NAN, ..slot },
         ] {
             let mut material = good.clone();
-            material.maps[MapKind::Bump] = Some(slot);
+            material.maps.set(BUMP, Some(slot));
             let problem = material.validate().unwrap_err().to_string();
             assert!(problem.contains("of the map bump"), "{problem}");
         }

@@ -1,155 +1,112 @@
-//! The textures of a material, in one list for all that goes through them.
+//! The textures of a material, by the name of what they modulate.
 
-use crate::texture::{ColorSpace, TextureSlot};
-use enum_map::{Enum, EnumMap};
+use crate::{
+    brdf::{BrdfModel, Parameter},
+    texture::{ColorSpace, TextureSlot},
+};
 use serde::{
-    Deserialize, Deserializer, Serialize, Serializer,
+    Deserialize, Deserializer, Serialize,
     de::{Error as _, MapAccess, Visitor},
 };
-use std::{
-    fmt,
-    marker::PhantomData,
-    ops::{Index, IndexMut},
-};
+use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData};
 
-/// The parameter of a material that a texture modulates: one map per parameter, and two for the normal. A map
-/// multiplies its parameter, as in glTF; for the index of refraction it scales the part above 1, the value of no
-/// refraction. The model and the reflecting sides have no map: they are choices, not values, and the sides are baked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Enum, Deserialize)]
-#[serde(field_identifier, rename_all = "snake_case")]
-pub enum MapKind {
-    /// Multiplies the base colour.
-    BaseColor,
-    /// Multiplies the roughness.
-    Roughness,
-    /// Multiplies the metalness.
-    Metalness,
-    /// Multiplies the weight of the specular lobe.
-    Specular,
-    /// Multiplies the anisotropy: a texel of zero is isotropic, and float texels below zero turn the stretch across.
-    Anisotropy,
-    /// Multiplies the part of the index of refraction above 1: a texel of zero gives 1, a texel of one the parameter.
-    Ior,
-    /// Tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
-    Normal,
-    /// Heights; `strength` is the height in metres of a texel of value one.
-    Bump,
+/// The map of tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
+pub const NORMAL: &str = "normal";
+/// The map of heights; `strength` is the height in metres of a texel of value one.
+pub const BUMP: &str = "bump";
+
+/// Names of the maps that materials of a model can have: one for each parameter, and two for the normal.
+pub fn map_names(model: BrdfModel) -> impl Iterator<Item = &'static str> {
+    model.parameters().iter().map(|p| p.name).chain([NORMAL, BUMP])
 }
 
-impl MapKind {
-    /// All of them, in the order of files.
-    pub fn all() -> impl Iterator<Item = Self> {
-        (0..Self::LENGTH).map(Self::from_usize)
-    }
-
-    /// Its name in files.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::BaseColor => "base_color",
-            Self::Roughness => "roughness",
-            Self::Metalness => "metalness",
-            Self::Specular => "specular",
-            Self::Anisotropy => "anisotropy",
-            Self::Ior => "ior",
-            Self::Normal => "normal",
-            Self::Bump => "bump",
-        }
-    }
-
-    /// Its name for people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::BaseColor => "Base color",
-            Self::Roughness => "Roughness",
-            Self::Metalness => "Metalness",
-            Self::Specular => "Specular",
-            Self::Anisotropy => "Anisotropy",
-            Self::Ior => "IOR",
-            Self::Normal => "Normal map",
-            Self::Bump => "Bump map",
-        }
-    }
-
-    /// How its 8-bit texels are meant unless something says otherwise.
-    pub fn color_space(self) -> ColorSpace {
-        if self == Self::BaseColor { ColorSpace::Srgb } else { ColorSpace::Linear }
+/// Name of a map for people.
+pub fn map_label(name: &str) -> &str {
+    match name {
+        NORMAL => "Normal map",
+        BUMP => "Bump map",
+        _ => BrdfModel::declared(name).map_or(name, |p| p.label),
     }
 }
 
-impl Serialize for MapKind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
-    }
+/// How the 8-bit texels of a map are meant unless something says otherwise: colours are sRGB encoded.
+pub fn map_color_space(name: &str) -> ColorSpace {
+    if BrdfModel::declared(name).is_some_and(Parameter::is_color) { ColorSpace::Srgb } else { ColorSpace::Linear }
 }
 
 /// Textures that modulate a material.
 pub type MaterialMaps = Maps<TextureSlot>;
 
-/// The slot of each map of a material, if any. In files an object with a key for each [`MapKind`].
+/// The slots of a material's maps: by the names of parameters, and [`NORMAL`] and [`BUMP`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Maps<T>(EnumMap<MapKind, Option<T>>);
+#[serde(transparent)]
+pub struct Maps<T>(BTreeMap<Cow<'static, str>, T>);
 
 impl<T> Maps<T> {
-    /// All slots that are in use.
+    /// The slot of a map, if there is one.
+    #[inline]
+    pub fn get(&self, name: &str) -> Option<&T> {
+        self.0.get(name)
+    }
+
+    /// The slot of a map, to be changed.
+    pub fn get_mut(&mut self, name: &str) -> Option<&mut T> {
+        self.0.get_mut(name)
+    }
+
+    /// Fills or empties the slot of a map.
+    pub fn set(&mut self, name: impl Into<Cow<'static, str>>, slot: Option<T>) {
+        let name = name.into();
+        match slot {
+            Some(slot) => drop(self.0.insert(name, slot)),
+            None => drop(self.0.remove(&name)),
+        }
+    }
+
+    /// All slots with their names.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {
+        self.0.iter().map(|(name, slot)| (name.as_ref(), slot))
+    }
+
+    /// All slots.
     pub fn slots(&self) -> impl Iterator<Item = &T> {
-        self.0.values().flatten()
+        self.0.values()
     }
 
-    /// All slots that are in use, to be changed.
+    /// All slots, to be changed.
     pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.0.values_mut().flatten()
+        self.0.values_mut()
     }
 
-    /// All slots, to be changed, filled or emptied.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = (MapKind, &mut Option<T>)> {
-        self.0.iter_mut()
+    /// Keeps the slots that fulfil a condition.
+    pub fn retain(&mut self, mut condition: impl FnMut(&str, &mut T) -> bool) {
+        self.0.retain(|name, slot| condition(name, slot));
     }
 
-    /// Converts the slots that are in use by `convert`.
+    /// Converts the slots by `convert`, without those that it returns none for.
     pub fn filter_map<U>(&self, mut convert: impl FnMut(&T) -> Option<U>) -> Maps<U> {
-        Maps(EnumMap::from_fn(|kind| self[kind].as_ref().and_then(&mut convert)))
+        Maps(self.0.iter().filter_map(|(name, slot)| Some((name.clone(), convert(slot)?))).collect())
     }
 
-    /// Converts the slots that are in use by `convert`, or returns its first error.
+    /// Converts the slots by `convert`, or returns its first error.
     ///
     /// # Errors
     /// Those of `convert`.
-    pub fn try_map<U, E>(&self, mut convert: impl FnMut(MapKind, &T) -> Result<U, E>) -> Result<Maps<U>, E> {
-        let mut converted = Maps::default();
-        for (kind, slot) in &self.0 {
-            converted[kind] = slot.as_ref().map(|slot| convert(kind, slot)).transpose()?;
-        }
-        Ok(converted)
+    pub fn try_map<U, E>(&self, mut convert: impl FnMut(&str, &T) -> Result<U, E>) -> Result<Maps<U>, E> {
+        let converted = self.0.iter().map(|(name, slot)| Ok((name.clone(), convert(name, slot)?)));
+        Ok(Maps(converted.collect::<Result<_, E>>()?))
     }
 }
 
 impl<T> Default for Maps<T> {
     fn default() -> Self {
-        Self(EnumMap::from_fn(|_| None))
+        Self(BTreeMap::new())
     }
 }
 
-impl<T> Index<MapKind> for Maps<T> {
-    type Output = Option<T>;
-
-    fn index(&self, kind: MapKind) -> &Option<T> {
-        &self.0[kind]
-    }
-}
-
-impl<T> IndexMut<MapKind> for Maps<T> {
-    fn index_mut(&mut self, kind: MapKind) -> &mut Option<T> {
-        &mut self.0[kind]
-    }
-}
-
-impl<T, const N: usize> From<[(MapKind, T); N]> for Maps<T> {
-    fn from(slots: [(MapKind, T); N]) -> Self {
-        let mut maps = Self::default();
-        for (kind, slot) in slots {
-            maps[kind] = Some(slot);
-        }
-        maps
+impl<T, const N: usize> From<[(&'static str, T); N]> for Maps<T> {
+    fn from(slots: [(&'static str, T); N]) -> Self {
+        Self(slots.into_iter().map(|(name, slot)| (Cow::Borrowed(name), slot)).collect())
     }
 }
 
@@ -159,7 +116,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Maps<T> {
     }
 }
 
-/// Reads an object whose keys are kinds of maps, each at most once.
+/// Reads an object whose keys are names of maps, each at most once. Files may have `null` for no map.
 struct MapsVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for MapsVisitor<T> {
@@ -170,15 +127,13 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for MapsVisitor<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Maps<T>, A::Error> {
-        let (mut maps, mut read) = (Maps::default(), Vec::new());
-        while let Some((kind, slot)) = entries.next_entry::<MapKind, Option<T>>()? {
-            if read.contains(&kind) {
-                return Err(A::Error::duplicate_field(kind.key()));
+        let mut read = BTreeMap::new();
+        while let Some((name, slot)) = entries.next_entry::<String, Option<T>>()? {
+            if read.insert(Cow::from(name.clone()), slot).is_some() {
+                return Err(A::Error::custom(format!("duplicate field `{name}`")));
             }
-            read.push(kind);
-            maps[kind] = slot;
         }
-        Ok(maps)
+        Ok(Maps(read.into_iter().filter_map(|(name, slot)| Some((name, slot?))).collect()))
     }
 }
 
@@ -187,23 +142,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_have_the_keys_in_their_order_and_no_others() {
-        let text = serde_json::to_string(&MaterialMaps::default()).unwrap();
-        let pairs: Vec<String> = MapKind::all().map(|kind| format!("\"{}\":null", kind.key())).collect();
-        assert_eq!(text, format!("{{{}}}", pairs.join(",")));
-        assert_eq!(serde_json::from_str::<MaterialMaps>("{}").unwrap(), MaterialMaps::default());
-        let misspelt = serde_json::from_str::<MaterialMaps>(r#"{"iro": null}"#).unwrap_err().to_string();
-        assert!(misspelt.starts_with("unknown field `iro`, expected one of `base_color`"), "{misspelt}");
-        let twice = serde_json::from_str::<MaterialMaps>(r#"{"ior": null, "ior": null}"#).unwrap_err().to_string();
+    fn files_have_the_maps_that_are_there_and_may_say_null() {
+        let maps = Maps::from([(BUMP, 3), ("roughness", 4)]);
+        assert_eq!(serde_json::to_string(&maps).unwrap(), r#"{"bump":3,"roughness":4}"#);
+        assert_eq!(serde_json::from_str::<Maps<i32>>(r#"{"roughness":4,"bump":3,"ior":null}"#).unwrap(), maps);
+        let twice = serde_json::from_str::<Maps<i32>>(r#"{"ior": null, "ior": null}"#).unwrap_err().to_string();
         assert!(twice.starts_with("duplicate field `ior`"), "{twice}");
     }
 
     #[test]
     fn slots_are_converted_where_they_are_and_the_first_error_is_told() {
-        let maps = Maps::from([(MapKind::Bump, 3), (MapKind::Roughness, 4)]);
-        assert_eq!(maps.filter_map(|&n| (n > 3).then_some(10 * n)), Maps::from([(MapKind::Roughness, 40)]));
-        let order = |kind, &n: &i32| if n > 3 { Ok((kind, n)) } else { Err(n) };
+        let maps = Maps::from([(BUMP, 3), ("roughness", 4)]);
+        assert_eq!(maps.filter_map(|&n| (n > 3).then_some(10 * n)), Maps::from([("roughness", 40)]));
+        let order = |name: &str, &n: &i32| if n > 3 { Ok((name.to_owned(), n)) } else { Err(n) };
         assert_eq!(maps.try_map(order), Err(3));
-        assert_eq!(maps.slots().copied().collect::<Vec<_>>(), [4, 3], "in the order of the kinds");
+        assert_eq!(maps.slots().copied().collect::<Vec<_>>(), [3, 4], "in the order of their names");
+    }
+
+    #[test]
+    fn every_parameter_has_a_map_and_colours_are_encoded() {
+        assert_eq!(map_names(BrdfModel::Lambert).collect::<Vec<_>>(), ["base_color", NORMAL, BUMP]);
+        assert_eq!(
+            (map_color_space("base_color"), map_color_space("roughness")),
+            (ColorSpace::Srgb, ColorSpace::Linear)
+        );
+        assert_eq!((map_label("ior"), map_label(BUMP)), ("IOR", "Bump map"));
     }
 }

@@ -1,6 +1,7 @@
 //! glTF, made in the tests by hand.
 
 use super::*;
+use lapidary_core::brdf::GgxParameters;
 
 /// A quad as glTF: positions, and the rest of its JSON from `parts` of the form `"key": value`.
 pub struct Gltf {
@@ -133,15 +134,15 @@ fn gltf_materials_and_cameras_are_read() {
     let imported = import(&files.add("a.gltf", scene.embedded())).unwrap();
     check_valid(&imported);
     let material = &imported.scene.materials[0];
-    let p = &material.parameters;
+    let p = GgxParameters::from(&material.parameters);
     assert_eq!((p.base_color, p.roughness, p.metalness, p.ior), (Vec3::new(0.1, 0.2, 0.3), 0.4, 0.6, 1.33));
     assert!(material.double_sided);
     let maps = &material.maps;
-    let base = maps[MapKind::BaseColor].as_ref().unwrap();
+    let base = maps.get("base_color").unwrap();
     assert_eq!((base.color_space, base.rotation, base.texture), (ColorSpace::Srgb, 0.5, 0));
-    let (rough, metal) = (maps[MapKind::Roughness].as_ref().unwrap(), maps[MapKind::Metalness].as_ref().unwrap());
+    let (rough, metal) = (maps.get("roughness").unwrap(), maps.get("metalness").unwrap());
     assert_eq!((rough.channel, metal.channel, rough.color_space), (Channel::G, Channel::B, ColorSpace::Linear));
-    let normal = maps[MapKind::Normal].as_ref().unwrap();
+    let normal = maps.get("normal").unwrap();
     assert_eq!((normal.strength, normal.scale, normal.offset), (0.5, Vec2::new(3.0, 4.0), Vec2::new(0.25, 0.0)));
     let camera = &imported.scene.cameras[0];
     assert_eq!((camera.name.as_str(), camera.eye, camera.fov_y), ("view", Vec3::new(0.5, 0.5, 4.0), 0.7));

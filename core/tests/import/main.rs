@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     import::{ImportError, ImportOptions, Imported, import, import_with, load_material},
     lights::Emission,
-    material::{BrdfModel, MapKind},
+    material::BrdfModel,
     scene::{MeshError, Scene},
     texture::{Channel, ColorSpace},
 };

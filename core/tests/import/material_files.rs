@@ -37,11 +37,11 @@ fn material_files_bring_their_pictures_once() {
     let mut scene = Scene::default();
     let material = load(&path, &mut scene).unwrap();
     assert_eq!(
-        (material.name.as_str(), material.model, material.parameters.roughness),
+        (material.name.as_str(), material.model, material.parameters.number("roughness")),
         ("gold", BrdfModel::Ward, 0.25)
     );
     let (color, roughness) =
-        (material.maps[MapKind::BaseColor].clone().unwrap(), material.maps[MapKind::Roughness].clone().unwrap());
+        (material.maps.get("base_color").cloned().unwrap(), material.maps.get("roughness").cloned().unwrap());
     assert_eq!((color.color_space, roughness.color_space), (ColorSpace::Srgb, ColorSpace::Linear));
     assert_eq!((roughness.channel, color.scale), (Channel::G, Vec2::splat(2.0)));
     assert!((color.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
@@ -78,8 +78,8 @@ fn numbers_of_a_material_file_are_kept_in_range_aloud() {
         "maps": {"bump": {"file": "a.png", "scale": [1e30, 2], "strength": 1e31}}}"#;
     let path = files.add("x.json", text);
     let (material, warnings) = load_material(&path, &mut Scene::default(), &ImportOptions::default()).unwrap();
-    let slot = material.maps[MapKind::Bump].as_ref().unwrap();
-    assert_eq!((slot.scale, slot.strength, material.parameters.roughness), (Vec2::new(1.0, 2.0), 1.0, 1.0));
+    let slot = material.maps.get("bump").unwrap();
+    assert_eq!((slot.scale, slot.strength, material.parameters.number("roughness")), (Vec2::new(1.0, 2.0), 1.0, 1.0));
     assert!(matches!(&warnings[..], [warning] if warning.contains("\"odd\"")), "{warnings:?}");
     let beyond = files.add("z.json", text.replace("1e30", "1e300"));
     let refused = load_material(&beyond, &mut Scene::default(), &ImportOptions::default()).unwrap_err().to_string();

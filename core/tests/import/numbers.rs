@@ -15,7 +15,7 @@ fn check_in_range(imported: &Imported) {
     assert!(scene.mesh.bounds().diagonal() >= LEAST_DIAGONAL);
     assert!(scene.mesh.uvs.iter().all(|uv| uv.abs().max_element() <= MOST_COORDINATE));
     for material in &scene.materials {
-        assert_eq!(material.parameters, material.parameters.sanitized());
+        assert_eq!(material.parameters, material.parameters.clone().sanitized());
         for slot in material.maps.slots() {
             let numbers = [slot.scale.x, slot.scale.y, slot.offset.x, slot.offset.y, slot.rotation, slot.strength];
             assert!(numbers.iter().all(|x| x.abs() <= TextureSlot::MOST), "{slot:?}");

@@ -28,7 +28,7 @@ fn obj_quirks_are_understood() {
     assert_eq!(names, ["Left part", "Right"]);
     assert_eq!((scene.materials[0].name.as_str(), scene.materials[1].name.as_str()), ("red wood", "lost"));
     assert_eq!(scene.mesh.triangle_material, [0, 1]);
-    let slot = scene.materials[0].maps[MapKind::BaseColor].as_ref().unwrap();
+    let slot = scene.materials[0].maps.get("base_color").unwrap();
     assert_eq!((slot.scale, slot.color_space), (Vec2::splat(2.0), ColorSpace::Srgb));
     assert_eq!(scene.textures[0].size, [2, 2]);
     assert!(!scene.textures[0].encoded.is_empty());
@@ -93,11 +93,11 @@ fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl a\nf 1 3 2\nusemtl b\nf 1 3 2\nusemtl c\nf 1 3 2\n";
     let scene = import(&files.add("a.obj", obj)).unwrap().scene;
     assert_eq!(scene.textures.len(), 2);
-    let strength = |slot: &Option<lapidary_core::texture::TextureSlot>| slot.as_ref().map(|s| s.strength);
+    let strength = |slot: Option<&lapidary_core::texture::TextureSlot>| slot.map(|s| s.strength);
     let [a, b, c] = [0, 1, 2].map(|i| &scene.materials[i].maps);
-    assert_eq!((strength(&a[MapKind::Bump]), strength(&a[MapKind::Normal])), (Some(0.005), None));
-    assert_eq!((strength(&b[MapKind::Bump]), strength(&b[MapKind::Normal])), (None, Some(0.25)));
-    assert_eq!((strength(&c[MapKind::Bump]), strength(&c[MapKind::Normal])), (None, Some(1.0)));
+    assert_eq!((strength(a.get("bump")), strength(a.get("normal"))), (Some(0.005), None));
+    assert_eq!((strength(b.get("bump")), strength(b.get("normal"))), (None, Some(0.25)));
+    assert_eq!((strength(c.get("bump")), strength(c.get("normal"))), (None, Some(1.0)));
 }
 
 #[test]

@@ -152,7 +152,6 @@ fn ask_system(purpose: &Purpose, folder: &Path, name: &str, wake: Wake) -> Recei
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::material::MapKind;
     use std::sync::Arc;
 
     #[test]
@@ -168,7 +167,7 @@ mod tests {
             dialogs.ask(action, &last, Some(scenes.join("../scenes")), None);
             dialogs.open.unwrap().folder
         };
-        assert_eq!(begins(Action::LoadTexture { material: 0, map: MapKind::Bump, path: None }), textures);
+        assert_eq!(begins(Action::LoadTexture { material: 0, map: "bump", path: None }), textures);
         assert_eq!(begins(Action::Open(None)), scenes, "negative control: nothing was opened yet");
         assert_eq!(begins(Action::ExportPicture(None)), scenes, "a folder that is gone");
     }

@@ -15,7 +15,7 @@ use anyhow::{Context as _, Result};
 use lapidary_core::{
     import::{MaterialFile, SlotFile},
     input,
-    material::{MapKind, Material},
+    material::{Material, map_label},
     output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
 };
@@ -68,16 +68,16 @@ impl EditorState {
     }
 
     /// Gives a material a map, as a step of undo.
-    fn use_texture(&mut self, index: usize, map: MapKind, texture: Arc<Texture>, file: Option<PathBuf>) {
+    fn use_texture(&mut self, index: usize, map: &'static str, texture: Arc<Texture>, file: Option<PathBuf>) {
         let Some(mut material) = self.document.materials.get(index).cloned() else { return };
         self.document.textures.push(TextureEntry { texture, file });
         let texture = (self.document.textures.len() - 1) as u32;
-        let slot = &mut material.maps[map];
-        *slot = Some(match slot.take() {
-            Some(old) => TextureSlot { texture, ..old },
+        let slot = match material.maps.get(map) {
+            Some(old) => TextureSlot { texture, ..old.clone() },
             None => new_slot(map, texture),
-        });
-        self.edit_material(index, material, map.label());
+        };
+        material.maps.set(map, Some(slot));
+        self.edit_material(index, material, map_label(map));
     }
 
     /// `added` are the textures that the material refers to after the first `given` ones of the document, which may
@@ -262,7 +262,7 @@ fn write_material(file: &MaterialFile, path: &Path) -> Result<()> {
 
 /// Uses a picture for the base colour of a material.
 pub fn as_base_color(material: usize, path: PathBuf) -> Action {
-    Action::LoadTexture { material, map: MapKind::BaseColor, path: Some(path) }
+    Action::LoadTexture { material, map: "base_color", path: Some(path) }
 }
 
 #[cfg(test)]
@@ -274,7 +274,7 @@ mod tests {
         let texture = Arc::new(Texture::missing("wood.png"));
         let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
         let mut material = Material { name: "wood".into(), ..Default::default() };
-        material.maps[MapKind::BaseColor] = slot;
+        material.maps.set("base_color", slot);
         Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
     }
 
@@ -287,12 +287,12 @@ mod tests {
         let document = document(Some(picture));
         let path = folder.path().join("wood.json");
         let (file, left_out) = material_file(&document.materials[0], &document, &path);
-        assert_eq!((left_out, file.maps[MapKind::BaseColor].as_ref().unwrap().file.as_str()), (0, "wood.png"));
+        assert_eq!((left_out, file.maps.get("base_color").unwrap().file.as_str()), (0, "wood.png"));
         write_material(&file, &path).unwrap();
         let read = load_material(&path, &mut Default::default(), &Default::default()).unwrap().0;
         let (a, b) = (
-            read.maps[MapKind::BaseColor].clone().unwrap(),
-            document.materials[0].maps[MapKind::BaseColor].clone().unwrap(),
+            read.maps.get("base_color").cloned().unwrap(),
+            document.materials[0].maps.get("base_color").cloned().unwrap(),
         );
         assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
     }
@@ -300,11 +300,9 @@ mod tests {
     #[test]
     fn every_map_is_written() {
         let document = document(Some("/a/wood.png".into()));
-        let slot = document.materials[0].maps[MapKind::BaseColor].clone().unwrap();
-        let one = serde_json::to_value(slot).unwrap();
-        let keys = serde_json::to_value(lapidary_core::material::MaterialMaps::default()).unwrap();
-        let all = keys.as_object().unwrap().keys().map(|key| (key.clone(), one.clone()));
-        let maps = serde_json::from_value(serde_json::Value::Object(all.collect())).unwrap();
+        let slot = document.materials[0].maps.get("base_color").cloned().unwrap();
+        let mut maps = lapidary_core::material::MaterialMaps::default();
+        lapidary_core::material::map_names(Default::default()).for_each(|name| maps.set(name, Some(slot.clone())));
         let (file, left_out) =
             material_file(&Material { maps, ..Default::default() }, &document, Path::new("/a/b.json"));
         let written = serde_json::to_value(&file.maps).unwrap();
@@ -339,7 +337,7 @@ mod tests {
         let mut document = document(Some("/a/wood.png".into()));
         document.environment.spec = "/a/sky.hdr".into();
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()]);
-        document.materials[0].maps[MapKind::BaseColor] = None;
+        document.materials[0].maps.set("base_color", None);
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr")]);
     }
 }

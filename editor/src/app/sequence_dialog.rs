@@ -4,6 +4,7 @@ use crate::panels::widgets::{check_box, copyable};
 use anyhow::{Result, bail};
 use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
 use glam::Vec3;
+use lapidary_core::brdf::BrdfModel;
 use lapidary_render::Look;
 use lapidary_studies::{
     export::LayerList,
@@ -152,7 +153,7 @@ impl SequenceDialog {
         }
         ui.label(if self.settings.sweeps.is_empty() { "Sweep" } else { "" });
         if ui.button("Add a sweep").on_hover_text("A parameter that changes over the frames").clicked() {
-            self.settings.sweeps.push(new_sweep(Parameter::Roughness, look));
+            self.settings.sweeps.push(new_sweep(Parameter::Brdf("roughness"), look));
         }
         ui.end_row();
     }
@@ -278,7 +279,7 @@ fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
         let removed = ui.horizontal(|ui| {
             let combo = ComboBox::from_id_salt("parameter").selected_text(words(parameter)).width(130.0);
             let combo = combo.height(400.0).show_ui(ui, |ui| {
-                for choice in Parameter::ALL.into_iter().filter(|choice| choice.applies_to(look)) {
+                for choice in Parameter::all().filter(|choice| choice.applies_to(look)) {
                     ui.selectable_value(&mut parameter, choice, words(choice));
                 }
             });
@@ -352,11 +353,12 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
     let moved = |place: Vec3| (Value::Vector(place), Value::Vector(place + 0.5 * Vec3::X));
     let camera = &look.view.camera;
     let (from, to) = match parameter {
-        Parameter::Roughness => from_to(0.05, 0.8),
-        Parameter::BaseColor => (Value::Vector(Vec3::splat(0.1)), Value::Vector(Vec3::splat(0.9))),
-        Parameter::Metalness | Parameter::Specular => from_to(0.0, 1.0),
-        Parameter::Ior => from_to(1.1, 2.5),
-        Parameter::Anisotropy => from_to(-0.9, 0.9),
+        Parameter::Brdf("roughness") => from_to(0.05, 0.8),
+        Parameter::Brdf("anisotropy") => from_to(-0.9, 0.9),
+        Parameter::Brdf(name) => match BrdfModel::declared(name) {
+            Some(p) if !p.is_color() => from_to(p.slider[0], p.slider[1]),
+            _ => (Value::Vector(Vec3::splat(0.1)), Value::Vector(Vec3::splat(0.9))),
+        },
         Parameter::Bump => from_to(0.0, 0.005),
         Parameter::Normal => from_to(0.0, 1.0),
         Parameter::Rotation => from_to(0.0, 180.0),
@@ -389,7 +391,7 @@ mod tests {
     #[test]
     fn every_sweep_that_is_proposed_makes_a_sequence() {
         let [lit, refined] = [BrdfSampling::Lit, BrdfSampling::Refine].map(|sampling| Look { sampling, ..test_look() });
-        let proposed = |look: &Look| Parameter::ALL.into_iter().filter(|p| p.applies_to(look)).collect::<Vec<_>>();
+        let proposed = |look: &Look| Parameter::all().filter(|p| p.applies_to(look)).collect::<Vec<_>>();
         assert!(!proposed(&lit).contains(&Parameter::IllumCut) && !proposed(&refined).contains(&Parameter::LitCuts));
         let each = |look| proposed(look).into_iter().map(move |parameter| (look, parameter));
         for (look, parameter) in [&lit, &refined].into_iter().flat_map(each) {

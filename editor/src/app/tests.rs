@@ -19,7 +19,7 @@ use super::{
 use crate::{actions::Action, paths::Folders, preferences::Preferences};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
-use lapidary_core::{dataset::BakeSettings, import::import, material::MapKind};
+use lapidary_core::{dataset::BakeSettings, import::import};
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use lapidary_render::CpuBackend;
 use std::{
@@ -154,7 +154,7 @@ impl Window {
     }
 
     fn roughness(&self) -> f32 {
-        self.0.state().document.materials[0].parameters.roughness
+        self.0.state().document.materials[0].parameters.number("roughness")
     }
 
     fn drop_file(&mut self, path: PathBuf) {
@@ -261,9 +261,9 @@ fn a_dropped_picture_goes_on_the_selected_material_as_a_step_of_undo() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("red.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps[MapKind::BaseColor].is_some());
+    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
     window.perform(Action::Undo);
-    assert!(window.0.state().document.materials[0].maps[MapKind::BaseColor].is_none());
+    assert!(window.0.state().document.materials[0].maps.get("base_color").is_none());
 }
 
 #[test]
@@ -311,7 +311,7 @@ fn a_changed_texture_is_loaded_again() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("paint.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps[MapKind::BaseColor].is_some());
+    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
     let old = window.0.state().document.textures[0].texture.clone();
     window.wait("the watch", |s| !s.watched.is_empty());
     let repaint =

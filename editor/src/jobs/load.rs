@@ -5,7 +5,6 @@ mod kind;
 pub use kind::{Kind, foreign, kind_of};
 
 use super::Imported;
-use lapidary_core::material::MapKind;
 use lapidary_core::{
     environment::Environment,
     import::{ImportError, ImportOptions, load_material},
@@ -33,7 +32,7 @@ pub enum Topic {
         /// Which material.
         material: usize,
         /// Which map.
-        map: MapKind,
+        map: &'static str,
     },
     /// A whole material.
     Material(usize),

@@ -18,7 +18,7 @@ use crate::{
 };
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{
-    material::{MapKind, Material},
+    material::{Material, map_color_space},
     texture::TextureSlot,
 };
 use lapidary_render::{Post, SceneLighting};
@@ -53,7 +53,7 @@ pub struct MaterialPanel {
     copied: Option<Copied>,
     clear_maps: bool,
     /// Maps whose horizontal and vertical scale are edited apart.
-    unlinked: HashSet<(usize, MapKind)>,
+    unlinked: HashSet<(usize, &'static str)>,
     thumbnails: Thumbnails,
     preview: Preview,
     plot: LobePlot,
@@ -101,9 +101,9 @@ impl Changes {
 }
 
 /// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimetre.
-pub fn new_slot(kind: MapKind, texture: u32) -> TextureSlot {
-    let slot = TextureSlot { texture, color_space: kind.color_space(), ..TextureSlot::default() };
-    if kind == MapKind::Bump { TextureSlot { strength: 1e-3, ..slot } } else { slot }
+pub fn new_slot(kind: &'static str, texture: u32) -> TextureSlot {
+    let slot = TextureSlot { texture, color_space: map_color_space(kind), ..TextureSlot::default() };
+    if kind == "bump" { TextureSlot { strength: 1e-3, ..slot } } else { slot }
 }
 
 /// Shows the panel.
@@ -121,7 +121,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
         parameters::show(ui, state, context.document, index, &mut changes, actions);
     });
     section(ui, "Surface detail", true, |ui| {
-        for kind in [MapKind::Normal, MapKind::Bump] {
+        for kind in ["normal", "bump"] {
             maps::slot(ui, state, context.document, maps::Target { index, kind }, &mut changes, actions);
         }
     });

@@ -4,7 +4,8 @@
 //! of the bulk material, albedo of common samples. They are starting points, not measurements.
 
 use glam::Vec3;
-use lapidary_core::material::{BrdfModel, BrdfParameters, Material, MaterialMaps};
+use lapidary_core::brdf::GgxParameters;
+use lapidary_core::material::{BrdfModel, Material, MaterialMaps};
 
 /// A material to start from.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +17,7 @@ pub struct Preset {
     /// Reflectance model.
     pub model: BrdfModel,
     /// Its values.
-    pub parameters: BrdfParameters,
+    pub parameters: GgxParameters,
 }
 
 impl Preset {
@@ -24,7 +25,7 @@ impl Preset {
     pub fn applied_to(&self, material: &Material, clear_maps: bool) -> Material {
         Material {
             model: self.model,
-            parameters: self.parameters,
+            parameters: self.parameters.into(),
             maps: if clear_maps { MaterialMaps::default() } else { material.maps.clone() },
             ..material.clone()
         }
@@ -53,35 +54,37 @@ pub const PRESETS: [Preset; 18] = [
     metal("Chrome", [0.550, 0.556, 0.554], 0.05, 0.0),
 ];
 
-const BASE: BrdfParameters =
-    BrdfParameters { base_color: Vec3::ONE, roughness: 0.5, metalness: 0.0, anisotropy: 0.0, ior: 1.5, specular: 1.0 };
+const BASE: GgxParameters =
+    GgxParameters { base_color: Vec3::ONE, roughness: 0.5, metalness: 0.0, anisotropy: 0.0, ior: 1.5, specular: 1.0 };
 
 const fn lambert(name: &'static str, color: [f32; 3]) -> Preset {
-    let parameters = BrdfParameters { base_color: Vec3::from_array(color), ..BASE };
+    let parameters = GgxParameters { base_color: Vec3::from_array(color), ..BASE };
     Preset { name, source: "Albedo of a dry, powdery surface", model: BrdfModel::Lambert, parameters }
 }
 
 const fn dielectric(name: &'static str, color: [f32; 3], roughness: f32, ior: f32, source: &'static str) -> Preset {
-    let parameters = BrdfParameters { base_color: Vec3::from_array(color), roughness, ior, ..BASE };
+    let parameters = GgxParameters { base_color: Vec3::from_array(color), roughness, ior, ..BASE };
     Preset { name, source, model: BrdfModel::Ggx, parameters }
 }
 
 const fn metal(name: &'static str, reflectance: [f32; 3], roughness: f32, anisotropy: f32) -> Preset {
     let base_color = Vec3::from_array(reflectance);
-    let parameters = BrdfParameters { base_color, roughness, metalness: 1.0, anisotropy, ..BASE };
+    let parameters = GgxParameters { base_color, roughness, metalness: 1.0, anisotropy, ..BASE };
     Preset { name, source: "Reflectance at normal incidence, as commonly published", model: BrdfModel::Ggx, parameters }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{material::MapKind, texture::TextureSlot};
+    use lapidary_core::brdf::Parameters;
+    use lapidary_core::texture::TextureSlot;
     use std::collections::HashSet;
 
     #[test]
     fn presets_are_in_range_and_have_names_of_their_own() {
         for preset in &PRESETS {
-            assert_eq!(preset.parameters, preset.parameters.sanitized(), "{}", preset.name);
+            let parameters = Parameters::from(preset.parameters);
+            assert_eq!(parameters, parameters.clone().sanitized(), "{}", preset.name);
             assert!(preset.parameters.base_color.max_element() > 0.0);
         }
         let names: HashSet<&str> = PRESETS.iter().map(|p| p.name).collect();
@@ -90,12 +93,12 @@ mod tests {
 
     #[test]
     fn a_preset_keeps_name_and_maps_unless_told_to_clear_them() {
-        let maps = MaterialMaps::from([(MapKind::Bump, TextureSlot::default())]);
+        let maps = MaterialMaps::from([("bump", TextureSlot::default())]);
         let material = Material { name: "Knob".into(), maps, double_sided: true, ..Default::default() };
         let gold = PRESETS.iter().find(|p| p.name == "Gold").unwrap();
         let kept = gold.applied_to(&material, false);
         assert_eq!((kept.name.as_str(), kept.double_sided, &kept.maps), ("Knob", true, &material.maps));
-        assert_eq!(kept.parameters.metalness, 1.0);
+        assert_eq!(kept.parameters.number("metalness"), 1.0);
         assert_eq!(gold.applied_to(&material, true).maps, MaterialMaps::default());
     }
 }

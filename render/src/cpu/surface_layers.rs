@@ -99,8 +99,8 @@ impl Pixel {
             FirstHit::Surface(point) => {
                 self.covered += 1.0;
                 self.normal += point.world_from_local.z_axis;
-                self.albedo += point.parameters.base_color;
-                self.roughness += point.parameters.roughness;
+                self.albedo += point.base_color;
+                self.roughness += point.roughness;
                 let camera = &sampler.view.camera;
                 let depth = (point.position - camera.eye).dot(-camera.world_from_view().z_axis);
                 if depth < self.depth {
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::{Backend, Baked, CpuBackend, ViewMode, test_scenes};
     use glam::Vec2;
-    use lapidary_core::{camera::Camera, dataset::Dataset, material::BrdfParameters};
+    use lapidary_core::{brdf::GgxParameters, camera::Camera, dataset::Dataset};
 
     const SIZE: [u32; 2] = [16, 12];
 
@@ -126,7 +126,7 @@ mod tests {
     }
 
     fn dataset() -> Dataset {
-        test_scenes::dataset(test_scenes::mesh(2, true), BrdfParameters { roughness: 0.3, ..Default::default() })
+        test_scenes::dataset(test_scenes::mesh(2, true), GgxParameters { roughness: 0.3, ..Default::default() })
     }
 
     /// Picture of the CPU renderer in a mode.

@@ -2,6 +2,7 @@
 
 use super::{
     device::GpuDevice,
+    materials::GpuMaterials,
     pipeline::{Layouts, bind},
     scene::GpuScene,
     targets::{Sums, Targets},
@@ -15,6 +16,7 @@ pub struct PictureInputs<'a> {
     pub gpu: &'a GpuDevice,
     pub layouts: &'a Layouts,
     pub scene: &'a GpuScene,
+    pub materials: &'a GpuMaterials,
     pub frame: &'a wgpu::Buffer,
     pub targets: &'a Targets,
 }
@@ -27,8 +29,7 @@ impl PictureInputs<'_> {
 
     /// The group of the scene.
     pub fn scene_group(&self) -> wgpu::BindGroup {
-        let geometry = [self.scene.vertices.as_entire_binding(), self.scene.triangles.as_entire_binding()];
-        bind(self.gpu, "scene", &self.layouts.scene, &geometry)
+        self.materials.bound_with(self.gpu, &self.layouts.scene, self.scene)
     }
 }
 
@@ -53,9 +54,9 @@ impl Addition {
         light: wgpu::BindGroup,
         part: Part,
     ) -> Option<Self> {
-        let Targets { geometry, rotation, color_roughness, others, parts, .. } = picture.targets;
+        let Targets { geometry, rotation, color_roughness, parts, .. } = picture.targets;
         let inputs = |sums: &Sums| {
-            let inputs = [geometry, rotation, color_roughness, others, &sums.value, &sums.work].map(|t| View(&t.view));
+            let inputs = [geometry, rotation, color_roughness, &sums.value, &sums.work].map(|t| View(&t.view));
             bind(picture.gpu, label, &picture.layouts.addition, &inputs)
         };
         Some(Self {

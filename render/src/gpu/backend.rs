@@ -15,7 +15,9 @@ use super::{
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
+    models::ModelSet,
     passes::Passes,
+    pipeline::Shaders,
     readback,
     scene::{GpuScene, storage},
     shaders::ShaderSource,
@@ -54,7 +56,7 @@ use wgpu::util::DeviceExt;
 pub struct GpuBackend {
     gpu: GpuDevice,
     passes: Passes,
-    source: ShaderSource,
+    shaders: Shaders,
     frame: wgpu::Buffer,
     display: wgpu::Buffer,
     magma: wgpu::Buffer,
@@ -125,7 +127,8 @@ impl GpuBackend {
     }
 
     fn on(gpu: GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
-        let passes = Passes::new(&gpu, source, &[])?;
+        let shaders = Shaders { source: source.clone(), models: ModelSet::default() };
+        let passes = Passes::new(&gpu, &shaders, &[])?;
         let uniform = |label, size: usize| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -146,7 +149,7 @@ impl GpuBackend {
             local_lights: DirectLights::new(&gpu),
             gpu,
             passes,
-            source: source.clone(),
+            shaders,
             scene: None,
             light: None,
             local: LocalLighting::default(),
@@ -159,6 +162,16 @@ impl GpuBackend {
             picture: None,
             history: None,
         })
+    }
+
+    /// Builds the passes anew if the materials have other models than they are compiled for.
+    fn compile_for(&mut self, models: ModelSet) -> Result<(), BackendError> {
+        if models != self.shaders.models {
+            self.shaders.models = models;
+            self.passes = Passes::new(&self.gpu, &self.shaders, &self.passes.variants())?;
+            self.local_lights.forget_shadows();
+        }
+        Ok(())
     }
 
     fn submit(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<(), BackendError> {
@@ -290,7 +303,7 @@ impl Backend for GpuBackend {
     }
 
     fn reload(&mut self) -> Result<(), BackendError> {
-        self.passes = Passes::new(&self.gpu, &self.source, &self.passes.variants())?;
+        self.passes = Passes::new(&self.gpu, &self.shaders, &self.passes.variants())?;
         self.local_lights.forget_shadows();
         (self.picture, self.state, self.history) = (None, None, None);
         Ok(())
@@ -299,7 +312,8 @@ impl Backend for GpuBackend {
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         let dataset = &baked.dataset;
         let scene = GpuScene::new(&self.gpu, dataset)?;
-        let (materials, _) = GpuMaterials::new(&self.gpu, &Appearance::of(&dataset.scene), None);
+        let appearance = Appearance::of(&dataset.scene);
+        let (materials, _) = GpuMaterials::new(&self.gpu, &appearance, None);
         self.gpu.check()?;
         let patches: Vec<u32> = match Bounces::of(dataset).any() {
             true => baked.patches().iter().map(|&patch| patch.into()).collect(),
@@ -307,6 +321,7 @@ impl Backend for GpuBackend {
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
         self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
+        self.compile_for(ModelSet::of(&appearance))?;
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
@@ -322,6 +337,7 @@ impl Backend for GpuBackend {
         messages.extend(scaled);
         self.scene = Some(Loaded { materials, ..loaded });
         self.picture = None;
+        self.compile_for(ModelSet::of(&fitted))?;
         self.gpu.check()?;
         Ok(messages)
     }

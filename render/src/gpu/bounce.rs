@@ -5,9 +5,9 @@ use super::{
     addition::{Addition, PictureInputs},
     device::GpuDevice,
     layout,
-    pipeline::{Binding, Layouts, Pipeline, bind, layout as bind_layout, module},
+    pipeline::{Binding, Layouts, Pipeline, Shaders, bind, layout as bind_layout, module},
     scene::storage,
-    shaders::{BOUNCE, ShaderSource},
+    shaders::BOUNCE,
     targets::format,
 };
 use crate::{backend::BackendError, light::bounce::VertexIrradiance, stale::Part};
@@ -25,12 +25,12 @@ impl BouncePass {
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, source: &ShaderSource, layouts: &Layouts) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
         let irradiance = bind_layout(gpu, "vertex irradiance", &[Binding::Storage, Binding::Storage]);
         let pipeline = Pipeline {
             layouts: &[&layouts.frame, &layouts.scene, &irradiance, &layouts.addition],
             targets: &format::SUMS,
-            ..Pipeline::new(module(gpu, source, &BOUNCE)?, "bounce")
+            ..Pipeline::new(module(gpu, shaders, &BOUNCE)?, "bounce")
         };
         Ok(Self { pipeline: pipeline.build(gpu), irradiance })
     }

@@ -4,9 +4,9 @@ use super::{
     addition::{Addition, PictureInputs},
     device::GpuDevice,
     layout::{LocalLight, ShadowView, constants},
-    pipeline::{Binding, Layouts, Pipeline, bind, layout, module},
+    pipeline::{Binding, Layouts, Pipeline, Shaders, bind, layout, module},
     scene::{GpuScene, storage},
-    shaders::{DIRECT, SHADOW, ShaderSource},
+    shaders::{DIRECT, SHADOW},
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
     targets::format,
 };
@@ -34,19 +34,19 @@ impl DirectPasses {
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, source: &ShaderSource, layouts: &Layouts) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
         use Binding::{DepthLayers, Storage};
         let views = layout(gpu, "shadow views", &[Storage]);
         let lights = layout(gpu, "local lights", &[Storage, Storage, DepthLayers]);
         let shadow = Pipeline {
             depth: true,
             layouts: &[&layouts.frame, &layouts.scene, &views],
-            ..Pipeline::new(module(gpu, source, &SHADOW)?, "shadow map")
+            ..Pipeline::new(module(gpu, shaders, &SHADOW)?, "shadow map")
         };
         let direct = Pipeline {
             layouts: &[&layouts.frame, &layouts.scene, &lights, &layouts.addition],
             targets: &format::SUMS,
-            ..Pipeline::new(module(gpu, source, &DIRECT)?, "direct")
+            ..Pipeline::new(module(gpu, shaders, &DIRECT)?, "direct")
         };
         Ok(Self { shadow: shadow.build(gpu), direct: direct.build(gpu), views, lights })
     }

@@ -92,27 +92,25 @@ pub struct TextureSlot {
     pub channel: u32,
 }
 
-/// `Material` of `materials.wgsl`.
+/// `MaterialParameter` of `materials.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct MaterialParameter {
+    pub value: [f32; 3],
+    pub padding: u32,
+    pub map: TextureSlot,
+}
+
+/// `Material` of `materials.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Material {
-    pub base_color: [f32; 3],
-    pub roughness: f32,
-    pub metalness: f32,
-    pub anisotropy: f32,
-    pub ior: f32,
-    pub specular: f32,
     pub model: u32,
     pub normal_y: f32,
     pub padding: [u32; 2],
-    pub base_color_map: TextureSlot,
-    pub roughness_map: TextureSlot,
-    pub metalness_map: TextureSlot,
-    pub specular_map: TextureSlot,
-    pub anisotropy_map: TextureSlot,
-    pub ior_map: TextureSlot,
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
+    pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],
 }
 
 /// `Node` of `tree.wgsl`.
@@ -226,6 +224,7 @@ pub struct VertexIrradiance {
 
 /// Values that the shaders share with this side by name.
 pub mod constants {
+    pub const MOST_PARAMETERS: usize = 32;
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;

@@ -6,10 +6,10 @@
 use super::{
     device::GpuDevice,
     layout,
-    pipeline::{Binding, bind, layout as bind_layout, module},
+    pipeline::{Binding, Shaders, bind, layout as bind_layout, module},
     readback::read_word,
     scene::{GpuCuts, storage, uniform},
-    shaders::{LIT, ShaderSource},
+    shaders::LIT,
 };
 use crate::{backend::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
@@ -56,13 +56,13 @@ impl LitPass {
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
         use Binding::{Storage, Uint, Uniform, Written};
         let frame = bind_layout(gpu, "frame of lit cuts", &[Uniform]);
         let nothing = bind_layout(gpu, "nothing", &[]);
         let light = bind_layout(gpu, "light of lit cuts", &[Storage, Storage, Uint]);
         let cuts = bind_layout(gpu, "lit cuts", &[Uniform, Storage, Written, Written, Written, Written]);
-        let module = module(gpu, source, &LIT)?;
+        let module = module(gpu, shaders, &LIT)?;
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("lit cuts"),
             bind_group_layouts: &[Some(&frame), Some(&nothing), Some(&light), Some(&cuts)],

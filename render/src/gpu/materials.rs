@@ -2,14 +2,15 @@
 
 use super::{
     device::GpuDevice,
-    layout::{Material, TextureSlot},
+    layout::{Material, MaterialParameter, TextureSlot, constants::MOST_PARAMETERS},
+    pipeline::bind,
     pool::{Place, TexturePool},
-    scene::storage,
+    scene::{GpuScene, storage},
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
     color::linear_from_srgb,
-    material::{self, MapKind},
+    material::{self, BUMP, NORMAL},
     texture,
 };
 use wgpu::util::DeviceExt;
@@ -19,9 +20,6 @@ pub struct GpuMaterials {
     pub buffer: wgpu::Buffer,
     pub pool: TexturePool,
     pub linear_from_srgb: wgpu::Buffer,
-    /// Whether some material is of the model, so that its code is needed.
-    pub has_ggx: bool,
-    pub has_ward: bool,
 }
 
 impl GpuMaterials {
@@ -33,42 +31,44 @@ impl GpuMaterials {
             None => TexturePool::new(gpu, appearance),
         };
         let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
-        let uses = |model| appearance.materials.iter().any(|m| m.model == model);
         let materials = Self {
             buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)),
             pool,
             linear_from_srgb: srgb_table(gpu),
-            has_ggx: uses(material::BrdfModel::Ggx),
-            has_ward: uses(material::BrdfModel::Ward),
         };
         (materials, messages)
+    }
+
+    /// The group of the scene, with its materials.
+    pub fn bound_with(&self, gpu: &GpuDevice, layout: &wgpu::BindGroupLayout, scene: &GpuScene) -> wgpu::BindGroup {
+        let resources = [
+            scene.vertices.as_entire_binding(),
+            scene.triangles.as_entire_binding(),
+            self.buffer.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.pool.view),
+            self.linear_from_srgb.as_entire_binding(),
+        ];
+        bind(gpu, "scene", layout, &resources)
     }
 }
 
 fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
-    let p = &m.parameters;
-    let slot = |kind| {
-        let placed = m.maps[kind].as_ref().and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
+    let slot = |name| {
+        let placed = m.maps.get(name).and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
         placed.unwrap_or_default()
     };
+    let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
+    for (packed, declared) in parameters.iter_mut().zip(m.model.parameters()) {
+        let value = declared.sanitized(m.parameters.value(declared)).color();
+        *packed = MaterialParameter { value: value.to_array(), map: slot(declared.name), ..Default::default() };
+    }
     Material {
-        base_color: p.base_color.to_array(),
-        roughness: p.roughness,
-        metalness: p.metalness,
-        anisotropy: p.anisotropy,
-        ior: p.ior,
-        specular: p.specular,
         model: m.model as u32,
-        normal_y: if m.maps[MapKind::Normal].as_ref().is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
+        normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
         padding: [0; 2],
-        base_color_map: slot(MapKind::BaseColor),
-        roughness_map: slot(MapKind::Roughness),
-        metalness_map: slot(MapKind::Metalness),
-        specular_map: slot(MapKind::Specular),
-        anisotropy_map: slot(MapKind::Anisotropy),
-        ior_map: slot(MapKind::Ior),
-        normal_map: slot(MapKind::Normal),
-        bump_map: slot(MapKind::Bump),
+        normal_map: slot(NORMAL),
+        bump_map: slot(BUMP),
+        parameters,
     }
 }
 

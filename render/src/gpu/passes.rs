@@ -5,8 +5,8 @@ use super::{
     device::GpuDevice,
     direct::DirectPasses,
     lit::LitPass,
-    pipeline::{Layouts, Pipeline, layouts, module},
-    shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, ShaderSource, VISIBILITY},
+    pipeline::{Layouts, Pipeline, Shaders, layouts, module},
+    shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, VISIBILITY},
     targets::format,
 };
 use crate::backend::BackendError;
@@ -21,8 +21,6 @@ pub struct MergeVariant {
     pub is_first: bool,
     pub refine: bool,
     pub lit: bool,
-    pub has_ggx: bool,
-    pub has_ward: bool,
 }
 
 /// All pipelines.
@@ -51,9 +49,9 @@ impl Passes {
     ///
     /// # Errors
     /// A shader that cannot be read or does not compile, with the compiler's message.
-    pub fn new(gpu: &GpuDevice, source: &ShaderSource, variants: &[MergeVariant]) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, variants: &[MergeVariant]) -> Result<Self, BackendError> {
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let mut passes = Self::build(gpu, source);
+        let mut passes = Self::build(gpu, shaders);
         if let Ok(passes) = &mut passes {
             variants.iter().for_each(|&variant| drop(passes.merge(gpu, variant).clone()));
         }
@@ -63,10 +61,10 @@ impl Passes {
         }
     }
 
-    fn build(gpu: &GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+    fn build(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
         let layouts = layouts(gpu);
         let l = &layouts;
-        let load = |program| module(gpu, source, program);
+        let load = |program| module(gpu, shaders, program);
         let visibility = Pipeline {
             depth: true,
             layouts: &[&l.frame, &l.scene],
@@ -74,13 +72,13 @@ impl Passes {
             ..Pipeline::new(load(&VISIBILITY)?, "visibility")
         };
         let surface = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.materials, &l.ids],
+            layouts: &[&l.frame, &l.scene, &l.ids],
             targets: &[format::GEOMETRY, format::FLOATS],
             ..Pipeline::new(load(&SURFACE)?, "surface")
         };
         let parameters = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.materials, &l.parameters],
-            targets: &[format::FLOATS, format::FLOATS],
+            layouts: &[&l.frame, &l.scene, &l.parameters],
+            targets: &[format::FLOATS],
             ..Pipeline::new(load(&PARAMETERS)?, "parameters")
         };
         let marks = Pipeline {
@@ -121,9 +119,9 @@ impl Passes {
             sketch,
             history: history.build(gpu),
             predict: predict.build(gpu),
-            direct: DirectPasses::new(gpu, source, &layouts)?,
-            bounce: BouncePass::new(gpu, source, &layouts)?,
-            lit: LitPass::new(gpu, source)?,
+            direct: DirectPasses::new(gpu, shaders, &layouts)?,
+            bounce: BouncePass::new(gpu, shaders, &layouts)?,
+            lit: LitPass::new(gpu, shaders)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),
             layouts,
@@ -148,8 +146,6 @@ impl Passes {
                     flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
                     flag("LIT", variant.lit),
-                    flag("HAS_GGX", variant.has_ggx),
-                    flag("HAS_WARD", variant.has_ward),
                 ],
                 ..Pipeline::new(module.clone(), "merge")
             };

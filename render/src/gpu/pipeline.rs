@@ -2,6 +2,7 @@
 
 use super::{
     device::GpuDevice,
+    models::ModelSet,
     shaders::{Program, ShaderSource},
     targets::format,
 };
@@ -11,8 +12,8 @@ use wgpu::{BindGroupLayout, ShaderStages as Stages};
 /// Bind group layouts by what they hold.
 pub struct Layouts {
     pub frame: BindGroupLayout,
+    /// The mesh and its materials.
     pub scene: BindGroupLayout,
-    pub materials: BindGroupLayout,
     pub light: BindGroupLayout,
     /// One texture of unsigned integers.
     pub ids: BindGroupLayout,
@@ -32,9 +33,19 @@ pub struct Layouts {
     pub keep: BindGroupLayout,
 }
 
+/// Where the text of shaders comes from, and for which models it is compiled.
+#[derive(Clone, Debug, Default)]
+pub struct Shaders {
+    pub source: ShaderSource,
+    pub models: ModelSet,
+}
+
 /// The compiled text of a program.
-pub fn module(gpu: &GpuDevice, source: &ShaderSource, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
-    let text = source.text(program).map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))?;
+pub fn module(gpu: &GpuDevice, shaders: &Shaders, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
+    let text = shaders
+        .source
+        .text(program, &shaders.models)
+        .map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))?;
     Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(program.name),
         source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -117,13 +128,12 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
     let layout = |label, bindings: &[Binding]| layout(gpu, label, bindings);
     Layouts {
         frame: layout("frame", &[Uniform]),
-        scene: layout("scene", &[Storage, Storage]),
-        materials: layout("materials", &[Storage, Uint, Uniform]),
+        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform]),
         light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
         parameters: layout("parameters", &[Uint, Float]),
-        merge: layout("merge", &[Uint, Float, Float, Float, Float, Uint, Float]),
-        addition: layout("addition", &[Uint, Float, Float, Float, Float, Uint]),
+        merge: layout("merge", &[Uint, Float, Float, Float, Uint, Float]),
+        addition: layout("addition", &[Uint, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
         lattice: layout("lattice", &[Float, Uint, Float]),
         added: layout("added", &[Float, Uint, Uint]),

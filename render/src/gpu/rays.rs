@@ -4,10 +4,10 @@
 use super::{
     device::{GpuDevice, Room, has_hardware},
     layout,
-    pipeline::{Binding, bind, layout as bind_layout, module},
+    pipeline::{Binding, Shaders, bind, layout as bind_layout, module},
     readback::read_words,
     scene::{storage, uniform},
-    shaders::{RAYS, ShaderSource},
+    shaders::RAYS,
 };
 use crate::{backend::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
@@ -116,7 +116,7 @@ impl RayPass {
         use Binding::{Storage, Uniform, Written};
         let hierarchy = bind_layout(gpu, "hierarchy", &[Storage, Storage]);
         let work = bind_layout(gpu, "work of rays", &[Uniform, Storage, Storage, Written]);
-        let module = module(gpu, &ShaderSource::Embedded, &RAYS)?;
+        let module = module(gpu, &Shaders::default(), &RAYS)?;
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("rays"),
             bind_group_layouts: &[Some(&hierarchy), Some(&work)],

@@ -1,6 +1,11 @@
 //! The shaders: plain WGSL, one entry point per file, joined with the libraries that it uses.
 
-use std::{borrow::Cow, path::PathBuf};
+use super::models::ModelSet;
+use lapidary_core::brdf::BrdfModel;
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 /// A file of `shaders/`.
 macro_rules! parts {
@@ -62,7 +67,11 @@ pub struct Program {
 }
 
 /// What programs begin with that shade the points of surfaces.
-const SHADING: &[&str] = &["frame", "fullscreen", "scene", "surface", "geometry", "brdf", "sums", "shading_point"];
+const SHADING: &[&str] =
+    &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "brdf", MODELS, "sums", "shading_point"];
+
+/// In place of a file the models that a scene uses, and the dispatch to them.
+const MODELS: &str = "models";
 
 /// Which triangle each pixel sees.
 pub const VISIBILITY: Program =
@@ -74,12 +83,23 @@ pub const SURFACE: Program = Program {
 };
 /// Rays for bakes.
 pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse", "rays_pass"]] };
-/// The BRDF's parameters.
+/// Base colour and roughness.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
     parts: [
         &[],
-        &["frame", "fullscreen", "scene", "geometry", "environment", "surface", "materials", "parameters_pass"],
+        &[
+            "frame",
+            "fullscreen",
+            "scene",
+            "geometry",
+            "environment",
+            "surface",
+            "materials",
+            "brdf",
+            MODELS,
+            "parameters_pass",
+        ],
     ],
 };
 /// The merge of cuts.
@@ -130,21 +150,35 @@ pub enum ShaderSource {
 }
 
 impl ShaderSource {
-    /// The whole text of a program.
+    /// The whole text of a program for scenes with some models.
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn text(&self, program: &Program) -> std::io::Result<String> {
-        let texts: std::io::Result<Vec<Cow<str>>> =
-            program.parts.concat().into_iter().map(|part| self.part(part)).collect();
+    pub fn text(&self, program: &Program, models: &ModelSet) -> std::io::Result<String> {
+        let part = |part| if part == MODELS { self.models(models).map(Cow::Owned) } else { self.part(part) };
+        let texts: std::io::Result<Vec<Cow<str>>> = program.parts.concat().into_iter().map(part).collect();
         Ok(texts?.join("\n"))
+    }
+
+    fn models(&self, models: &ModelSet) -> std::io::Result<String> {
+        let mut text = models.text();
+        for &model in models.models() {
+            match self {
+                Self::Embedded => text += model.wgsl(),
+                Self::Folder(folder) => text += &std::fs::read_to_string(model_file(folder, model))?,
+            }
+        }
+        Ok(text)
     }
 
     /// Files to watch; none if embedded.
     pub fn files(&self) -> Vec<PathBuf> {
         match self {
             Self::Embedded => Vec::new(),
-            Self::Folder(folder) => PARTS.iter().map(|(name, _)| folder.join(name).with_extension("wgsl")).collect(),
+            Self::Folder(folder) => {
+                let parts = PARTS.iter().map(|(name, _)| folder.join(name).with_extension("wgsl"));
+                parts.chain(BrdfModel::ALL.iter().map(|&model| model_file(folder, model))).collect()
+            }
         }
     }
 
@@ -157,4 +191,8 @@ impl ShaderSource {
             Self::Folder(folder) => std::fs::read_to_string(folder.join(name).with_extension("wgsl")).map(Cow::Owned),
         }
     }
+}
+
+fn model_file(folder: &Path, model: BrdfModel) -> PathBuf {
+    folder.join("brdf").join(model.key()).with_extension("wgsl")
 }

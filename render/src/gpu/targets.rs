@@ -32,7 +32,6 @@ pub struct Targets {
     pub geometry: Target,
     pub rotation: Target,
     pub color_roughness: Target,
-    pub others: Target,
     /// What the pixels show; read from one, written to the other, in turns.
     pub marks: [Target; 2],
     /// By [`Part`], as far as the light has them; read from one, written to the other, in turns.
@@ -71,7 +70,6 @@ impl Targets {
             geometry: target("geometry", format::GEOMETRY),
             rotation: target("rotation", format::FLOATS),
             color_roughness: target("color and roughness", format::FLOATS),
-            others: target("other parameters", format::FLOATS),
             marks: [0, 1].map(|_| target("marks", format::MARKS)),
             parts: Default::default(),
             lattices: Default::default(),

@@ -107,7 +107,7 @@ impl<'a> Arriving<'a> {
     fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
-        let lobe = self.point.brdf.as_brdf().lobe().map_or(f32::INFINITY, |lobe| 4.0 * lobe.narrow());
+        let lobe = self.point.brdf.as_brdf().narrowest_lobe().map_or(f32::INFINITY, |width| 4.0 * width);
         let edge = (cell_edge / lobe).ceil().clamp(1.0, FINEST) as u32;
         let all = CELLS * edge;
         for i in 0..edge * edge {

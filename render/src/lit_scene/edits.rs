@@ -117,7 +117,7 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
             ("the first picture", Box::new(|_| ()), of(all, bounce, all, 0)),
             (
                 "a material",
-                Box::new(|look| look.appearance.materials[0].parameters.base_color = Vec3::new(0.2, 0.9, 0.4)),
+                Box::new(|look| look.appearance.materials[0].parameters.set("base_color", Vec3::new(0.2, 0.9, 0.4))),
                 of(floor, bounce, floor, 0),
             ),
             ("another sky", Box::new(|look| look.light.rotation += 1.0), of(all, bounce, 0, 0)),
@@ -133,7 +133,7 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
             ),
             (
                 "the material again",
-                Box::new(|look| look.appearance.materials[0].parameters.base_color = Vec3::splat(0.5)),
+                Box::new(|look| look.appearance.materials[0].parameters.set("base_color", Vec3::splat(0.5))),
                 of(floor, bounce, floor, floor),
             ),
             ("without lamps", Box::new(|look| lights(look, &|l| l.clear())), of(0, bounce, 0, 0)),
@@ -164,10 +164,10 @@ pub fn unfinished_pictures_go_on<B: Backend>(make: impl Fn() -> B) {
     let baked = baked();
     let mut shown = Shown::new(make(), &baked, Components::ALL);
     let edits: [fn(&mut Look); 5] = [
-        |look| look.appearance.materials[0].parameters.base_color = Vec3::X,
+        |look| look.appearance.materials[0].parameters.set("base_color", Vec3::X),
         |look| look.lights = look.lights.iter().cloned().chain([point_light(Vec3::Y, 1.0)]).collect(),
         |look| look.light.rotation += 0.5,
-        |look| look.appearance.materials[2].parameters.base_color = Vec3::Y,
+        |look| look.appearance.materials[2].parameters.set("base_color", Vec3::Y),
         |look| look.lights = look.lights.iter().cloned().chain([point_light(Vec3::splat(0.7), 1.0)]).collect(),
     ];
     let (view, sampling) = (shown.look.view.clone(), shown.look.sampling);
@@ -194,7 +194,12 @@ pub fn unseen_changes_do_not_creep<B: Backend>(make: impl Fn() -> B) {
     let [mut shown, mut other] = [0, 1].map(|_| Shown::new(make(), &baked, components));
     shown.scene = shown.scene.keep_unseen_changes();
     let all = shown.edit(|_| ()).1.bounce;
-    let brighter = |share: f32| move |look: &mut Look| look.appearance.materials[1].parameters.base_color *= share;
+    let brighter = |share: f32| {
+        move |look: &mut Look| {
+            let parameters = &mut look.appearance.materials[1].parameters;
+            parameters.set("base_color", share * parameters.color("base_color"));
+        }
+    };
     let (mut kept, mut redone) = (0, 0);
     for _ in 0..12 {
         let (image, shaded, _) = shown.edit(brighter(1.0 + 0.3 / 512.0));

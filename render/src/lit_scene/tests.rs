@@ -28,7 +28,7 @@ fn pictures_do_not_depend_on_those_before_them() {
     looks[2].light.intensity = 3.0;
     looks[3].lights = [].into();
     looks[4].components.environment = false;
-    looks[5].appearance.materials[0].parameters.roughness = 0.1;
+    looks[5].appearance.materials[0].parameters.set("roughness", 0.1);
     looks[6].view.camera.eye.x += 0.3;
     let mut one = scene();
     let pictures: Vec<_> = looks.iter().map(|look| shown(&mut one, look)).collect();
@@ -98,7 +98,7 @@ fn a_look_from_another_camera_has_the_detail_of_the_last_picture() {
     assert!(error(&after) < 0.7 * error(&alone), "{} {}", error(&after), error(&alone));
     let turned = Look { light: Illumination { rotation: 0.5, ..look.light.clone() }, ..look.clone() };
     let mut rough = look.clone();
-    rough.appearance.materials[0].parameters.roughness = 0.3;
+    rough.appearance.materials[0].parameters.set("roughness", 0.3);
     for other in [turned, rough] {
         assert!(sketched_after(&[&other], &moved) == alone, "negative control: another light or material");
         assert!(sketched_after(&[&look, &other], &moved) == alone);

@@ -14,7 +14,7 @@ use crate::shade::{
 };
 use glam::{Mat3, Vec3};
 use lapidary_core::{
-    brdf::{Brdf, SurfaceBrdf},
+    brdf::{Brdf, BrdfVisitor},
     cut::{
         merge::{Interval, merge, merge_within},
         packed::{PackedCursor, PackedCuts},
@@ -22,7 +22,10 @@ use lapidary_core::{
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
 };
 use serde::{Deserialize, Serialize};
-use std::ops::{Add, AddAssign};
+use std::{
+    marker::PhantomData,
+    ops::{Add, AddAssign},
+};
 use wide::f32x8;
 
 /// Which cuts are merged, and how the BRDF is sampled on the nodes.
@@ -161,11 +164,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         // Padding repeats the root without visibility.
         terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0, is_lit: false });
         let terms = terms.as_chunks::<8>().0;
-        match &point.brdf {
-            SurfaceBrdf::Lambert(brdf) => self.evaluate_with(brdf, point, terms, visit),
-            SurfaceBrdf::Ggx(brdf) => self.evaluate_with(brdf, point, terms, visit),
-            SurfaceBrdf::Ward(brdf) => self.evaluate_with(brdf, point, terms, visit),
-        }
+        point.brdf.visit(Evaluate { shader: self, point, terms, visit, lanes: PhantomData::<L> });
     }
 
     #[inline(always)]
@@ -201,6 +200,22 @@ impl<'a, F: NodeField> Shader<'a, F> {
             *weight = term.visibility * (1_u32 << (self.height - term.node.ilog2())) as f32;
         }
         L::new(weight)
+    }
+}
+
+/// [`Shader::evaluate`] for each model.
+struct Evaluate<'s, 'a, 't, F, L, V> {
+    shader: &'s Shader<'a, F>,
+    point: &'s SurfacePoint,
+    terms: &'t [[Term; 8]],
+    visit: V,
+    lanes: PhantomData<L>,
+}
+
+impl<F: NodeField, L: Lanes, V: FnMut(&EightTerms<L>)> BrdfVisitor for Evaluate<'_, '_, '_, F, L, V> {
+    #[inline(always)]
+    fn visit(self, brdf: &impl Brdf) {
+        self.shader.evaluate_with::<L>(brdf, self.point, self.terms, self.visit);
     }
 }
 
@@ -242,8 +257,8 @@ struct Merged<'a, 'p, F> {
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
         let &Shader { field, cuts, height, sampling, .. } = shader;
-        let lobe = point.brdf.as_brdf().lobe().filter(|_| sampling != BrdfSampling::Once);
-        let refinement = lobe.map(|lobe| Refinement::new(lobe, point.wo));
+        let lobes = point.brdf.as_brdf().lobes();
+        let refinement = (sampling != BrdfSampling::Once && lobes[0] > 0.0).then(|| Refinement::new(lobes, point.wo));
         let local_from_world = point.world_from_local.transpose();
         let is_refined = sampling != BrdfSampling::Once;
         Self { field, cuts, height, point, local_from_world, refinement, is_refined }
@@ -395,7 +410,7 @@ mod tests {
         test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
     };
     use lapidary_core::{
-        material::{BrdfModel, BrdfParameters},
+        brdf::{BrdfModel, GgxParameters, SurfaceBrdf},
         sources::SourceTree,
     };
 
@@ -403,8 +418,10 @@ mod tests {
     fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
         let shaded = |instructions: InstructionSet| {
             let mut bits = Vec::new();
-            for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
-                let point = SurfacePoint { brdf: SurfaceBrdf::new(model, point.parameters), ..point.clone() };
+            for &model in BrdfModel::ALL {
+                let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
+                let brdf = SurfaceBrdf::new(model, &model.values(&parameters.into()));
+                let point = SurfacePoint { brdf, ..point.clone() };
                 for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
                     let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };
                     bits.push(shader.shade(&point).to_array().map(f32::to_bits));
@@ -423,7 +440,7 @@ mod tests {
 
     #[test]
     fn all_instruction_sets_shade_a_point_to_the_same_bits() {
-        let parameters = BrdfParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
+        let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
         let renderer = Renderer::new(dataset(mesh(16, true), parameters));
         let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
         let lighting = renderer.lighting(&light, 64);

@@ -93,8 +93,8 @@ impl<'a> Painter<'a> {
         match self.mode {
             ViewMode::Shaded => self.reflected(point),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
-            ViewMode::Albedo => point.parameters.base_color,
-            ViewMode::Roughness => Vec3::splat(point.parameters.roughness),
+            ViewMode::Albedo => point.base_color,
+            ViewMode::Roughness => Vec3::splat(point.roughness),
             ViewMode::VisibilityCut => Vec3::splat(self.visibility_nodes(point)),
             ViewMode::MergedCut => Vec3::splat(self.work_at(point).merged_nodes as f32),
             ViewMode::BrdfEvaluations => Vec3::splat(self.work_at(point).brdf_evaluations as f32),

@@ -5,7 +5,7 @@
 //! tree, which holds the means of all halves. That is an implicit BRDF cut, merged with the others.
 
 use glam::Vec3;
-use lapidary_core::brdf::LobeWidth;
+use lapidary_core::brdf::Lobes;
 
 /// Narrowest lobe that refinement follows. For narrower ones the light samples themselves are too coarse, and the
 /// filtered lobe is used.
@@ -34,32 +34,39 @@ pub fn is_too_wide_for_a_cosine(wi: Vec3, radius: f32) -> bool {
 
 /// The criterion for one pixel.
 pub struct Refinement {
-    lobe: f32,
+    /// Their widths, at least [`NARROWEST`]; 0 for none.
+    lobes: Lobes,
     /// Direction of the lobe's peak, mirrored at the normal.
     mirrored: Vec3,
 }
 
 impl Refinement {
-    /// For a lobe seen from the local direction `wo`.
-    pub fn new(lobe: LobeWidth, wo: Vec3) -> Self {
-        Self { lobe: lobe.narrow().max(NARROWEST), mirrored: Vec3::new(-wo.x, -wo.y, wo.z) }
+    /// For lobes seen from the local direction `wo`.
+    pub fn new(lobes: Lobes, wo: Vec3) -> Self {
+        let lobes = lobes.map(|width| if width > 0.0 { width.max(NARROWEST) } else { 0.0 });
+        Self { lobes, mirrored: Vec3::new(-wo.x, -wo.y, wo.z) }
     }
 
     /// Whether the cone of `radius` around the local direction `wi` is too wide for its light, of this `brightness`, to have
-    /// one direction: what the lobe, widened by the node, reflects of it is not negligible.
+    /// one direction: what some lobe, widened by the node, reflects of it is not negligible.
     #[inline(always)]
     pub fn is_too_wide(&self, wi: Vec3, radius: f32, brightness: f32) -> bool {
-        let lobe = self.lobe;
-        if radius <= FINE * lobe {
-            return false;
-        }
-        // In the space of half vectors distances are half as large: the node is a disc of radius r / 2, whose variance
-        // along an axis widens the lobe.
-        let node_sq = 0.25 * radius * radius;
-        let width_sq = lobe * lobe + 0.25 * node_sq;
-        // The squared tangent of half of the angle to the lobe's peak is (1 - cos) / (1 + cos).
+        // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
         let cos = wi.dot(self.mirrored);
-        let (near, far) = (1.0 + cos, width_sq * (1.0 + cos) + (1.0 - cos));
-        brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far
+        self.lobes.iter().any(|&lobe| lobe > 0.0 && is_too_wide_for(lobe, cos, radius, brightness))
     }
+}
+
+/// Whether a cone is too wide for a lobe that has its peak at an angle of this cosine.
+#[inline(always)]
+fn is_too_wide_for(lobe: f32, cos: f32, radius: f32, brightness: f32) -> bool {
+    if radius <= FINE * lobe {
+        return false;
+    }
+    // In the space of half vectors distances are half as large: the node is a disc of radius r / 2, whose variance along
+    // an axis widens the lobe.
+    let node_sq = 0.25 * radius * radius;
+    let width_sq = lobe * lobe + 0.25 * node_sq;
+    let (near, far) = (1.0 + cos, width_sq * (1.0 + cos) + (1.0 - cos));
+    brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far
 }

@@ -3,9 +3,9 @@
 use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::{LightsX8, LobeMomentsX8, SurfaceBrdf},
+    brdf::{Lambert, LightsX8, LobeMomentsX8, SurfaceBrdf, Value},
     dataset::Dataset,
-    material::{BrdfModel, BrdfParameters, MapKind, Material},
+    material::Material,
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
 };
@@ -34,8 +34,9 @@ pub struct SurfacePoint {
     pub world_from_local: Mat3,
     /// Direction to the eye in the local frame.
     pub wo: Vec3,
-    /// Its material's parameters after their textures, within their ranges.
-    pub parameters: BrdfParameters,
+    /// Base colour and perceptual roughness after their textures; black and 1 in models without.
+    pub base_color: Vec3,
+    pub roughness: f32,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
     /// Whether it belongs to a ground that catches shadows.
@@ -47,9 +48,15 @@ impl SurfacePoint {
     pub fn catching(self, reflectance: Vec3) -> Self {
         let wo = self.world_from_local * self.wo;
         let world_from_local = frame(self.smooth_normal, Vec3::X, 1.0);
-        let parameters = BrdfParameters { base_color: reflectance, ..self.parameters };
-        let brdf = SurfaceBrdf::new(BrdfModel::Lambert, parameters);
-        Self { world_from_local, wo: world_from_local.transpose() * wo, parameters, brdf, is_catcher: true, ..self }
+        Self {
+            world_from_local,
+            wo: world_from_local.transpose() * wo,
+            base_color: reflectance,
+            roughness: 1.0,
+            brdf: SurfaceBrdf::Lambert(Lambert::new(reflectance)),
+            is_catcher: true,
+            ..self
+        }
     }
 
     /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
@@ -83,8 +90,9 @@ pub(crate) struct PlaceLook {
     pub world_from_local: Mat3,
     /// Direction to the eye in this frame.
     pub wo: Vec3,
-    /// The material's parameters after their textures, within their ranges.
-    pub parameters: BrdfParameters,
+    /// Base colour and perceptual roughness after their textures; black and 1 in models without.
+    pub base_color: Vec3,
+    pub roughness: f32,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
 }
@@ -94,21 +102,23 @@ impl SurfacePlace {
     pub(crate) fn under(&self, appearance: &Appearance, material: &Material, wo: Vec3) -> PlaceLook {
         let normal = self.bumped_normal(appearance, material);
         let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
-        let parameters = appearance.parameters(material, self.uv);
-        let brdf = SurfaceBrdf::new(material.model, parameters);
-        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, parameters, brdf }
+        let values = appearance.values(material, self.uv);
+        let brdf = SurfaceBrdf::new(material.model, &values);
+        let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
+        let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
+        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf }
     }
 
     /// The normal after normal map and bump map.
     fn bumped_normal(&self, appearance: &Appearance, material: &Material) -> Vec3 {
         let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
         let mut normal = smooth.z_axis;
-        if let Some(slot) = &material.maps[MapKind::Normal] {
+        if let Some(slot) = material.maps.get("normal") {
             let texel = appearance.textures[slot.texture as usize].sample_slot(self.uv, slot).truncate();
             let n = slot.tangent_normal(texel);
             normal = (smooth * n).try_normalize().unwrap_or(normal);
         }
-        if let (Some(slot), Some([per_u, per_v])) = (&material.maps[MapKind::Bump], self.slopes) {
+        if let (Some(slot), Some([per_u, per_v])) = (material.maps.get("bump"), self.slopes) {
             let [du, dv] = appearance.textures[slot.texture as usize].height_slopes(self.uv, slot);
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
@@ -270,7 +280,7 @@ impl<'a> Surfaces<'a> {
         let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
         let uvs = || vertices.map(|v| mesh.uvs[v as usize]);
-        let slopes = material.maps[MapKind::Bump].as_ref().and_then(|_| surface_slopes(mesh.corners(triangle), uvs()));
+        let slopes = material.maps.get("bump").and_then(|_| surface_slopes(mesh.corners(triangle), uvs()));
         let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
         let looks = place.under(self.appearance, material, wo);
         SurfacePoint {
@@ -284,7 +294,8 @@ impl<'a> Surfaces<'a> {
             smooth_normal,
             world_from_local: looks.world_from_local,
             wo: looks.wo,
-            parameters: looks.parameters,
+            base_color: looks.base_color,
+            roughness: looks.roughness,
             brdf: looks.brdf,
             is_catcher: false,
         }

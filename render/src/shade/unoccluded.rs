@@ -55,7 +55,8 @@ impl<'a> UnoccludedShader<'a> {
             smooth_normal: place.smooth_normal,
             world_from_local: looks.world_from_local,
             wo: looks.wo,
-            parameters: looks.parameters,
+            base_color: looks.base_color,
+            roughness: looks.roughness,
             brdf: looks.brdf,
             is_catcher: false,
         })
@@ -67,15 +68,16 @@ mod tests {
     use super::*;
     use glam::Vec2;
     use lapidary_core::{
+        brdf::GgxParameters,
         light_tree::LightTree,
-        material::{BrdfModel, BrdfParameters, Material},
+        material::{BrdfModel, Material},
     };
 
     #[test]
     fn a_white_place_in_a_white_furnace_is_white_and_a_lamp_below_its_horizon_is_not_seen() {
         let tree = LightTree::geometric(4096).unwrap();
-        let parameters = BrdfParameters { base_color: Vec3::ONE, ..Default::default() };
-        let white = Material { model: BrdfModel::Lambert, parameters, ..Default::default() };
+        let parameters = GgxParameters { base_color: Vec3::ONE, ..Default::default() };
+        let white = Material { model: BrdfModel::Lambert, parameters: parameters.into(), ..Default::default() };
         let appearance = Appearance { materials: vec![white], textures: Vec::new() };
         let place = SurfacePlace {
             position: Vec3::ZERO,

@@ -10,11 +10,12 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lapidary_core::{
+    brdf::GgxParameters,
     camera::Camera,
     dataset::Dataset,
     ground::Ground,
     import::{load_material, pictures_of_material},
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, Material},
     memory,
     scene::{Scene, camera_named},
 };
@@ -216,14 +217,14 @@ impl MaterialArgs {
 
     fn ggx(&self) -> Option<Material> {
         let given = self.roughness.is_some() || self.base_color.is_some() || self.metalness.is_some();
-        let fallback = BrdfParameters::default();
-        let parameters = BrdfParameters {
+        let fallback = GgxParameters::default();
+        let parameters = GgxParameters {
             roughness: self.roughness.unwrap_or(fallback.roughness),
             base_color: self.base_color.unwrap_or(fallback.base_color),
             metalness: self.metalness.unwrap_or(fallback.metalness),
             ..fallback
         };
-        given.then(|| Material { model: BrdfModel::Ggx, parameters, ..Default::default() })
+        given.then(|| Material { model: BrdfModel::Ggx, parameters: parameters.into(), ..Default::default() })
     }
 }
 
@@ -286,6 +287,7 @@ impl CameraArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::brdf::Parameters;
 
     const NOTHING: CameraArgs = CameraArgs {
         camera: None,
@@ -377,7 +379,7 @@ mod tests {
         none.apply(&mut changed, quiet).unwrap();
         assert_eq!(changed.materials[0].name, "own");
         MaterialArgs { roughness: Some(0.2), ..none }.apply(&mut changed, quiet).unwrap();
-        let parameters = BrdfParameters { roughness: 0.2, ..Default::default() };
+        let parameters = Parameters::from(GgxParameters { roughness: 0.2, ..Default::default() });
         assert!(changed.materials.iter().all(|m| m.parameters == parameters && m.name.is_empty()));
         assert!(!changed.materials[0].double_sided && changed.materials[1].double_sided);
     }

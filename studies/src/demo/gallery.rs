@@ -4,7 +4,8 @@ use super::pictures::{Picture, StillLife};
 use crate::{args::replace_materials, terminal::Steps};
 use anyhow::Result;
 use glam::Vec3;
-use lapidary_core::material::{BrdfParameters, Material};
+use lapidary_core::brdf::GgxParameters;
+use lapidary_core::material::Material;
 use lapidary_render::{Look, Progress, View};
 use serde::Serialize;
 
@@ -75,7 +76,11 @@ pub fn take<'a>(
             .into_iter()
             .map(|(name, title, parameters)| {
                 let mut look = under(still_life, "studio");
-                replace_materials(&mut look.appearance.materials, None, &Material { parameters, ..Default::default() });
+                replace_materials(
+                    &mut look.appearance.materials,
+                    None,
+                    &Material { parameters: parameters.into(), ..Default::default() },
+                );
                 take(still_life, &format!("material-{name}"), title, look)
             })
             .collect::<Result<_>>()?,
@@ -97,8 +102,8 @@ fn spaced(name: &str) -> String {
     name.replace('-', " ")
 }
 
-fn variations() -> [(&'static str, &'static str, BrdfParameters); 3] {
-    let ggx = |base_color, roughness, metalness| BrdfParameters {
+fn variations() -> [(&'static str, &'static str, GgxParameters); 3] {
+    let ggx = |base_color, roughness, metalness| GgxParameters {
         base_color: Vec3::from_array(base_color),
         roughness,
         metalness,

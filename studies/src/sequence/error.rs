@@ -20,7 +20,7 @@ pub enum SweepError {
     #[error("\"{text}\" is no value of {parameter}: {reason}")]
     Value {
         /// Which parameter.
-        parameter: &'static str,
+        parameter: String,
         /// What was given.
         text: String,
         /// What is wrong.
@@ -28,10 +28,10 @@ pub enum SweepError {
     },
     /// Logarithms of what has none.
     #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give others")]
-    Logarithm(&'static str),
+    Logarithm(String),
     /// `@NAME` where there are no names.
     #[error("{0} belongs to the whole picture; leave out the name after @")]
-    NoName(&'static str),
+    NoName(String),
     /// An illumination cut where none is merged.
     #[error("lit cuts have no illumination cut to sweep; choose --brdf refine or once (View > Cuts in the window)")]
     NoIllumCut,
@@ -64,7 +64,7 @@ pub enum SweepError {
     #[error("{parameter} moves one light; name it after @, as in {parameter}@NAME=...: there are {names}")]
     WhichLight {
         /// Which parameter.
-        parameter: &'static str,
+        parameter: String,
         /// What there is.
         names: String,
     },

@@ -3,27 +3,18 @@
 use super::{Value, error::SweepError};
 use glam::Vec3;
 use lapidary_core::{
+    brdf::{self, BrdfModel},
     lights::Light,
-    material::{BrdfParameters, MapKind, Material},
+    material::Material,
 };
 use lapidary_render::{BrdfSampling, Look};
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 /// A parameter of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
-    /// Perceptual roughness.
-    Roughness,
-    /// Base colour.
-    BaseColor,
-    /// Metalness.
-    Metalness,
-    /// Weight of the specular lobe.
-    Specular,
-    /// Index of refraction.
-    Ior,
-    /// Stretch of the highlight.
-    Anisotropy,
+    /// A parameter that BRDF models declare, by its name.
+    Brdf(&'static str),
     /// Strength of the bump map.
     Bump,
     /// Strength of the normal map.
@@ -76,13 +67,13 @@ pub enum Domain {
 
 impl Parameter {
     /// All of them, in the order of lists.
-    pub const ALL: [Self; 19] = [
-        Self::Roughness,
-        Self::BaseColor,
-        Self::Metalness,
-        Self::Specular,
-        Self::Ior,
-        Self::Anisotropy,
+    pub fn all() -> impl Iterator<Item = Self> {
+        let declared = BrdfModel::ALL.iter().flat_map(|model| model.parameters()).map(|p| p.name);
+        let mut known = BTreeSet::new();
+        declared.filter(move |name| known.insert(*name)).map(Self::Brdf).chain(Self::OTHERS)
+    }
+
+    const OTHERS: [Self; 13] = [
         Self::Bump,
         Self::Normal,
         Self::Rotation,
@@ -99,14 +90,9 @@ impl Parameter {
     ];
 
     /// Its name, as options and files have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Roughness => "roughness",
-            Self::BaseColor => "base-color",
-            Self::Metalness => "metalness",
-            Self::Specular => "specular",
-            Self::Ior => "ior",
-            Self::Anisotropy => "anisotropy",
+    pub fn name(self) -> String {
+        let name = match self {
+            Self::Brdf(name) => return name.replace('_', "-"),
             Self::Bump => "bump",
             Self::Normal => "normal",
             Self::Rotation => "rotation",
@@ -120,20 +106,14 @@ impl Parameter {
             Self::Eye => "eye",
             Self::Target => "target",
             Self::Fov => "fov",
-        }
+        };
+        name.into()
     }
 
     /// What it belongs to.
     pub fn target(self) -> Target {
         match self {
-            Self::Roughness
-            | Self::BaseColor
-            | Self::Metalness
-            | Self::Specular
-            | Self::Ior
-            | Self::Anisotropy
-            | Self::Bump
-            | Self::Normal => Target::Material,
+            Self::Brdf(_) | Self::Bump | Self::Normal => Target::Material,
             Self::LightIntensity | Self::LightPosition | Self::LightTarget => Target::Light,
             _ => Target::Picture,
         }
@@ -142,10 +122,11 @@ impl Parameter {
     /// What values it has.
     pub fn domain(self) -> Domain {
         match self {
-            Self::Roughness | Self::Metalness | Self::Specular | Self::LitCuts => Domain::Number(0.0, 1.0),
-            Self::BaseColor => Domain::Color,
-            Self::Ior => Domain::Number(1.0, 10.0),
-            Self::Anisotropy => Domain::Number(-1.0, 1.0),
+            Self::Brdf(name) => match BrdfModel::declared(name) {
+                Some(p) if !p.is_color() => Domain::Number(p.range[0], p.range[1]),
+                _ => Domain::Color,
+            },
+            Self::LitCuts => Domain::Number(0.0, 1.0),
             Self::Bump | Self::Normal => Domain::Number(-1e3, 1e3),
             Self::Rotation => Domain::Number(-36_000.0, 36_000.0),
             Self::Intensity | Self::LightIntensity => Domain::Number(0.0, 1e6),
@@ -163,14 +144,12 @@ impl Parameter {
     pub fn set(self, look: &mut Look, of: Option<&str>, value: Value) -> Result<(), SweepError> {
         let (number, vector) = (value.number(), value.vector());
         match self {
-            Self::Roughness => each_brdf(look, of, |p| p.roughness = number),
-            Self::BaseColor => each_brdf(look, of, |p| p.base_color = vector),
-            Self::Metalness => each_brdf(look, of, |p| p.metalness = number),
-            Self::Specular => each_brdf(look, of, |p| p.specular = number),
-            Self::Ior => each_brdf(look, of, |p| p.ior = number),
-            Self::Anisotropy => each_brdf(look, of, |p| p.anisotropy = number),
-            Self::Bump => each_map(look, of, MapKind::Bump, number),
-            Self::Normal => each_map(look, of, MapKind::Normal, number),
+            Self::Brdf(name) => each_material(look, of, |material| {
+                let is_color = self.domain() == Domain::Color;
+                material.parameters.set(name, if is_color { vector.into() } else { brdf::Value::from(number) });
+            }),
+            Self::Bump => each_map(look, of, "bump", number),
+            Self::Normal => each_map(look, of, "normal", number),
             Self::LightIntensity => each_light(look, of, |light| light.intensity *= number),
             Self::LightPosition => one_light(self, look, of, |light| light.position = vector),
             Self::LightTarget => one_light(self, look, of, |light| light.target = vector),
@@ -221,19 +200,15 @@ fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut 
     if found { Ok(()) } else { Err(SweepError::NoMaterial { wanted: of.unwrap_or_default().into(), names: names() }) }
 }
 
-fn each_brdf(look: &mut Look, of: Option<&str>, change: impl Fn(&mut BrdfParameters)) -> Result<(), SweepError> {
-    each_material(look, of, |material| change(&mut material.parameters))
-}
-
-fn each_map(look: &mut Look, of: Option<&str>, map: MapKind, strength: f32) -> Result<(), SweepError> {
+fn each_map(look: &mut Look, of: Option<&str>, map: &'static str, strength: f32) -> Result<(), SweepError> {
     let mut found = false;
     each_material(look, of, |material| {
-        if let Some(slot) = &mut material.maps[map] {
+        if let Some(slot) = material.maps.get_mut(map) {
             slot.strength = strength;
             found = true;
         }
     })?;
-    if found { Ok(()) } else { Err(SweepError::NoMap { map: map.key() }) }
+    if found { Ok(()) } else { Err(SweepError::NoMap { map }) }
 }
 
 fn each_light(look: &mut Look, of: Option<&str>, change: impl Fn(&mut Light)) -> Result<(), SweepError> {

@@ -190,7 +190,7 @@ mod tests {
     fn sweeps_run_together_from_the_first_frame_to_the_last() {
         let frames = plan(&look(), &sweeps(&["roughness=0..1", "exposure=2..-2"])).unwrap();
         let values = |frame: &SequenceFrame| {
-            (frame.number, frame.look.appearance.materials[1].parameters.roughness, frame.look.post.exposure)
+            (frame.number, frame.look.appearance.materials[1].parameters.number("roughness"), frame.look.post.exposure)
         };
         let all: Vec<_> = frames.iter().map(values).collect();
         assert_eq!(all, [(1, 0.0, 2.0), (2, 0.25, 1.0), (3, 0.5, 0.0), (4, 0.75, -1.0), (5, 1.0, -2.0)]);

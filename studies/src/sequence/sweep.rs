@@ -78,8 +78,8 @@ impl FromStr for Sweep {
             Some((name, of)) => (name, Some(of.to_owned())),
             None => (left, None),
         };
-        let parameter = Parameter::ALL.into_iter().find(|p| p.name() == name.trim()).ok_or_else(|| {
-            let known: Vec<&str> = Parameter::ALL.iter().map(|p| p.name()).collect();
+        let parameter = Parameter::all().find(|p| p.name() == name.trim()).ok_or_else(|| {
+            let known: Vec<_> = Parameter::all().map(|p| p.name()).collect();
             SweepError::Unknown { name: name.trim().into(), known: known.join(", ") }
         })?;
         let (logarithmic, range) = match right.trim().strip_prefix("log:") {
@@ -107,7 +107,7 @@ impl Sweep {
     /// What its values are called in files and captions.
     pub fn label(&self) -> String {
         let name = self.parameter.name();
-        self.of.as_ref().map_or(name.to_owned(), |of| format!("{name}@{of}"))
+        self.of.as_ref().map_or(name.clone(), |of| format!("{name}@{of}"))
     }
 
     /// Checks ranges, logarithms and the name.
@@ -196,8 +196,8 @@ mod tests {
     fn an_unknown_parameter_is_told_with_the_list_of_those_there_are() {
         let message = refused("glossiness=0..1");
         assert!(message.contains("glossiness"));
-        for parameter in Parameter::ALL {
-            assert!(message.contains(parameter.name()), "{message}");
+        for parameter in Parameter::all() {
+            assert!(message.contains(&parameter.name()), "{message}");
         }
     }
 
@@ -239,7 +239,7 @@ mod tests {
             "target=0,0,0..9,9,4",
             "fov=1..22",
         ];
-        assert_eq!(all.len(), Parameter::ALL.len());
+        assert_eq!(all.len(), Parameter::all().count());
         let shown = |look: &Look| {
             format!(
                 "{:?} {} {} {:?} {} {} {:?} {:?}",
@@ -284,7 +284,7 @@ mod tests {
     fn names_choose_one_material_or_light() {
         let mut changed = look();
         sweep("roughness@gold=0..0.9").apply(&mut changed, 1.0).unwrap();
-        let roughness = |i: usize| changed.appearance.materials[i].parameters.roughness;
+        let roughness = |i: usize| changed.appearance.materials[i].parameters.number("roughness");
         assert_eq!((roughness(0), roughness(1)), (0.9, 0.5));
         let message = sweep("roughness@tin=0..1").apply(&mut look(), 0.0).unwrap_err().to_string();
         assert!(message.contains("tin") && message.contains("gold, wood"), "{message}");

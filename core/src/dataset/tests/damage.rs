@@ -77,7 +77,7 @@ fn what_could_not_be_read_is_not_written() {
         error.to_string()
     };
     let slot = TextureSlot { scale: Vec2::new(f32::INFINITY, 1.0), ..Default::default() };
-    let scale = refused(&|d| d.scene.materials[0].maps[MapKind::Bump] = Some(slot.clone()));
+    let scale = refused(&|d| d.scene.materials[0].maps.set("bump", Some(slot.clone())));
     assert!(scale.contains("material 0 (`m`)") && scale.contains("its scale of the map bump inf"), "{scale}");
     let report = refused(&|d| d.report.rms_visibility = f64::NAN);
     assert!(report.contains("metadata") && report.contains("null"), "{report}");

@@ -11,8 +11,9 @@ use super::{
     document_with,
 };
 use crate::{
+    brdf::GgxParameters,
     color::luminance,
-    material::{BrdfParameters, MapKind, Material},
+    material::Material,
     texture::{Channel, ColorSpace, TextureSlot},
 };
 use glam::{Vec2, Vec3};
@@ -135,7 +136,7 @@ impl MaterialReader<'_> {
         }
         let mut material = Material {
             name,
-            parameters: parameters(source),
+            parameters: parameters(source).into(),
             double_sided: source.double_sided(),
             ..Default::default()
         };
@@ -148,20 +149,20 @@ impl MaterialReader<'_> {
         let name = &material.name;
         let maps = &mut material.maps;
         if let Some(info) = pbr.base_color_texture() {
-            maps[MapKind::BaseColor] = Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? });
+            maps.set("base_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? }));
         }
         if let Some(info) = pbr.metallic_roughness_texture() {
             let slot = self.slot(&info, name)?;
-            maps[MapKind::Roughness] = Some(TextureSlot { channel: Channel::G, ..slot.clone() });
-            maps[MapKind::Metalness] = Some(TextureSlot { channel: Channel::B, ..slot });
+            maps.set("roughness", Some(TextureSlot { channel: Channel::G, ..slot.clone() }));
+            maps.set("metalness", Some(TextureSlot { channel: Channel::B, ..slot }));
         }
         if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
-            maps[MapKind::Specular] = Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name)? });
+            maps.set("specular", Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name)? }));
         }
         if let Some(normal) = source.normal_texture() {
             let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
             let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name)?;
-            maps[MapKind::Normal] = Some(TextureSlot { strength: normal.scale(), ..slot });
+            maps.set("normal", Some(TextureSlot { strength: normal.scale(), ..slot }));
         }
         Ok(())
     }
@@ -218,12 +219,12 @@ impl MaterialReader<'_> {
     }
 }
 
-fn parameters(source: &gltf::Material) -> BrdfParameters {
+fn parameters(source: &gltf::Material) -> GgxParameters {
     let pbr = source.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
     let specular =
         source.specular().map_or(1.0, |s| s.specular_factor() * luminance(Vec3::from_array(s.specular_color_factor())));
-    BrdfParameters {
+    GgxParameters {
         base_color: Vec3::new(r, g, b),
         roughness: pbr.roughness_factor(),
         metalness: pbr.metallic_factor(),

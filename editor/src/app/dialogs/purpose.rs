@@ -147,13 +147,12 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::material::MapKind;
 
     #[test]
     fn the_answer_completes_the_action() {
-        let ask = Action::LoadTexture { material: 3, map: MapKind::Bump, path: None };
+        let ask = Action::LoadTexture { material: 3, map: "bump", path: None };
         let Action::LoadTexture { material, map, path } = with_path(&ask, "a.png".into()) else { panic!() };
-        assert_eq!((material, map, path), (3, MapKind::Bump, Some("a.png".into())));
+        assert_eq!((material, map, path), (3, "bump", Some("a.png".into())));
         assert!(Purpose::of(&Action::Undo).is_none());
     }
 

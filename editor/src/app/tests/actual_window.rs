@@ -207,7 +207,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
 fn polished(path: &Path) -> Dataset {
     let mut dataset = Dataset::read(path).unwrap();
     for material in &mut dataset.scene.materials {
-        material.parameters.metalness = 1.0;
+        material.parameters.set("metalness", 1.0);
     }
     dataset.write(path).unwrap();
     dataset

@@ -83,7 +83,7 @@ fn the_bounce_follows_lamp_paint_and_gloss_and_the_environment_adds_to_it() {
     window.perform(Action::Undo);
     assert_eq!(settled(&mut window, Some(toward_green)), first);
 
-    edit_material(&mut window, "Red paint", |m| m.parameters.base_color = Vec3::new(0.05, 0.1, 0.6));
+    edit_material(&mut window, "Red paint", |m| m.parameters.set("base_color", Vec3::new(0.05, 0.1, 0.6)));
     let blue_wall = settled(&mut window, Some(first));
     assert!(ratio(blue_wall, blue, red) > 1.2 * ratio(first, blue, red), "{first:?} {blue_wall:?}");
     // The half that the red wall is not in changes by what it sends there alone.
@@ -93,7 +93,10 @@ fn the_bounce_follows_lamp_paint_and_gloss_and_the_environment_adds_to_it() {
     window.perform(Action::Undo);
     assert_eq!(settled(&mut window, Some(blue_wall)), first);
 
-    edit_material(&mut window, "White paint", |m| (m.parameters.metalness, m.parameters.roughness) = (1.0, 0.15));
+    edit_material(&mut window, "White paint", |m| {
+        m.parameters.set("metalness", 1.0);
+        m.parameters.set("roughness", 0.15);
+    });
     let glossy = settled(&mut window, Some(first));
     assert!((glossy[0] - first[0]).abs().max_element() > 2.0, "{first:?} {glossy:?}");
     window.perform(Action::Undo);

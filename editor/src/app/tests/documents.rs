@@ -218,6 +218,6 @@ fn pictures_outside_the_folder_of_a_material_are_read_after_a_question() {
     window.perform(load());
     window.wait("the question", |s| !s.prompts.is_empty());
     window.click("Read them");
-    window.wait("the map", |s| s.document.materials[0].maps[MapKind::BaseColor].is_some());
+    window.wait("the map", |s| s.document.materials[0].maps.get("base_color").is_some());
     assert_eq!(window.0.state().document.textures[0].texture.size, [3, 3]);
 }

@@ -119,7 +119,7 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     paint("1 0 0");
     std::fs::write(place.path("scene.obj"), format!("mtllib look.mtl\nusemtl paint\n{}", super::SCENE)).unwrap();
     let window = baked_by_itself(&place);
-    let color = |window: &super::Window| window.0.state().document.materials[0].parameters.base_color;
+    let color = |window: &super::Window| window.0.state().document.materials[0].parameters.color("base_color");
     assert_eq!(color(&window), Vec3::X);
     paint("0 0 1");
     let mut again = place.window();

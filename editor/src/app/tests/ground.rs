@@ -59,14 +59,14 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     let materials = window.0.state().document.materials.len();
     choose(&mut window, Ground::On);
     assert!(window.0.state().seen() == Seen::Unshadowed && has_ground(&window) && !is_baking(&window));
-    window.0.state_mut().document.materials[materials].parameters.base_color = Vec3::X;
+    window.0.state_mut().document.materials[materials].parameters.set("base_color", Vec3::X);
     choose(&mut window, Ground::Off);
     assert!(window.0.state().seen() == Seen::Whole && !has_ground(&window));
     assert_eq!(window.0.state().document.materials.len(), materials);
     let session = place.path("look.lapidary");
     window.perform(Action::SaveAs(Some(session.clone())));
     choose(&mut window, Ground::On);
-    let color = |window: &Window| window.0.state().document.materials[materials].parameters.base_color;
+    let color = |window: &Window| window.0.state().document.materials[materials].parameters.color("base_color");
     assert_eq!(color(&window), Vec3::X, "its material is kept");
     let mut again = place.window();
     again.open(&session);

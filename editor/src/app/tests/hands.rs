@@ -66,7 +66,7 @@ fn a_hex_color_typed_fast_changes_the_color_alone() {
     window.0.run_steps(2);
     window.frame_of(typed("ffaa00").into_iter().chain(press(NONE, Key::Enter)).chain(typed("fa1")));
     assert_eq!((window.camera(), &window.0.state().document.view), (camera.clone(), &view));
-    let color = window.0.state().document.materials[0].parameters.base_color;
+    let color = window.0.state().document.materials[0].parameters.color("base_color");
     assert!(color.distance(glam::Vec3::new(1.0, 0.402, 0.0)) < 0.01, "{color}");
     window.frame_of(typed("fa1"));
     assert_ne!(window.camera(), camera, "negative control: no field has the focus");

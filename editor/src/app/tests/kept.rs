@@ -10,7 +10,6 @@ use crate::{
 use lapidary_core::{
     dataset::BakeParts,
     image::Image,
-    material::MapKind,
     texture::{Texture, TextureSlot},
 };
 use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake, resolve};
@@ -45,7 +44,7 @@ fn bake_into(ready: &Ready) {
 }
 
 fn is_stand_in(document: &Document) -> bool {
-    let slot = document.materials[0].maps[MapKind::BaseColor].as_ref().unwrap();
+    let slot = document.materials[0].maps.get("base_color").unwrap();
     document.textures[slot.texture as usize].texture.texels == Texture::missing("").texels
 }
 
@@ -175,7 +174,7 @@ fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
     let place = Place::new();
     place.bake();
     let mut document = opened(&place, Target::File(place.path("scene.obj"))).document;
-    document.materials[0].parameters.roughness = 0.125;
+    document.materials[0].parameters.set("roughness", 0.125);
     let orphan = autosaved(&place, &document);
     let mut window = place.window();
     window.0.run_steps(2);
@@ -232,7 +231,7 @@ fn a_session_whose_texture_moved_is_relinked() {
     let texture = Texture::read(&picture).unwrap().into();
     document.textures.push(TextureEntry { texture, file: Some(picture.clone()) });
     let texture = (document.textures.len() - 1) as u32;
-    document.materials[0].maps[MapKind::BaseColor] = Some(TextureSlot { texture, ..Default::default() });
+    document.materials[0].maps.set("base_color", Some(TextureSlot { texture, ..Default::default() }));
     session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
     std::fs::create_dir(place.path("moved")).unwrap();
     std::fs::rename(&picture, place.path("moved/red.png")).unwrap();

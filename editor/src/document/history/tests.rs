@@ -2,19 +2,15 @@
 
 use super::*;
 use crate::document::{EnvironmentSettings, ViewSettings};
-use lapidary_core::{
-    camera::Camera,
-    dataset::BakeSettings,
-    material::{BrdfParameters, Material},
-};
+use lapidary_core::{brdf::GgxParameters, camera::Camera, dataset::BakeSettings, material::Material};
 
 fn document() -> Document {
     Document { materials: vec![Material::default(); 3], ..Document::empty() }
 }
 
 fn roughness(index: usize, roughness: f32) -> Edit {
-    let parameters = BrdfParameters { roughness, ..Default::default() };
-    Edit::Material { index, material: Box::new(Material { parameters, ..Default::default() }) }
+    let parameters = GgxParameters { roughness, ..Default::default() };
+    Edit::Material { index, material: Box::new(Material { parameters: parameters.into(), ..Default::default() }) }
 }
 
 fn rotation(rotation_degrees: f32) -> Edit {
@@ -22,7 +18,7 @@ fn rotation(rotation_degrees: f32) -> Edit {
 }
 
 fn roughness_of(document: &Document, index: usize) -> f32 {
-    document.materials[index].parameters.roughness
+    document.materials[index].parameters.number("roughness")
 }
 
 #[test]

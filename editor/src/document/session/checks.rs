@@ -44,7 +44,7 @@ impl Checks<'_> {
     }
 
     fn material(&mut self, material: &mut SessionMaterial) {
-        let sanitized = material.parameters.sanitized();
+        let sanitized = material.parameters.clone().sanitized();
         if sanitized != material.parameters {
             self.warnings
                 .push(format!("parameters of the material \"{}\" were out of range; they are clamped", material.name));
@@ -60,14 +60,13 @@ impl Checks<'_> {
             self.range(&what("the rotation"), &mut slot.rotation_degrees, [-1e6, 1e6, 0.0]);
             self.range(&what("the strength"), &mut slot.strength, [-1e6, 1e6, 1.0]);
         }
-        for (kind, slot) in material.maps.iter_mut() {
-            if slot.take_if(|slot| slot.texture.is_none()).is_some() {
-                self.warnings.push(format!(
-                    "the map {} of the material \"{name}\" names no texture; it is left out",
-                    kind.key()
-                ));
+        material.maps.retain(|map, slot| {
+            if slot.texture.is_none() {
+                self.warnings
+                    .push(format!("the map {map} of the material \"{name}\" names no texture; it is left out"));
             }
-        }
+            slot.texture.is_some()
+        });
     }
 
     fn environment(&mut self, environment: &mut EnvironmentSettings) {

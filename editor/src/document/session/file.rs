@@ -6,7 +6,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::BakeSettings,
     lights::Light,
-    material::{BrdfModel, BrdfParameters, Maps, Material},
+    material::{Material, MaterialOf},
     texture::{Channel, ColorSpace, TextureSlot},
 };
 use lapidary_render::Solution;
@@ -41,23 +41,7 @@ pub struct Session {
 }
 
 /// See [`Material`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct SessionMaterial {
-    /// Name, by which the material is found again in another bake of the scene.
-    pub name: String,
-    /// Reflectance model.
-    pub model: BrdfModel,
-    /// Values that the maps multiply.
-    pub parameters: BrdfParameters,
-    /// Textures.
-    pub maps: SessionMaps,
-    /// Both sides reflect.
-    pub double_sided: bool,
-}
-
-/// See [`Maps`].
-pub type SessionMaps = Maps<SessionSlot>;
+pub type SessionMaterial = MaterialOf<SessionSlot>;
 
 /// See [`TextureSlot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -118,7 +102,7 @@ impl Session {
                 .materials
                 .iter()
                 .chain(&document.hidden_ground)
-                .map(|m| SessionMaterial::of(m, document))
+                .map(|m| session_material(m, document))
                 .collect(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
@@ -147,28 +131,18 @@ impl Session {
     }
 }
 
-impl SessionMaterial {
-    fn of(material: &Material, document: &Document) -> Self {
-        Self {
-            name: material.name.clone(),
-            model: material.model,
-            parameters: material.parameters,
-            maps: material.maps.filter_map(|slot| SessionSlot::of(slot, document)),
-            double_sided: material.double_sided,
-        }
-    }
+/// A material of `document`, whose maps name pictures.
+fn session_material(material: &Material, document: &Document) -> SessionMaterial {
+    material.with_maps(material.maps.filter_map(|slot| SessionSlot::of(slot, document)))
+}
 
-    /// The material, with the textures that `index_of` finds.
-    pub(super) fn material(&self, mut index_of: impl FnMut(&TextureSource) -> u32) -> Material {
-        let mut slot = |slot: &SessionSlot| slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)));
-        Material {
-            name: self.name.clone(),
-            model: self.model,
-            parameters: self.parameters,
-            maps: self.maps.filter_map(&mut slot),
-            double_sided: self.double_sided,
-        }
-    }
+/// The material, with the textures that `index_of` finds.
+pub(super) fn document_material(
+    material: &SessionMaterial,
+    mut index_of: impl FnMut(&TextureSource) -> u32,
+) -> Material {
+    let slot = |slot: &SessionSlot| slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)));
+    material.with_maps(material.maps.filter_map(slot))
 }
 
 impl SessionSlot {

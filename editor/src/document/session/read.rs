@@ -13,6 +13,7 @@ use glam::Vec3;
 use lapidary_core::{
     input,
     lights::{Emission, Light},
+    material::{BrdfModel, map_names},
 };
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
@@ -178,12 +179,18 @@ impl Reader {
     }
 }
 
-/// A material with slots where `given` has some, so that their values are read one by one as well.
+/// A material with the parameters and slots that `given` has, so that their values are read one by one as well.
 fn material_template(given: &Value) -> SessionMaterial {
     let mut template = SessionMaterial::default();
-    for (kind, slot) in template.maps.iter_mut() {
-        let has = given.get("maps").and_then(|maps| maps.get(kind.key())).is_some_and(Value::is_object);
-        *slot = has.then(SessionSlot::default);
+    let named = |key| given.get(key).and_then(Value::as_object).into_iter().flatten();
+    for parameter in named("parameters").filter_map(|(name, _)| BrdfModel::declared(name)) {
+        template.parameters.set(parameter.name, parameter.default);
+    }
+    let known = || BrdfModel::ALL.iter().flat_map(|&model| map_names(model));
+    for (name, _) in named("maps").filter(|(_, slot)| slot.is_object()) {
+        if let Some(name) = known().find(|known| known == name) {
+            template.maps.set(name, Some(SessionSlot::default()));
+        }
     }
     template
 }

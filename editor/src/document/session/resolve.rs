@@ -1,6 +1,6 @@
 //! From a session and the scene that it names to a document.
 
-use super::{LoadedSession, Session, SessionMaterial, TextureSource};
+use super::{LoadedSession, Session, SessionMaterial, TextureSource, file::document_material};
 use crate::document::{Document, TextureEntry};
 use lapidary_core::{ground, material::Material, scene::Scene, texture::Texture};
 use std::{
@@ -24,10 +24,12 @@ impl LoadedSession {
         };
         let mut textures = Textures::new(document.textures, &mut session, scene.is_some(), &mut warnings);
         let hidden = scene.and_then(|scene| hidden_ground(scene, &mut session.materials));
-        document.hidden_ground = hidden.map(|m| m.material(|source| textures.index_of(source)));
+        document.hidden_ground = hidden.map(|m| document_material(&m, |source| textures.index_of(source)));
         document.materials = match scene {
             Some(_) => merged_materials(&document.materials, &session.materials, &mut textures),
-            None => session.materials.iter().map(|m| m.material(|source| textures.index_of(source))).collect(),
+            None => {
+                session.materials.iter().map(|m| document_material(m, |source| textures.index_of(source))).collect()
+            }
         };
         document.textures = textures.entries;
         document.scene = session.scene;
@@ -58,9 +60,10 @@ fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mu
     warn_of_differences(own, session, &places, textures.warnings);
     let merge = |(own, place): (&Material, &Option<usize>)| match place {
         // Which sides reflect was baked.
-        Some(i) => {
-            Material { double_sided: own.double_sided, ..session[*i].material(|source| textures.index_of(source)) }
-        }
+        Some(i) => Material {
+            double_sided: own.double_sided,
+            ..document_material(&session[*i], |source| textures.index_of(source))
+        },
         None => own.clone(),
     };
     own.iter().zip(&places).map(merge).collect()

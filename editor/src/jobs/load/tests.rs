@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::Vec3;
-use lapidary_core::{image::Image, material::MapKind};
+use lapidary_core::image::Image;
 use lapidary_studies::jobs::testing::{silent, wait_for};
 
 fn next(loader: &mut Loader) -> LoadResult {
@@ -26,14 +26,14 @@ fn every_source_is_opened() {
         loader.load(Topic::Material(0), source);
         let Ok(Loaded::Material { material, textures, .. }) = next(&mut loader).result else { panic!("no material") };
         assert_eq!((material.name.as_str(), textures.len()), ("m", expected));
-        assert!(material.maps[MapKind::BaseColor].is_some());
+        assert!(material.maps.get("base_color").is_some());
     }
 }
 
 #[test]
 fn the_latest_load_on_a_topic_wins_and_topics_are_apart() {
     let mut loader = Loader::new(silent());
-    let other = Topic::Map { material: 1, map: MapKind::Bump };
+    let other = Topic::Map { material: 1, map: "bump" };
     loader.load(other.clone(), Source::Texture("missing.png".into()));
     for i in 1..=5 {
         loader.load(Topic::Environment, Source::Environment(format!("constant:{i}")));

@@ -5,7 +5,7 @@ use crate::panels::widgets::{Number, choice_row, slider_row};
 use egui::{Color32, Ui};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
 use glam::Vec3;
-use lapidary_core::{brdf::SurfaceBrdf, color::luminance, material::Material};
+use lapidary_core::{color::luminance, material::Material};
 use std::f32::consts::FRAC_PI_2;
 
 /// Directions across the half circle, and as many again around the mirror direction.
@@ -50,11 +50,11 @@ pub struct Lobe {
 impl LobePlot {
     /// The lobe of a material without its maps.
     pub fn lobe(&self, material: &Material) -> Lobe {
-        let brdf = SurfaceBrdf::new(material.model, material.parameters.sanitized());
+        let brdf = material.plain_brdf();
         let brdf = brdf.as_brdf();
         let light = self.light_degrees.to_radians();
         let wi = self.direction(-light);
-        let width = brdf.lobe().map_or(1.0, |lobe| lobe.narrow());
+        let width = brdf.narrowest_lobe().unwrap_or(1.0);
         // By reciprocity the roles can change: what the kernel calls the light is where the light leaves to.
         let value = |angle: f32| luminance(brdf.brdf_cos(self.direction(angle), wi));
         let samples: Vec<(f32, f32)> = angles(light, width).into_iter().map(|a| (a, value(a))).collect();
@@ -135,11 +135,11 @@ fn angles(light: f32, width: f32) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::material::{BrdfModel, BrdfParameters};
+    use lapidary_core::{brdf::GgxParameters, material::BrdfModel};
     use std::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 
-    fn material(model: BrdfModel, parameters: BrdfParameters) -> Material {
-        Material { model, parameters, ..Default::default() }
+    fn material(model: BrdfModel, parameters: GgxParameters) -> Material {
+        Material { model, parameters: parameters.into(), ..Default::default() }
     }
 
     fn peak(lobe: &Lobe) -> f32 {
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_diffuse_lobe_is_a_circle_wherever_the_light_is() {
-        let white = material(BrdfModel::Lambert, BrdfParameters { base_color: Vec3::ONE, ..Default::default() });
+        let white = material(BrdfModel::Lambert, GgxParameters { base_color: Vec3::ONE, ..Default::default() });
         for light_degrees in [0.0, 45.0, 80.0] {
             let lobe = LobePlot { light_degrees, ..Default::default() }.lobe(&white);
             assert!((lobe.largest - FRAC_1_PI).abs() < 1e-4);
@@ -158,17 +158,17 @@ mod tests {
 
     #[test]
     fn a_polished_metal_peaks_in_the_mirror_direction() {
-        let p = BrdfParameters { roughness: 0.05, metalness: 1.0, ..Default::default() };
+        let p = GgxParameters { roughness: 0.05, metalness: 1.0, ..Default::default() };
         let lobe = LobePlot::default().lobe(&material(BrdfModel::Ggx, p));
         assert!((peak(&lobe) - FRAC_PI_4).abs() < 0.005, "{}", peak(&lobe));
-        let rough = material(BrdfModel::Ggx, BrdfParameters { roughness: 0.5, ..p });
+        let rough = material(BrdfModel::Ggx, GgxParameters { roughness: 0.5, ..p });
         assert!(LobePlot::default().lobe(&rough).largest < 0.1 * lobe.largest, "negative control");
     }
 
     #[test]
     fn anisotropy_makes_the_planes_differ() {
         let widths = |anisotropy: f32| {
-            let p = BrdfParameters { roughness: 0.4, metalness: 1.0, anisotropy, ..Default::default() };
+            let p = GgxParameters { roughness: 0.4, metalness: 1.0, anisotropy, ..Default::default() };
             [Plane::Tangent, Plane::Bitangent].map(|plane| {
                 let lobe = LobePlot { plane, light_degrees: 30.0 }.lobe(&material(BrdfModel::Ggx, p));
                 let wide = lobe.samples.iter().filter(|s| s.1 > 0.5 * lobe.largest).map(|s| s.0);

@@ -8,7 +8,8 @@ use crate::{
 };
 use egui::{Button, CollapsingHeader, Label, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
 use lapidary_core::{
-    material::MapKind,
+    brdf::{BrdfModel, Parameter},
+    material::map_label,
     texture::{Channel, ColorSpace, Texels, TextureSlot},
 };
 use std::path::PathBuf;
@@ -24,13 +25,13 @@ pub struct Target {
     /// Which material.
     pub index: usize,
     /// Which map.
-    pub kind: MapKind,
+    pub kind: &'static str,
 }
 
 impl Target {
     /// "Roughness map".
     fn name(self) -> String {
-        let label = self.kind.label();
+        let label = map_label(self.kind);
         if label.ends_with("map") { label.to_owned() } else { format!("{label} map") }
     }
 }
@@ -46,13 +47,13 @@ pub fn slot(
 ) {
     let name = target.name();
     group(ui, &name, |ui| {
-        let entry = changes.material.maps[target.kind].as_ref();
+        let entry = changes.material.maps.get(target.kind);
         let entry = entry.and_then(|slot| document.textures.get(slot.texture as usize));
         let shown = picture_row(ui, state, target, entry, changes, actions);
         if let Some(path) = dropped_on(ui, shown.rect) {
             load(target, Some(path), actions);
         }
-        if changes.material.maps[target.kind].is_some() {
+        if changes.material.maps.get(target.kind).is_some() {
             settings(ui, state, target, entry, changes);
         }
     });
@@ -72,7 +73,7 @@ fn picture_row(
     actions: &mut Vec<Action>,
 ) -> Response {
     let name = target.name();
-    let is_there = changes.material.maps[target.kind].is_some();
+    let is_there = changes.material.maps.get(target.kind).is_some();
     let picture = |ui: &mut Ui| {
         thumbnail(ui, state, entry);
         let (shown, full) = caption(&name, entry);
@@ -93,7 +94,7 @@ fn picture_row(
             button.accessible_name(format!("Remove {name}")).clicked()
         };
         if asked {
-            changes.material.maps[target.kind] = None;
+            changes.material.maps.set(target.kind, None);
             changes.note("Remove map", Edited::at_once(true));
         }
     };
@@ -162,19 +163,19 @@ fn settings(
     entry: Option<&TextureEntry>,
     changes: &mut Changes,
 ) {
-    let Some(mut slot) = changes.material.maps[target.kind].clone() else { return };
+    let Some(mut slot) = changes.material.maps.get(target.kind).cloned() else { return };
     match target.kind {
-        MapKind::Normal => normal_strength(ui, &mut slot, changes),
-        MapKind::Bump => bump_strength(ui, &mut slot, changes),
+        "normal" => normal_strength(ui, &mut slot, changes),
+        "bump" => bump_strength(ui, &mut slot, changes),
         _ => {}
     }
     let title = RichText::new("Placement").small();
-    let folded = CollapsingHeader::new(title).id_salt((target.index, target.kind.label())).show(ui, |ui| {
+    let folded = CollapsingHeader::new(title).id_salt((target.index, target.kind)).show(ui, |ui| {
         placement(ui, state, target, &mut slot, changes);
         reading(ui, target.kind, entry, &mut slot, changes);
     });
     folded.header_response.accessible_name(format!("{} placement", target.name()));
-    changes.material.maps[target.kind] = Some(slot);
+    changes.material.maps.set(target.kind, Some(slot));
 }
 
 fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
@@ -248,8 +249,14 @@ fn rotation(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
 }
 
 /// Channel and colour space, where the map has a choice.
-fn reading(ui: &mut Ui, kind: MapKind, entry: Option<&TextureEntry>, slot: &mut TextureSlot, changes: &mut Changes) {
-    if !matches!(kind, MapKind::BaseColor | MapKind::Normal) {
+fn reading(
+    ui: &mut Ui,
+    kind: &'static str,
+    entry: Option<&TextureEntry>,
+    slot: &mut TextureSlot,
+    changes: &mut Changes,
+) {
+    if !BrdfModel::declared(kind).is_some_and(Parameter::is_color) && kind != "normal" {
         let channels = [
             (Channel::R, "R", "Red. Grey pictures have their value here."),
             (Channel::G, "G", "Green: the roughness in packed glTF pictures."),
@@ -259,7 +266,7 @@ fn reading(ui: &mut Ui, kind: MapKind, entry: Option<&TextureEntry>, slot: &mut 
         let help = "Which component of the picture is read.";
         changes.note("Map channel", choice_row(ui, "Channel", help, &mut slot.channel, &channels));
     }
-    if matches!(kind, MapKind::Normal | MapKind::Bump) {
+    if matches!(kind, "normal" | "bump") {
         return;
     }
     let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));

@@ -87,12 +87,11 @@ fn viewpoint(
     Ok(viewpoint)
 }
 
-/// Largest channel of the mean diffuse reflectance of the surfaces seen, without textures.
+/// Largest channel of the mean albedo of the surfaces seen, without textures.
 fn mean_reflectance(scene: &Scene, seen: &[Surfel]) -> f32 {
     let reflectance = |at: &Surfel| {
         let material = scene.mesh.triangle_material[at.place.triangle as usize];
-        let parameters = &scene.materials[material as usize].parameters;
-        parameters.base_color * (1.0 - parameters.metalness)
+        scene.materials[material as usize].plain_brdf().as_brdf().albedo()
     };
     seen.iter().map(reflectance).sum::<Vec3>().max_element() / seen.len().max(1) as f32
 }

@@ -59,17 +59,17 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     let mut turned = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
     turned.iter_mut().filter(|t| t.iter().all(|p| p.x > 0.9 || p.y > 0.6)).for_each(|t| t.swap(1, 2));
     let mut scene = scene_of(&turned);
-    scene.materials[0].parameters.base_color = Vec3::ONE;
+    scene.materials[0].parameters.set("base_color", Vec3::ONE);
     assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so bounces end");
     // A white room beside a large grey one.
     let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
     scene.materials.push(scene.materials[0].clone());
     let grey = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);
     scene.mesh.triangle_material = scene.mesh.triangles.iter().map(|t| grey(&scene.mesh.positions, t)).collect();
-    scene.materials[0].parameters.base_color = Vec3::ONE;
-    scene.materials[1].parameters.base_color = Vec3::splat(0.3);
+    scene.materials[0].parameters.set("base_color", Vec3::ONE);
+    scene.materials[1].parameters.set("base_color", Vec3::splat(0.3));
     let white = remarks(scene.clone(), "b.cuts");
     assert!(white.contains("light is missing after the last bounce"), "{white}");
-    scene.materials[0].parameters.base_color = Vec3::splat(0.9);
+    scene.materials[0].parameters.set("base_color", Vec3::splat(0.9));
     assert_eq!(remarks(scene, "c.cuts"), "");
 }

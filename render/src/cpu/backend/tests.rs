@@ -10,9 +10,10 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::{GgxParameters, Parameters},
     camera::Camera,
     dataset::Dataset,
-    material::{BrdfModel, BrdfParameters, MapKind, Material},
+    material::{BrdfModel, Material},
     scene::Mesh,
     texture::{Texels, Texture, TextureSlot},
 };
@@ -84,7 +85,7 @@ fn a_picture_is_right_between_two_bands() {
     assert!(between.iter().zip(&first).all(|(a, b)| near(a, b)), "no row is twice as bright");
 }
 
-fn microfacets(mesh: Mesh, parameters: BrdfParameters) -> Arc<Dataset> {
+fn microfacets(mesh: Mesh, parameters: GgxParameters) -> Arc<Dataset> {
     let mut dataset = dataset(mesh, parameters);
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     dataset.into()
@@ -146,8 +147,8 @@ fn lit_cuts_survive_any_light() {
 
 #[test]
 fn modes_show_known_values() {
-    let parameters = BrdfParameters { base_color: Vec3::new(0.5, 0.25, 0.1), roughness: 0.3, ..Default::default() };
-    let dataset: Arc<Dataset> = dataset(mesh(1, false), parameters).into();
+    let parameters = GgxParameters { base_color: Vec3::new(0.5, 0.25, 0.1), roughness: 0.3, ..Default::default() };
+    let dataset = microfacets(mesh(1, false), parameters);
     let light = illumination([64, 32], |x, _| Vec3::splat(x as f32));
     let mut backend = lit(&dataset, &light);
     let mut mean = |mode| {
@@ -249,11 +250,11 @@ fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
     let view = from_the_side(24);
     let half = Texture { name: "half".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
     let half = Arc::new(half);
-    let parameters = |anisotropy, ior| BrdfParameters { anisotropy, ior, ..glossy(0.5) };
+    let parameters = |anisotropy, ior| Parameters::from(GgxParameters { anisotropy, ior, ..glossy(0.5) });
     let mut shown = |parameters, [anisotropy, ior]: [bool; 2]| {
         let mut material = Material { parameters, ..Default::default() };
-        material.maps[MapKind::Anisotropy] = anisotropy.then(TextureSlot::default);
-        material.maps[MapKind::Ior] = ior.then(TextureSlot::default);
+        material.maps.set("anisotropy", anisotropy.then(TextureSlot::default));
+        material.maps.set("ior", ior.then(TextureSlot::default));
         let appearance = Appearance { materials: vec![material], textures: vec![half.clone()] };
         assert!(backend.set_appearance(&appearance).unwrap().is_empty());
         picture(&mut backend, &view, 24)
@@ -278,8 +279,8 @@ fn appearances_that_do_not_fit_are_made_to() {
     let white_floor = picture(&mut backend, &view, 8);
     assert_eq!(backend.set_appearance(&Appearance::default()).unwrap().len(), 1);
     assert!(picture(&mut backend, &view, 8) == white_floor);
-    let mut odd = Material { parameters: glossy(0.5), ..Default::default() };
-    odd.maps[MapKind::BaseColor] = Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() });
+    let mut odd = Material { parameters: glossy(0.5).into(), ..Default::default() };
+    odd.maps.set("base_color", Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() }));
     let remarks = backend.set_appearance(&Appearance { materials: vec![odd], textures: Vec::new() }).unwrap();
     assert!(remarks.len() == 1 && remarks[0].contains("without maps"), "{remarks:?}");
     assert!(picture(&mut backend, &view, 8) != white_floor);

@@ -8,9 +8,10 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec3};
 use lapidary_core::{
+    brdf::GgxParameters,
     dataset::Dataset,
     image::{Image, Region},
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, Material},
     scene::Mesh,
 };
 use std::sync::Arc;
@@ -23,7 +24,7 @@ fn scene(change: impl FnOnce(&mut Mesh)) -> Arc<Dataset> {
     change(&mut mesh);
     let lambert = |base_color| Material {
         model: BrdfModel::Lambert,
-        parameters: BrdfParameters { base_color, ..Default::default() },
+        parameters: GgxParameters { base_color, ..Default::default() }.into(),
         ..Default::default()
     };
     let mut dataset = dataset(mesh, white());
@@ -147,7 +148,7 @@ fn edits_and_cameras_are_looked_up_again() {
     let mut backend = lit(&dataset);
     let old = sketched(&mut backend, &view, 1);
     let mut appearance = Appearance::of(&dataset.scene);
-    appearance.materials[1].parameters.base_color = Vec3::new(0.2, 0.7, 0.3);
+    appearance.materials[1].parameters.set("base_color", Vec3::new(0.2, 0.7, 0.3));
     let mut moved = view.clone();
     moved.camera.eye.x += 0.3;
     let mut other = lit(&dataset);

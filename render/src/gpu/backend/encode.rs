@@ -63,9 +63,9 @@ impl GpuBackend {
     pub(super) fn encode_deferred(&self, encoder: &mut wgpu::CommandEncoder) {
         let (targets, groups) = (self.targets(), &self.picture().groups);
         let outputs = [&targets.geometry, &targets.rotation];
-        let shared = [&groups.frame, &groups.scene, &groups.materials];
+        let shared = [&groups.frame, &groups.scene];
         full_screen(encoder, "surface", &self.passes.surface, &outputs, &[&shared[..], &[&groups.triangle]].concat());
-        let outputs = [&targets.color_roughness, &targets.others];
+        let outputs = [&targets.color_roughness];
         full_screen(
             encoder,
             "parameters",
@@ -167,14 +167,11 @@ impl GpuBackend {
     }
 
     fn merge_variant(&self, field: u32, is_first: bool) -> MergeVariant {
-        let materials = &self.loaded().materials;
         MergeVariant {
             field,
             is_first,
             refine: self.picture().sampling != BrdfSampling::Once,
             lit: self.picture().sampling == BrdfSampling::Lit,
-            has_ggx: materials.has_ggx,
-            has_ward: materials.has_ward,
         }
     }
 

@@ -12,7 +12,6 @@ use crate::stale::Part;
 pub struct Groups {
     pub frame: wgpu::BindGroup,
     pub scene: wgpu::BindGroup,
-    pub materials: wgpu::BindGroup,
     pub light: wgpu::BindGroup,
     pub triangle: wgpu::BindGroup,
     pub parameters: wgpu::BindGroup,
@@ -46,7 +45,6 @@ impl GpuBackend {
                 View(&targets.geometry.view),
                 View(&targets.rotation.view),
                 View(&targets.color_roughness.view),
-                View(&targets.others.view),
                 View(&from.value.view),
                 View(&from.work.view),
                 View(map),
@@ -68,9 +66,6 @@ impl GpuBackend {
         let marks = |from: usize| {
             group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
-        let geometry = [scene.vertices.as_entire_binding(), scene.triangles.as_entire_binding()];
-        let pool = View(&materials.pool.view);
-        let look = [materials.buffer.as_entire_binding(), pool, materials.linear_from_srgb.as_entire_binding()];
         let lit = [
             light.nodes.as_entire_binding(),
             light.brightness.as_entire_binding(),
@@ -81,8 +76,7 @@ impl GpuBackend {
         ];
         Groups {
             frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
-            scene: group("scene", &layouts.scene, &geometry),
-            materials: group("materials", &layouts.materials, &look),
+            scene: materials.bound_with(&self.gpu, &layouts.scene, scene),
             light: group("light", &layouts.light, &lit),
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
             parameters: group("parameters", &layouts.parameters, &[View(&targets.geometry.view), View(map)]),

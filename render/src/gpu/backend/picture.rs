@@ -168,9 +168,11 @@ impl GpuBackend {
 
     /// Local lights and bounced light at the vertices, as far as they are shown.
     fn additions(&mut self) -> Vec<Addition> {
-        let (Some(Loaded { scene, .. }), Some(targets)) = (&self.scene, &self.targets) else { return Vec::new() };
-        let picture =
-            PictureInputs { gpu: &self.gpu, layouts: &self.passes.layouts, scene, frame: &self.frame, targets };
+        let (Some(Loaded { scene, materials, .. }), Some(targets)) = (&self.scene, &self.targets) else {
+            return Vec::new();
+        };
+        let layouts = &self.passes.layouts;
+        let picture = PictureInputs { gpu: &self.gpu, layouts, scene, materials, frame: &self.frame, targets };
         let direct = self.local_lights.prepare(&picture, &self.passes.direct);
         let vertices = self.local.shown_vertex_irradiance();
         let bounce = vertices.and_then(|vertices| self.bounce.prepare(&picture, &self.passes.bounce, vertices));

@@ -11,9 +11,10 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    brdf::GgxParameters,
     camera::Camera,
     image::Image,
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, Material},
 };
 use std::sync::{Arc, MutexGuard};
 
@@ -42,8 +43,8 @@ impl Rig {
     fn new(model: BrdfModel, roughness: f32) -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let mut dataset = floor_and_wall(6);
-        let parameters = BrdfParameters { roughness, metalness: 0.3, ..Default::default() };
-        dataset.scene.materials[0] = Material { model, parameters, ..Default::default() };
+        let parameters = GgxParameters { roughness, metalness: 0.3, ..Default::default() };
+        dataset.scene.materials[0] = Material { model, parameters: parameters.into(), ..Default::default() };
         let renderer = Renderer::new(dataset);
         let environment = Arc::new(renderer.lighting(&light(), 64));
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();

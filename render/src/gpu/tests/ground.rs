@@ -36,7 +36,11 @@ fn scene() -> Dataset {
     };
     blocker.append_ground(floor);
     let mut dataset = dataset(blocker, white());
-    dataset.scene.materials.push(Material { model: BrdfModel::Lambert, parameters: white(), ..Default::default() });
+    dataset.scene.materials.push(Material {
+        model: BrdfModel::Lambert,
+        parameters: white().into(),
+        ..Default::default()
+    });
     dataset
 }
 

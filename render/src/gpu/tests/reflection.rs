@@ -2,9 +2,10 @@
 
 use crate::gpu::{
     layout::{self, constants},
+    models::ModelSet,
     shaders::{DISPLAY, PROGRAMS, RAYS, ShaderSource},
 };
-use lapidary_core::brdf::{LOBE_LOSS, MIN_ALPHA};
+use lapidary_core::brdf::{BrdfModel, LOBE_LOSS, MIN_ALPHA};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -13,7 +14,7 @@ use std::mem::offset_of;
 
 fn modules() -> Vec<(&'static str, Module)> {
     let parse = |program: &crate::gpu::shaders::Program| {
-        let text = ShaderSource::Embedded.text(program).unwrap();
+        let text = ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap();
         let module = naga::front::wgsl::parse_str(&text);
         (program.name, module.unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&text))))
     };
@@ -38,8 +39,10 @@ fn every_program_is_valid_without_optional_features() {
 
 #[test]
 fn validation_finds_a_broken_program() {
-    let text =
-        ShaderSource::Embedded.text(&DISPLAY).unwrap().replace("return vec4(with_lines(", "return vec3(with_lines(");
+    let text = ShaderSource::Embedded
+        .text(&DISPLAY, &ModelSet::all())
+        .unwrap()
+        .replace("return vec4(with_lines(", "return vec3(with_lines(");
     let valid = naga::front::wgsl::parse_str(&text)
         .is_ok_and(|m| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&m).is_ok());
     assert!(!valid);
@@ -50,11 +53,14 @@ fn programs_are_read_from_a_folder_as_from_the_binary() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let source = ShaderSource::Folder(folder);
     for program in &PROGRAMS {
-        assert_eq!(source.text(program).unwrap(), ShaderSource::Embedded.text(program).unwrap());
+        assert_eq!(
+            source.text(program, &ModelSet::all()).unwrap(),
+            ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap()
+        );
     }
     let files = source.files();
     assert!(!files.is_empty() && files.iter().all(|f| f.is_file()));
-    assert!(ShaderSource::Folder("nowhere".into()).text(&PROGRAMS[0]).is_err());
+    assert!(ShaderSource::Folder("nowhere".into()).text(&PROGRAMS[0], &ModelSet::all()).is_err());
 }
 
 /// Name and offset of each member, and the size.
@@ -131,29 +137,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             "TextureSlot",
             shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
         ),
-        (
-            "Material",
-            shape!(
-                layout::Material,
-                base_color,
-                roughness,
-                metalness,
-                anisotropy,
-                ior,
-                specular,
-                model,
-                normal_y,
-                padding,
-                base_color_map,
-                roughness_map,
-                metalness_map,
-                specular_map,
-                anisotropy_map,
-                ior_map,
-                normal_map,
-                bump_map
-            ),
-        ),
+        ("Material", shape!(layout::Material, model, normal_y, padding, normal_map, bump_map, parameters)),
+        ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
         ("BoxNode", shape!(layout::BoxNode, low, first, high, triangles)),
         ("RayUniforms", shape!(layout::RayUniforms, directions, words)),
@@ -307,6 +292,7 @@ fn shared_constants_have_the_same_values() {
         ("KIND_SRGB", constants::KIND_SRGB),
         ("KIND_FLOAT", constants::KIND_FLOAT),
         ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
+        ("MOST_PARAMETERS", constants::MOST_PARAMETERS as u32),
         ("CUT_WIDTH_LOG2", lapidary_core::cut::packed::TEXTURE_WIDTH.ilog2()),
     ] {
         expected.push((name.into(), value.into()));
@@ -335,12 +321,8 @@ fn shared_constants_have_the_same_values() {
     expected.extend(modes.iter().enumerate().map(|(i, name)| (format!("VIEW_{name}"), i as f64)));
     expected
         .extend([("MODE_SHADED", 0.0), ("MODE_ALBEDO", 2.0), ("MODE_VISIBILITY_CUT", 4.0)].map(|(n, x)| (n.into(), x)));
-    let models = [
-        ("MODEL_LAMBERT", lapidary_core::material::BrdfModel::Lambert),
-        ("MODEL_GGX", lapidary_core::material::BrdfModel::Ggx),
-        ("MODEL_WARD", lapidary_core::material::BrdfModel::Ward),
-    ];
-    expected.extend(models.map(|(n, m)| (n.into(), f64::from(m as u32))));
+    let model = |&m: &BrdfModel| (format!("MODEL_{}", m.key().replace('-', "_").to_uppercase()), f64::from(m as u32));
+    expected.extend(BrdfModel::ALL.iter().map(model));
     let tones = ["STANDARD", "REINHARD", "ACES", "AGX", "PBR_NEUTRAL"];
     expected.extend(tones.iter().enumerate().map(|(i, name)| (format!("TONE_{name}"), i as f64)));
     for (name, value) in &expected {

@@ -8,8 +8,9 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    brdf::GgxParameters,
     image::Image,
-    material::{BrdfModel, BrdfParameters, MaterialMaps},
+    material::{BrdfModel, MaterialMaps},
 };
 
 fn light() -> Illumination {
@@ -23,7 +24,7 @@ fn prepare(backend: &mut dyn Backend) {
     backend.set_light(&light(), &lighting.into()).unwrap();
     let local = LocalLighting { lights: [point_light(Vec3::new(0.5, 2.0, 0.5), 3.0)].into(), ..Default::default() };
     backend.set_local_lighting(&local).unwrap();
-    let parameters = BrdfParameters { base_color: Vec3::new(0.7, 0.4, 0.2), roughness: 0.6, ..Default::default() };
+    let parameters = GgxParameters { base_color: Vec3::new(0.7, 0.4, 0.2), roughness: 0.6, ..Default::default() };
     backend.set_appearance(&appearance(&dataset, BrdfModel::Ggx, parameters, MaterialMaps::default())).unwrap();
 }
 
@@ -174,7 +175,7 @@ fn the_last_lattice_is_the_sample_and_further_samples_follow() {
 fn small_pictures_and_maps_are_defined() {
     let Some((_guard, mut gpu)) = backend() else { return };
     prepare(&mut gpu);
-    let parameters = BrdfParameters { base_color: Vec3::ONE, ..Default::default() };
+    let parameters = GgxParameters { base_color: Vec3::ONE, ..Default::default() };
     gpu.set_appearance(&appearance(&scene(), BrdfModel::Ward, parameters, maps())).unwrap();
     for size in [[1, 1], [3, 2], [9, 65]] {
         let image = sketched(&mut gpu, &View { size, wireframe: true, ..view(ViewMode::Shaded) }, 8);

@@ -11,11 +11,12 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::GgxParameters,
     camera::Camera,
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
     image::Image,
-    material::{BrdfModel, BrdfParameters, MapKind, Material, MaterialMaps},
+    material::{BrdfModel, Material, MaterialMaps, map_names},
     ray::Hit,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
@@ -65,14 +66,14 @@ pub(super) fn maps() -> MaterialMaps {
         flip_y: false,
     };
     MaterialMaps::from([
-        (MapKind::BaseColor, slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
-        (MapKind::Roughness, slot(1, ColorSpace::Linear, Channel::G, 1.0)),
-        (MapKind::Metalness, slot(0, ColorSpace::Linear, Channel::B, 1.0)),
-        (MapKind::Specular, slot(0, ColorSpace::Linear, Channel::A, 1.0)),
-        (MapKind::Anisotropy, slot(1, ColorSpace::Linear, Channel::B, 1.0)),
-        (MapKind::Ior, slot(0, ColorSpace::Linear, Channel::G, 1.0)),
-        (MapKind::Normal, slot(2, ColorSpace::Linear, Channel::R, 0.8)),
-        (MapKind::Bump, slot(1, ColorSpace::Linear, Channel::R, 0.02)),
+        ("base_color", slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
+        ("roughness", slot(1, ColorSpace::Linear, Channel::G, 1.0)),
+        ("metalness", slot(0, ColorSpace::Linear, Channel::B, 1.0)),
+        ("specular", slot(0, ColorSpace::Linear, Channel::A, 1.0)),
+        ("anisotropy", slot(1, ColorSpace::Linear, Channel::B, 1.0)),
+        ("ior", slot(0, ColorSpace::Linear, Channel::G, 1.0)),
+        ("normal", slot(2, ColorSpace::Linear, Channel::R, 0.8)),
+        ("bump", slot(1, ColorSpace::Linear, Channel::R, 0.02)),
     ])
 }
 
@@ -82,7 +83,7 @@ pub(super) fn scene() -> Arc<Dataset> {
     for (n, p) in mesh.normals.iter_mut().zip(&mesh.positions).filter(|(n, _)| n.y > 0.0) {
         *n = (*n + Vec3::new(0.2 * (3.0 * p.x).sin(), 0.0, 0.2 * (2.0 * p.z).cos())).normalize();
     }
-    let mut dataset = dataset(mesh, BrdfParameters::default());
+    let mut dataset = dataset(mesh, GgxParameters::default());
     dataset.two_sided.iter_mut().step_by(3).for_each(|t| *t = true);
     dataset.vertex_valid.iter_mut().step_by(7).for_each(|v| *v = false);
     dataset.scene.textures = textures();
@@ -92,12 +93,12 @@ pub(super) fn scene() -> Arc<Dataset> {
 pub(super) fn appearance(
     dataset: &Dataset,
     model: BrdfModel,
-    parameters: BrdfParameters,
+    parameters: GgxParameters,
     maps: MaterialMaps,
 ) -> Appearance {
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
-        *material = Material { model, parameters, maps: maps.clone(), ..material.clone() };
+        *material = Material { model, parameters: parameters.into(), maps: maps.clone(), ..material.clone() };
     }
     appearance
 }
@@ -160,8 +161,8 @@ pub(super) fn agrees(a: &Image, b: &Image) -> bool {
     relative < 1e-4 && largest < 0.01
 }
 
-pub(super) fn parameters(roughness: f32, anisotropy: f32) -> BrdfParameters {
-    BrdfParameters {
+pub(super) fn parameters(roughness: f32, anisotropy: f32) -> GgxParameters {
+    GgxParameters {
         base_color: Vec3::new(0.8, 0.5, 0.3),
         roughness,
         metalness: 0.4,
@@ -235,19 +236,19 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
     let mut flipped = maps();
-    flipped[MapKind::Normal].as_mut().unwrap().flip_y = true;
+    flipped.get_mut("normal").unwrap().flip_y = true;
     rig.renderer.set_appearance(look(flipped.clone()));
     let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
     assert!(!agrees(&gpu, &other));
     rig.look(look(flipped));
     let [flipped, cpu] = rig.both(&view, BrdfSampling::Refine);
     assert!(agrees(&flipped, &cpu), "{:?}", difference(&flipped, &cpu));
-    for kind in MapKind::all() {
+    for name in map_names(BrdfModel::Ggx) {
         let mut fewer = maps();
-        fewer[kind] = None;
+        fewer.set(name, None);
         rig.renderer.set_appearance(look(fewer));
         let without = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
-        assert!(!agrees(&gpu, &without), "the map {} makes no difference", kind.key());
+        assert!(!agrees(&gpu, &without), "the map {name} makes no difference");
     }
 }
 
@@ -256,9 +257,9 @@ fn maps_of_anisotropy_and_ior_agree_alone_and_each_of_them_matters() {
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();
     let view = view(ViewMode::Shaded);
-    let only = [&[MapKind::Anisotropy][..], &[MapKind::Ior], &[MapKind::Anisotropy, MapKind::Ior]].map(|kinds| {
+    let only = [&["anisotropy"][..], &["ior"], &["anisotropy", "ior"]].map(|kinds| {
         let mut only = maps();
-        only.iter_mut().filter(|(kind, _)| !kinds.contains(kind)).for_each(|(_, slot)| *slot = None);
+        only.retain(|name, _| kinds.contains(&name));
         only
     });
     for model in [BrdfModel::Ggx, BrdfModel::Ward] {

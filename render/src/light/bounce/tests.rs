@@ -11,11 +11,12 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::GgxParameters,
     cut::{solid_angle, solid_angle_code},
     dataset::BakeParts,
     image::Image,
     lights::Emission,
-    material::{BrdfModel, BrdfParameters, Material},
+    material::{BrdfModel, Material},
     sources::Source,
 };
 use std::f32::consts::PI;
@@ -111,8 +112,9 @@ fn full_cuts_are_the_sum_over_all_sources() {
 fn refinement_of_few_nodes_is_close_to_all_of_them_for_a_glossy_floor() {
     let glossy = |depth| {
         let mut dataset = floor_and_wall(depth);
-        let parameters = BrdfParameters { base_color: Vec3::ZERO, roughness: 0.35, ..Default::default() };
-        dataset.scene.materials[0] = Material { model: BrdfModel::Ggx, parameters, ..Default::default() };
+        let parameters = GgxParameters { base_color: Vec3::ZERO, roughness: 0.35, ..Default::default() };
+        dataset.scene.materials[0] =
+            Material { model: BrdfModel::Ggx, parameters: parameters.into(), ..Default::default() };
         Arc::new(dataset)
     };
     let full = glossy(2 * SIDE_LOG2);
@@ -231,7 +233,7 @@ fn an_edited_material_scales_the_bounce_and_casts_no_rays() {
     let show = |rig: &SourceRig| picture(&dataset, &rig.lighting(64), &view, BrdfSampling::Refine);
     let before = show(&rig);
     let mut appearance = Appearance::of(&dataset.scene);
-    appearance.materials[1].parameters.base_color = Vec3::new(0.3, 0.6, 0.1);
+    appearance.materials[1].parameters.set("base_color", Vec3::new(0.3, 0.6, 0.1));
     rig.set_appearance(&appearance);
     let after = show(&rig);
     let scaled =

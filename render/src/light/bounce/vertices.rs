@@ -93,11 +93,11 @@ fn back_of(mesh: &Mesh, vertex: usize) -> (Vec3, Vec3) {
 mod tests {
     use super::*;
     use crate::test_scenes;
-    use lapidary_core::{material::BrdfParameters, meshless::Transport, surfel::Surfel};
+    use lapidary_core::{brdf::GgxParameters, meshless::Transport, surfel::Surfel};
 
     /// A floor of 4 x 4 m whose back alone is lit near one corner, from a sender far away; all triangles are two-sided.
     fn dataset() -> Dataset {
-        let mut dataset = test_scenes::dataset(test_scenes::mesh(8, false), BrdfParameters::default());
+        let mut dataset = test_scenes::dataset(test_scenes::mesh(8, false), GgxParameters::default());
         dataset.two_sided.fill(true);
         let at = |position: Vec3, normal: Vec3| Surfel { position, normal, ..Default::default() };
         let corner = Vec3::new(2.0, 0.0, 2.0);

@@ -9,8 +9,9 @@ use crate::{
     },
 };
 use lapidary_core::{
+    brdf::GgxParameters,
     dataset::Dataset,
-    material::{BrdfModel, BrdfParameters},
+    material::BrdfModel,
     ray::{DirectionSet, Intersector},
     sources::SourceTree,
 };
@@ -23,7 +24,7 @@ const SIZE: u32 = 24;
 
 /// A glossy floor with a blocker; `sigma` 0 stores what the vertices see exactly.
 fn floor(cells: u32, sigma: f32) -> Dataset {
-    let parameters = BrdfParameters { base_color: Vec3::splat(0.5), ..glossy(0.4) };
+    let parameters = GgxParameters { base_color: Vec3::splat(0.5), ..glossy(0.4) };
     let mut dataset = dataset_of_sigma(mesh(cells, true), parameters, sigma);
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     dataset
@@ -91,7 +92,7 @@ fn each_fault_appears_in_its_own_step() {
     // A lamp smaller than the distance of samples, in a floor that is almost a mirror.
     let lamp = illumination([256, 128], |x, y| Vec3::splat(if (x, y) == (131, 40) { 3000.0 } else { 0.3 }));
     let mut mirror = floor(24, 0.0);
-    mirror.scene.materials[0].parameters.roughness = 0.2;
+    mirror.scene.materials[0].parameters.set("roughness", 0.2);
     let small_lamp = steps(&mirror, &Faults { sky: lamp, ..Faults::default() });
     let told = format!("{fine:?} {once:?} {refined:?} {coarse_cuts:?} {far_apart:?} {small_lamp:?}");
 

@@ -9,19 +9,15 @@ use crate::{
     view::Background,
 };
 use glam::Vec2;
-use lapidary_core::{
-    camera::Camera,
-    lights::Emission,
-    material::{BrdfModel, BrdfParameters},
-};
+use lapidary_core::{brdf::GgxParameters, camera::Camera, lights::Emission, material::BrdfModel};
 use std::f32::consts::{FRAC_1_PI, PI};
 
 fn dark() -> Illumination {
     illumination([2, 1], |_, _| Vec3::ZERO)
 }
 
-fn grey(albedo: f32) -> BrdfParameters {
-    BrdfParameters { base_color: Vec3::splat(albedo), ..white() }
+fn grey(albedo: f32) -> GgxParameters {
+    GgxParameters { base_color: Vec3::splat(albedo), ..white() }
 }
 
 fn view(eye: Vec3, target: Vec3, fov: f32, size: u32) -> View {
@@ -92,7 +88,7 @@ fn one_bounce_from_a_wall_is_its_form_factor() {
 
 #[test]
 fn components_sum_to_the_whole() {
-    let mut dataset = dataset(plates(), BrdfParameters { roughness: 0.4, ..grey(0.7) });
+    let mut dataset = dataset(plates(), GgxParameters { roughness: 0.4, ..grey(0.7) });
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     let renderer = Renderer::new(dataset);
     let sky = illumination([16, 8], |x, y| Vec3::new(0.3, 0.1, if (x, y) == (4, 2) { 9.0 } else { 0.1 }));

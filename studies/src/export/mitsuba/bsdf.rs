@@ -15,7 +15,8 @@ use super::{textures::TextureFolder, xml};
 use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    material::{BrdfModel, BrdfParameters, MapKind, Material},
+    brdf::GgxParameters,
+    material::{BrdfModel, Material},
     texture::TextureSlot,
 };
 
@@ -72,12 +73,12 @@ impl MaterialWriter<'_, '_> {
     fn bumped(&mut self, attributes: &str, models: Models) -> Result<String> {
         let maps = &self.material.maps;
         let mut wrappers = Vec::new();
-        if let Some(slot) = &maps[MapKind::Normal] {
+        if let Some(slot) = maps.get("normal") {
             // Mitsuba decodes 2 t - 1; strength and orientation are in the texels.
             let encoded = |texel: Vec4| 0.5 * (slot.tangent_normal(texel.truncate()) + 1.0);
             wrappers.push(("normalmap", self.map(Some("normalmap"), "normal", slot, encoded)?));
         }
-        if let Some(slot) = &maps[MapKind::Bump] {
+        if let Some(slot) = maps.get("bump") {
             let height = |texel: Vec4| Vec3::splat(slot.strength * texel[slot.channel as usize]);
             wrappers.push(("bumpmap", self.map(None, "bump", slot, height)?));
         }
@@ -101,39 +102,37 @@ impl MaterialWriter<'_, '_> {
 
     fn ggx(&mut self) -> Result<String> {
         let maps = &self.material.maps;
-        let p = self.material.parameters.sanitized();
+        let p = GgxParameters::from(&self.material.parameters.clone().sanitized());
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
             self.base_color("base_color")?,
-            self.number("roughness", "roughness", p.roughness, &maps[MapKind::Roughness], unit)?,
-            self.number("metalness", "metalness", p.metalness, &maps[MapKind::Metalness], unit)?,
-            self.number("anisotropy", "anisotropy", p.anisotropy, &maps[MapKind::Anisotropy], |x| x.clamp(-1.0, 1.0))?,
-            self.number("specular", "specular", p.specular, &maps[MapKind::Specular], unit)?,
+            self.number("roughness", "roughness", p.roughness, maps.get("roughness"), unit)?,
+            self.number("metalness", "metalness", p.metalness, maps.get("metalness"), unit)?,
+            self.number("anisotropy", "anisotropy", p.anisotropy, maps.get("anisotropy"), |x| x.clamp(-1.0, 1.0))?,
+            self.number("specular", "specular", p.specular, maps.get("specular"), unit)?,
             // What the index has above 1, which is what its map multiplies.
-            self.number("ior_above_one", "ior", p.ior - 1.0, &maps[MapKind::Ior], |x| x.clamp(0.0, 9.0))?,
+            self.number("ior_above_one", "ior", p.ior - 1.0, maps.get("ior"), |x| x.clamp(0.0, 9.0))?,
         ]
         .concat())
     }
 
     fn principled(&mut self) -> Result<String> {
         let maps = &self.material.maps;
-        let p = self.material.parameters.sanitized();
+        let p = GgxParameters::from(&self.material.parameters.clone().sanitized());
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
             self.base_color("base_color")?,
-            self.number("roughness", "roughness", p.roughness, &maps[MapKind::Roughness], unit)?,
-            self.number("metallic", "metalness", p.metalness, &maps[MapKind::Metalness], unit)?,
-            self.number("anisotropic", "stretch", p.anisotropy.abs(), &maps[MapKind::Anisotropy], |x| {
-                x.abs().min(1.0)
-            })?,
+            self.number("roughness", "roughness", p.roughness, maps.get("roughness"), unit)?,
+            self.number("metallic", "metalness", p.metalness, maps.get("metalness"), unit)?,
+            self.number("anisotropic", "stretch", p.anisotropy.abs(), maps.get("anisotropy"), |x| x.abs().min(1.0))?,
             xml::value("float", "eta", equivalent_eta(&p)),
         ]
         .concat())
     }
 
     fn base_color(&mut self, name: &str) -> Result<String> {
-        let base = self.material.parameters.sanitized().base_color;
-        match &self.material.maps[MapKind::BaseColor] {
+        let base = self.material.parameters.clone().sanitized().color("base_color");
+        match self.material.maps.get("base_color") {
             None => Ok(xml::triple("rgb", name, base)),
             Some(slot) => {
                 self.map(Some(name), "base-color", slot, |texel| (base * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE))
@@ -147,7 +146,7 @@ impl MaterialWriter<'_, '_> {
         name: &str,
         quantity: &str,
         number: f32,
-        slot: &Option<TextureSlot>,
+        slot: Option<&TextureSlot>,
         range: impl Fn(f32) -> f32,
     ) -> Result<String> {
         match slot {
@@ -170,7 +169,7 @@ impl MaterialWriter<'_, '_> {
 }
 
 /// The index of refraction whose reflectance at normal incidence is that of the material, the weight of its lobe included.
-fn equivalent_eta(p: &BrdfParameters) -> f32 {
+fn equivalent_eta(p: &GgxParameters) -> f32 {
     let root = ((p.ior - 1.0) / (p.ior + 1.0)) * p.specular.sqrt();
     // An index of one has no Fresnel factor to compute.
     ((1.0 + root) / (1.0 - root)).max(1.001)
@@ -182,9 +181,12 @@ pub fn remarks(material: &Material) -> Vec<String> {
     let lobe = *model != BrdfModel::Lambert;
     [
         (*model == BrdfModel::Ward, "Mitsuba has no Ward lobe: it becomes a GGX lobe of the same width"),
-        (lobe && parameters.anisotropy < 0.0, "highlights are stretched along the tangent only, not across it"),
-        (lobe && maps[MapKind::Ior].is_some(), "the map of its index of refraction is left out"),
-        (lobe && maps[MapKind::Specular].is_some(), "the map of its specular weight is left out"),
+        (
+            lobe && parameters.number("anisotropy") < 0.0,
+            "highlights are stretched along the tangent only, not across it",
+        ),
+        (lobe && maps.get("ior").is_some(), "the map of its index of refraction is left out"),
+        (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)

@@ -3,10 +3,11 @@
 use super::*;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::GgxParameters,
     environment::{Environment, direction_from_uv},
     image::Image,
     lights::Emission,
-    material::{BrdfModel, BrdfParameters, MapKind, Material, MaterialMaps},
+    material::{BrdfModel, Material, MaterialMaps},
     texture::{Texels, Texture, TextureSlot},
 };
 use std::sync::Arc;
@@ -68,10 +69,10 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let texels = Texels::F32(vec![[0.5, 0.25, -1.0, 1.0]]);
     let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
-    let kinds = [MapKind::Roughness, MapKind::Normal, MapKind::Bump, MapKind::Ior];
+    let kinds = ["roughness", "normal", "bump", "ior"];
     let maps = MaterialMaps::from(kinds.map(|kind| (kind, TextureSlot::default())));
-    let parameters = BrdfParameters { roughness: 0.6, anisotropy: -0.5, ..Default::default() };
-    let material = Material { parameters, maps, ..Default::default() };
+    let parameters = GgxParameters { roughness: 0.6, anisotropy: -0.5, ..Default::default() };
+    let material = Material { parameters: parameters.into(), maps, ..Default::default() };
     let mut writer = TextureFolder::new(folder.path(), &textures);
     let text = bsdf::bsdfs(&material, 3, [true, true], bsdf::Models::Exact, &mut writer).unwrap();
     let read =

@@ -59,8 +59,8 @@ fn values_out_of_range_are_replaced_with_a_warning_each() {
     assert_eq!(loaded.session.camera, None);
     let (document, _) = loaded.into_document(Some(&project.dataset.scene));
     let cloth = &document.materials[1];
-    assert_eq!(cloth.parameters.roughness, 0.0);
-    assert_eq!(cloth.maps[MapKind::Bump].as_ref().unwrap().scale, Vec2::new(1e6, 2.0));
+    assert_eq!(cloth.parameters.number("roughness"), 0.0);
+    assert_eq!(cloth.maps.get("bump").unwrap().scale, Vec2::new(1e6, 2.0));
     assert_eq!((document.environment.intensity, document.environment.rotation_degrees), (0.0, 0.0));
     assert_eq!((document.view.aa, document.view.illum_cut, document.view.post.exposure), (1, 32_768, 0.0));
     assert!((document.bookmarks[0].fov_y.to_degrees() - 170.0).abs() < 1e-3);

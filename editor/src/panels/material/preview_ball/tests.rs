@@ -1,7 +1,8 @@
 use super::*;
 use lapidary_core::{
+    brdf::GgxParameters,
     light_tree::LightTree,
-    material::{BrdfModel, BrdfParameters, MapKind, MaterialMaps},
+    material::{BrdfModel, MaterialMaps},
     texture::{Texels, TextureSlot},
 };
 
@@ -14,8 +15,8 @@ fn ball(material: Material, radiance: impl Fn(Vec3) -> Vec3) -> Ball {
 }
 
 fn lambert(base_color: Vec3) -> Material {
-    let parameters = BrdfParameters { base_color, ..Default::default() };
-    Material { model: BrdfModel::Lambert, parameters, ..Default::default() }
+    let parameters = GgxParameters { base_color, ..Default::default() };
+    Material { model: BrdfModel::Lambert, parameters: parameters.into(), ..Default::default() }
 }
 
 fn texture(texels: Vec<[u8; 4]>, size: [u32; 2]) -> Arc<Texture> {
@@ -73,7 +74,7 @@ fn the_side_toward_a_lamp_is_brighter() {
 #[test]
 fn maps_multiply_and_missing_textures_do_nothing() {
     let mut ball = ball(lambert(Vec3::ONE), |_| Vec3::ONE);
-    ball.material.maps[MapKind::BaseColor] = Some(TextureSlot::default());
+    ball.material.maps.set("base_color", Some(TextureSlot::default()));
     let without = mean(&ball.render(8));
     ball.textures = vec![texture(vec![[51, 255, 255, 255]], [1, 1])];
     let with = mean(&ball.render(8));
@@ -92,8 +93,8 @@ fn flipping_a_normal_map_mirrors_the_light_from_above() {
         mean(&ball.render(16)).x
     };
     let plain = light(MaterialMaps::default());
-    let up = light(MaterialMaps::from([(MapKind::Normal, slot.clone())]));
-    let down = light(MaterialMaps::from([(MapKind::Normal, TextureSlot { flip_y: true, ..slot })]));
+    let up = light(MaterialMaps::from([("normal", slot.clone())]));
+    let down = light(MaterialMaps::from([("normal", TextureSlot { flip_y: true, ..slot })]));
     assert!(up > 1.1 * plain && down < 0.9 * plain, "{up} {plain} {down}");
 }
 
@@ -105,7 +106,7 @@ fn a_bump_that_rises_downward_is_as_a_slope_that_faces_up() {
     let mut ball = ball(lambert(Vec3::ONE), |d| Vec3::splat(if d.y > 0.9 { 20.0 } else { 0.0 }));
     ball.textures = vec![texture(texels, [1, 64])];
     let mut light = |strength: f32| {
-        ball.material.maps[MapKind::Bump] = slot(strength);
+        ball.material.maps.set("bump", slot(strength));
         mean(&ball.render(32)).x
     };
     let (raised, flat, sunk) = (light(0.03), light(0.0), light(-0.03));

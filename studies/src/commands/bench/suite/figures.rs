@@ -71,8 +71,8 @@ impl Subject<'_> {
         meter.measure(names, || {
             let factor = factors.next().unwrap_or(1.0);
             let parameters = &mut self.look.appearance.materials[self.case.edited].parameters;
-            parameters.roughness *= factor;
-            parameters.base_color *= factor;
+            parameters.set("roughness", factor * parameters.number("roughness"));
+            parameters.set("base_color", factor * parameters.color("base_color"));
             sketched(&mut self.scene, &self.look, &tiles)
         })
     }

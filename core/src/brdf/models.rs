@@ -1,0 +1,133 @@
+//! The list of all models. A new model is a file beside this one, a file of the same name in `shaders/brdf/`, and its line
+//! here.
+
+use super::{Brdf, Ggx, Lambert, Parameter, Parameters, Value, Values, Ward};
+use serde::{Deserialize, Serialize};
+
+/// A reflectance model that materials can have.
+pub trait Model: Brdf + Sized {
+    /// Name for people.
+    const LABEL: &'static str;
+    /// What it is good for, in one or two sentences.
+    const SUMMARY: &'static str;
+    /// Its parameters.
+    const PARAMETERS: &'static [Parameter];
+
+    /// With values in the order of [`Self::PARAMETERS`] and in their ranges.
+    fn from_values(values: &Values) -> Self;
+}
+
+macro_rules! models {
+    ($($(#[$attribute:meta])* $variant:ident($ty:ty) = $key:literal,)*) => {
+        /// Which reflectance model a material uses.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum BrdfModel {
+            $(#[doc = concat!("See [`", stringify!($variant), "`].")] $(#[$attribute])* #[serde(rename = $key)] $variant,)*
+        }
+
+        impl BrdfModel {
+            /// All of them, in the order of lists.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// Its name in files and on the command line.
+            pub const fn key(self) -> &'static str {
+                match self { $(Self::$variant => $key,)* }
+            }
+
+            /// Its name for people.
+            pub const fn label(self) -> &'static str {
+                match self { $(Self::$variant => <$ty as Model>::LABEL,)* }
+            }
+
+            /// What it is good for.
+            pub const fn summary(self) -> &'static str {
+                match self { $(Self::$variant => <$ty as Model>::SUMMARY,)* }
+            }
+
+            /// Its parameters.
+            pub const fn parameters(self) -> &'static [Parameter] {
+                match self { $(Self::$variant => <$ty as Model>::PARAMETERS,)* }
+            }
+
+            /// Its text in the language of shaders: what `shaders/brdf.wgsl` says that a model has.
+            pub const fn wgsl(self) -> &'static str {
+                match self { $(Self::$variant => include_str!(concat!("../../../shaders/brdf/", $key, ".wgsl")),)* }
+            }
+
+            /// Name of its type, here and in shaders.
+            pub const fn type_name(self) -> &'static str {
+                match self { $(Self::$variant => stringify!($variant),)* }
+            }
+        }
+
+        /// Any of the models, by value.
+        #[derive(Clone, Copy, Debug)]
+        pub enum SurfaceBrdf {
+            $(#[doc = concat!("See [`", stringify!($variant), "`].")] $variant($ty),)*
+        }
+
+        impl SurfaceBrdf {
+            /// The model with values of its parameters, in the order of its list and in their ranges.
+            #[inline]
+            pub fn new(model: BrdfModel, values: &Values) -> Self {
+                match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::from_values(values)),)* }
+            }
+
+            /// The model behind the variant.
+            #[inline(always)]
+            pub fn as_brdf(&self) -> &dyn Brdf {
+                match self { $(Self::$variant(brdf) => brdf,)* }
+            }
+
+            /// Visits the model as what it is, so that the visitor is compiled for each.
+            #[inline(always)]
+            pub fn visit<V: BrdfVisitor>(&self, visitor: V) {
+                match self { $(Self::$variant(brdf) => visitor.visit(brdf),)* }
+            }
+        }
+    };
+}
+
+models! {
+    Lambert(Lambert) = "lambert",
+    #[default]
+    Ggx(Ggx) = "ggx",
+    Ward(Ward) = "ward",
+}
+
+/// What is done with a model of a type that is known.
+pub trait BrdfVisitor {
+    /// Does it.
+    fn visit(self, brdf: &impl Brdf);
+}
+
+impl BrdfModel {
+    /// What models declare under a name, if any does.
+    pub fn declared(name: &str) -> Option<&'static Parameter> {
+        Self::ALL.iter().find_map(|model| model.parameter(name))
+    }
+
+    /// Its parameter of a name.
+    pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
+        self.parameters().iter().find(|p| p.name == name)
+    }
+
+    /// The values of its parameters that are told, within their ranges; the defaults of the others.
+    pub fn values(self, told: &Parameters) -> Values {
+        let mut values = Values::default();
+        self.parameters().iter().for_each(|p| values.push(p.sanitized(told.value(p))));
+        values
+    }
+
+    /// Among the values of its parameters that of a quantity, if it has a parameter for it.
+    pub fn value_for(self, values: &Values, quantity: &str) -> Option<Value> {
+        let index = self.parameters().iter().position(|p| p.quantity == quantity)?;
+        let first = self.parameters()[..index].iter().map(Parameter::numbers).sum();
+        Some(values.at(first, &self.parameters()[index]))
+    }
+
+    /// Its parameter for a quantity, such as `base_color` or `roughness`.
+    pub fn parameter_for(self, quantity: &str) -> Option<&'static Parameter> {
+        self.parameters().iter().find(|p| p.quantity == quantity)
+    }
+}

@@ -1,0 +1,315 @@
+//! What a model declares of its parameters: names, ranges, defaults, units, and what they do.
+//!
+//! Panels, material files, the shaders' structures and the tests follow from these declarations. A name means the same in
+//! all models that have it, so that a material keeps its look when its model is changed.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number, or a colour of three numbers")]
+pub enum Value {
+    /// A number.
+    Number(f32),
+    /// A linear RGB colour.
+    Color(Vec3),
+}
+
+impl Value {
+    /// The number, or the mean of the colour.
+    pub fn number(self) -> f32 {
+        match self {
+            Self::Number(x) => x,
+            Self::Color(c) => c.element_sum() / 3.0,
+        }
+    }
+
+    /// The colour, or the grey of the number.
+    pub fn color(self) -> Vec3 {
+        match self {
+            Self::Number(x) => Vec3::splat(x),
+            Self::Color(c) => c,
+        }
+    }
+
+    /// With `change` applied to each component.
+    #[inline]
+    pub fn map(self, change: impl Fn(f32) -> f32) -> Self {
+        match self {
+            Self::Number(x) => Self::Number(change(x)),
+            Self::Color(c) => Self::Color(c.map(change)),
+        }
+    }
+
+    /// Whether each component fulfils a condition.
+    pub fn all(self, condition: impl Fn(f32) -> bool) -> bool {
+        match self {
+            Self::Number(x) => condition(x),
+            Self::Color(c) => c.to_array().into_iter().all(condition),
+        }
+    }
+}
+
+impl From<f32> for Value {
+    fn from(x: f32) -> Self {
+        Self::Number(x)
+    }
+}
+
+impl From<Vec3> for Value {
+    fn from(c: Vec3) -> Self {
+        Self::Color(c)
+    }
+}
+
+/// What the texels of a map do with a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapUse {
+    /// They multiply it, as in glTF.
+    Multiplies,
+    /// They scale the part above 1: a texel of zero gives 1, which is no refraction.
+    ScalesAboveOne,
+}
+
+/// A declared parameter of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name in files and shaders, in snake case.
+    pub name: &'static str,
+    /// Name for people.
+    pub label: &'static str,
+    /// What it does, in one line.
+    pub help: &'static str,
+    /// Unit, empty for a pure number.
+    pub unit: &'static str,
+    /// Least and largest value of each component.
+    pub range: [f32; 2],
+    /// The part of the range that a slider covers.
+    pub slider: [f32; 2],
+    /// Value of a material that says nothing.
+    pub default: Value,
+    /// What a map does.
+    pub map: MapUse,
+    /// The name that other models have for the same quantity; its own by default.
+    pub quantity: &'static str,
+}
+
+impl Parameter {
+    /// A number in a range. The name comes from the field in [`parameters`].
+    pub const fn number(label: &'static str, range: [f32; 2], default: f32, help: &'static str) -> Self {
+        Self {
+            name: "",
+            label,
+            help,
+            unit: "",
+            range,
+            slider: range,
+            default: Value::Number(default),
+            map: MapUse::Multiplies,
+            quantity: "",
+        }
+    }
+
+    /// A colour from black to white.
+    pub const fn color(label: &'static str, default: [f32; 3], help: &'static str) -> Self {
+        Self { default: Value::Color(Vec3::from_array(default)), ..Self::number(label, [0.0, 1.0], 0.0, help) }
+    }
+
+    /// With a slider that covers less than the range.
+    pub const fn with_slider(self, slider: [f32; 2]) -> Self {
+        Self { slider, ..self }
+    }
+
+    /// With a unit.
+    pub const fn with_unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
+    /// With another range, which is that of the slider as well.
+    pub const fn with_range(self, range: [f32; 2]) -> Self {
+        Self { range, slider: range, ..self }
+    }
+
+    /// With a map that scales the part above 1.
+    pub const fn above_one(self) -> Self {
+        Self { map: MapUse::ScalesAboveOne, ..self }
+    }
+
+    /// With the name that other models have for the same quantity.
+    pub const fn known_as(self, quantity: &'static str) -> Self {
+        Self { quantity, ..self }
+    }
+
+    /// With the name of a field.
+    pub const fn named(self, name: &'static str) -> Self {
+        let quantity = if self.quantity.is_empty() { name } else { self.quantity };
+        Self { name, quantity, ..self }
+    }
+
+    /// Whether its values are colours.
+    pub const fn is_color(&self) -> bool {
+        matches!(self.default, Value::Color(_))
+    }
+
+    /// How many numbers a value has.
+    pub const fn numbers(&self) -> usize {
+        if self.is_color() { 3 } else { 1 }
+    }
+
+    /// `value` of the parameter's own kind and within its range; the default in place of what is not a number.
+    #[inline]
+    pub fn sanitized(&self, value: Value) -> Value {
+        let [low, high] = self.range;
+        match self.default {
+            Value::Number(default) => {
+                let x = value.number();
+                Value::Number(if x.is_nan() { default } else { x.clamp(low, high) })
+            }
+            Value::Color(default) => {
+                let clamp = |x: f32, default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
+                let c = value.color();
+                Value::Color(Vec3::new(clamp(c.x, default.x), clamp(c.y, default.y), clamp(c.z, default.z)))
+            }
+        }
+    }
+
+    /// `value` after a texel's `factor`.
+    #[inline]
+    pub fn modulated(&self, value: Value, factor: Vec3) -> Value {
+        match (value, self.map) {
+            (Value::Color(c), MapUse::Multiplies) => Value::Color(c * factor),
+            (Value::Color(c), MapUse::ScalesAboveOne) => Value::Color(1.0 + (c - 1.0) * factor),
+            (Value::Number(x), MapUse::Multiplies) => Value::Number(x * factor.x),
+            (Value::Number(x), MapUse::ScalesAboveOne) => Value::Number(1.0 + (x - 1.0) * factor.x),
+        }
+    }
+}
+
+/// Most numbers that the parameters of a model have.
+pub const MOST_NUMBERS: usize = 56;
+
+/// The values of a model's parameters at one point, in the order of its list.
+#[derive(Clone, Copy, Debug)]
+pub struct Values {
+    numbers: [f32; MOST_NUMBERS],
+    len: usize,
+}
+
+impl Default for Values {
+    fn default() -> Self {
+        Self { numbers: [0.0; MOST_NUMBERS], len: 0 }
+    }
+}
+
+impl Values {
+    /// Adds the value of the next parameter.
+    #[inline]
+    pub fn push(&mut self, value: Value) {
+        match value {
+            Value::Number(x) => {
+                self.numbers[self.len] = x;
+                self.len += 1;
+            }
+            Value::Color(c) => {
+                self.numbers[self.len..self.len + 3].copy_from_slice(&c.to_array());
+                self.len += 3;
+            }
+        }
+    }
+
+    /// The value of a parameter whose numbers begin at `first`.
+    pub(super) fn at(&self, first: usize, parameter: &Parameter) -> Value {
+        match parameter.is_color() {
+            true => Value::Color(Vec3::from_slice(&self.numbers[first..first + 3])),
+            false => Value::Number(self.numbers[first]),
+        }
+    }
+}
+
+/// Takes the values of one parameter after another.
+pub struct Taken<'a> {
+    values: &'a Values,
+    next: usize,
+}
+
+impl<'a> Taken<'a> {
+    /// From the first on.
+    pub fn new(values: &'a Values) -> Self {
+        Self { values, next: 0 }
+    }
+}
+
+/// A Rust type of a parameter's values.
+pub trait OfParameter: Copy + Into<Value> {
+    /// Takes the next value.
+    fn take(from: &mut Taken) -> Self;
+    /// From a value.
+    fn of(value: Value) -> Self;
+}
+
+impl OfParameter for f32 {
+    #[inline]
+    fn take(from: &mut Taken) -> Self {
+        from.next += 1;
+        from.values.numbers[from.next - 1]
+    }
+
+    fn of(value: Value) -> Self {
+        value.number()
+    }
+}
+
+impl OfParameter for Vec3 {
+    #[inline]
+    fn take(from: &mut Taken) -> Self {
+        from.next += 3;
+        Self::from_slice(&from.values.numbers[from.next - 3..from.next])
+    }
+
+    fn of(value: Value) -> Self {
+        value.color()
+    }
+}
+
+/// Declares the parameters of a model: a structure with a field for each, and their list.
+macro_rules! parameters {
+    ($(#[$doc:meta])* pub struct $name:ident { $($field:ident: $ty:ty = $declared:expr,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name {
+            $(#[doc = concat!("The parameter `", stringify!($field), "` of the list.")] pub $field: $ty,)*
+        }
+
+        impl $name {
+            /// The declarations, in the order of panels, files and shaders.
+            pub const LIST: &'static [$crate::brdf::Parameter] = &[$($declared.named(stringify!($field)),)*];
+
+            /// From values in the order of the list.
+            #[inline]
+            pub fn new(values: &$crate::brdf::Values) -> Self {
+                let mut taken = $crate::brdf::parameter::Taken::new(values);
+                Self { $($field: $crate::brdf::parameter::OfParameter::take(&mut taken),)* }
+            }
+        }
+
+        impl From<&$crate::brdf::Parameters> for $name {
+            fn from(told: &$crate::brdf::Parameters) -> Self {
+                Self { $($field: $crate::brdf::parameter::OfParameter::of(told.value(&$declared.named(stringify!($field)))),)* }
+            }
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $crate::brdf::parameter::OfParameter::of($declared.default),)* }
+            }
+        }
+
+        impl From<$name> for $crate::brdf::Parameters {
+            fn from(p: $name) -> Self {
+                Self::from([$((stringify!($field), $crate::brdf::Value::from(p.$field)),)*])
+            }
+        }
+    };
+}
+pub(crate) use parameters;

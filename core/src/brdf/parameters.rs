@@ -1,0 +1,84 @@
+//! The values that a material has for parameters, by name.
+
+use super::{BrdfModel, Parameter, Value};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::{borrow::Cow, collections::BTreeMap};
+
+/// Values by the names of parameters. Those that a material says nothing of have the defaults of its model.
+///
+/// It may hold values of parameters that the material's model lacks: they count again when the model does.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Parameters(BTreeMap<Cow<'static, str>, Value>);
+
+impl Parameters {
+    /// The value of a parameter, if it is told.
+    #[inline]
+    pub fn get(&self, name: &str) -> Option<Value> {
+        self.0.get(name).copied()
+    }
+
+    /// The value of a declared parameter, told or not.
+    #[inline]
+    pub fn value(&self, parameter: &Parameter) -> Value {
+        self.get(parameter.name).unwrap_or(parameter.default)
+    }
+
+    /// A number, or the default that models declare under this name.
+    pub fn number(&self, name: &str) -> f32 {
+        self.or_default(name).number()
+    }
+
+    /// A colour, or the default that models declare under this name.
+    pub fn color(&self, name: &str) -> Vec3 {
+        self.or_default(name).color()
+    }
+
+    fn or_default(&self, name: &str) -> Value {
+        let declared = || BrdfModel::declared(name).map_or(Value::Number(0.0), |p| p.default);
+        self.get(name).unwrap_or_else(declared)
+    }
+
+    /// Tells a value.
+    pub fn set(&mut self, name: impl Into<Cow<'static, str>>, value: impl Into<Value>) {
+        self.0.insert(name.into(), value.into());
+    }
+
+    /// With a value told.
+    #[must_use]
+    pub fn with(mut self, name: &'static str, value: impl Into<Value>) -> Self {
+        self.set(name, value);
+        self
+    }
+
+    /// All that are told, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Value)> {
+        self.0.iter().map(|(name, value)| (name.as_ref(), *value))
+    }
+
+    /// With all values that a model declares in their ranges, and of their kinds; see [`Parameter::sanitized`].
+    #[must_use]
+    pub fn sanitized(mut self) -> Self {
+        for (name, value) in &mut self.0 {
+            if let Some(parameter) = BrdfModel::declared(name) {
+                *value = parameter.sanitized(*value);
+            }
+        }
+        self
+    }
+}
+
+/// Equal if all values are, told or not.
+impl PartialEq for Parameters {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |name: &Cow<str>| self.or_default(name) == other.or_default(name);
+        self.0.keys().chain(other.0.keys()).all(same)
+    }
+}
+
+impl<const N: usize> From<[(&'static str, Value); N]> for Parameters {
+    fn from(values: [(&'static str, Value); N]) -> Self {
+        Self(values.into_iter().map(|(name, value)| (Cow::Borrowed(name), value)).collect())
+    }
+}
