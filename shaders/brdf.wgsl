@@ -1,17 +1,18 @@
-// What all BRDFs are made of: lights of some extent, half vectors, lobes filtered by the light's spread. Twin of
-// core/src/brdf. The models are in brdf/, one file each; the dispatch to them is generated for those that a scene uses.
+// What BRDFs are made of: lights of some extent, half vectors, lobes filtered by the light's spread, Fresnel factors, and
+// albedos. Twin of core/src/brdf. The models are in brdf/, one file each; the dispatch to them is written for those that a
+// scene uses.
 //
 // A model `Name` in `brdf/name.wgsl` has
-//   struct Name                                           what of its parameters does not depend on the light;
-//   fn name_of(p: NameParameters) -> Name                 from the declared parameters;
-//   fn name_reflect(brdf: Name, light: Light, wo) -> vec3 f_r times the cosine;
-//   fn name_lobes(brdf: Name) -> vec3                     widths of its lobes around the mirror's direction, 0 for none;
-//   fn name_albedo(brdf: Name) -> vec3                    albedo for light from the normal.
+//   struct Name                                     what of its parameters does not depend on the light;
+//   fn name_of(p: NameParameters) -> Name           from the declared parameters;
+//   fn name_reflect(brdf: Name, light: Light, wo)   f_r times the cosine;
+//   fn name_lobes(brdf: Name) -> vec3<f32>          widths of its lobes around the mirror's direction, 0 for none;
+//   fn name_albedo(brdf: Name) -> vec3<f32>         albedo for light from the normal.
 
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
 
-// Microfacet widths along tangent and bitangent.
+// Microfacet widths along tangent and bitangent. Twin of core/src/brdf/microfacet.rs, as what follows.
 fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {
     let alpha = roughness * roughness;
     let aspect = sqrt(1.0 - 0.9 * abs(anisotropy));
@@ -20,11 +21,17 @@ fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {
     return select(vec2(short, long), vec2(long, short), anisotropy >= 0.0);
 }
 
+// Squared widths in projected slope space. An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
+fn slope_sq(alpha: vec2<f32>) -> vec2<f32> {
+    let sq = min(alpha * alpha, vec2(0.9998));
+    return sq / (1.0 - sq);
+}
+
 // Half vector and the spread that the light gives it.
 struct Half {
     h: vec3<f32>,
     wi_dot_h: f32,
-    // (2 / kappa) J J^T as xx, xy, yy; see core/src/brdf/microfacet.rs.
+    // (2 / kappa) J J^T as xx, xy, yy.
     spread: vec3<f32>,
 }
 
@@ -70,22 +77,271 @@ fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<f3
     return reflection_of(brdf, Light(wi, inv_kappa, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
 
-// Reflectance at normal and at grazing incidence, and diffuse albedo, of a metallic-roughness material.
-struct Reflectance {
+// A GGX lobe without its Fresnel factor: D G / (4 cos_i cos_o) times the cosine. Twin of core/src/brdf/ggx_lobe.rs.
+fn ggx_lobe(slopes: vec2<f32>, half: Half, light: Light, wo: vec3<f32>) -> f32 {
+    let a = half.spread + vec3(slopes.x, 0.0, slopes.y);
+    let det_a = determinant_of(a);
+    let scale = 1.0 / (1.0 + a.x + a.z + det_a);
+    let m = vec3(a.x + det_a, a.y, a.z + det_a) * scale;
+    let det = max(determinant_of(m), 1e-14);
+    let h = half.h;
+    let e = adjugate_quadratic(m, h.xy) / det + h.z * h.z;
+    let d = FRAC_1_PI / (sqrt(det) * e * e);
+    let cos_i = max(light.wi.z, 0.0);
+    let cos_o = max(wo.z, 1e-4);
+    let root_o = sqrt(cos_o * cos_o + quadratic(m, wo.xy));
+    let root_i = sqrt(cos_i * cos_i + quadratic(m, light.wi.xy));
+    let shadowed = 0.5 * cos_i / max(cos_i * root_o + cos_o * root_i, 1e-9);
+    return select(0.0, d * shadowed, light.is_above);
+}
+
+// A lobe of normally distributed slopes, filtered. Twin of core/src/brdf/gaussian_lobe.rs.
+struct GaussianLobe {
+    // Squared widths as xx, xy, yy.
+    alpha_sq: vec3<f32>,
+    // The density of half vectors times the fourth power of their cosines.
+    density: f32,
+    cos_h_sq: f32,
+}
+
+fn gaussian_lobe(alpha: vec2<f32>, half: Half) -> GaussianLobe {
+    let m = half.spread + vec3(alpha.x * alpha.x, 0.0, alpha.y * alpha.y);
+    let det = max(determinant_of(m), 1e-14);
+    let cos_h_sq = max(half.h.z * half.h.z, 1e-4);
+    let exponent = adjugate_quadratic(m, half.h.xy) / (det * cos_h_sq);
+    return GaussianLobe(m, exp(-exponent) * FRAC_1_PI / sqrt(det), cos_h_sq);
+}
+
+// A lobe of powers of the half vector's cosine, filtered. Twin of core/src/brdf/phong_lobe.rs.
+struct PhongLobe {
+    // The cosine to the exponent in the direction of the half vector.
+    power: f32,
+    // sqrt((nu + 1) (nv + 1)).
+    two_exponents: f32,
+    // The geometric mean of both exponents.
+    exponent: f32,
+}
+
+fn phong_lobe(slopes: vec2<f32>, half: Half) -> PhongLobe {
+    let s = half.spread + vec3(slopes.x, 0.0, slopes.y);
+    let det = max(determinant_of(s), 1e-14);
+    let h = half.h;
+    let sin_sq = max(1.0 - h.z * h.z, 1e-7);
+    let exponent = adjugate_quadratic(s, h.xy) / (det * sin_sq);
+    let power = exp(exponent * log(max(h.z * h.z, 1e-8)));
+    let trace = s.x + s.z;
+    return PhongLobe(power, sqrt((det + trace + trace + 4.0) / det), 2.0 / sqrt(det));
+}
+
+// Schlick's Fresnel factor, and the diffuse albedo, of a metallic-roughness material.
+struct Schlick {
     f0: vec3<f32>,
     f90: f32,
     diffuse: vec3<f32>,
 }
 
-fn reflectance_of(base_color: vec3<f32>, metalness: f32, ior: f32, specular: f32) -> Reflectance {
+fn schlick_of(base_color: vec3<f32>, metalness: f32, ior: f32, specular: f32) -> Schlick {
     let root = (ior - 1.0) / (ior + 1.0);
     let f0 = mix(vec3(root * root * specular), base_color, metalness);
-    return Reflectance(f0, specular + (1.0 - specular) * metalness, base_color * (1.0 - metalness));
+    return Schlick(f0, specular + (1.0 - specular) * metalness, base_color * (1.0 - metalness));
 }
 
-// Schlick's Fresnel factor.
-fn schlick(f0: vec3<f32>, f90: f32, wi_dot_h: f32) -> vec3<f32> {
+fn schlick_fresnel(schlick: Schlick, wi_dot_h: f32) -> vec3<f32> {
     let c = max(1.0 - wi_dot_h, 0.0);
     let c2 = c * c;
-    return f0 + (vec3(f90) - f0) * (c2 * c2 * c);
+    return schlick.f0 + (vec3(schlick.f90) - schlick.f0) * (c2 * c2 * c);
+}
+
+// The exact Fresnel factor of a dielectric. Twin of core/src/brdf/fresnel.rs, as what follows.
+fn dielectric_fresnel(c: f32, ior: f32) -> f32 {
+    let g = sqrt(ior * ior - 1.0 + c * c);
+    let sum = g + c;
+    let difference = g - c;
+    let a = difference / sum;
+    let b = (c * sum - 1.0) / (c * difference + 1.0);
+    return 0.5 * a * a * (1.0 + b * b);
+}
+
+const MOST_REFLECTANCE: f32 = 0.9999;
+// Nodes and weights of the Gauss quadrature of 2 * integral of f(c) c from 0 to 1.
+const MEAN_NODES: vec3<f32> = vec3<f32>(0.21234054, 0.59053314, 0.91141204);
+const MEAN_WEIGHTS: vec3<f32> = vec3<f32>(0.13965396, 0.4584822, 0.40186384);
+
+struct Metal {
+    n_sq: vec3<f32>,
+    k_sq: vec3<f32>,
+}
+
+// From reflectance at normal incidence and tint toward grazing angles (Gulbrandsen 2014).
+fn metal_of(reflectance: vec3<f32>, edge: vec3<f32>) -> Metal {
+    let r = clamp(reflectance, vec3(0.0), vec3(MOST_REFLECTANCE));
+    let root = sqrt(r);
+    let least = (1.0 - r) / (1.0 + r);
+    let most = (1.0 + root) / (1.0 - root);
+    let n = most + (least - most) * edge;
+    let k_sq = ((n + 1.0) * (n + 1.0) * r - (n - 1.0) * (n - 1.0)) / (1.0 - r);
+    return Metal(n * n, max(k_sq, vec3(0.0)));
+}
+
+fn metal_fresnel(metal: Metal, cosine: f32) -> vec3<f32> {
+    let cos_sq = min(cosine * cosine, 1.0);
+    let sin_sq = 1.0 - cos_sq;
+    let t0 = metal.n_sq - metal.k_sq - sin_sq;
+    let length = sqrt(t0 * t0 + 4.0 * metal.n_sq * metal.k_sq);
+    let t1 = length + cos_sq;
+    let t2 = 2.0 * sqrt(max(0.5 * (length + t0), vec3(0.0))) * cosine;
+    let across = (t1 - t2) / (t1 + t2);
+    let t3 = cos_sq * length + sin_sq * sin_sq;
+    let t4 = t2 * sin_sq;
+    return 0.5 * (across + across * (t3 - t4) / (t3 + t4));
+}
+
+fn metal_mean(metal: Metal) -> vec3<f32> {
+    return MEAN_WEIGHTS.x * metal_fresnel(metal, MEAN_NODES.x)
+        + MEAN_WEIGHTS.y * metal_fresnel(metal, MEAN_NODES.y)
+        + MEAN_WEIGHTS.z * metal_fresnel(metal, MEAN_NODES.z);
+}
+
+// The exact Fresnel factor of a dielectric, a metal, or something between.
+struct Interface {
+    ior: f32,
+    // Weights of the dielectric and of the metal.
+    weights: vec2<f32>,
+    metal: Metal,
+}
+
+fn interface_of(base_color: vec3<f32>, edge: vec3<f32>, metalness: f32, ior: f32, specular: f32) -> Interface {
+    return Interface(ior, vec2(specular * (1.0 - metalness), metalness), metal_of(base_color, edge));
+}
+
+fn interface_fresnel(surface: Interface, wi_dot_h: f32) -> vec3<f32> {
+    var all = vec3(surface.weights.x * dielectric_fresnel(wi_dot_h, surface.ior));
+    if surface.weights.y > 0.0 {
+        all += surface.weights.y * metal_fresnel(surface.metal, wi_dot_h);
+    }
+    return all;
+}
+
+// Directional albedo of a lobe: a polynomial in 1 / (1 + 6 cos), and its mean. Twin of core/src/brdf/albedo.rs, as what follows.
+struct Albedo {
+    low: vec4<f32>,
+    // The fifth coefficient and the mean.
+    high: vec2<f32>,
+}
+
+const ALBEDO_STEPS: u32 = 16u;
+const ALBEDO_WHOLE: u32 = 15u;
+const ALBEDO_FUZZ: u32 = 16u;
+const ALBEDO_BECKMANN: u32 = 17u;
+const ALBEDO_WARD: u32 = 18u;
+
+fn albedo_entry(row: u32, column: u32) -> Albedo {
+    let first = 2u * (row * ALBEDO_STEPS + column);
+    return Albedo(tables.albedo[first], tables.albedo[first + 1u].xy);
+}
+
+fn albedo_mix(a: Albedo, b: Albedo, t: f32) -> Albedo {
+    return Albedo(a.low + (b.low - a.low) * t, a.high + (b.high - a.high) * t);
+}
+
+// Of the lobe of a row, of one width.
+fn albedo_of_width(row: u32, alpha: f32) -> Albedo {
+    let column = clamp(alpha, 0.0, 1.0) * f32(ALBEDO_STEPS - 1u);
+    let left = min(u32(column), ALBEDO_STEPS - 2u);
+    return albedo_mix(albedo_entry(row, left), albedo_entry(row, left + 1u), column - f32(left));
+}
+
+// Of two widths: the mean.
+fn albedo_of_row(row: u32, alpha: vec2<f32>) -> Albedo {
+    if alpha.x == alpha.y {
+        return albedo_of_width(row, alpha.x);
+    }
+    return albedo_mix(albedo_of_width(row, alpha.x), albedo_of_width(row, alpha.y), 0.5);
+}
+
+fn albedo_of_dielectric(alpha: vec2<f32>, ior: f32) -> Albedo {
+    let row = (ior - 1.0) / (ior + 1.0) * f32(ALBEDO_STEPS - 1u);
+    let low = min(u32(row), ALBEDO_STEPS - 2u);
+    return albedo_mix(albedo_of_row(low, alpha), albedo_of_row(low + 1u, alpha), row - f32(low));
+}
+
+fn albedo_scaled(albedo: Albedo, by: f32) -> Albedo {
+    return Albedo(by * albedo.low, by * albedo.high);
+}
+
+fn albedo_at(albedo: Albedo, cosine: f32) -> f32 {
+    let x = 1.0 / (1.0 + 6.0 * max(cosine, 0.0));
+    let low = albedo.low;
+    return clamp((((albedo.high.x * x + low.w) * x + low.z) * x + low.y) * x + low.x, 0.0, 1.0);
+}
+
+// What is left by a lobe for two directions.
+fn albedo_left(albedo: Albedo, cos_i: f32, cos_o: f32) -> f32 {
+    return (1.0 - albedo_at(albedo, cos_i)) * (1.0 - albedo_at(albedo, cos_o));
+}
+
+fn albedo_normalization(albedo: Albedo) -> f32 {
+    return 1.0 / max(1.0 - albedo.high.y, 1e-4);
+}
+
+fn multiple_reflectance(mean_fresnel: vec3<f32>, lobe: Albedo) -> vec3<f32> {
+    let lost = 1.0 - lobe.high.y;
+    return mean_fresnel * mean_fresnel * lobe.high.y / (1.0 - mean_fresnel * lost);
+}
+
+// A diffuse base below a dielectric.
+struct DiffuseBase {
+    albedo: vec3<f32>,
+    above: Albedo,
+}
+
+fn base_reflect(base: DiffuseBase, light: Light, wo: vec3<f32>) -> vec3<f32> {
+    let left = albedo_left(base.above, light.wi.z, wo.z);
+    return base.albedo * (FRAC_1_PI * albedo_normalization(base.above)) * (left * light.cosine);
+}
+
+fn base_albedo(base: DiffuseBase) -> vec3<f32> {
+    return base.albedo * (1.0 - albedo_at(base.above, 1.0));
+}
+
+// Rough diffuse reflection (EON). Twin of core/src/brdf/oren_nayar.rs.
+struct RoughDiffuse {
+    albedo: vec3<f32>,
+    roughness: f32,
+    scale: f32,
+    multiple: vec3<f32>,
+}
+
+const EON_A: f32 = 0.2877934;
+const EON_B: f32 = 0.07248821;
+const EON_G: vec4<f32> = vec4<f32>(0.05710853, 0.49188187, -0.33218144, 0.071442995);
+
+fn rough_diffuse_of(albedo: vec3<f32>, roughness: f32) -> RoughDiffuse {
+    let scale = 1.0 / (1.0 + EON_A * roughness);
+    let mean = scale * (1.0 + EON_B * roughness);
+    let lost = max(1.0 - mean, 1e-7);
+    return RoughDiffuse(albedo, roughness, scale, albedo * albedo * mean / (1.0 - albedo * (1.0 - mean)) / lost);
+}
+
+fn rough_single_albedo(rough: RoughDiffuse, cosine: f32) -> f32 {
+    let m = 1.0 - clamp(cosine, 0.0, 1.0);
+    let g = m * (EON_G.x + m * (EON_G.y + m * (EON_G.z + m * EON_G.w)));
+    return (1.0 + rough.roughness * g) * rough.scale;
+}
+
+// Without the cosine.
+fn rough_diffuse_value(rough: RoughDiffuse, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    let cos_i = max(wi.z, 0.0);
+    let cos_o = max(wo.z, 0.0);
+    let s = dot(wi, wo) - cos_i * cos_o;
+    let s_over_t = select(s, s / max(max(cos_i, cos_o), 1e-4), s > 0.0);
+    let single = (1.0 + rough.roughness * s_over_t) * (rough.scale * FRAC_1_PI);
+    let lost = max((1.0 - rough_single_albedo(rough, cos_i)) * (1.0 - rough_single_albedo(rough, cos_o)), 0.0);
+    return rough.albedo * single + rough.multiple * (FRAC_1_PI * lost);
+}
+
+fn rough_diffuse_albedo(rough: RoughDiffuse, cosine: f32) -> vec3<f32> {
+    let single = rough_single_albedo(rough, cosine);
+    let mean = rough.scale * (1.0 + EON_B * rough.roughness);
+    return rough.albedo * single + rough.multiple * ((1.0 - single) * (1.0 - mean));
 }

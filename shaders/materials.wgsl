@@ -49,8 +49,14 @@ const POOL_WIDTH_LOG2: u32 = 13u;
 
 @group(1) @binding(2) var<storage, read> materials: array<Material>;
 @group(1) @binding(3) var pool: texture_2d<u32>;
-// Linear values of the 256 sRGB codes.
-@group(1) @binding(4) var<uniform> linear_from_srgb: array<vec4<f32>, 64>;
+struct Tables {
+    // Linear values of the 256 sRGB codes.
+    linear_from_srgb: array<vec4<f32>, 64>,
+    // See Albedo in brdf.wgsl: two for each width of each lobe.
+    albedo: array<vec4<f32>, 608>,
+}
+
+@group(1) @binding(4) var<uniform> tables: Tables;
 
 fn pool_word(index: u32) -> u32 {
     let position = vec2(index & ((1u << POOL_WIDTH_LOG2) - 1u), index >> POOL_WIDTH_LOG2);
@@ -58,7 +64,7 @@ fn pool_word(index: u32) -> u32 {
 }
 
 fn decode_srgb(code: u32) -> f32 {
-    return linear_from_srgb[code >> 2u][code & 3u];
+    return tables.linear_from_srgb[code >> 2u][code & 3u];
 }
 
 fn texel(slot: TextureSlot, x: u32, y: u32) -> vec4<f32> {

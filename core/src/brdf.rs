@@ -3,24 +3,44 @@
 //! Directions are in the local frame: +Z the shading normal, +X the tangent. One implementation serves the merged cut, the
 //! references and the tests. All models are listed in `models.rs`; each declares its parameters.
 
+mod albedo;
+mod ashikhmin_shirley;
+mod beckmann;
+mod blinn_phong;
+mod fresnel;
+mod fuzz;
+mod gaussian_lobe;
 mod ggx;
+mod ggx_lobe;
 mod lambert;
 mod lights;
 mod microfacet;
 mod models;
+mod openpbr;
+mod oren_nayar;
 mod parameter;
 mod parameters;
+mod phong_lobe;
 mod shared;
 mod ward;
+mod ward_duer;
 
+pub use albedo::{Albedo, albedo_table};
+pub use ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyParameters};
+pub use beckmann::{Beckmann, BeckmannParameters};
+pub use blinn_phong::{BlinnPhong, BlinnPhongParameters};
+pub use fresnel::Metal;
 pub use ggx::{Ggx, GgxParameters};
 pub use lambert::{Lambert, LambertParameters};
 pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
-pub use microfacet::{LOBE_LOSS, LobeWidth, MIN_ALPHA};
+pub use microfacet::{MIN_ALPHA, widths};
 pub use models::{BrdfModel, BrdfVisitor, Model, SurfaceBrdf};
+pub use openpbr::{OpenPbr, OpenPbrParameters};
+pub use oren_nayar::{OrenNayar, OrenNayarParameters};
 pub use parameter::{MOST_NUMBERS, MapUse, Parameter, Value, Values};
 pub use parameters::Parameters;
-pub use ward::Ward;
+pub use ward::{Ward, WardParameters};
+pub use ward_duer::{WardDuer, WardDuerParameters};
 
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;

@@ -205,6 +205,7 @@ mod tests {
             anisotropy: -0.8,
             ior: 2.0,
             specular: 0.5,
+            edge_color: Vec3::new(0.9, 0.5, 0.1),
         };
         let plain = Material { parameters: parameters.into(), ..Default::default() };
         let texel = Vec4::new(0.5, 0.25, -1.0, 0.0);

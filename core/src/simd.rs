@@ -44,6 +44,8 @@ pub trait Lanes:
     fn abs(self) -> Self;
     /// Exponentials.
     fn exp(self) -> Self;
+    /// Natural logarithms.
+    fn ln(self) -> Self;
     /// The larger of each pair. `other` where one is NaN.
     fn fast_max(self, other: Self) -> Self;
     /// The smaller of each pair. `other` where one is NaN.
@@ -116,6 +118,11 @@ impl Lanes for f32x8 {
     #[inline(always)]
     fn exp(self) -> Self {
         f32x8::exp(self)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        f32x8::ln(self)
     }
 
     #[inline(always)]

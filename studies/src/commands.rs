@@ -9,6 +9,7 @@ mod export;
 pub mod info;
 mod ladder;
 pub mod merge;
+mod models;
 mod predict;
 mod reference;
 mod render;
@@ -32,6 +33,7 @@ use export::ExportArgs;
 use info::InfoArgs;
 use ladder::LadderArgs;
 use merge::MergeArgs;
+use models::ModelsArgs;
 use predict::PredictArgs;
 use reference::ReferenceArgs;
 use render::RenderArgs;
@@ -70,6 +72,13 @@ Example, for two machines that see the same folder:
     /// Describe a dataset
     #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
     Info(InfoArgs),
+    /// List the BRDF models with their parameters
+    #[command(after_help = "\
+A material file is JSON: {\"model\": \"ggx\", \"parameters\": {\"roughness\": 0.3}}. What it leaves out has its default.
+
+Example:
+  lapidary models --json | jq '.models[] | .model'")]
+    Models(ModelsArgs),
     /// Trace random vertices of a dataset again, and compare
     #[command(after_help = "It fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
 verify scene.cuts --vertices 1000")]
@@ -208,6 +217,7 @@ impl Command {
             Self::Bake(args) => args.files(),
             Self::Merge(args) => args.files(),
             Self::Info(args) => args.files(),
+            Self::Models(args) => args.files(),
             Self::Verify(args) => args.files(),
             Self::Render(args) => args.files()?,
             Self::Sequence(args) => args.files()?,
@@ -234,6 +244,7 @@ impl Command {
             Self::Bake(args) => bake::run(args, console),
             Self::Merge(args) => merge::run(args, console),
             Self::Info(args) => args.run().map(|()| Outcome::Done),
+            Self::Models(args) => args.run().map(|()| Outcome::Done),
             Self::Verify(args) => args.run().map(|()| Outcome::Done),
             Self::Render(args) => render::run(args, console),
             Self::Sequence(args) => sequence::run(args, console),

@@ -195,6 +195,7 @@ fn extreme_scene(random: &mut Rng) -> Scene {
         anisotropy: 2.0 * bound(random) - 1.0,
         ior: up_to(10.0, random),
         specular: bound(random),
+        edge_color: Vec3::splat(bound(random)),
     }
     .into();
     scene

@@ -1,12 +1,14 @@
-//! GGX microfacets (Walter et al. 2007, Heitz 2014) over a diffuse base, in the metallic-roughness parametrisation of glTF.
+//! GGX microfacets over a diffuse base, in the metallic-roughness parametrisation of glTF.
 //!
-//! `f = (1 - F) diffuse / π + F D G / (4 |n·wi| |n·wo|)` with Schlick's Fresnel factor at the half vector and Smith's
-//! height-correlated shadowing. The filtered lobe follows Tokuyoshi et al. 2024 (*Hierarchical Light Sampling with
-//! Accurate Spherical Gaussian Lighting*): in projected slope space the widths of lobe and light add up.
+//! `f = F D G / (4 |n·wi| |n·wo|)` with the exact Fresnel factor at the half vector and Smith's height-correlated shadowing,
+//! see [`GgxLobe`](super::ggx_lobe::GgxLobe). What a metal loses between its facets comes back (Kulla and Conty 2017), and
+//! the base reflects what a dielectric leaves: in even light of 1 a white material shows 1.
 
 use super::{
     Brdf, LightsX8, Lobes, Model, Parameter, Values,
-    microfacet::{HalfVectors, LobeWidth, Reflectance, Sym2x8, is_seen},
+    albedo::{Albedo, multiple_reflectance},
+    ggx_lobe::GgxLobe,
+    microfacet::{DiffuseBase, HalfVectors, Interface, glossy_share, is_seen, widths},
     parameter::parameters,
     shared,
 };
@@ -16,7 +18,7 @@ use crate::{
     sphere::cosine_direction,
 };
 use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
 parameters! {
@@ -28,86 +30,38 @@ parameters! {
         specular: f32 = shared::SPECULAR,
         ior: f32 = shared::IOR,
         anisotropy: f32 = shared::ANISOTROPY,
+        edge_color: Vec3 = shared::EDGE_COLOR,
     }
 }
 
 /// GGX with Fresnel over a diffuse base.
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx {
-    reflectance: Reflectance,
-    width: LobeWidth,
-    /// `alpha² / (1 - alpha²)`: the lobe's width in projected slope space.
-    slope_x: f32,
-    slope_y: f32,
+    lobe: GgxLobe,
+    interface: Interface,
+    base: DiffuseBase,
+    /// Directional albedo of the lobe alone.
+    whole: Albedo,
+    /// What comes back of the light that the lobe loses, over `1 - mean E`.
+    multiple: Vec3,
 }
 
 impl Ggx {
     /// `p` must be within the ranges.
+    #[inline]
     pub fn new(p: &GgxParameters) -> Self {
-        let width = LobeWidth::new(p.roughness, p.anisotropy);
-        // An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
-        let slope = |alpha: f32| {
-            let sq = (alpha * alpha).min(0.9998);
-            sq / (1.0 - sq)
-        };
-        let reflectance = Reflectance::new(p);
-        Self { reflectance, width, slope_x: slope(width.alpha_x), slope_y: slope(width.alpha_y) }
+        let lobe = GgxLobe::new(widths(p.roughness, p.anisotropy));
+        let interface = Interface::new(p.base_color, p.edge_color, p.metalness, p.ior, p.specular);
+        let whole = Albedo::of_ggx(lobe.alpha());
+        let above = Albedo::of_dielectric(lobe.alpha(), p.ior).scaled(p.specular);
+        let (mean, metal) = interface.mean_of_metal();
+        let multiple = multiple_reflectance(mean, &whole) * (metal * whole.normalization());
+        Self { lobe, interface, base: DiffuseBase::new(p.base_color * (1.0 - p.metalness), above), whole, multiple }
     }
 
-    /// The isotropic width that is closest.
-    fn alpha(&self) -> f32 {
-        (self.width.alpha_x * self.width.alpha_y).sqrt()
-    }
-
-    /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
-    #[inline(always)]
-    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
-        let spread = half.light_spread(wi, inv_kappa);
-        let (lobe_xx, lobe_yy) = (L::splat(self.slope_x), L::splat(self.slope_y));
-        let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
-        let determinant = a.determinant();
-        let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + determinant);
-        Sym2x8 { xx: (a.xx + determinant) * scale, xy: a.xy * scale, yy: (a.yy + determinant) * scale }
-    }
-
-    fn specular_probability(&self, wo: Vec3) -> f32 {
-        let fresnel = self.reflectance.fresnel(f32x8::splat(wo.z.max(0.0))).lane(0);
-        let (specular, diffuse) = (luminance(fresnel), luminance(self.reflectance.diffuse));
-        if specular + diffuse > 0.0 { (specular / (specular + diffuse)).max(0.1) } else { 1.0 }
-    }
-
-    /// Visible normals (Heitz 2018, *Sampling the GGX Distribution of Visible Normals*).
-    fn sample_half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3 {
-        let (ax, ay) = (self.width.alpha_x, self.width.alpha_y);
-        let stretched = Vec3::new(ax * wo.x, ay * wo.y, wo.z).normalize();
-        let (t1, t2) = stretched.any_orthonormal_pair();
-        let r = u.sqrt();
-        let (sin, cos) = (TAU * v).sin_cos();
-        let s = 0.5 * (1.0 + stretched.z);
-        // The pair must have t1 level, so that the half disc is the lower one.
-        let (t1, t2) = if stretched.z < 0.9999 {
-            let level = Vec3::Z.cross(stretched).normalize();
-            (level, stretched.cross(level))
-        } else {
-            (t1, t2)
-        };
-        let p1 = r * cos;
-        let p2 = (1.0 - s) * (1.0 - p1 * p1).max(0.0).sqrt() + s * r * sin;
-        let n = t1 * p1 + t2 * p2 + stretched * (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
-        Vec3::new(ax * n.x, ay * n.y, n.z.max(1e-6)).normalize()
-    }
-
-    /// `D(h) G1(wo) / (4 n·wo)`: density of the light direction when half vectors are visible normals.
-    fn specular_pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let h = (wi + wo).normalize_or(Vec3::Z);
-        if !(h.z > 0.0) {
-            return 0.0;
-        }
-        let (ax2, ay2) = (self.width.alpha_x.powi(2), self.width.alpha_y.powi(2));
-        let e = h.x * h.x / ax2 + h.y * h.y / ay2 + h.z * h.z;
-        let d = FRAC_1_PI / (self.width.alpha_x * self.width.alpha_y * e * e);
-        let masked = wo.z + (wo.z * wo.z + ax2 * wo.x * wo.x + ay2 * wo.y * wo.y).sqrt();
-        d / (2.0 * masked)
+    fn glossy_share(&self, wo: Vec3) -> f32 {
+        let fresnel = self.interface.fresnel(f32x8::splat(wo.z.max(0.0))).lane(0);
+        glossy_share(luminance(fresnel), luminance(self.base.own_albedo()))
     }
 }
 
@@ -117,6 +71,7 @@ impl Model for Ggx {
         "Microfacets with Fresnel over a diffuse base, as in glTF and most renderers. Highlights with long tails.";
     const PARAMETERS: &'static [Parameter] = GgxParameters::LIST;
 
+    #[inline]
     fn from_values(values: &Values) -> Self {
         Self::new(&GgxParameters::new(values))
     }
@@ -129,36 +84,27 @@ impl Brdf for Ggx {
 
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
-        let LightsX8 { wi, inv_kappa, cosine, above } = *lights;
-        let half = HalfVectors::new(wi, wo);
-        let m = self.filtered_alpha_sq(&half, wi, inv_kappa);
-        let determinant = m.determinant().at_least(1e-14);
-        let h = half.h;
-        let e = m.adjugate_quadratic(h.x, h.y) / determinant + h.z * h.z;
-        let d = L::splat(FRAC_1_PI) / (determinant.sqrt() * e * e);
-        let (cos_i, cos_o) = (wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
-        let (ox, oy) = (L::splat(wo.x), L::splat(wo.y));
-        // Smith's G / (4 n·wi n·wo), times n·wi: both square roots of Heitz 2014, Eq. 99.
-        let root_o = (cos_o * cos_o + m.quadratic(ox, oy)).sqrt();
-        let root_i = (cos_i * cos_i + m.quadratic(wi.x, wi.y)).sqrt();
-        let shadowed = L::splat(0.5) * cos_i / (cos_i * root_o + cos_o * root_i).at_least(1e-9);
-        let fresnel = self.reflectance.fresnel(half.wi_dot_h);
-        let diffuse = Vec3x8::splat(self.reflectance.diffuse * FRAC_1_PI);
-        let base = (diffuse - diffuse.scale(fresnel)) * cosine;
-        (base + fresnel * (d * shadowed * above)) * is_seen(wo)
+        let half = HalfVectors::new(lights.wi, wo);
+        let single = self.interface.fresnel(half.wi_dot_h) * self.lobe.reflect(lights, &half, wo);
+        let one = L::splat(1.0);
+        let lost = (one - self.whole.at(lights.wi.z)) * (one - self.whole.at(L::splat(wo.z)));
+        let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (lost * lights.cosine);
+        (single + multiple + self.base.reflect(lights, wo)) * is_seen(wo)
     }
 
     fn lobes(&self) -> Lobes {
-        [self.width.narrow(), 0.0, 0.0]
+        [self.lobe.narrow(), 0.0, 0.0]
     }
 
     fn albedo(&self) -> Vec3 {
-        self.reflectance.diffuse * (Vec3::ONE - self.reflectance.f0) + self.reflectance.lobe_albedo(self.alpha())
+        let whole = self.whole.at_one(1.0);
+        let multiple = self.multiple * ((1.0 - whole) / self.whole.normalization());
+        self.interface.at_normal() * whole + multiple + self.base.albedo_at(1.0)
     }
 
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
-        if u.z < self.specular_probability(wo) {
-            let h = self.sample_half_vector(wo, u.x, u.y);
+        if u.z < self.glossy_share(wo) {
+            let h = self.lobe.sample_half_vector(wo, u.x, u.y);
             2.0 * wo.dot(h) * h - wo
         } else {
             cosine_direction(u.x, u.y)
@@ -166,7 +112,7 @@ impl Brdf for Ggx {
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let p = self.specular_probability(wo);
-        p * self.specular_pdf(wi, wo) + (1.0 - p) * wi.z.max(0.0) * FRAC_1_PI
+        let p = self.glossy_share(wo);
+        p * self.lobe.pdf(wi, wo) + (1.0 - p) * wi.z.max(0.0) * FRAC_1_PI
     }
 }

@@ -1,43 +1,28 @@
-//! Shared parts of the microfacet models: anisotropic widths, the filtered lobe, and Fresnel.
+//! What models of glossy surfaces share: widths, half vectors, and how a lobe and a diffuse base share light.
 
-use super::GgxParameters;
+use super::{
+    Albedo, LightsX8,
+    fresnel::{Metal, dielectric_x8},
+};
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
 
 /// Narrowest lobe that is evaluated: for narrower ones, `f32` half vectors are too coarse for the peak.
 pub const MIN_ALPHA: f32 = 1e-3;
 
-/// Loss of a GGX lobe by shadowing and masking, for light from the normal: factors of the second to fourth power of
-/// alpha.
-pub const LOBE_LOSS: [f32; 3] = [1.05, 1.75, -0.55];
-
-/// Microfacet widths along the tangent and the bitangent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LobeWidth {
-    /// Along +X.
-    pub alpha_x: f32,
-    /// Along +Y.
-    pub alpha_y: f32,
-}
-
-impl LobeWidth {
-    /// `alpha = roughness²`, stretched by the anisotropy as in Burley 2012: aspect `sqrt(1 - 0.9 |anisotropy|)`.
-    pub fn new(roughness: f32, anisotropy: f32) -> Self {
-        let alpha = roughness * roughness;
-        let aspect = (1.0 - 0.9 * anisotropy.abs()).sqrt();
-        let (long, short) = ((alpha / aspect).clamp(MIN_ALPHA, 1.0), (alpha * aspect).clamp(MIN_ALPHA, 1.0));
-        if anisotropy >= 0.0 { Self { alpha_x: long, alpha_y: short } } else { Self { alpha_x: short, alpha_y: long } }
-    }
-
-    /// The narrower of the two.
-    pub fn narrow(&self) -> f32 {
-        self.alpha_x.min(self.alpha_y)
-    }
+/// Microfacet widths along the tangent and the bitangent: `alpha = roughness²`, stretched by the anisotropy as in Burley
+/// 2012, aspect `sqrt(1 - 0.9 |anisotropy|)`.
+pub fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let alpha = roughness * roughness;
+    let aspect = (1.0 - 0.9 * anisotropy.abs()).sqrt();
+    let (long, short) = ((alpha / aspect).clamp(MIN_ALPHA, 1.0), (alpha * aspect).clamp(MIN_ALPHA, 1.0));
+    if anisotropy >= 0.0 { [long, short] } else { [short, long] }
 }
 
 /// Eight symmetric 2 x 2 matrices over the local x and y.
 #[derive(Clone, Copy)]
-pub(super) struct Sym2x8<L> {
+pub struct Sym2x8<L> {
     pub xx: L,
     pub xy: L,
     pub yy: L,
@@ -63,7 +48,7 @@ impl<L: Lanes> Sym2x8<L> {
 }
 
 /// Half vectors and what comes with them.
-pub(super) struct HalfVectors<L> {
+pub struct HalfVectors<L> {
     /// Unit half vectors.
     pub h: Vec3x8<L>,
     /// `wi · h = wo · h`.
@@ -95,33 +80,28 @@ impl<L: Lanes> HalfVectors<L> {
     }
 }
 
-/// Normal-incidence reflectance, its value at grazing incidence, and diffuse albedo of a metallic-roughness material.
+/// Schlick's Fresnel factor, and the diffuse albedo, of a metallic-roughness material.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reflectance {
+pub struct Schlick {
+    /// Reflectance at normal incidence.
     pub f0: Vec3,
+    /// Reflectance at grazing incidence.
     pub f90: f32,
+    /// Albedo below.
     pub diffuse: Vec3,
 }
 
-impl Reflectance {
-    pub fn new(p: &GgxParameters) -> Self {
-        let dielectric = ((p.ior - 1.0) / (p.ior + 1.0)).powi(2) * p.specular;
+impl Schlick {
+    pub fn new(base_color: Vec3, metalness: f32, ior: f32, specular: f32) -> Self {
+        let dielectric = ((ior - 1.0) / (ior + 1.0)).powi(2) * specular;
         Self {
-            f0: Vec3::splat(dielectric).lerp(p.base_color, p.metalness),
-            f90: p.specular + (1.0 - p.specular) * p.metalness,
-            diffuse: p.base_color * (1.0 - p.metalness),
+            f0: Vec3::splat(dielectric).lerp(base_color, metalness),
+            f90: specular + (1.0 - specular) * metalness,
+            diffuse: base_color * (1.0 - metalness),
         }
     }
 
-    /// Albedo of a GGX lobe of width `alpha` for light from the normal, without light lost to shadowing and masking.
-    /// The rational function is within 0.005 of the integral over all `alpha`.
-    #[inline]
-    pub fn lobe_albedo(&self, alpha: f32) -> Vec3 {
-        let [second, third, fourth] = LOBE_LOSS;
-        self.f0 / (1.0 + alpha * alpha * (second + third * alpha + fourth * alpha * alpha))
-    }
-
-    /// Schlick's Fresnel factor for eight angles.
+    /// For eight angles.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
         let c = (L::splat(1.0) - wi_dot_h).at_least(0.0);
@@ -132,8 +112,85 @@ impl Reflectance {
     }
 }
 
+/// The exact Fresnel factor of a dielectric, a metal, or something between for transitions in maps.
+#[derive(Clone, Copy, Debug)]
+pub struct Interface {
+    ior: f32,
+    /// Weights of the dielectric and of the metal.
+    weights: [f32; 2],
+    metal: Metal,
+}
+
+impl Interface {
+    /// `specular` scales what a dielectric reflects.
+    #[inline]
+    pub fn new(base_color: Vec3, edge_color: Vec3, metalness: f32, ior: f32, specular: f32) -> Self {
+        Self { ior, weights: [specular * (1.0 - metalness), metalness], metal: Metal::new(base_color, edge_color) }
+    }
+
+    /// For eight angles to the half vector.
+    #[inline(always)]
+    pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
+        let [dielectric, metal] = self.weights;
+        let grey = L::splat(dielectric) * dielectric_x8(wi_dot_h, self.ior);
+        let mut all = Vec3x8 { x: grey, y: grey, z: grey };
+        if metal > 0.0 {
+            all = all + self.metal.fresnel(wi_dot_h) * L::splat(metal);
+        }
+        all
+    }
+
+    /// The mean factor of the metal over all directions, and its weight.
+    pub fn mean_of_metal(&self) -> (Vec3, f32) {
+        (self.metal.mean(), self.weights[1])
+    }
+
+    /// For light from the normal.
+    pub fn at_normal(&self) -> Vec3 {
+        self.fresnel(wide::f32x8::splat(1.0)).lane(0)
+    }
+}
+
+/// A diffuse base below a dielectric: it reflects of the light that the dielectric leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct DiffuseBase {
+    albedo: Vec3,
+    above: Albedo,
+}
+
+impl DiffuseBase {
+    /// Of an albedo, below what has the albedo `above`.
+    #[inline]
+    pub fn new(albedo: Vec3, above: Albedo) -> Self {
+        Self { albedo, above }
+    }
+
+    /// Times the cosine.
+    #[inline(always)]
+    pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
+        let one = L::splat(1.0);
+        let left = (one - self.above.at(lights.wi.z)) * (one - self.above.at(L::splat(wo.z)));
+        Vec3x8::splat(self.albedo * (FRAC_1_PI * self.above.normalization())) * (left * lights.cosine)
+    }
+
+    /// For light from a direction with this cosine.
+    pub fn albedo_at(&self, cosine: f32) -> Vec3 {
+        self.albedo * (1.0 - self.above.at_one(cosine))
+    }
+
+    /// Albedo without what is above.
+    pub fn own_albedo(&self) -> Vec3 {
+        self.albedo
+    }
+}
+
+/// How often a glossy lobe is sampled beside a diffuse base, for what both reflect.
+pub fn glossy_share(glossy: f32, diffuse: f32) -> f32 {
+    if glossy + diffuse > 0.0 { (glossy / (glossy + diffuse)).max(0.1) } else { 1.0 }
+}
+
 /// 1 if the surface faces the eye, else 0.
 #[inline(always)]
-pub(super) fn is_seen<L: Lanes>(wo: Vec3) -> L {
+pub fn is_seen<L: Lanes>(wo: Vec3) -> L {
     L::splat(if wo.z > 0.0 { 1.0 } else { 0.0 })
 }

@@ -1,7 +1,10 @@
 //! The list of all models. A new model is a file beside this one, a file of the same name in `shaders/brdf/`, and its line
 //! here.
 
-use super::{Brdf, Ggx, Lambert, Parameter, Parameters, Value, Values, Ward};
+use super::{
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters, Value,
+    Values, Ward, WardDuer,
+};
 use serde::{Deserialize, Serialize};
 
 /// A reflectance model that materials can have.
@@ -90,9 +93,15 @@ macro_rules! models {
 
 models! {
     Lambert(Lambert) = "lambert",
+    OrenNayar(OrenNayar) = "oren-nayar",
+    BlinnPhong(BlinnPhong) = "blinn-phong",
+    AshikhminShirley(AshikhminShirley) = "ashikhmin-shirley",
+    Ward(Ward) = "ward",
+    WardDuer(WardDuer) = "ward-duer",
+    Beckmann(Beckmann) = "beckmann",
     #[default]
     Ggx(Ggx) = "ggx",
-    Ward(Ward) = "ward",
+    OpenPbr(OpenPbr) = "openpbr",
 }
 
 /// What is done with a model of a type that is known.

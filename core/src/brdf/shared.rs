@@ -53,3 +53,18 @@ pub const SPECULAR: Parameter = Parameter::number(
     1.0,
     "Weight of a dielectric's highlight, 0 (none) to 1 (all that its index of refraction gives).",
 );
+
+/// Roughness of a diffuse surface.
+pub const DIFFUSE_ROUGHNESS: Parameter = Parameter::number(
+    "Diffuse roughness",
+    [0.0, 1.0],
+    0.5,
+    "Roughness of the diffuse surface: 0 is Lambertian, 1 is flat and dusty as clay or the moon.",
+);
+
+/// Tint of a metal toward grazing angles.
+pub const EDGE_COLOR: Parameter = Parameter::color(
+    "Edge color",
+    [0.9; 3],
+    "How bright a metal becomes toward grazing angles (Gulbrandsen 2014): lower dips before the edge, as iron and chrome do.",
+);

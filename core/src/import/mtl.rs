@@ -237,7 +237,7 @@ fn parameters(entry: &MtlEntry) -> GgxParameters {
         None => GgxParameters::default().roughness,
     });
     let anisotropy = entry.number("aniso").unwrap_or(0.0);
-    GgxParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight }
+    GgxParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight, ..Default::default() }
 }
 
 /// Index of refraction and specular weight from `Ni` and `Ks`.

@@ -99,6 +99,12 @@ impl Lanes for Avx2 {
         Self::new(f32x8::new(self.to_array()).exp().to_array())
     }
 
+    /// As the exponential.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self::new(f32x8::new(self.to_array()).ln().to_array())
+    }
+
     #[inline(always)]
     fn fast_max(self, other: Self) -> Self {
         // SAFETY: as for the operators.

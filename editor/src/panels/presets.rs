@@ -54,8 +54,15 @@ pub const PRESETS: [Preset; 18] = [
     metal("Chrome", [0.550, 0.556, 0.554], 0.05, 0.0),
 ];
 
-const BASE: GgxParameters =
-    GgxParameters { base_color: Vec3::ONE, roughness: 0.5, metalness: 0.0, anisotropy: 0.0, ior: 1.5, specular: 1.0 };
+const BASE: GgxParameters = GgxParameters {
+    base_color: Vec3::ONE,
+    roughness: 0.5,
+    metalness: 0.0,
+    anisotropy: 0.0,
+    ior: 1.5,
+    specular: 1.0,
+    edge_color: Vec3::splat(0.9),
+};
 
 const fn lambert(name: &'static str, color: [f32; 3]) -> Preset {
     let parameters = GgxParameters { base_color: Vec3::from_array(color), ..BASE };

@@ -113,6 +113,15 @@ pub struct Material {
     pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],
 }
 
+/// `Tables` of `materials.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Tables {
+    pub linear_from_srgb: [f32; 256],
+    /// As [`lapidary_core::brdf::albedo_table`] has them.
+    pub albedo: [[f32; 8]; 304],
+}
+
 /// `Node` of `tree.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -2,13 +2,14 @@
 
 use super::{
     device::GpuDevice,
-    layout::{Material, MaterialParameter, TextureSlot, constants::MOST_PARAMETERS},
+    layout::{Material, MaterialParameter, Tables, TextureSlot, constants::MOST_PARAMETERS},
     pipeline::bind,
     pool::{Place, TexturePool},
     scene::{GpuScene, storage},
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
+    brdf::albedo_table,
     color::linear_from_srgb,
     material::{self, BUMP, NORMAL},
     texture,
@@ -19,7 +20,7 @@ use wgpu::util::DeviceExt;
 pub struct GpuMaterials {
     pub buffer: wgpu::Buffer,
     pub pool: TexturePool,
-    pub linear_from_srgb: wgpu::Buffer,
+    pub tables: wgpu::Buffer,
 }
 
 impl GpuMaterials {
@@ -31,11 +32,8 @@ impl GpuMaterials {
             None => TexturePool::new(gpu, appearance),
         };
         let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
-        let materials = Self {
-            buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)),
-            pool,
-            linear_from_srgb: srgb_table(gpu),
-        };
+        let materials =
+            Self { buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)), pool, tables: tables(gpu) };
         (materials, messages)
     }
 
@@ -46,7 +44,7 @@ impl GpuMaterials {
             scene.triangles.as_entire_binding(),
             self.buffer.as_entire_binding(),
             wgpu::BindingResource::TextureView(&self.pool.view),
-            self.linear_from_srgb.as_entire_binding(),
+            self.tables.as_entire_binding(),
         ];
         bind(gpu, "scene", layout, &resources)
     }
@@ -87,12 +85,15 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
     }
 }
 
-/// Linear values of the 256 sRGB codes: a shader's own power function is too coarse.
-fn srgb_table(gpu: &GpuDevice) -> wgpu::Buffer {
-    let table: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));
+/// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.
+fn tables(gpu: &GpuDevice) -> wgpu::Buffer {
+    let tables = Tables {
+        linear_from_srgb: std::array::from_fn(|code| linear_from_srgb(code as f32 / 255.0)),
+        albedo: *albedo_table(),
+    };
     gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("linear from sRGB"),
-        contents: bytemuck::cast_slice(&table),
+        label: Some("tables"),
+        contents: bytemuck::bytes_of(&tables),
         usage: wgpu::BufferUsages::UNIFORM,
     })
 }

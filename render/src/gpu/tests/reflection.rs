@@ -5,7 +5,7 @@ use crate::gpu::{
     models::ModelSet,
     shaders::{DISPLAY, PROGRAMS, RAYS, ShaderSource},
 };
-use lapidary_core::brdf::{BrdfModel, LOBE_LOSS, MIN_ALPHA};
+use lapidary_core::brdf::{BrdfModel, MIN_ALPHA};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -138,6 +138,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
         ),
         ("Material", shape!(layout::Material, model, normal_y, padding, normal_map, bump_map, parameters)),
+        ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
         ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
         ("BoxNode", shape!(layout::BoxNode, low, first, high, triangles)),
@@ -299,9 +300,6 @@ fn shared_constants_have_the_same_values() {
     }
     for (name, value) in [
         ("MIN_ALPHA", MIN_ALPHA),
-        ("LOBE_LOSS_2", LOBE_LOSS[0]),
-        ("LOBE_LOSS_3", LOBE_LOSS[1]),
-        ("LOBE_LOSS_4", LOBE_LOSS[2]),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
         ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::shade::node_field::LEAST_DISTANCE),

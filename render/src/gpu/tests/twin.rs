@@ -11,7 +11,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::GgxParameters,
+    brdf::{GgxParameters, Parameters},
     camera::Camera,
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
@@ -72,6 +72,7 @@ pub(super) fn maps() -> MaterialMaps {
         ("specular", slot(0, ColorSpace::Linear, Channel::A, 1.0)),
         ("anisotropy", slot(1, ColorSpace::Linear, Channel::B, 1.0)),
         ("ior", slot(0, ColorSpace::Linear, Channel::G, 1.0)),
+        ("edge_color", slot(0, ColorSpace::Linear, Channel::R, 1.0)),
         ("normal", slot(2, ColorSpace::Linear, Channel::R, 0.8)),
         ("bump", slot(1, ColorSpace::Linear, Channel::R, 0.02)),
     ])
@@ -93,12 +94,13 @@ pub(super) fn scene() -> Arc<Dataset> {
 pub(super) fn appearance(
     dataset: &Dataset,
     model: BrdfModel,
-    parameters: GgxParameters,
+    parameters: impl Into<Parameters>,
     maps: MaterialMaps,
 ) -> Appearance {
+    let parameters = parameters.into();
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
-        *material = Material { model, parameters: parameters.into(), maps: maps.clone(), ..material.clone() };
+        *material = Material { model, parameters: parameters.clone(), maps: maps.clone(), ..material.clone() };
     }
     appearance
 }
@@ -169,7 +171,24 @@ pub(super) fn parameters(roughness: f32, anisotropy: f32) -> GgxParameters {
         anisotropy,
         ior: 1.6,
         specular: 0.9,
+        edge_color: Vec3::new(0.9, 0.8, 0.7),
     }
+}
+
+/// Values of a model's parameters from its list: the widths are from a third of the range on.
+fn settings(model: BrdfModel, case: u64) -> Parameters {
+    let mut random = fastrand::Rng::with_seed(case);
+    let mut settings = Parameters::default();
+    for p in model.parameters() {
+        let [low, high] = p.slider;
+        let low = if p.name.ends_with("roughness") { 0.35 } else { low };
+        let mut number = || low + (high - low) * random.f32();
+        match p.is_color() {
+            true => settings.set(p.name, Vec3::new(number(), number(), number())),
+            false => settings.set(p.name, number()),
+        }
+    }
+    settings
 }
 
 struct Rig {
@@ -210,16 +229,18 @@ impl Rig {
 fn every_model_and_sampling_agrees_and_another_roughness_does_not() {
     let Some(mut rig) = Rig::new(128) else { return };
     let dataset = rig.renderer.dataset().clone();
-    for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
-        for (roughness, anisotropy) in [(0.9, 0.0), (0.45, 0.0), (0.35, 0.8), (0.5, -0.6)] {
+    for &model in BrdfModel::ALL {
+        for case in 0..4 {
+            let parameters = settings(model, case);
             for sampling in [BrdfSampling::Lit, BrdfSampling::Refine, BrdfSampling::Once] {
-                rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
+                rig.look(appearance(&dataset, model, parameters.clone(), MaterialMaps::default()));
                 let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), sampling);
                 let d = difference(&gpu, &cpu);
-                assert!(agrees(&gpu, &cpu), "{model:?} {roughness} {anisotropy} {sampling:?}: {d:?}");
+                assert!(agrees(&gpu, &cpu), "{model:?} {parameters:?} {sampling:?}: {d:?}");
             }
         }
     }
+    rig.look(appearance(&dataset, BrdfModel::Ward, parameters(0.5, -0.6), Default::default()));
     let [gpu, _] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
     rig.renderer.set_appearance(appearance(&dataset, BrdfModel::Ward, parameters(0.51, -0.6), Default::default()));
     let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(ViewMode::Shaded), rig.lit(), BrdfSampling::Refine);

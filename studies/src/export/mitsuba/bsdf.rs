@@ -15,7 +15,7 @@ use super::{textures::TextureFolder, xml};
 use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    brdf::GgxParameters,
+    brdf::{GgxParameters, Metal, widths},
     material::{BrdfModel, Material},
     texture::TextureSlot,
 };
@@ -93,9 +93,10 @@ impl MaterialWriter<'_, '_> {
 
     fn model(&mut self, attributes: &str, models: Models) -> Result<String> {
         let (kind, properties) = match (self.material.model, models) {
-            (BrdfModel::Lambert, _) => ("diffuse", self.base_color("reflectance")?),
+            (BrdfModel::Lambert, _) => ("diffuse", self.color("reflectance", "base_color")?),
             (BrdfModel::Ggx, Models::Exact) => ("lapidary_ggx", self.ggx()?),
-            (BrdfModel::Ggx | BrdfModel::Ward, _) => ("principled", self.principled()?),
+            (BrdfModel::Beckmann | BrdfModel::Ggx, _) if self.is_metal() => ("roughconductor", self.conductor()?),
+            _ => ("principled", self.principled()?),
         };
         Ok(xml::plugin("bsdf", kind, attributes, &properties))
     }
@@ -105,7 +106,8 @@ impl MaterialWriter<'_, '_> {
         let p = GgxParameters::from(&self.material.parameters.clone().sanitized());
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
-            self.base_color("base_color")?,
+            self.color("base_color", "base_color")?,
+            self.color("edge_color", "edge_color")?,
             self.number("roughness", "roughness", p.roughness, maps.get("roughness"), unit)?,
             self.number("metalness", "metalness", p.metalness, maps.get("metalness"), unit)?,
             self.number("anisotropy", "anisotropy", p.anisotropy, maps.get("anisotropy"), |x| x.clamp(-1.0, 1.0))?,
@@ -116,12 +118,36 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
+    /// Whether it is a metal of one colour, for which Mitsuba has the same Fresnel factor.
+    fn is_metal(&self) -> bool {
+        let material = self.material;
+        let mapped = ["base_color", "metalness", "edge_color", "roughness", "anisotropy"]
+            .into_iter()
+            .any(|name| material.maps.get(name).is_some());
+        !mapped && material.parameters.number("metalness") >= 1.0
+    }
+
+    fn conductor(&mut self) -> Result<String> {
+        let parameters = self.material.parameters.clone().sanitized();
+        let [eta, k] = Metal::new(parameters.color("base_color"), parameters.color("edge_color")).indices();
+        let distribution = if self.material.model == BrdfModel::Beckmann { "beckmann" } else { "ggx" };
+        let [x, y] = widths(parameters.number("roughness"), parameters.number("anisotropy"));
+        Ok([
+            xml::value("string", "distribution", distribution),
+            xml::triple("rgb", "eta", eta),
+            xml::triple("rgb", "k", k),
+            xml::value("float", "alpha_u", x),
+            xml::value("float", "alpha_v", y),
+        ]
+        .concat())
+    }
+
     fn principled(&mut self) -> Result<String> {
         let maps = &self.material.maps;
         let p = GgxParameters::from(&self.material.parameters.clone().sanitized());
         let unit = |x: f32| x.clamp(0.0, 1.0);
         Ok([
-            self.base_color("base_color")?,
+            self.color("base_color", "base_color")?,
             self.number("roughness", "roughness", p.roughness, maps.get("roughness"), unit)?,
             self.number("metallic", "metalness", p.metalness, maps.get("metalness"), unit)?,
             self.number("anisotropic", "stretch", p.anisotropy.abs(), maps.get("anisotropy"), |x| x.abs().min(1.0))?,
@@ -130,13 +156,14 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
-    fn base_color(&mut self, name: &str) -> Result<String> {
-        let base = self.material.parameters.clone().sanitized().color("base_color");
-        match self.material.maps.get("base_color") {
-            None => Ok(xml::triple("rgb", name, base)),
-            Some(slot) => {
-                self.map(Some(name), "base-color", slot, |texel| (base * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE))
-            }
+    /// The colour of a parameter, or its map.
+    fn color(&mut self, name: &str, parameter: &str) -> Result<String> {
+        let color = self.material.parameters.clone().sanitized().color(parameter);
+        match self.material.maps.get(parameter) {
+            None => Ok(xml::triple("rgb", name, color)),
+            Some(slot) => self.map(Some(name), &parameter.replace('_', "-"), slot, |texel| {
+                (color * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE)
+            }),
         }
     }
 

@@ -1,0 +1,132 @@
+//! Cook-Torrance with Beckmann's distribution over a diffuse base (Cook and Torrance 1982; Walter et al. 2007).
+//!
+//! `f = F D G / (4 |n·wi| |n·wo|)` with normally distributed slopes, the exact Fresnel factor at the half vector, and the
+//! rational fit of Smith's shadowing for each direction by itself (Walter et al., Eq. 27).
+
+use super::{
+    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    albedo::Albedo,
+    gaussian_lobe::GaussianLobe,
+    microfacet::{DiffuseBase, HalfVectors, Interface, Sym2x8, glossy_share, is_seen, widths},
+    parameter::parameters,
+    shared,
+};
+use crate::{
+    color::luminance,
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+use wide::f32x8;
+
+parameters! {
+    /// Parameters of [`Beckmann`].
+    pub struct BeckmannParameters {
+        base_color: Vec3 = shared::BASE_COLOR,
+        roughness: f32 = shared::ROUGHNESS,
+        metalness: f32 = shared::METALNESS,
+        specular: f32 = shared::SPECULAR,
+        ior: f32 = shared::IOR,
+        anisotropy: f32 = shared::ANISOTROPY,
+        edge_color: Vec3 = shared::EDGE_COLOR,
+    }
+}
+
+/// Beckmann's lobe with Fresnel over a diffuse base.
+#[derive(Clone, Copy, Debug)]
+pub struct Beckmann {
+    lobe: GaussianLobe,
+    interface: Interface,
+    base: DiffuseBase,
+}
+
+impl Beckmann {
+    /// `p` must be within the ranges.
+    #[inline]
+    pub fn new(p: &BeckmannParameters) -> Self {
+        let above = Albedo::of_smooth_dielectric(p.ior).scaled(p.specular);
+        Self {
+            lobe: GaussianLobe::new(widths(p.roughness, p.anisotropy)),
+            interface: Interface::new(p.base_color, p.edge_color, p.metalness, p.ior, p.specular),
+            base: DiffuseBase::new(p.base_color * (1.0 - p.metalness), above),
+        }
+    }
+
+    fn glossy_share(&self, wo: Vec3) -> f32 {
+        let fresnel = self.interface.fresnel(f32x8::splat(wo.z.max(0.0))).lane(0);
+        glossy_share(luminance(fresnel), luminance(self.base.own_albedo()))
+    }
+}
+
+/// The lobe times the cosine over the density of a half vector, for an isotropic width.
+pub(super) fn weight(alpha: f32, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
+    let sq = f32x8::splat(alpha * alpha);
+    let alpha_sq = Sym2x8 { xx: sq, xy: f32x8::ZERO, yy: sq };
+    let of = |w: Vec3| shadowing(&alpha_sq, f32x8::splat(w.x), f32x8::splat(w.y), f32x8::splat(w.z)).to_array()[0];
+    of(wi) * of(wo) * wi.dot(h) / (wo.z * h.z)
+}
+
+/// Shadowing of one direction.
+#[inline(always)]
+fn shadowing<L: Lanes>(alpha_sq: &Sym2x8<L>, x: L, y: L, cosine: L) -> L {
+    // The cosine over the width times the sine, of which larger ones than 1.6 are not shadowed.
+    let ratio = cosine / alpha_sq.quadratic(x, y).at_least(1e-12).sqrt();
+    let above = ratio * (L::splat(3.535) + L::splat(2.181) * ratio);
+    let below = L::splat(1.0) + ratio * (L::splat(2.276) + L::splat(2.577) * ratio);
+    ratio.simd_lt(L::splat(1.6)).select(above / below, L::splat(1.0))
+}
+
+impl Model for Beckmann {
+    const LABEL: &'static str = "Beckmann";
+    const SUMMARY: &'static str =
+        "Cook and Torrance's microfacets: Fresnel over a diffuse base, as GGX, but highlights without long tails.";
+    const PARAMETERS: &'static [Parameter] = BeckmannParameters::LIST;
+
+    #[inline]
+    fn from_values(values: &Values) -> Self {
+        Self::new(&BeckmannParameters::new(values))
+    }
+}
+
+impl Brdf for Beckmann {
+    fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8 {
+        self.reflect(&LightsX8::at(wi, inv_kappa), wo)
+    }
+
+    #[inline(always)]
+    fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
+        let wi = lights.wi;
+        let half = HalfVectors::new(wi, wo);
+        let filtered = self.lobe.filtered(&half, wi, lights.inv_kappa);
+        let d = filtered.density / (filtered.cos_h_sq * filtered.cos_h_sq);
+        let cos_o = L::splat(wo.z.max(1e-4));
+        let shadowed = shadowing(&filtered.alpha_sq, wi.x, wi.y, wi.z.at_least(0.0))
+            * shadowing(&filtered.alpha_sq, L::splat(wo.x), L::splat(wo.y), cos_o);
+        let lobe = d * shadowed * L::splat(0.25) / cos_o * lights.above;
+        (self.interface.fresnel(half.wi_dot_h) * lobe + self.base.reflect(lights, wo)) * is_seen(wo)
+    }
+
+    fn lobes(&self) -> Lobes {
+        [self.lobe.narrow(), 0.0, 0.0]
+    }
+
+    fn albedo(&self) -> Vec3 {
+        let kept = Albedo::of_beckmann(self.lobe.alpha()).at_one(1.0);
+        self.interface.at_normal() * kept + self.base.albedo_at(1.0)
+    }
+
+    fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
+        if u.z < self.glossy_share(wo) {
+            let h = self.lobe.sample_half_vector(u.x, u.y);
+            2.0 * wo.dot(h) * h - wo
+        } else {
+            cosine_direction(u.x, u.y)
+        }
+    }
+
+    fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
+        let p = self.glossy_share(wo);
+        p * self.lobe.pdf(wi, wo) + (1.0 - p) * wi.z.max(0.0) * FRAC_1_PI
+    }
+}

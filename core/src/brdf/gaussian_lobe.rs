@@ -1,0 +1,72 @@
+//! A lobe whose half vectors have normally distributed slopes: the distribution of Beckmann and of Ward.
+
+use super::microfacet::{HalfVectors, Sym2x8};
+use crate::simd::{Lanes, Vec3x8};
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+/// Widths along the tangent and the bitangent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaussianLobe {
+    alpha: [f32; 2],
+}
+
+/// The lobe filtered by the spread of eight lights.
+pub struct FilteredX8<L> {
+    /// Squared widths, a matrix.
+    pub alpha_sq: Sym2x8<L>,
+    /// `exp(-tan²) / (π αx αy)`: the density of half vectors times the fourth power of their cosines.
+    pub density: L,
+    /// Squared cosines of the half vectors.
+    pub cos_h_sq: L,
+}
+
+impl GaussianLobe {
+    /// Of these widths.
+    pub fn new(alpha: [f32; 2]) -> Self {
+        Self { alpha }
+    }
+
+    /// The widths.
+    pub fn alpha(&self) -> [f32; 2] {
+        self.alpha
+    }
+
+    /// The narrower width.
+    pub fn narrow(&self) -> f32 {
+        self.alpha[0].min(self.alpha[1])
+    }
+
+    /// Widened by the spread of the lights: in the space of half vectors variances add up.
+    #[inline(always)]
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
+        let spread = half.light_spread(wi, inv_kappa);
+        let [xx, yy] = self.alpha.map(|alpha| L::splat(alpha * alpha));
+        let m = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
+        let determinant = m.determinant().at_least(1e-14);
+        let cos_h_sq = (half.h.z * half.h.z).at_least(1e-4);
+        let exponent = m.adjugate_quadratic(half.h.x, half.h.y) / (determinant * cos_h_sq);
+        let density = (-exponent).exp() * L::splat(FRAC_1_PI) / determinant.sqrt();
+        FilteredX8 { alpha_sq: m, density, cos_h_sq }
+    }
+
+    /// A half vector, with the density `D cos θh`.
+    pub fn sample_half_vector(&self, u: f32, v: f32) -> Vec3 {
+        let (sin, cos) = (TAU * v).sin_cos();
+        let slope = (-(1.0 - u).max(1e-12).ln()).sqrt();
+        Vec3::new(self.alpha[0] * slope * cos, self.alpha[1] * slope * sin, 1.0).normalize()
+    }
+
+    /// Density of the light direction for a half vector that was sampled.
+    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
+        let h = (wi + wo).normalize_or(Vec3::Z);
+        // A half vector that `wo` sees from behind reflects to where the sum of the two points downward.
+        let h = if h.z < 0.0 { -h } else { h };
+        if !(h.z > 1e-4) {
+            return 0.0;
+        }
+        let [ax, ay] = self.alpha;
+        let slope_sq = ((h.x / ax).powi(2) + (h.y / ay).powi(2)) / (h.z * h.z);
+        (-slope_sq).exp() / (PI * ax * ay * h.z.powi(3)) / (4.0 * wi.dot(h).abs().max(1e-4))
+    }
+}

@@ -1,0 +1,122 @@
+//! A GGX lobe (Walter et al. 2007; Heitz 2014) without its Fresnel factor.
+//!
+//! Shadowing and masking are Smith's, correlated by height. The filtered lobe follows Tokuyoshi et al. 2024 (*Hierarchical
+//! Light Sampling with Accurate Spherical Gaussian Lighting*): in projected slope space the widths of lobe and light add
+//! up.
+
+use super::{
+    LightsX8,
+    microfacet::{HalfVectors, Sym2x8},
+};
+use crate::simd::{Lanes, Vec3x8};
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+/// Widths along the tangent and the bitangent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GgxLobe {
+    alpha: [f32; 2],
+    /// `alpha² / (1 - alpha²)`: the lobe's width in projected slope space.
+    slope: [f32; 2],
+}
+
+impl GgxLobe {
+    /// Of widths up to 1.
+    #[inline]
+    pub fn new(alpha: [f32; 2]) -> Self {
+        // An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
+        let slope = |alpha: f32| {
+            let sq = (alpha * alpha).min(0.9998);
+            sq / (1.0 - sq)
+        };
+        Self { alpha, slope: alpha.map(slope) }
+    }
+
+    /// The widths.
+    #[inline]
+    pub fn alpha(&self) -> [f32; 2] {
+        self.alpha
+    }
+
+    /// The narrower width.
+    #[inline]
+    pub fn narrow(&self) -> f32 {
+        self.alpha[0].min(self.alpha[1])
+    }
+
+    /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
+    #[inline(always)]
+    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
+        let spread = half.light_spread(wi, inv_kappa);
+        let [lobe_xx, lobe_yy] = self.slope.map(L::splat);
+        let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
+        let determinant = a.determinant();
+        let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + determinant);
+        Sym2x8 { xx: (a.xx + determinant) * scale, xy: a.xy * scale, yy: (a.yy + determinant) * scale }
+    }
+
+    /// `D G / (4 |n·wi| |n·wo|)` times the cosine; zero for lights below the horizon.
+    #[inline(always)]
+    pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, half: &HalfVectors<L>, wo: Vec3) -> L {
+        let LightsX8 { wi, inv_kappa, above, .. } = *lights;
+        let m = self.filtered_alpha_sq(half, wi, inv_kappa);
+        let determinant = m.determinant().at_least(1e-14);
+        let h = half.h;
+        let e = m.adjugate_quadratic(h.x, h.y) / determinant + h.z * h.z;
+        let d = L::splat(FRAC_1_PI) / (determinant.sqrt() * e * e);
+        let (cos_i, cos_o) = (wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
+        let (ox, oy) = (L::splat(wo.x), L::splat(wo.y));
+        // Smith's G / (4 n·wi n·wo), times n·wi: both square roots of Heitz 2014, Eq. 99.
+        let root_o = (cos_o * cos_o + m.quadratic(ox, oy)).sqrt();
+        let root_i = (cos_i * cos_i + m.quadratic(wi.x, wi.y)).sqrt();
+        let shadowed = L::splat(0.5) * cos_i / (cos_i * root_o + cos_o * root_i).at_least(1e-9);
+        d * shadowed * above
+    }
+
+    /// A visible normal (Heitz 2018, *Sampling the GGX Distribution of Visible Normals*).
+    pub fn sample_half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3 {
+        let [ax, ay] = self.alpha;
+        let stretched = Vec3::new(ax * wo.x, ay * wo.y, wo.z).normalize();
+        // The pair must have t1 level, so that the half disc is the lower one.
+        let (t1, t2) = if stretched.z < 0.9999 {
+            let level = Vec3::Z.cross(stretched).normalize();
+            (level, stretched.cross(level))
+        } else {
+            stretched.any_orthonormal_pair()
+        };
+        let r = u.sqrt();
+        let (sin, cos) = (TAU * v).sin_cos();
+        let s = 0.5 * (1.0 + stretched.z);
+        let p1 = r * cos;
+        let p2 = (1.0 - s) * (1.0 - p1 * p1).max(0.0).sqrt() + s * r * sin;
+        let n = t1 * p1 + t2 * p2 + stretched * (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
+        Vec3::new(ax * n.x, ay * n.y, n.z.max(1e-6)).normalize()
+    }
+
+    /// `D(h) G1(wo) / (4 n·wo)`: density of the light direction when half vectors are visible normals.
+    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
+        let h = (wi + wo).normalize_or(Vec3::Z);
+        if !(h.z > 0.0) {
+            return 0.0;
+        }
+        let [ax2, ay2] = self.alpha.map(|alpha| alpha * alpha);
+        let e = h.x * h.x / ax2 + h.y * h.y / ay2 + h.z * h.z;
+        let d = FRAC_1_PI / (self.alpha[0] * self.alpha[1] * e * e);
+        d / (2.0 * (wo.z + self.root(wo)))
+    }
+
+    /// The lobe times the cosine over the density of a sampled direction: its albedo is the mean.
+    pub fn weight(&self, wi: Vec3, wo: Vec3) -> f32 {
+        if !(wi.z > 0.0) {
+            return 0.0;
+        }
+        let (root_i, root_o) = (self.root(wi), self.root(wo));
+        wi.z * (wo.z + root_o) / (wi.z * root_o + wo.z * root_i)
+    }
+
+    /// `cos (1 + 2 Λ)` of a direction.
+    fn root(&self, w: Vec3) -> f32 {
+        let [ax2, ay2] = self.alpha.map(|alpha| alpha * alpha);
+        (w.z * w.z + ax2 * w.x * w.x + ay2 * w.y * w.y).sqrt()
+    }
+}

@@ -1,0 +1,107 @@
+//! A lobe whose half vectors are distributed as a power of their cosine, with two exponents (Ashikhmin and Shirley 2000).
+
+use super::microfacet::{HalfVectors, Sym2x8};
+use crate::simd::{Lanes, Vec3x8};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// `2 / n` for the exponents along the tangent and the bitangent: its width in projected slope space, as that of GGX.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhongLobe {
+    slope: [f32; 2],
+    narrow: f32,
+}
+
+/// The lobe filtered by the spread of eight lights.
+pub struct FilteredX8<L> {
+    /// `cos θh` to the exponent in the direction of the half vector.
+    pub power: L,
+    /// Squared width in slope space, a matrix.
+    slope: Sym2x8<L>,
+}
+
+impl<L: Lanes> FilteredX8<L> {
+    /// `sqrt((nu + 1) (nv + 1))`.
+    #[inline(always)]
+    pub fn two_exponents(&self) -> L {
+        let (determinant, trace) = (self.slope.determinant().at_least(1e-14), self.slope.xx + self.slope.yy);
+        ((determinant + trace + trace + L::splat(4.0)) / determinant).sqrt()
+    }
+
+    /// The geometric mean of both exponents.
+    #[inline(always)]
+    pub fn exponent(&self) -> L {
+        L::splat(2.0) / self.slope.determinant().at_least(1e-14).sqrt()
+    }
+}
+
+impl PhongLobe {
+    /// With exponents `2 / alpha² - 2`, whose lobes are as wide as microfacets of these widths.
+    pub fn new(alpha: [f32; 2]) -> Self {
+        let slope = |alpha: f32| {
+            let sq = (alpha * alpha).min(0.9998);
+            sq / (1.0 - sq)
+        };
+        Self { slope: alpha.map(slope), narrow: alpha[0].min(alpha[1]) }
+    }
+
+    /// The narrower microfacet width.
+    pub fn narrow(&self) -> f32 {
+        self.narrow
+    }
+
+    fn exponents(&self) -> [f32; 2] {
+        self.slope.map(|slope| 2.0 / slope)
+    }
+
+    /// The geometric mean of both exponents.
+    pub fn mean_exponent(&self) -> f32 {
+        let [nu, nv] = self.exponents();
+        (nu * nv).sqrt()
+    }
+
+    /// Widened by the spread of the lights: in projected slope space variances add up.
+    #[inline(always)]
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
+        let spread = half.light_spread(wi, inv_kappa);
+        let [xx, yy] = self.slope.map(L::splat);
+        let slope = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
+        let h = half.h;
+        let (cos_sq, determinant) = ((h.z * h.z).at_least(1e-8), slope.determinant().at_least(1e-14));
+        let sin_sq = (L::splat(1.0) - h.z * h.z).at_least(1e-7);
+        // Half the exponent, for the logarithm of the squared cosine.
+        let exponent = slope.adjugate_quadratic(h.x, h.y) / (determinant * sin_sq);
+        FilteredX8 { power: (exponent * cos_sq.ln()).exp(), slope }
+    }
+
+    /// A half vector (Ashikhmin and Shirley 2000, Eq. 9 and 10).
+    pub fn sample_half_vector(&self, u: f32, v: f32) -> Vec3 {
+        let [nu, nv] = self.exponents();
+        // One quadrant, mirrored into the others.
+        let (quadrant, within) = ((4.0 * u).floor(), (4.0 * u).fract());
+        let first = (((nu + 1.0) / (nv + 1.0)).sqrt() * (FRAC_PI_2 * within).tan()).atan();
+        let angle = match quadrant as u32 {
+            0 => first,
+            1 => 2.0 * FRAC_PI_2 - first,
+            2 => 2.0 * FRAC_PI_2 + first,
+            _ => 4.0 * FRAC_PI_2 - first,
+        };
+        let (sin, cos) = angle.sin_cos();
+        let exponent = nu * cos * cos + nv * sin * sin;
+        let cos_h = (1.0 - v).max(1e-12).powf(1.0 / (exponent + 1.0));
+        let sin_h = (1.0 - cos_h * cos_h).max(0.0).sqrt();
+        Vec3::new(sin_h * cos, sin_h * sin, cos_h)
+    }
+
+    /// Density of the light direction for a half vector that was sampled.
+    pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
+        let h = (wi + wo).normalize_or(Vec3::Z);
+        // A half vector that `wo` sees from behind reflects to where the sum of the two points downward.
+        let h = if h.z < 0.0 { -h } else { h };
+        let [nu, nv] = self.exponents();
+        let sin_sq = (1.0 - h.z * h.z).max(1e-7);
+        let exponent = (nu * h.x * h.x + nv * h.y * h.y) / sin_sq;
+        let density = ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * h.z.max(1e-6).powf(exponent);
+        density / (4.0 * wi.dot(h).abs().max(1e-4))
+    }
+}

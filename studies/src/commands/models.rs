@@ -1,0 +1,93 @@
+//! The `models` command.
+
+use crate::{
+    outputs::CommandFiles,
+    terminal::{json_text, print_out},
+};
+use anyhow::Result;
+use clap::Args;
+use lapidary_core::brdf::{BrdfModel, Parameter, Value};
+use serde_json::json;
+
+/// Options of `models`.
+#[derive(Args, Clone, Debug)]
+pub struct ModelsArgs {
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl ModelsArgs {
+    /// It reads nothing.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default()
+    }
+
+    /// Prints all BRDF models with their parameters.
+    ///
+    /// # Errors
+    /// None but those of the terminal.
+    pub fn run(&self) -> Result<()> {
+        if self.json { print_out(&json_text(&models_json())?) } else { print_out(&models_text()) }
+    }
+}
+
+fn models_json() -> serde_json::Value {
+    let parameter = |p: &Parameter| {
+        json!({
+            "name": p.name,
+            "label": p.label,
+            "kind": if p.is_color() { "color" } else { "number" },
+            "unit": p.unit,
+            "range": p.range,
+            "default": p.default,
+            "help": p.help,
+        })
+    };
+    let model = |&model: &BrdfModel| {
+        json!({
+            "model": model.key(),
+            "label": model.label(),
+            "summary": model.summary(),
+            "parameters": model.parameters().iter().map(parameter).collect::<Vec<_>>(),
+        })
+    };
+    json!({ "models": BrdfModel::ALL.iter().map(model).collect::<Vec<_>>() })
+}
+
+fn models_text() -> String {
+    let mut text = String::new();
+    for model in BrdfModel::ALL {
+        text += &format!("{}: {}\n", model.key(), model.summary());
+        for p in model.parameters() {
+            let [low, high] = p.range;
+            let default = match p.default {
+                Value::Number(x) => x.to_string(),
+                Value::Color(c) => format!("{},{},{}", c.x, c.y, c.z),
+            };
+            let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+            text += &format!("  {:30} {low} to {high}{unit}, default {default}\n", p.name);
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_and_parameter_is_listed() {
+        let (text, json) = (models_text(), models_json());
+        for (i, model) in BrdfModel::ALL.iter().enumerate() {
+            assert!(text.contains(&format!("{}: ", model.key())));
+            let listed = &json["models"][i];
+            assert_eq!(listed["model"], model.key());
+            for (j, p) in model.parameters().iter().enumerate() {
+                assert!(text.contains(&format!("  {} ", p.name)), "{}", p.name);
+                assert_eq!(listed["parameters"][j]["name"], p.name);
+            }
+        }
+        assert!(!text.contains("no_such_parameter"));
+    }
+}
