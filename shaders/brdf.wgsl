@@ -190,10 +190,10 @@ fn metal_fresnel(metal: Metal, cosine: f32) -> vec3<f32> {
     let length = sqrt(t0 * t0 + 4.0 * metal.n_sq * metal.k_sq);
     let t1 = length + cos_sq;
     let t2 = 2.0 * sqrt(max(0.5 * (length + t0), vec3(0.0))) * cosine;
-    let across = (t1 - t2) / (t1 + t2);
+    // The mean of (t1 - t2) / (t1 + t2) across and of that times (t3 - t4) / (t3 + t4) along the plane of incidence.
     let t3 = cos_sq * length + sin_sq * sin_sq;
     let t4 = t2 * sin_sq;
-    return 0.5 * (across + across * (t3 - t4) / (t3 + t4));
+    return max((t1 - t2) * t3 / ((t1 + t2) * (t3 + t4)), vec3(0.0));
 }
 
 fn metal_mean(metal: Metal) -> vec3<f32> {

@@ -4,10 +4,12 @@
 
 mod check;
 mod maps;
+mod presets;
 
 pub use crate::brdf::BrdfModel;
 pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem, UnknownName};
 pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map_names};
+pub use presets::{PRESETS, Preset};
 
 use crate::{
     brdf::{Parameters, SurfaceBrdf, Values},
@@ -171,7 +173,8 @@ mod tests {
     fn a_name_means_the_same_in_all_models() {
         for model in BrdfModel::ALL {
             for p in model.parameters() {
-                assert_eq!(Some(p), BrdfModel::declared(p.name), "{model:?}");
+                let declared = BrdfModel::declared(p.name).unwrap();
+                assert_eq!(p.in_section(""), declared.in_section(""), "{model:?}");
                 assert_eq!(p.default, p.sanitized(p.default), "{model:?} {}", p.name);
                 let [low, high] = p.range;
                 assert!(low < high && low <= p.slider[0] && p.slider[1] <= high, "{model:?} {}", p.name);

@@ -8,7 +8,6 @@ pub mod explain;
 pub mod ladder;
 pub mod lights;
 pub mod material;
-pub mod presets;
 pub mod scene;
 pub mod units;
 pub mod view;

@@ -45,6 +45,8 @@ STRETCHED = {
     "model": "ggx",
     "parameters": {"base_color": [0.9, 0.9, 0.95], "metalness": 1.0, "roughness": 0.5, "anisotropy": 0.7},
 }
+BECKMANN = {"model": "beckmann", "parameters": {**CONDUCTOR["parameters"], "edge_color": [0.9, 0.6, 0.3]}}
+BRUSHED = {"model": "beckmann", "parameters": {**BECKMANN["parameters"], "anisotropy": 0.7}}
 SURFACES = {"diffuse": DIFFUSE, "conductor": CONDUCTOR, "coated": COATED}
 ENVIRONMENTS = {"sun": DATA / "environments/sun-and-sky.hdr", "studio": DATA / "environments/studio.hdr"}
 
@@ -100,16 +102,17 @@ def small():
     ]
     for surface, material in SURFACES.items():
         cases.extend(_under_environments(surface, material))
-    cases.append(
-        Case(
-            "conductor ball, studio, Mitsuba's principled",
-            "ball",
-            BALL_VIEW + _light("studio"),
-            material=CONDUCTOR,
-            materials="materials.xml",
-            controls={"roughness off": ROUGHER},
+    for name, material in {"beckmann": BECKMANN, "brushed beckmann": BRUSHED}.items():
+        cases.append(
+            Case(
+                f"{name} ball, studio, Mitsuba's roughconductor",
+                "ball",
+                BALL_VIEW + _light("studio"),
+                material=material,
+                materials="materials.xml",
+                controls={"roughness off": ROUGHER},
+            )
         )
-    )
     cases.append(
         Case(
             "spot, sun and rectangle",

@@ -123,9 +123,16 @@ impl Albedo {
     #[inline(always)]
     pub fn at<L: Lanes>(&self, cosine: L) -> L {
         let x = L::splat(1.0) / (L::splat(1.0) + L::splat(6.0) * cosine.at_least(0.0));
-        let [a, b, c, d, e] = self.terms.map(L::splat);
+        let [a, b, c, d, e] = self.terms;
+        let [a, b, c, d, e] = [L::splat(a), L::splat(b), L::splat(c), L::splat(d), L::splat(e)];
         let value = (((e * x + d) * x + c) * x + b) * x + a;
         value.at_least(0.0).fast_min(L::splat(1.0))
+    }
+
+    /// What it leaves of light that passes it from one direction to another.
+    #[inline(always)]
+    pub fn left<L: Lanes>(&self, cos_i: L, cos_o: L) -> L {
+        (L::splat(1.0) - self.at(cos_i)) * (L::splat(1.0) - self.at(cos_o))
     }
 
     /// [`Self::at`] for one cosine.

@@ -2,7 +2,6 @@
 
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
-use std::array::from_fn;
 use wide::f32x8;
 
 /// Nodes and weights of the Gauss quadrature of `2 ∫ f(c) c dc` over cosines from 0 to 1.
@@ -56,6 +55,17 @@ impl Metal {
         Self { mean: at(0) + at(1) + at(2), ..metal }
     }
 
+    /// Reflectance at normal incidence and tint toward grazing angles of a metal with these indices of refraction and
+    /// extinction (Gulbrandsen 2014, Eq. 5 and 6): what [`Self::new`] takes.
+    pub fn artistic(n: Vec3, k: Vec3) -> (Vec3, Vec3) {
+        let (above, below) = (n + Vec3::ONE, n - Vec3::ONE);
+        let r = (below * below + k * k) / (above * above + k * k);
+        let root = r.map(f32::sqrt);
+        let least = (Vec3::ONE - r) / (Vec3::ONE + r);
+        let most = (Vec3::ONE + root) / (Vec3::ONE - root);
+        (r, ((most - n) / (most - least)).clamp(Vec3::ZERO, Vec3::ONE))
+    }
+
     /// Mean over all directions of even light.
     pub fn mean(&self) -> Vec3 {
         self.mean
@@ -69,8 +79,11 @@ impl Metal {
     /// At this cosine to the half vector.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, cosine: L) -> Vec3x8<L> {
-        let [x, y, z]: [L; 3] = from_fn(|i| conductor(cosine, self.n_sq[i], self.k_sq[i]));
-        Vec3x8 { x, y, z }
+        Vec3x8 {
+            x: conductor(cosine, self.n_sq.x, self.k_sq.x),
+            y: conductor(cosine, self.n_sq.y, self.k_sq.y),
+            z: conductor(cosine, self.n_sq.z, self.k_sq.z),
+        }
     }
 }
 
@@ -85,11 +98,10 @@ fn conductor<L: Lanes>(cosine: L, n_sq: f32, k_sq: f32) -> L {
     let t1 = length + cos_sq;
     let a = (L::splat(0.5) * (length + t0)).at_least(0.0).sqrt();
     let t2 = (a + a) * cosine;
-    let across = (t1 - t2) / (t1 + t2);
     let t3 = cos_sq * length + sin_sq * sin_sq;
     let t4 = t2 * sin_sq;
-    let along = across * (t3 - t4) / (t3 + t4);
-    (L::splat(0.5) * (across + along)).at_least(0.0)
+    // The mean of (t1 - t2) / (t1 + t2) across and of that times (t3 - t4) / (t3 + t4) along the plane of incidence.
+    ((t1 - t2) * t3 / ((t1 + t2) * (t3 + t4))).at_least(0.0)
 }
 
 #[cfg(test)]
@@ -147,6 +159,10 @@ mod tests {
             let sum: f32 = (0..steps).map(|i| 2.0 * at(i) * metal.fresnel(f32x8::splat(at(i))).lane(0).y).sum();
             assert!((metal.mean().y - sum / steps as f32).abs() < 0.01, "{r} {g}");
         }
+        let indices = [Vec3::new(0.143, 0.375, 4.37), Vec3::new(3.983, 2.386, 5.2)];
+        let (r, edge) = Metal::artistic(indices[0], indices[1]);
+        let found = Metal::new(r, edge).indices();
+        assert!((found[0] - indices[0]).length() < 0.02 && (found[1] - indices[1]).length() < 0.02, "{found:?}");
         let white = Metal::new(Vec3::ONE, Vec3::splat(0.9)).fresnel(f32x8::splat(0.3)).lane(0);
         assert!((white - Vec3::ONE).length() < 5e-3, "{white}");
     }

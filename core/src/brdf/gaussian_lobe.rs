@@ -41,7 +41,8 @@ impl GaussianLobe {
     #[inline(always)]
     pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
         let spread = half.light_spread(wi, inv_kappa);
-        let [xx, yy] = self.alpha.map(|alpha| L::splat(alpha * alpha));
+        let [x, y] = self.alpha;
+        let [xx, yy] = [L::splat(x * x), L::splat(y * y)];
         let m = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
         let determinant = m.determinant().at_least(1e-14);
         let cos_h_sq = (half.h.z * half.h.z).at_least(1e-4);

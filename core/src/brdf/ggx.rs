@@ -86,8 +86,7 @@ impl Brdf for Ggx {
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
         let single = self.interface.fresnel(half.wi_dot_h) * self.lobe.reflect(lights, &half, wo);
-        let one = L::splat(1.0);
-        let lost = (one - self.whole.at(lights.wi.z)) * (one - self.whole.at(L::splat(wo.z)));
+        let lost = self.whole.left(lights.wi.z, L::splat(wo.z));
         let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (lost * lights.cosine);
         (single + multiple + self.base.reflect(lights, wo)) * is_seen(wo)
     }

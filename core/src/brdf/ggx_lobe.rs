@@ -48,7 +48,7 @@ impl GgxLobe {
     #[inline(always)]
     fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
         let spread = half.light_spread(wi, inv_kappa);
-        let [lobe_xx, lobe_yy] = self.slope.map(L::splat);
+        let [lobe_xx, lobe_yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
         let determinant = a.determinant();
         let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + determinant);

@@ -168,8 +168,7 @@ impl DiffuseBase {
     /// Times the cosine.
     #[inline(always)]
     pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
-        let one = L::splat(1.0);
-        let left = (one - self.above.at(lights.wi.z)) * (one - self.above.at(L::splat(wo.z)));
+        let left = self.above.left(lights.wi.z, L::splat(wo.z));
         Vec3x8::splat(self.albedo * (FRAC_1_PI * self.above.normalization())) * (left * lights.cosine)
     }
 

@@ -34,55 +34,55 @@ parameters! {
     pub struct OpenPbrParameters {
         base_weight: f32 = Parameter::number(
             "Base weight", [0.0, 1.0], 1.0, "Scales the base color of a dielectric and the reflectance of a metal.",
-        ),
-        base_color: Vec3 = shared::BASE_COLOR,
+        ).in_section("Base"),
+        base_color: Vec3 = shared::BASE_COLOR.in_section("Base"),
         base_diffuse_roughness: f32 = Parameter::number(
             "Diffuse roughness", [0.0, 1.0], 0.0,
             "Roughness of the diffuse base: 0 is Lambertian, 1 is flat and dusty as clay or the moon.",
-        ).known_as("diffuse_roughness"),
+        ).known_as("diffuse_roughness").in_section("Base"),
         base_metalness: f32 = Parameter::number(
             "Metalness", [0.0, 1.0], 0.0, "0 for a dielectric, 1 for a metal. Values between are for transitions in maps.",
-        ).known_as("metalness"),
+        ).known_as("metalness").in_section("Base"),
         specular_weight: f32 = Parameter::number(
             "Specular weight", [0.0, 1.0], 1.0, "Scales the highlight: 0 is none, 1 all that the index of refraction gives.",
-        ).known_as("specular"),
+        ).known_as("specular").in_section("Specular"),
         specular_color: Vec3 = Parameter::color(
             "Specular color", [1.0; 3], "Tint of a dielectric's highlight, and of a metal's reflection toward grazing angles.",
-        ),
+        ).in_section("Specular"),
         specular_roughness: f32 = Parameter::number(
             "Specular roughness", [0.0, 1.0], 0.3,
             "Width of the highlight, 0 (mirror) to 1 (dull). Perceptual: the microfacet width alpha is its square.",
-        ).known_as("roughness"),
+        ).known_as("roughness").in_section("Specular"),
         specular_ior: f32 = Parameter::number(
             "Specular IOR", [1.0, 10.0], 1.5, "Index of refraction of a dielectric: water 1.33, plastics and glass 1.5.",
-        ).with_slider([1.0, 3.0]).above_one().known_as("ior"),
+        ).with_slider([1.0, 3.0]).above_one().known_as("ior").in_section("Specular"),
         specular_roughness_anisotropy: f32 = Parameter::number(
             "Specular anisotropy", [0.0, 1.0], 0.0, "How far the highlight is stretched along the tangent.",
-        ).known_as("anisotropy"),
+        ).known_as("anisotropy").in_section("Specular"),
         coat_weight: f32 = Parameter::number(
             "Coat weight", [0.0, 1.0], 0.0, "How much of the surface has a clear coat: 1 for lacquer and car paint.",
-        ),
-        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of what is seen through the coat."),
+        ).in_section("Coat"),
+        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of what is seen through the coat.").in_section("Coat"),
         coat_roughness: f32 = Parameter::number(
             "Coat roughness", [0.0, 1.0], 0.0, "Width of the coat's highlight, 0 (mirror) to 1 (dull). It blurs the base too.",
-        ),
+        ).in_section("Coat"),
         coat_roughness_anisotropy: f32 = Parameter::number(
             "Coat anisotropy", [0.0, 1.0], 0.0, "How far the coat's highlight is stretched along the tangent.",
-        ),
+        ).in_section("Coat"),
         coat_ior: f32 = Parameter::number(
             "Coat IOR", [1.0, 3.0], 1.6, "Index of refraction of the coat: lacquers 1.5 to 1.6.",
-        ).above_one(),
+        ).above_one().in_section("Coat"),
         coat_darkening: f32 = Parameter::number(
             "Coat darkening", [0.0, 1.0], 1.0,
             "How much of the darkening by reflections inside the coat is shown: 1 is physical, as wood under varnish.",
-        ),
+        ).in_section("Coat"),
         fuzz_weight: f32 = Parameter::number(
             "Fuzz weight", [0.0, 1.0], 0.0, "How much of the surface has fuzz: dust, velvet, peach skin.",
-        ),
-        fuzz_color: Vec3 = Parameter::color("Fuzz color", [1.0; 3], "Color of the fuzz."),
+        ).in_section("Fuzz"),
+        fuzz_color: Vec3 = Parameter::color("Fuzz color", [1.0; 3], "Color of the fuzz.").in_section("Fuzz"),
         fuzz_roughness: f32 = Parameter::number(
             "Fuzz roughness", [0.0, 1.0], 0.5, "How far the fuzz glows from the edges inward.",
-        ),
+        ).in_section("Fuzz"),
     }
 }
 
@@ -143,9 +143,8 @@ impl F82 {
         let m5 = m2 * m2 * m;
         let value =
             Vec3x8::splat(self.f0) + Vec3x8::splat(self.grazing) * m5 - Vec3x8::splat(self.dip) * (cosine * m5 * m);
-        let weight = L::splat(self.weight);
-        let at_least = |x: L| x.at_least(0.0) * weight;
-        Vec3x8 { x: at_least(value.x), y: at_least(value.y), z: at_least(value.z) }
+        let value = Vec3x8 { x: value.x.at_least(0.0), y: value.y.at_least(0.0), z: value.z.at_least(0.0) };
+        value * L::splat(self.weight)
     }
 
     /// Mean over all directions of even light, unweighted.
@@ -261,23 +260,22 @@ impl Brdf for OpenPbr {
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
-        let (one, cos_i, cos_o) = (L::splat(1.0), lights.wi.z, L::splat(wo.z));
-        let left = |albedo: &Albedo| (one - albedo.at(cos_i)) * (one - albedo.at(cos_o));
+        let (cos_i, cos_o) = (lights.wi.z, L::splat(wo.z));
         let grey = dielectric_x8(half.wi_dot_h, self.ior);
         let fresnel = self.metal.fresnel(half.wi_dot_h) + Vec3x8::splat(self.dielectric) * grey;
         let glossy = fresnel * self.lobe.reflect(lights, &half, wo);
-        let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (left(&self.whole) * lights.cosine);
-        let diffuse = self.diffuse.value(lights.wi, wo) * (left(&self.above) * lights.cosine);
+        let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (self.whole.left(cos_i, cos_o) * lights.cosine);
+        let diffuse = self.diffuse.value(lights.wi, wo) * (self.above.left(cos_i, cos_o) * lights.cosine);
         let mut value =
             (glossy + multiple).scale(Vec3x8::splat(self.tint)) + diffuse.scale(Vec3x8::splat(self.diffuse_scale));
         if self.coat_weight > 0.0 {
             let lobe = self.coat.reflect(lights, &half, wo) * dielectric_x8(half.wi_dot_h, self.coat_ior);
             let lobe = lobe * L::splat(self.coat_weight);
-            value = value * left(&self.coat_albedo) + Vec3x8 { x: lobe, y: lobe, z: lobe };
+            value = value * self.coat_albedo.left(cos_i, cos_o) + Vec3x8 { x: lobe, y: lobe, z: lobe };
         }
         if self.fuzz != Vec3::ZERO {
             let lobe = fuzz::reflect(self.fuzz_roughness, lights, &half, wo);
-            value = value * left(&self.fuzz_albedo) + Vec3x8::splat(self.fuzz) * lobe;
+            value = value * self.fuzz_albedo.left(cos_i, cos_o) + Vec3x8::splat(self.fuzz) * lobe;
         }
         value * is_seen(wo)
     }

@@ -51,8 +51,8 @@ impl OrenNayar {
     #[inline(always)]
     fn single_albedo<L: Lanes>(&self, cosine: L) -> L {
         let m = L::splat(1.0) - cosine.at_least(0.0).fast_min(L::splat(1.0));
-        let [a, b, c, d] = G.map(L::splat);
-        let g = m * (a + m * (b + m * (c + m * d)));
+        let [a, b, c, d] = G;
+        let g = m * (L::splat(a) + m * (L::splat(b) + m * (L::splat(c) + m * L::splat(d))));
         (L::splat(1.0) + L::splat(self.roughness) * g) * L::splat(self.scale)
     }
 

@@ -79,6 +79,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// Name for people.
     pub label: &'static str,
+    /// The part of the model that it belongs to, under which panels show it; empty in models of one part.
+    pub section: &'static str,
     /// What it does, in one line.
     pub help: &'static str,
     /// Unit, empty for a pure number.
@@ -101,6 +103,7 @@ impl Parameter {
         Self {
             name: "",
             label,
+            section: "",
             help,
             unit: "",
             range,
@@ -119,6 +122,11 @@ impl Parameter {
     /// With a slider that covers less than the range.
     pub const fn with_slider(self, slider: [f32; 2]) -> Self {
         Self { slider, ..self }
+    }
+
+    /// In a part of the model.
+    pub const fn in_section(self, section: &'static str) -> Self {
+        Self { section, ..self }
     }
 
     /// With a unit.
@@ -145,6 +153,13 @@ impl Parameter {
     pub const fn named(self, name: &'static str) -> Self {
         let quantity = if self.quantity.is_empty() { name } else { self.quantity };
         Self { name, quantity, ..self }
+    }
+
+    /// Its name for people under the title of its section.
+    pub fn short_label(&self) -> String {
+        let rest = self.label.strip_prefix(self.section).unwrap_or(self.label).trim_start();
+        let mut letters = rest.chars();
+        letters.next().map(|first| first.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
     }
 
     /// Whether its values are colours.

@@ -64,7 +64,7 @@ impl PhongLobe {
     #[inline(always)]
     pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
         let spread = half.light_spread(wi, inv_kappa);
-        let [xx, yy] = self.slope.map(L::splat);
+        let [xx, yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let slope = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
         let h = half.h;
         let (cos_sq, determinant) = ((h.z * h.z).at_least(1e-8), slope.determinant().at_least(1e-14));

@@ -21,7 +21,7 @@ pub fn map_names(model: BrdfModel) -> impl Iterator<Item = &'static str> {
 }
 
 /// Name of a map for people.
-pub fn map_label(name: &str) -> &str {
+pub fn map_label(name: &'static str) -> &'static str {
     match name {
         NORMAL => "Normal map",
         BUMP => "Bump map",
@@ -166,6 +166,7 @@ mod tests {
             (map_color_space("base_color"), map_color_space("roughness")),
             (ColorSpace::Srgb, ColorSpace::Linear)
         );
-        assert_eq!((map_label("ior"), map_label(BUMP)), ("IOR", "Bump map"));
+        let labels = ["ior", BUMP, "coat_ior", "coat_roughness"].map(map_label);
+        assert_eq!(labels, ["IOR", "Bump map", "Coat IOR", "Coat roughness"]);
     }
 }

@@ -302,11 +302,12 @@ mod tests {
         let document = document(Some("/a/wood.png".into()));
         let slot = document.materials[0].maps.get("base_color").cloned().unwrap();
         let mut maps = lapidary_core::material::MaterialMaps::default();
-        lapidary_core::material::map_names(Default::default()).for_each(|name| maps.set(name, Some(slot.clone())));
+        let names: Vec<_> = lapidary_core::material::map_names(Default::default()).collect();
+        names.iter().for_each(|name| maps.set(*name, Some(slot.clone())));
         let (file, left_out) =
             material_file(&Material { maps, ..Default::default() }, &document, Path::new("/a/b.json"));
         let written = serde_json::to_value(&file.maps).unwrap();
-        assert_eq!((left_out, written.as_object().unwrap().len()), (0, 8));
+        assert_eq!((left_out, written.as_object().unwrap().len()), (0, names.len()));
         assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
     }
 

@@ -5,6 +5,7 @@
 mod lobe_plot;
 mod maps;
 mod parameters;
+mod preset_balls;
 mod preview_ball;
 mod preview_worker;
 mod studio;
@@ -23,6 +24,7 @@ use lapidary_core::{
 };
 use lapidary_render::{Post, SceneLighting};
 use lobe_plot::LobePlot;
+use preset_balls::PresetBalls;
 use preview_ball::Ball;
 use preview_worker::Preview;
 use std::{collections::HashSet, sync::Arc};
@@ -56,6 +58,7 @@ pub struct MaterialPanel {
     unlinked: HashSet<(usize, &'static str)>,
     thumbnails: Thumbnails,
     preview: Preview,
+    presets: PresetBalls,
     plot: LobePlot,
 }
 

@@ -6,7 +6,7 @@ use super::{
     values,
 };
 use crate::{outputs::CommandFiles, terminal::Console};
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lapidary_core::{
@@ -15,7 +15,7 @@ use lapidary_core::{
     dataset::Dataset,
     ground::Ground,
     import::{load_material, pictures_of_material},
-    material::{BrdfModel, Material},
+    material::{BrdfModel, Material, PRESETS, Preset},
     memory,
     scene::{Scene, camera_named},
 };
@@ -48,7 +48,7 @@ struct MaterialArgs {
     /// Metalness of a GGX material, 0 to 1 [default if another is given: 0]
     #[arg(long, value_name = "M", value_parser = values::fraction)]
     metalness: Option<f32>,
-    /// Material of any model, with textures, as a JSON file
+    /// Material of any model, with textures, as a JSON file; or preset:NAME, which `lapidary models` lists
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["roughness", "base_color", "metalness"])]
     material: Option<PathBuf>,
     #[command(flatten)]
@@ -143,7 +143,7 @@ impl ViewArgs {
     /// The files that are read, together with those of `local`.
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
-        let material = &self.material.material;
+        let material = self.material.material.as_ref().filter(|path| preset_name(path).is_none());
         files.reads(material).reads(material.iter().flat_map(|path| pictures_of_material(path)))
     }
 
@@ -197,10 +197,23 @@ fn check_room([width, height]: [u32; 2], pictures: usize, available: Option<u64>
     }
 }
 
+/// The name after `preset:`.
+fn preset_name(path: &Path) -> Option<&str> {
+    path.to_str()?.strip_prefix("preset:")
+}
+
+/// A preset by its name, in any case of letters.
+fn preset(name: &str) -> Result<Material> {
+    let found = PRESETS.iter().find(|preset| preset.name.eq_ignore_ascii_case(name.trim()));
+    let names = || PRESETS.iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
+    found.map(Preset::material).with_context(|| format!("there is no preset \"{name}\"; there are {}", names()))
+}
+
 impl MaterialArgs {
     /// Replaces all materials if one was asked for.
     fn apply(&self, scene: &mut Scene, console: Console) -> Result<()> {
         let material = match &self.material {
+            Some(path) if preset_name(path).is_some() => Some(preset(preset_name(path).unwrap_or_default())?),
             Some(path) => {
                 let (material, warnings) = load_material(path, scene, &self.outside.into())?;
                 warnings.iter().for_each(|warning| console.warning(warning));

@@ -6,7 +6,10 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::brdf::{BrdfModel, Parameter, Value};
+use lapidary_core::{
+    brdf::{BrdfModel, Parameter, Value},
+    material::{PRESETS, Preset},
+};
 use serde_json::json;
 
 /// Options of `models`.
@@ -52,7 +55,11 @@ fn models_json() -> serde_json::Value {
             "parameters": model.parameters().iter().map(parameter).collect::<Vec<_>>(),
         })
     };
-    json!({ "models": BrdfModel::ALL.iter().map(model).collect::<Vec<_>>() })
+    let preset = |p: &Preset| json!({ "name": p.name, "group": p.group, "source": p.source, "model": p.model.key() });
+    json!({
+        "models": BrdfModel::ALL.iter().map(model).collect::<Vec<_>>(),
+        "presets": PRESETS.iter().map(preset).collect::<Vec<_>>(),
+    })
 }
 
 fn models_text() -> String {
@@ -68,6 +75,11 @@ fn models_text() -> String {
             let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
             text += &format!("  {:30} {low} to {high}{unit}, default {default}\n", p.name);
         }
+    }
+    text += "\npresets, for --material preset:NAME\n";
+    for group in PRESETS.chunk_by(|a, b| a.group == b.group) {
+        let names: Vec<&str> = group.iter().map(|preset| preset.name).collect();
+        text += &format!("  {}: {}\n", group[0].group, names.join(", "));
     }
     text
 }
@@ -89,5 +101,6 @@ mod tests {
             }
         }
         assert!(!text.contains("no_such_parameter"));
+        assert!(text.contains("Gold, Silver") && json["presets"][0]["name"] == "Chalk");
     }
 }

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     actions::Action,
     document::Document,
-    panels::widgets::{Number, choice_row, color_row, slider_row},
+    panels::widgets::{Number, color_row, group, list_row, section, slider_row},
 };
 use egui::Ui;
 use lapidary_core::{
@@ -25,19 +25,31 @@ pub fn show(
     actions: &mut Vec<Action>,
 ) {
     model(ui, changes);
-    for parameter in changes.material.model.parameters() {
+    let mut shown = |ui: &mut Ui, changes: &mut Changes, parameter: &'static Parameter| {
         match parameter.is_color() {
             true => color(ui, parameter, changes),
             false => number(ui, parameter, changes),
         }
         maps::slot(ui, state, document, Target { index, kind: parameter.name }, changes, actions);
+    };
+    for part in changes.material.model.parameters().chunk_by(|a, b| a.section == b.section) {
+        match part[0].section {
+            "" => part.iter().for_each(|parameter| shown(ui, changes, parameter)),
+            title => {
+                // A part without weight is folded.
+                let is_there = changes.material.parameters.value(&part[0]).number() > 0.0;
+                section(ui, title, is_there, |ui| {
+                    group(ui, title, |ui| part.iter().for_each(|parameter| shown(ui, changes, parameter)));
+                });
+            }
+        }
     }
 }
 
 fn model(ui: &mut Ui, changes: &mut Changes) {
     let models: Vec<_> = BrdfModel::ALL.iter().map(|&m| (m, m.label(), m.summary())).collect();
     let mut model = changes.material.model;
-    let edited = choice_row(ui, "Model", "How light is reflected.", &mut model, &models);
+    let edited = list_row(ui, "Model", "How light is reflected.", &mut model, &models);
     if edited.changed {
         changes.material.change_model(model);
     }
@@ -47,7 +59,7 @@ fn model(ui: &mut Ui, changes: &mut Changes) {
 fn color(ui: &mut Ui, parameter: &'static Parameter, changes: &mut Changes) {
     let parameters = &mut changes.material.parameters;
     let mut color = parameters.value(parameter).color();
-    let edited = color_row(ui, parameter.label, parameter.help, &mut color, parameter.default.color());
+    let edited = color_row(ui, &parameter.short_label(), parameter.help, &mut color, parameter.default.color());
     if edited.changed {
         parameters.set(parameter.name, color);
     }
@@ -58,7 +70,8 @@ fn number(ui: &mut Ui, parameter: &'static Parameter, changes: &mut Changes) {
     let mut number = changes.material.parameters.value(parameter).number();
     let help = format!("{}{}", parameter.help, figure(parameter, number));
     let [[low, high], [from, to]] = [parameter.range, parameter.slider];
-    let row = Number::new(parameter.label, &help, from..=to, parameter.default.number());
+    let label = parameter.short_label();
+    let row = Number::new(&label, &help, from..=to, parameter.default.number());
     let row = row.unit(parameter.unit, 3).entry(low..=high).disabled(unread(&changes.material, parameter));
     let edited = slider_row(ui, &row, &mut number);
     if edited.changed {

@@ -125,7 +125,7 @@ fn work(requests: &Receiver<Request>, pictures: &Sender<Made>) {
 }
 
 /// Radiance as a display shows it.
-fn displayed(pixels: &[BallPixel], post: &Post, size: u32) -> ColorImage {
+pub fn displayed(pixels: &[BallPixel], post: &Post, size: u32) -> ColorImage {
     let color = |&(radiance, coverage): &BallPixel| {
         let [r, g, b] = post.display(radiance).to_array().map(|c| (c * 255.0 + 0.5) as u8);
         Color32::from_rgba_unmultiplied(r, g, b, (coverage * 255.0 + 0.5) as u8)

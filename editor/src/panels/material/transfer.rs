@@ -1,21 +1,12 @@
 //! Materials from elsewhere and to elsewhere: presets, copy and paste, files.
 
 use super::{Changes, MaterialPanel};
-use crate::{
-    actions::Action,
-    document::Document,
-    panels::{
-        presets::PRESETS,
-        widgets::{check_box, outline},
-    },
-};
+use crate::{actions::Action, document::Document};
 use egui::{
-    Atom, Button, Color32, Event, IdSalt, PopupCloseBehavior, Rect, StrokeKind, Ui, ViewportCommand,
+    Event, PopupCloseBehavior, Ui, ViewportCommand,
     containers::menu::{MenuButton, MenuConfig},
-    vec2,
 };
 use lapidary_core::{
-    color::srgb_from_linear,
     import::MaterialFile,
     material::{Material, MaterialMaps},
     texture::Texture,
@@ -47,9 +38,6 @@ impl Copied {
     }
 }
 
-/// Points of a preset's colour in the menu.
-const SWATCH: f32 = 16.0;
-
 /// The row of buttons.
 pub fn show(
     ui: &mut Ui,
@@ -62,7 +50,10 @@ pub fn show(
     ui.horizontal_wrapped(|ui| {
         // The check box in it must not close the menu.
         let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-        MenuButton::new("Presets").config(config).ui(ui, |ui| presets(ui, &mut state.clear_maps, changes));
+        MenuButton::new("Presets").config(config).ui(ui, |ui| {
+            let MaterialPanel { presets, clear_maps, .. } = state;
+            presets.show(ui, clear_maps, changes);
+        });
         if ui.button("Copy").on_hover_text("Copy this material; as text too, without its maps").clicked() {
             ui.ctx().copy_text(text_of(&changes.material));
             state.copied = Some(Copied::new(&changes.material, document));
@@ -83,23 +74,6 @@ pub fn show(
     });
     if let Some(material) = pasted_text(ui).and_then(|text| material_of(&text, &changes.material)) {
         changes.replace("Paste material", material);
-    }
-}
-
-fn presets(ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
-    check_box(ui, clear_maps, "Clear the maps").on_hover_text("Otherwise they stay and modulate the preset's values");
-    ui.separator();
-    for preset in &PRESETS {
-        let swatch = Atom::custom(IdSalt::new("swatch"), vec2(SWATCH, SWATCH));
-        let button = ui.add(Button::new((swatch, preset.name))).on_hover_text(preset.source);
-        let left = button.rect.left_center() + vec2(ui.spacing().button_padding.x + 0.5 * SWATCH, 0.0);
-        let [r, g, b] = preset.parameters.base_color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
-        let square = Rect::from_center_size(left, vec2(SWATCH, SWATCH));
-        ui.painter().rect(square, 3.0, Color32::from_rgb(r, g, b), outline(ui), StrokeKind::Inside);
-        if button.clicked() {
-            changes.replace("Preset", preset.applied_to(&changes.material, *clear_maps));
-            ui.close();
-        }
     }
 }
 

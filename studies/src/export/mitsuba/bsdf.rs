@@ -1,21 +1,16 @@
 //! Materials as BSDFs of Mitsuba.
 //!
-//! `lambert` is `diffuse`, exactly. `ggx` has no equal in Mitsuba. The nearest is `principled` (Burley 2012): the same GGX distribution of
-//! the same alpha and anisotropy and, for metals, the same Fresnel factor of Schlick. By definition it differs in that
+//! `lambert` is `diffuse`, exactly, and a Beckmann metal is `roughconductor`. A GGX metal is nearly that: shadowing and masking are
+//! independent of each other there, and here correlated by height (Heitz 2014, Eq. 99), and light that is lost between facets comes
+//! back here. All else becomes `principled` (Burley 2012) of the same width and colour, whose diffuse base is Burley's.
 //!
-//! * shadowing and masking are independent of each other there, and here correlated by height (Heitz 2014, Eq. 99);
-//! * the diffuse base is Burley's, brighter at grazing angles, and loses nothing to the Fresnel factor; here it is Lambert's times one
-//!   minus that factor;
-//! * a dielectric has the Fresnel factor of its index of refraction; here it is Schlick's.
-//!
-//! `ward` has none either, and becomes `principled` of the same width. The exact form of `ggx` is the plugin `lapidary_ggx` of
-//! `tests/crosscheck`, which says the formula of this program in its own words.
+//! The exact form of `ggx` is the plugin `lapidary_ggx` of `tests/crosscheck`, which says the formula of this program in its own words.
 
 use super::{textures::TextureFolder, xml};
 use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    brdf::{GgxParameters, Metal, widths},
+    brdf::{GgxParameters, Metal, OpenPbrParameters, widths},
     material::{BrdfModel, Material},
     texture::TextureSlot,
 };
@@ -93,10 +88,10 @@ impl MaterialWriter<'_, '_> {
 
     fn model(&mut self, attributes: &str, models: Models) -> Result<String> {
         let (kind, properties) = match (self.material.model, models) {
-            (BrdfModel::Lambert, _) => ("diffuse", self.color("reflectance", "base_color")?),
+            (BrdfModel::Lambert | BrdfModel::OrenNayar, _) => ("diffuse", self.color("reflectance", "base_color")?),
             (BrdfModel::Ggx, Models::Exact) => ("lapidary_ggx", self.ggx()?),
             (BrdfModel::Beckmann | BrdfModel::Ggx, _) if self.is_metal() => ("roughconductor", self.conductor()?),
-            _ => ("principled", self.principled()?),
+            _ => ("principled", self.principled()? + &self.layers()),
         };
         Ok(xml::plugin("bsdf", kind, attributes, &properties))
     }
@@ -142,7 +137,27 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
+    /// Coat and fuzz, where the model has them.
+    fn layers(&self) -> String {
+        if self.material.model != BrdfModel::OpenPbr {
+            return String::new();
+        }
+        let p = OpenPbrParameters::from(&self.material.parameters.clone().sanitized());
+        [
+            xml::value("float", "clearcoat", p.coat_weight),
+            xml::value("float", "clearcoat_gloss", 1.0 - p.coat_roughness),
+            xml::value("float", "sheen", p.fuzz_weight),
+        ]
+        .concat()
+    }
+
     fn principled(&mut self) -> Result<String> {
+        let mut common = self.material.clone();
+        common.change_model(BrdfModel::Ggx);
+        MaterialWriter { material: &common, index: self.index, textures: self.textures }.principled_of_ggx()
+    }
+
+    fn principled_of_ggx(&mut self) -> Result<String> {
         let maps = &self.material.maps;
         let p = GgxParameters::from(&self.material.parameters.clone().sanitized());
         let unit = |x: f32| x.clamp(0.0, 1.0);
@@ -205,9 +220,12 @@ fn equivalent_eta(p: &GgxParameters) -> f32 {
 /// What the nearest BSDFs show otherwise of a material, beyond what they differ in by definition.
 pub fn remarks(material: &Material) -> Vec<String> {
     let Material { name, model, parameters, maps, .. } = material;
-    let lobe = *model != BrdfModel::Lambert;
+    let diffuse = [BrdfModel::Lambert, BrdfModel::OrenNayar].contains(model);
+    let lobe = !diffuse;
+    let has_equal = [BrdfModel::Lambert, BrdfModel::Beckmann, BrdfModel::Ggx].contains(model);
     [
-        (*model == BrdfModel::Ward, "Mitsuba has no Ward lobe: it becomes a GGX lobe of the same width"),
+        (!has_equal && lobe, "Mitsuba lacks its model: it becomes the principled one of the same width and color"),
+        (!has_equal && diffuse, "Mitsuba lacks its model: it becomes a Lambertian one of the same color"),
         (
             lobe && parameters.number("anisotropy") < 0.0,
             "highlights are stretched along the tangent only, not across it",

@@ -3,7 +3,7 @@
 use super::*;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::GgxParameters,
+    brdf::{GgxParameters, Parameters},
     environment::{Environment, direction_from_uv},
     image::Image,
     lights::Emission,
@@ -87,6 +87,13 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     let remarks = bsdf::remarks(&material).join("\n");
     assert!(remarks.contains("across") && remarks.contains("index of refraction"), "{remarks}");
     let ward = Material { model: BrdfModel::Ward, ..Default::default() };
-    assert!(bsdf::remarks(&ward)[0].contains("Ward"));
+    assert!(bsdf::remarks(&ward)[0].contains("lacks its model"));
+    let coated = Material {
+        model: BrdfModel::OpenPbr,
+        parameters: Parameters::default().with("coat_weight", 0.5),
+        ..Default::default()
+    };
+    let text = bsdf::bsdfs(&coated, 0, [true, false], bsdf::Models::Nearest, &mut writer).unwrap();
+    assert!(text.contains("\"clearcoat\" value=\"0.5\""), "{text}");
     assert!(bsdf::remarks(&Material::default()).is_empty());
 }
