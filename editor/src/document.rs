@@ -19,13 +19,14 @@ pub use relative::{absolute, folder_of};
 
 use glam::Vec3;
 use lapidary_core::{
+    brdf::{self, Parameters},
     camera::Camera,
     cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
     environment::SunSettings,
     ground::Ground,
     lights::Light,
-    material::Material,
+    material::{BrdfModel, Material},
     scene::Scene,
     texture::Texture,
 };
@@ -203,6 +204,8 @@ pub struct ViewSettings {
     pub aa: u32,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
+    /// Whose materials are shown.
+    pub materials: ShownMaterials,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
     /// Milliseconds that a picture may take while something moves; resolution adapts to it.
@@ -221,8 +224,47 @@ impl Default for ViewSettings {
             sampling: BrdfSampling::default(),
             aa: 16,
             mode: ViewMode::default(),
+            materials: ShownMaterials::default(),
             wireframe: false,
             frame_budget_ms: 100.0,
+        }
+    }
+}
+
+/// Whose materials a picture shows. The document's own stay as they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShownMaterials {
+    /// Those of the document.
+    #[default]
+    Own,
+    /// Grey clay on all, to judge light and shape.
+    Clay,
+    /// Middle grey of albedo 0.18 on all, to judge exposure.
+    Grey,
+    /// A mirror on all, to judge reflections and smoothness.
+    Chrome,
+    /// That of one material; the others are grey clay.
+    Solo(usize),
+}
+
+impl ShownMaterials {
+    fn instead_of(self, index: usize, own: &Material) -> Material {
+        let all = |model, name, value: brdf::Value| {
+            let parameters = Parameters::default().with(name, value);
+            Material { name: own.name.clone(), model, parameters, double_sided: own.double_sided, ..Default::default() }
+        };
+        let clay = || all(BrdfModel::OrenNayar, "base_color", Vec3::splat(0.5).into());
+        match self {
+            Self::Own => own.clone(),
+            Self::Solo(material) if material == index => own.clone(),
+            Self::Clay | Self::Solo(_) => clay(),
+            Self::Grey => all(BrdfModel::Lambert, "base_color", Vec3::splat(0.18).into()),
+            Self::Chrome => {
+                let mirror = all(BrdfModel::Ggx, "base_color", Vec3::splat(0.65).into());
+                let parameters = mirror.parameters.with("metalness", 1.0).with("roughness", 0.1);
+                Material { parameters, ..mirror }
+            }
         }
     }
 }
@@ -297,10 +339,11 @@ impl Document {
         Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), ..document }
     }
 
-    /// Materials and textures for the renderers.
+    /// Materials and textures for the renderers, as the view shows them.
     pub fn appearance(&self) -> Appearance {
+        let shown = |(index, own): (usize, &Material)| self.view.materials.instead_of(index, own);
         Appearance {
-            materials: self.materials.clone(),
+            materials: self.materials.iter().enumerate().map(shown).collect(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
         }
     }
@@ -321,6 +364,35 @@ mod tests {
         shot::Shot,
         test_scenes::{self, camera, dataset},
     };
+
+    #[test]
+    fn materials_are_shown_as_others_and_stay_as_they_are() {
+        let own = |name: &str, double_sided| Material {
+            name: name.into(),
+            parameters: Parameters::default().with("base_color", Vec3::X),
+            double_sided,
+            ..Default::default()
+        };
+        let mut document = Document { materials: vec![own("a", false), own("b", true)], ..Document::empty() };
+        let colors = |document: &Document| {
+            document.appearance().materials.iter().map(|m| m.parameters.color("base_color")).collect::<Vec<_>>()
+        };
+        assert_eq!(colors(&document), [Vec3::X; 2]);
+        for (shown, expected) in [
+            (ShownMaterials::Grey, [Vec3::splat(0.18); 2]),
+            (ShownMaterials::Clay, [Vec3::splat(0.5); 2]),
+            (ShownMaterials::Chrome, [Vec3::splat(0.65); 2]),
+            (ShownMaterials::Solo(1), [Vec3::splat(0.5), Vec3::X]),
+        ] {
+            document.view.materials = shown;
+            assert_eq!(colors(&document), expected, "{shown:?}");
+            let sides: Vec<bool> = document.appearance().materials.iter().map(|m| m.double_sided).collect();
+            assert_eq!(sides, [false, true], "sides are baked");
+        }
+        assert_eq!(document.materials[0], own("a", false));
+        let text = serde_json::to_string(&document.view).unwrap();
+        assert_eq!(serde_json::from_str::<ViewSettings>(&text).unwrap(), document.view);
+    }
 
     #[test]
     fn a_scene_with_lights_is_proposed_a_bake_of_their_bounce() {

@@ -37,7 +37,7 @@ parameters! {
         ).in_section("Base"),
         base_color: Vec3 = shared::BASE_COLOR.in_section("Base"),
         base_diffuse_roughness: f32 = Parameter::number(
-            "Diffuse roughness", [0.0, 1.0], 0.0,
+            "Base roughness", [0.0, 1.0], 0.0,
             "Roughness of the diffuse base: 0 is Lambertian, 1 is flat and dusty as clay or the moon.",
         ).known_as("diffuse_roughness").in_section("Base"),
         base_metalness: f32 = Parameter::number(

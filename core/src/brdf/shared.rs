@@ -56,7 +56,7 @@ pub const SPECULAR: Parameter = Parameter::number(
 
 /// Roughness of a diffuse surface.
 pub const DIFFUSE_ROUGHNESS: Parameter = Parameter::number(
-    "Diffuse roughness",
+    "Roughness",
     [0.0, 1.0],
     0.5,
     "Roughness of the diffuse surface: 0 is Lambertian, 1 is flat and dusty as clay or the moon.",

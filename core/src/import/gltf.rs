@@ -20,12 +20,20 @@ use serde_json::Value;
 use std::{borrow::Cow, path::Path};
 
 mod buffers;
+mod layers;
 mod lights;
 mod materials;
 
 /// Extensions that are honoured; others are named in a warning.
-const EXTENSIONS: [&str; 4] =
-    [lights::EXTENSION, "KHR_materials_ior", "KHR_materials_specular", "KHR_texture_transform"];
+const EXTENSIONS: [&str; 7] = [
+    lights::EXTENSION,
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_texture_transform",
+    layers::EXTENSIONS[0],
+    layers::EXTENSIONS[1],
+    layers::EXTENSIONS[2],
+];
 
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
@@ -73,7 +81,7 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
     let mut json = document.into_json();
     // Read here; the crate would refuse a file that requires it.
-    json.extensions_required.retain(|e| e != lights::EXTENSION);
+    json.extensions_required.retain(|e| e != lights::EXTENSION && !layers::EXTENSIONS.contains(&e.as_str()));
     let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
         return Err(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len()));

@@ -1,7 +1,7 @@
 //! glTF, made in the tests by hand.
 
 use super::*;
-use lapidary_core::brdf::GgxParameters;
+use lapidary_core::brdf::{BrdfModel, GgxParameters, OpenPbrParameters};
 
 /// A quad as glTF: positions, and the rest of its JSON from `parts` of the form `"key": value`.
 pub struct Gltf {
@@ -119,7 +119,7 @@ fn gltf_materials_and_cameras_are_read() {
         nodes: r#"[{"mesh": 0, "children": [1]}, {"camera": 0, "name": "view", "translation": [0.5, 0.5, 4]}]"#,
         primitive: r#""indices": 1, "material": 0"#,
         rest: r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}],
-            "extensionsUsed": ["KHR_texture_transform", "KHR_materials_ior", "KHR_materials_clearcoat"],
+            "extensionsUsed": ["KHR_texture_transform", "KHR_materials_ior", "KHR_materials_iridescence"],
             "images": [{"uri": "a.png"}, {"uri": "gone.png"}], "textures": [{"source": 0}, {"source": 1}],
             "materials": [{"name": "m", "doubleSided": true, "alphaMode": "MASK",
                 "extensions": {"KHR_materials_ior": {"ior": 1.33}},
@@ -148,10 +148,46 @@ fn gltf_materials_and_cameras_are_read() {
     assert_eq!((camera.name.as_str(), camera.eye, camera.fov_y), ("view", Vec3::new(0.5, 0.5, 4.0), 0.7));
     assert!((camera.target - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-5);
     let warnings = imported.report.warnings.join("\n");
-    for part in ["\"gone.png\" was replaced", "second set", "transparent", "\"KHR_materials_clearcoat\" are"] {
+    for part in ["\"gone.png\" was replaced", "second set", "transparent", "\"KHR_materials_iridescence\" are"] {
         assert!(warnings.contains(part), "{part} is not in {warnings}");
     }
     assert_eq!(imported.report.warnings.len(), 4, "{warnings}");
+}
+
+#[test]
+fn gltf_coats_and_sheen_become_openpbr_and_bad_textures_are_told() {
+    let file = |texture: u32| {
+        Gltf {
+        primitive: r#""indices": 1, "material": 0"#,
+        rest: Box::leak(
+            format!(
+                r#", "extensionsUsed": ["KHR_materials_clearcoat", "KHR_materials_sheen"],
+            "extensionsRequired": ["KHR_materials_clearcoat"],
+            "images": [{{"uri": "a.png"}}], "textures": [{{"source": 0}}],
+            "materials": [{{"pbrMetallicRoughness": {{"baseColorFactor": [0.1, 0.2, 0.3, 1], "roughnessFactor": 0.4}},
+                "extensions": {{"KHR_materials_sheen": {{"sheenColorFactor": [0.5, 0.4, 0.3], "sheenRoughnessFactor": 0.6}},
+                    "KHR_materials_clearcoat": {{"clearcoatFactor": 0.7, "clearcoatRoughnessFactor": 0.2,
+                    "clearcoatTexture": {{"index": {texture}, "extensions": {{"KHR_texture_transform": {{"scale": [3, 4]}}}}}}}}}}}}]"#
+            )
+            .into_boxed_str(),
+        ),
+        ..QUAD
+    }
+    };
+    let files = Files::new();
+    files.add_png("a.png", [0.5; 3]);
+    let imported = import(&files.add("a.gltf", file(0).embedded())).unwrap();
+    assert_eq!(imported.report.warnings, Vec::<String>::new());
+    let material = &imported.scene.materials[0];
+    let p = OpenPbrParameters::from(&material.parameters);
+    assert_eq!(material.model, BrdfModel::OpenPbr);
+    assert_eq!((p.base_color, p.specular_roughness, p.base_metalness), (Vec3::new(0.1, 0.2, 0.3), 0.4, 1.0));
+    assert_eq!((p.coat_weight, p.coat_roughness, p.coat_darkening), (0.7, 0.2, 0.0));
+    assert_eq!((p.fuzz_weight, p.fuzz_color), (1.0, Vec3::new(0.5, 0.4, 0.3)));
+    assert!((p.fuzz_roughness - 0.36).abs() < 1e-6);
+    assert_eq!(material.maps.get("coat_weight").unwrap().scale, Vec2::new(3.0, 4.0));
+    let refused = import(&files.add("b.gltf", file(9).embedded())).unwrap_err().to_string();
+    assert!(refused.contains("b.gltf") && refused.contains("texture 9"), "{refused}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     actions::Action,
-    document::{BackgroundKind, Document, Edit, ViewSettings},
+    document::{BackgroundKind, Document, Edit, ShownMaterials, ViewSettings},
 };
 use egui::{Button, Ui};
 use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};
@@ -89,6 +89,22 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let modes = ViewMode::ALL.map(|m| (m, m.label(), view_mode_meaning(m)));
     edit_row(actions, "View mode", view, Edit::View, |v| {
         combo_row(ui, "Show", "What the pixels show.", &mut v.mode, &modes)
+    });
+    let materials = [
+        (ShownMaterials::Own, "Their own", "Each surface as it is."),
+        (ShownMaterials::Clay, "Clay", "Grey clay on all, to judge light and shape."),
+        (ShownMaterials::Grey, "Middle grey", "Albedo 0.18 on all, to judge exposure."),
+        (ShownMaterials::Chrome, "Chrome", "A mirror on all, to judge reflections and smoothness."),
+    ];
+    let solo = matches!(view.materials, ShownMaterials::Solo(_)).then_some((
+        view.materials,
+        "One alone",
+        "One material as it is, the others as clay.",
+    ));
+    let materials: Vec<_> = materials.into_iter().chain(solo).collect();
+    edit_row(actions, "Shown materials", view, Edit::View, |v| {
+        let help = "Whose materials the picture shows. Yours stay as they are.";
+        combo_row(ui, "Materials", help, &mut v.materials, &materials)
     });
     edit_row(actions, "Wireframe", view, Edit::View, |v| {
         check_row(ui, "Wireframe", "Draws the edges of the baked triangles.", &mut v.wireframe)

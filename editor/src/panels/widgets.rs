@@ -10,8 +10,8 @@ mod color;
 pub use color::color_row;
 
 use egui::{
-    Align, CollapsingHeader, ComboBox, DragValue, Id, InnerResponse, Label, Layout, Response, RichText, Sense, Slider,
-    Stroke, TextStyle, Ui, UiBuilder, UiStackInfo, Vec2, WidgetText, vec2,
+    Align, CollapsingHeader, DragValue, Id, InnerResponse, Label, Layout, Response, RichText, Sense, Slider, Stroke,
+    TextStyle, Ui, UiBuilder, UiStackInfo, Vec2, WidgetText, vec2,
 };
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
@@ -238,30 +238,6 @@ pub fn choice_row<T: PartialEq + Copy>(
             let button = ui.selectable_value(value, choice, name).on_hover_text(meaning);
             button.accessible_name(format!("{}: {name}", row.full));
         }
-        Edited::at_once(*value != before)
-    })
-}
-
-/// One row with a list that drops down: each entry a value, its name and what it means.
-pub fn list_row<T: PartialEq + Copy>(
-    ui: &mut Ui,
-    label: &str,
-    help: &str,
-    value: &mut T,
-    choices: &[(T, &str, &str)],
-) -> Edited {
-    row(ui, label, help, false, |ui, row, _| {
-        let before = *value;
-        let current = choices.iter().find(|(choice, ..)| *choice == before);
-        let (name, meaning) = current.map_or(("", ""), |&(_, name, meaning)| (name, meaning));
-        let list = ComboBox::from_id_salt(label).selected_text(name).width(ui.available_width() - RESET_WIDTH);
-        let list = list.height(400.0).show_ui(ui, |ui| {
-            for &(choice, name, meaning) in choices {
-                let entry = ui.selectable_value(value, choice, name).on_hover_text(meaning);
-                entry.accessible_name(format!("{}: {name}", row.full));
-            }
-        });
-        list.response.on_hover_text(meaning).accessible_name(row.full.clone());
         Edited::at_once(*value != before)
     })
 }

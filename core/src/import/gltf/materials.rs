@@ -9,6 +9,7 @@ use super::{
     },
     buffers::{Buffers, percent_decoded, read_uri},
     document_with,
+    layers::{self, Layers},
 };
 use crate::{
     brdf::GgxParameters,
@@ -35,7 +36,9 @@ pub(super) fn add_materials(
 ) -> Result<(), Trouble> {
     let normal_transforms = normal_transforms(bytes);
     let views = gltf.views().collect();
-    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, ignored: Ignored::default() };
+    let layers = layers_of(bytes);
+    let ignored = Ignored::default();
+    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, layers, ignored };
     source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
     reader.ignored.warn(&mut source.warnings);
     Ok(())
@@ -84,7 +87,7 @@ impl Ignored {
 /// `KHR_texture_transform` on normal textures, where the `gltf` crate does not offer it.
 #[derive(Deserialize)]
 #[serde(default, rename_all = "camelCase")]
-struct Transform {
+pub(super) struct Transform {
     offset: Vec2,
     rotation: f32,
     scale: Vec2,
@@ -114,6 +117,12 @@ fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
     document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(transform).collect())
 }
 
+/// What the extensions of each material add; empty if the file has none.
+fn layers_of(bytes: &[u8]) -> Vec<Layers> {
+    let document = layers::EXTENSIONS.iter().find_map(|extension| document_with(bytes, extension));
+    document.map(|document| Layers::of_all(&document)).unwrap_or_default()
+}
+
 struct MaterialReader<'a> {
     gltf: &'a gltf::Gltf,
     /// By their indices.
@@ -121,6 +130,7 @@ struct MaterialReader<'a> {
     buffers: &'a Buffers,
     library: &'a mut TextureLibrary,
     normal_transforms: Vec<Transform>,
+    layers: Vec<Layers>,
     ignored: Ignored,
 }
 
@@ -141,6 +151,7 @@ impl MaterialReader<'_> {
             ..Default::default()
         };
         self.add_maps(&mut material, source)?;
+        self.add_layers(&mut material, index)?;
         Ok(material)
     }
 
@@ -165,6 +176,16 @@ impl MaterialReader<'_> {
             maps.set("normal", Some(TextureSlot { strength: normal.scale(), ..slot }));
         }
         Ok(())
+    }
+
+    fn add_layers(&mut self, material: &mut Material, index: usize) -> Result<(), Trouble> {
+        let Some(layers) = self.layers.get(index).cloned() else { return Ok(()) };
+        let name = material.name.clone();
+        layers.add_to(material, |info| {
+            let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
+            let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
+            self.slot_of(&texture, info.tex_coord, info.transform(), &name)
+        })
     }
 
     fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {

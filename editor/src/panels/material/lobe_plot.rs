@@ -5,13 +5,19 @@ use crate::panels::widgets::{Number, choice_row, slider_row};
 use egui::{Color32, Ui};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
 use glam::Vec3;
-use lapidary_core::{color::luminance, material::Material};
+use lapidary_core::{brdf::Brdf, color::luminance, material::Material};
 use std::f32::consts::FRAC_PI_2;
 
 /// Directions across the half circle, and as many again around the mirror direction.
 const DIRECTIONS: usize = 181;
 /// Greatest angle of the light in degrees: at 90 nothing arrives.
 const STEEPEST: f32 = 89.0;
+
+/// Angles of the curve of reflected light, and the root of its samples at each.
+const ANGLES: usize = 31;
+const STRATA: usize = 16;
+/// What rounding and samples may add to all light.
+const MOST_ALBEDO: f32 = 1.02;
 
 /// In which plane the light moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,6 +89,43 @@ impl LobePlot {
             (Plane::Bitangent, "Bitangent", "The light moves across the tangent."),
         ];
         let _ = choice_row(ui, "Plane", "In which plane the light moves.", &mut self.plane, &planes);
+        let energy = self.energy(material);
+        self.draw_energy(ui, &energy);
+        let most = energy.iter().map(|&(_, albedo)| albedo.max_element()).fold(0.0, f32::max);
+        ui.weak(format!("Reflected light by angle of the light: {:.1} % at most.", 100.0 * most));
+        if most > MOST_ALBEDO {
+            let warning = "It reflects more light than it receives at some angles.";
+            ui.colored_label(ui.visuals().warn_fg_color, warning);
+        }
+    }
+
+    /// Share of the light that is reflected in all directions, by the light's angle in degrees, per colour.
+    pub fn energy(&self, material: &Material) -> Vec<(f32, Vec3)> {
+        let brdf = material.plain_brdf();
+        let angles = (0..ANGLES).map(|i| STEEPEST * i as f32 / (ANGLES - 1) as f32);
+        angles.map(|angle| (angle, albedo(brdf.as_brdf(), self.direction(-angle.to_radians())))).collect()
+    }
+
+    fn draw_energy(&self, ui: &mut Ui, energy: &[(f32, Vec3)]) {
+        let plot = Plot::new("energy").height(90.0).show_grid(false).allow_zoom(false).allow_drag(false);
+        let plot = plot.allow_scroll(false).allow_boxed_zoom(false).allow_double_click_reset(false);
+        let plot = plot.show_background(false).show_axes([true, false]).include_y(0.0).include_y(1.05).show_x(false);
+        plot.show_y(false).show(ui, |plot| {
+            let weak = Color32::GRAY;
+            plot.line(Line::new("All", PlotPoints::from(vec![[0.0, 1.0], [90.0, 1.0]])).color(weak).width(1.0));
+            let colors = [
+                Color32::from_rgb(0xe0, 0x50, 0x50),
+                Color32::from_rgb(0x50, 0xb0, 0x50),
+                Color32::from_rgb(0x60, 0x80, 0xf0),
+            ];
+            for (channel, color) in colors.into_iter().enumerate() {
+                let points: Vec<[f64; 2]> =
+                    energy.iter().map(|&(angle, albedo)| [angle.into(), albedo[channel].into()]).collect();
+                plot.line(
+                    Line::new(["Red", "Green", "Blue"][channel], PlotPoints::from(points)).color(color).width(1.5),
+                );
+            }
+        });
     }
 
     fn draw(&mut self, ui: &mut Ui, lobe: &Lobe) {
@@ -117,6 +160,19 @@ impl LobePlot {
     }
 }
 
+/// The mean over directions that the model draws, stratified.
+fn albedo(brdf: &dyn Brdf, wo: Vec3) -> Vec3 {
+    let sample = |i: usize| {
+        let (x, y) = ((i % STRATA) as f32 + 0.5, (i / STRATA) as f32 + 0.5);
+        // The golden ratio spreads the third number over the strata.
+        let third = (i as f32 * 0.618_034).fract();
+        let wi = brdf.sample(wo, Vec3::new(x, y, 0.0) / STRATA as f32 + third * Vec3::Z);
+        let density = brdf.pdf(wi, wo);
+        if wi.z > 0.0 && density > 0.0 { brdf.brdf_cos(wi, wo) / density } else { Vec3::ZERO }
+    };
+    (0..STRATA * STRATA).map(sample).sum::<Vec3>() / (STRATA * STRATA) as f32
+}
+
 /// The light's angle in degrees for a pointer at plot coordinates; the light is on the left.
 fn dragged_angle(x: f64, y: f64) -> f32 {
     ((-x).atan2(y).to_degrees() as f32).clamp(0.0, STEEPEST)
@@ -144,6 +200,20 @@ mod tests {
 
     fn peak(lobe: &Lobe) -> f32 {
         lobe.samples.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0
+    }
+
+    #[test]
+    fn white_reflects_all_at_every_angle_and_black_nothing() {
+        let plot = LobePlot::default();
+        let of = |base_color: Vec3, metalness: f32, roughness: f32| {
+            let p = GgxParameters { base_color, metalness, roughness, ..Default::default() };
+            plot.energy(&material(BrdfModel::Ggx, p))
+        };
+        for (angle, albedo) in of(Vec3::ONE, 1.0, 0.6) {
+            assert!((albedo - 1.0).abs().max_element() < 0.03, "{angle}: {albedo}");
+        }
+        let black = of(Vec3::ZERO, 0.0, 0.3);
+        assert!(black[0].1.max_element() < 0.06 && black[ANGLES - 1].1.max_element() > 0.3, "Fresnel remains");
     }
 
     #[test]

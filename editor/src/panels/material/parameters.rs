@@ -7,7 +7,10 @@ use super::{
 use crate::{
     actions::Action,
     document::Document,
-    panels::widgets::{Number, color_row, group, list_row, section, slider_row},
+    panels::{
+        entries::combo_row,
+        widgets::{Number, color_row, group, section, slider_row},
+    },
 };
 use egui::Ui;
 use lapidary_core::{
@@ -49,7 +52,7 @@ pub fn show(
 fn model(ui: &mut Ui, changes: &mut Changes) {
     let models: Vec<_> = BrdfModel::ALL.iter().map(|&m| (m, m.label(), m.summary())).collect();
     let mut model = changes.material.model;
-    let edited = list_row(ui, "Model", "How light is reflected.", &mut model, &models);
+    let edited = combo_row(ui, "Model", "How light is reflected.", &mut model, &models);
     if edited.changed {
         changes.material.change_model(model);
     }

@@ -23,7 +23,7 @@ const SIDE: f32 = 44.0;
 const PIXELS: u32 = 88;
 /// Points of an entry's width, and of the menu's.
 const WIDTH: f32 = 84.0;
-const COLUMNS: usize = 5;
+const COLUMNS: usize = 4;
 
 /// The balls that are there.
 #[derive(Default)]
@@ -60,7 +60,7 @@ impl PresetBalls {
         self.update(ui.ctx());
         check_box(ui, clear_maps, "Clear the maps")
             .on_hover_text("Otherwise they stay and modulate the preset's values");
-        egui::ScrollArea::vertical().max_height(640.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().min_scrolled_height(600.0).max_height(640.0).show(ui, |ui| {
             let mut index = 0;
             for group in PRESETS.chunk_by(|a, b| a.group == b.group) {
                 ui.add_space(4.0);

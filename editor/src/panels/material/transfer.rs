@@ -1,7 +1,10 @@
 //! Materials from elsewhere and to elsewhere: presets, copy and paste, files.
 
 use super::{Changes, MaterialPanel};
-use crate::{actions::Action, document::Document};
+use crate::{
+    actions::Action,
+    document::{Document, Edit, ShownMaterials, ViewSettings},
+};
 use egui::{
     Event, PopupCloseBehavior, Ui, ViewportCommand,
     containers::menu::{MenuButton, MenuConfig},
@@ -71,9 +74,23 @@ pub fn show(
         if ui.button("Save…").on_hover_text("Write this material to a file").clicked() {
             actions.push(Action::SaveMaterial { material: index, path: None });
         }
+        solo(ui, document, index, actions);
     });
     if let Some(material) = pasted_text(ui).and_then(|text| material_of(&text, &changes.material)) {
         changes.replace("Paste material", material);
+    }
+}
+
+/// Shows this material alone, the others as clay.
+fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Action>) {
+    let alone = ShownMaterials::Solo(index);
+    let mut is_alone = document.view.materials == alone;
+    let hint = "Show this material alone, and the others as clay. Nothing is changed.";
+    if ui.toggle_value(&mut is_alone, "Solo").on_hover_text(hint).clicked() {
+        let materials = if is_alone { alone } else { ShownMaterials::Own };
+        let edit = Edit::View(ViewSettings { materials, ..document.view.clone() });
+        actions.push(Action::Edit { edit, label: "Shown materials" });
+        actions.push(Action::EndGesture);
     }
 }
 
