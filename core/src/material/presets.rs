@@ -236,19 +236,19 @@ fn paints() -> Vec<Preset> {
         ),
         pbr(
             GROUP,
-            "Car paint red",
+            "Solid red",
             "Solid red under a clear coat",
             coated(dielectric([0.42, 0.012, 0.01], 0.5, 1.5), 0.06),
         ),
         pbr(
             GROUP,
-            "Car paint blue metallic",
+            "Metallic blue",
             "Aluminum flakes in blue under a clear coat",
             coated(flakes([0.02, 0.07, 0.35], 0.42), 0.05),
         ),
         pbr(
             GROUP,
-            "Car paint silver",
+            "Metallic silver",
             "Aluminum flakes under a clear coat",
             coated(flakes([0.55, 0.56, 0.57], 0.40), 0.05),
         ),

@@ -142,7 +142,7 @@ fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     let current = context.selected.filter(|&i| i < materials.len());
     ui.horizontal(|ui| {
         let shown = current.map_or("No material".to_owned(), title);
-        let width = ui.available_width() - 64.0;
+        let width = ui.available_width() - 112.0;
         let combo = ComboBox::from_id_salt("material").selected_text(shown).width(width).truncate();
         let opened = combo.show_ui(ui, |ui| {
             for i in 0..materials.len() {
@@ -154,6 +154,9 @@ fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
         opened.response.accessible_name("Material");
         let which = current.map_or(String::new(), |i| format!("{} of ", i + 1));
         ui.weak(format!("{which}{}", materials.len()));
+        if let Some(index) = current {
+            transfer::solo(ui, context.document, index, actions);
+        }
     });
 }
 

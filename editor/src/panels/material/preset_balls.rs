@@ -22,8 +22,8 @@ use std::{
 const SIDE: f32 = 44.0;
 const PIXELS: u32 = 88;
 /// Points of an entry's width, and of the menu's.
-const WIDTH: f32 = 84.0;
-const COLUMNS: usize = 4;
+const WIDTH: f32 = 70.0;
+const COLUMNS: usize = 5;
 
 /// The balls that are there.
 #[derive(Default)]

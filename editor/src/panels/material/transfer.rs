@@ -74,7 +74,6 @@ pub fn show(
         if ui.button("Save…").on_hover_text("Write this material to a file").clicked() {
             actions.push(Action::SaveMaterial { material: index, path: None });
         }
-        solo(ui, document, index, actions);
     });
     if let Some(material) = pasted_text(ui).and_then(|text| material_of(&text, &changes.material)) {
         changes.replace("Paste material", material);
@@ -82,7 +81,7 @@ pub fn show(
 }
 
 /// Shows this material alone, the others as clay.
-fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Action>) {
+pub fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Action>) {
     let alone = ShownMaterials::Solo(index);
     let mut is_alone = document.view.materials == alone;
     let hint = "Show this material alone, and the others as clay. Nothing is changed.";
