@@ -11,7 +11,7 @@ use super::{
     textures::TextureLibrary,
 };
 use crate::{
-    brdf::GgxParameters,
+    brdf::{BrdfModel, GgxParameters},
     color::luminance,
     material::Material,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
@@ -212,7 +212,21 @@ fn material(
     }
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     add_maps(&mut material, entry, library)?;
+    add_layers(&mut material, entry);
     Ok(material)
+}
+
+/// Coat (`Pc`, of roughness `Pcr`) and sheen (`Ps`): with one of them a material becomes OpenPBR.
+fn add_layers(material: &mut Material, entry: &MtlEntry) {
+    let [coat, sheen] = ["pc", "ps"].map(|key| entry.number(key).unwrap_or(0.0));
+    if coat <= 0.0 && sheen <= 0.0 {
+        return;
+    }
+    material.change_model(BrdfModel::OpenPbr);
+    let parameters = &mut material.parameters;
+    parameters.set("coat_weight", coat);
+    parameters.set("coat_roughness", entry.number("pcr").unwrap_or(0.0));
+    parameters.set("fuzz_weight", sheen);
 }
 
 fn parameters(entry: &MtlEntry) -> GgxParameters {

@@ -1,6 +1,7 @@
 //! OBJ and MTL, and files that cannot be found.
 
 use super::*;
+use lapidary_core::brdf::{BrdfModel, OpenPbrParameters};
 
 #[test]
 fn unknown_extensions_missing_files_and_absurd_sizes_are_told_apart() {
@@ -98,6 +99,18 @@ fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
     assert_eq!((strength(a.get("bump")), strength(a.get("normal"))), (Some(0.005), None));
     assert_eq!((strength(b.get("bump")), strength(b.get("normal"))), (None, Some(0.25)));
     assert_eq!((strength(c.get("bump")), strength(c.get("normal"))), (None, Some(1.0)));
+}
+
+#[test]
+fn coats_and_sheen_of_a_library_become_openpbr() {
+    let files = Files::new();
+    files.add("a.mtl", "newmtl m\nKd 0.1 0.2 0.3\nPr 0.4\nPm 0.5\nPc 0.7\nPcr 0.2\nPs 0.3\nnewmtl plain\nPr 0.4\n");
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl m\nf 1 3 2\nusemtl plain\nf 1 3 2\n";
+    let materials = import(&files.add("a.obj", obj)).unwrap().scene.materials;
+    let p = OpenPbrParameters::from(&materials[0].parameters);
+    assert_eq!((p.base_color, p.specular_roughness, p.base_metalness), (Vec3::new(0.1, 0.2, 0.3), 0.4, 0.5));
+    assert_eq!((p.coat_weight, p.coat_roughness, p.fuzz_weight), (0.7, 0.2, 0.3));
+    assert_eq!([&materials[0], &materials[1]].map(|m| m.model), [BrdfModel::OpenPbr, BrdfModel::Ggx]);
 }
 
 #[test]
