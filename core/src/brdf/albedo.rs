@@ -79,7 +79,7 @@ impl Albedo {
         if x == y { of(x) } else { of(x).lerp(&of(y), 0.5) }
     }
 
-    /// Of fuzz, see [`super::fuzz`].
+    /// Of a fuzz of this roughness.
     #[inline]
     pub fn of_fuzz(roughness: f32) -> Self {
         Self::between(FUZZ, FUZZ, 0.0, roughness)

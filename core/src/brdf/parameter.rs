@@ -98,7 +98,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A number in a range. The name comes from the field in [`parameters`].
+    /// A number in a range. Its name is that of the field that declares it.
     pub const fn number(label: &'static str, range: [f32; 2], default: f32, help: &'static str) -> Self {
         Self {
             name: "",

@@ -286,9 +286,8 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     match bump {
         // Many exporters name normal maps so.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
-            if maps.get("normal").is_none() {
-                maps.set("normal", Some(with_strength(bump)));
-            }
+            let normal = maps.get("normal").cloned().unwrap_or_else(|| with_strength(bump));
+            maps.set("normal", Some(normal));
         }
         Some((multiplier, slot)) => maps.set("bump", Some(with_strength((BUMP_METRES * multiplier, slot)))),
         None => {}

@@ -103,7 +103,7 @@ impl Layers {
         material.change_model(BrdfModel::OpenPbr);
         let mut map =
             |material: &mut Material, name: &'static str, info: &Option<TextureInfo>, channel, color_space| {
-                let made = info.as_ref().map(|info| slot(info)).transpose()?;
+                let made = info.as_ref().map(&mut slot).transpose()?;
                 material.maps.set(name, made.map(|slot| TextureSlot { channel, color_space, ..slot }));
                 Ok(())
             };
