@@ -126,9 +126,11 @@ fn phong_lobe(slopes: vec2<f32>, half: Half) -> PhongLobe {
     let s = half.spread + vec3(slopes.x, 0.0, slopes.y);
     let det = max(determinant_of(s), 1e-14);
     let h = half.h;
-    let sin_sq = max(1.0 - h.z * h.z, 1e-7);
+    let sin_sq = max(dot(h.xy, h.xy), 1e-12);
     let exponent = adjugate_quadratic(s, h.xy) / (det * sin_sq);
-    let power = exp(exponent * log(max(h.z * h.z, 1e-8)));
+    // A logarithm near one is too coarse for large exponents.
+    let series = -sin_sq * (1.0 + sin_sq * (0.5 + sin_sq * (1.0 / 3.0 + sin_sq * 0.25)));
+    let power = exp(exponent * select(log(max(1.0 - sin_sq, 1e-8)), series, sin_sq < 0.03));
     let trace = s.x + s.z;
     return PhongLobe(power, sqrt((det + trace + trace + 4.0) / det), 2.0 / sqrt(det));
 }
@@ -155,7 +157,7 @@ fn schlick_fresnel(schlick: Schlick, wi_dot_h: f32) -> vec3<f32> {
 // The exact Fresnel factor of a dielectric. Twin of core/src/brdf/fresnel.rs, as what follows.
 fn dielectric_fresnel(c: f32, ior: f32) -> f32 {
     let g = sqrt(ior * ior - 1.0 + c * c);
-    let sum = g + c;
+    let sum = max(g + c, 1e-6);
     let difference = g - c;
     let a = difference / sum;
     let b = (c * sum - 1.0) / (c * difference + 1.0);
@@ -246,7 +248,7 @@ fn albedo_mix(a: Albedo, b: Albedo, t: f32) -> Albedo {
 
 // Of the lobe of a row, of one width.
 fn albedo_of_width(row: u32, alpha: f32) -> Albedo {
-    let column = clamp(alpha, 0.0, 1.0) * f32(ALBEDO_STEPS - 1u);
+    let column = sqrt(clamp(alpha, 0.0, 1.0)) * f32(ALBEDO_STEPS - 1u);
     let left = min(u32(column), ALBEDO_STEPS - 2u);
     return albedo_mix(albedo_entry(row, left), albedo_entry(row, left + 1u), column - f32(left));
 }

@@ -61,14 +61,14 @@ fn bounds_decide_the_exit_code_and_maps_are_written() {
 fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() {
     let folder = baked();
     let parameters = r#""parameters": {"base_color": [1, 0.7, 0.3], "metalness": 1, "roughness": 0.4}"#;
-    for model in ["ggx", "ward"] {
+    for model in ["ggx", "ward-duer"] {
         folder.write(&format!("{model}.json"), format!(r#"{{"model": "{model}", {parameters}}}"#));
     }
     for (name, options) in [
         ("own", ""),
         ("option", "--base-color 1,0.7,0.3 --metalness 1 --roughness 0.4 --brdf refine"),
         ("ggx", "--material ggx.json --brdf refine"),
-        ("ward", "--material ward.json --brdf refine"),
+        ("ward", "--material ward-duer.json --brdf refine"),
         ("once", "--brdf once --illum-cut 8"),
         ("bright", "--intensity 2"),
     ] {
@@ -79,7 +79,8 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
     assert_eq!(read("option"), read("ggx"));
     let error = |test: &str, reference: &str| rel_rmse(&folder, &format!("{test}.exr"), &format!("{reference}.exr"));
     let (ward, once, gold) = (error("ward", "ggx"), error("once", "own"), error("option", "own"));
-    assert!((ward - 0.244).abs() < 0.01, "another model: {ward}");
+    // Beside the shape of the lobe this is the sun that rough metal reflects twice, which Ward-Duer lacks.
+    assert!((ward - 0.348).abs() < 0.01, "another model: {ward}");
     assert!((once - 0.042).abs() < 0.01, "few nodes: {once}");
     assert!(gold > 0.5, "negative control: {gold}");
     for (bright, own) in read("bright").pixels.iter().zip(&read("own").pixels) {

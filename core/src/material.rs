@@ -98,7 +98,12 @@ impl<S: Clone> MaterialOf<S> {
             let Some(from) = self.model.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
                 continue;
             };
-            self.parameters.set(to.name, to.sanitized(self.parameters.value(from)));
+            let value = self.parameters.value(from);
+            // What says the same already may say more: a stretch across the tangent that the other model lacks.
+            let says_the_same = self.parameters.get(to.name).is_some_and(|old| from.sanitized(old) == value);
+            if !says_the_same {
+                self.parameters.set(to.name, to.sanitized(value));
+            }
             self.maps.set(to.name, self.maps.get(from.name).cloned());
         }
         self.model = model;
@@ -118,7 +123,7 @@ impl Material {
 
     /// The values of the model's parameters after their maps, whose texels `sample` looks up, within their ranges.
     ///
-    /// They are clamped here and nowhere later. Twin of `material_value` in `shaders/materials.wgsl`.
+    /// They are clamped here and nowhere later. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
     #[inline]
     pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
         let mut values = Values::default();
@@ -165,7 +170,7 @@ mod tests {
         assert!(misspelt.starts_with("unknown parameter `rougness`, expected one of `base_color`"), "{misspelt}");
         let misspelt = error(r#"{"maps": {"iro": {}}}"#);
         assert!(misspelt.starts_with("unknown map `iro`, expected one of `base_color`"), "{misspelt}");
-        assert!(error(r#"{"parameters": {"roughness": "dull"}}"#).contains("a number, or a colour"));
+        assert!(error(r#"{"parameters": {"roughness": "dull"}}"#).contains("`roughness` is neither a number"));
         assert!(error(r#"{"colour": 1}"#).contains("unknown field `colour`"));
     }
 
@@ -187,11 +192,21 @@ mod tests {
     fn another_model_keeps_the_look() {
         let mut material = Material::default();
         material.parameters.set("roughness", 0.25);
+        material.parameters.set("anisotropy", -0.5);
         material.maps.set("roughness", Some(TextureSlot::default()));
         let before = material.clone();
-        material.change_model(BrdfModel::Lambert);
+        for model in [BrdfModel::Lambert, BrdfModel::OpenPbr] {
+            material.change_model(model);
+            material.change_model(BrdfModel::Ggx);
+            let read = |material: &Material| GgxParameters::from(&material.parameters);
+            assert_eq!(read(&material), read(&before), "{model:?}");
+            assert!(material.maps.get("roughness").is_some(), "{model:?}");
+        }
+        material.change_model(BrdfModel::OpenPbr);
+        material.parameters.set("specular_roughness", 0.75);
         material.change_model(BrdfModel::Ggx);
-        assert_eq!(material, before);
+        let p = GgxParameters::from(&material.parameters);
+        assert_eq!((p.roughness, p.anisotropy), (0.75, -0.5), "what was edited counts, what was not stays");
     }
 
     /// The Lambertian albedo, or the GGX parameters, that a material has after its maps.

@@ -341,7 +341,12 @@ impl Document {
 
     /// Materials and textures for the renderers, as the view shows them.
     pub fn appearance(&self) -> Appearance {
-        let shown = |(index, own): (usize, &Material)| self.view.materials.instead_of(index, own);
+        // One that another bake of the scene lacks is no one's.
+        let materials = match self.view.materials {
+            ShownMaterials::Solo(index) if index >= self.materials.len() => ShownMaterials::Own,
+            shown => shown,
+        };
+        let shown = |(index, own): (usize, &Material)| materials.instead_of(index, own);
         Appearance {
             materials: self.materials.iter().enumerate().map(shown).collect(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
@@ -383,6 +388,7 @@ mod tests {
             (ShownMaterials::Clay, [Vec3::splat(0.5); 2]),
             (ShownMaterials::Chrome, [Vec3::splat(0.65); 2]),
             (ShownMaterials::Solo(1), [Vec3::splat(0.5), Vec3::X]),
+            (ShownMaterials::Solo(7), [Vec3::X; 2]),
         ] {
             document.view.materials = shown;
             assert_eq!(colors(&document), expected, "{shown:?}");

@@ -26,7 +26,7 @@ import numpy as np
 MIN_ALPHA = 1e-3
 COSINES = np.linspace(0.0, 1.0, 41)
 ALPHAS = np.linspace(0.0, 1.0, 21)
-ROOTS = np.linspace(0.0, 0.55, 12)
+ROOTS = np.linspace(0.0, 0.82, 18)
 
 
 def _number(props, name, default):
@@ -136,7 +136,7 @@ class LapidaryGgx(mi.BSDF):
         self.m_flags = glossy | diffuse
 
     def lobe(self, si):
-        """Base colour, f0, f90, metalness, alphas and microfacets at a point."""
+        """Base colour, interface, alphas, microfacets, albedos and multiple reflectance at a point."""
         if self.constant is not None:
             return self.constant
         is_map = [isinstance(number, mi.Texture) for number in self.numbers]
@@ -157,7 +157,8 @@ class LapidaryGgx(mi.BSDF):
             mean = [sum(2.0 * c * _fresnel(c, index) for c in cosines) / 64 for index in metal]
             multiple = tuple(m * m * whole.mean / (1.0 - m * (1.0 - whole.mean)) for m in mean)
         found = (base, (metalness, specular, complex(1.0 + above_one), metal), alphas, microfacets, whole, above, multiple)
-        if not any(is_map) and not self.base_color.is_spatially_varying():
+        varying = self.base_color.is_spatially_varying() or self.edge_color.is_spatially_varying()
+        if not any(is_map) and not varying:
             self.constant = found
         return found
 

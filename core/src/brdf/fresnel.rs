@@ -16,7 +16,7 @@ const MOST_REFLECTANCE: f32 = 0.9999;
 pub fn dielectric_x8<L: Lanes>(cosine: L, ior: f32) -> L {
     let c = cosine;
     let g = (L::splat(ior * ior - 1.0) + c * c).sqrt();
-    let (sum, difference) = (g + c, g - c);
+    let (sum, difference) = ((g + c).at_least(1e-6), g - c);
     let a = difference / sum;
     let b = (c * sum - L::splat(1.0)) / (c * difference + L::splat(1.0));
     L::splat(0.5) * a * a * (L::splat(1.0) + b * b)

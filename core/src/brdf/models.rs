@@ -1,5 +1,5 @@
-//! The list of all models. A new model is a file beside this one, a file of the same name in `shaders/brdf/`, and its line
-//! here.
+//! The list of all models. A new model is a file beside this one, a file with the name of its key in `shaders/brdf/`, and
+//! its line here.
 
 use super::{
     AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters, Value,

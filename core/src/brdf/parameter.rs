@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// A value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "a number, or a colour of three numbers")]
+#[serde(untagged)]
 pub enum Value {
     /// A number.
     Number(f32),
@@ -30,23 +30,6 @@ impl Value {
         match self {
             Self::Number(x) => Vec3::splat(x),
             Self::Color(c) => c,
-        }
-    }
-
-    /// With `change` applied to each component.
-    #[inline]
-    pub fn map(self, change: impl Fn(f32) -> f32) -> Self {
-        match self {
-            Self::Number(x) => Self::Number(change(x)),
-            Self::Color(c) => Self::Color(c.map(change)),
-        }
-    }
-
-    /// Whether each component fulfils a condition.
-    pub fn all(self, condition: impl Fn(f32) -> bool) -> bool {
-        match self {
-            Self::Number(x) => condition(x),
-            Self::Color(c) => c.to_array().into_iter().all(condition),
         }
     }
 }
@@ -127,16 +110,6 @@ impl Parameter {
     /// In a part of the model.
     pub const fn in_section(self, section: &'static str) -> Self {
         Self { section, ..self }
-    }
-
-    /// With a unit.
-    pub const fn with_unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
-    }
-
-    /// With another range, which is that of the slider as well.
-    pub const fn with_range(self, range: [f32; 2]) -> Self {
-        Self { range, slider: range, ..self }
     }
 
     /// With a map that scales the part above 1.

@@ -2,13 +2,16 @@
 
 use super::{BrdfModel, Parameter, Value};
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error, IgnoredAny},
+};
 use std::{borrow::Cow, collections::BTreeMap};
 
 /// Values by the names of parameters. Those that a material says nothing of have the defaults of its model.
 ///
 /// It may hold values of parameters that the material's model lacks: they count again when the model does.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(transparent)]
 pub struct Parameters(BTreeMap<Cow<'static, str>, Value>);
 
@@ -66,6 +69,27 @@ impl Parameters {
             }
         }
         self
+    }
+}
+
+impl<'de> Deserialize<'de> for Parameters {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// Anything else is kept until its name is known.
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Read {
+            Value(Value),
+            Other(IgnoredAny),
+        }
+        let mut values = BTreeMap::new();
+        for (name, read) in BTreeMap::<String, Read>::deserialize(deserializer)? {
+            let Read::Value(value) = read else {
+                let reason = format!("the parameter `{name}` is neither a number nor a colour of three numbers");
+                return Err(D::Error::custom(reason));
+            };
+            values.insert(Cow::Owned(name), value);
+        }
+        Ok(Self(values))
     }
 }
 

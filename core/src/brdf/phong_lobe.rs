@@ -4,6 +4,7 @@ use super::microfacet::{HalfVectors, Sym2x8};
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
+use wide::f32x8;
 
 /// `2 / n` for the exponents along the tangent and the bitangent: its width in projected slope space, as that of GGX.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,14 @@ impl<L: Lanes> FilteredX8<L> {
     pub fn exponent(&self) -> L {
         L::splat(2.0) / self.slope.determinant().at_least(1e-14).sqrt()
     }
+}
+
+/// `ln(1 - s)`: a logarithm near one is too coarse for large exponents.
+#[inline(always)]
+fn log_of_rest<L: Lanes>(s: L) -> L {
+    let series = -s * (L::splat(1.0) + s * (L::splat(0.5) + s * (L::splat(1.0 / 3.0) + s * L::splat(0.25))));
+    let exact = (L::splat(1.0) - s).at_least(1e-8).ln();
+    s.simd_lt(L::splat(0.03)).select(series, exact)
 }
 
 impl PhongLobe {
@@ -67,11 +76,11 @@ impl PhongLobe {
         let [xx, yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let slope = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
         let h = half.h;
-        let (cos_sq, determinant) = ((h.z * h.z).at_least(1e-8), slope.determinant().at_least(1e-14));
-        let sin_sq = (L::splat(1.0) - h.z * h.z).at_least(1e-7);
+        let determinant = slope.determinant().at_least(1e-14);
+        let sin_sq = (h.x * h.x + h.y * h.y).at_least(1e-12);
         // Half the exponent, for the logarithm of the squared cosine.
         let exponent = slope.adjugate_quadratic(h.x, h.y) / (determinant * sin_sq);
-        FilteredX8 { power: (exponent * cos_sq.ln()).exp(), slope }
+        FilteredX8 { power: (exponent * log_of_rest(sin_sq)).exp(), slope }
     }
 
     /// A half vector (Ashikhmin and Shirley 2000, Eq. 9 and 10).
@@ -99,9 +108,10 @@ impl PhongLobe {
         // A half vector that `wo` sees from behind reflects to where the sum of the two points downward.
         let h = if h.z < 0.0 { -h } else { h };
         let [nu, nv] = self.exponents();
-        let sin_sq = (1.0 - h.z * h.z).max(1e-7);
+        let sin_sq = (h.x * h.x + h.y * h.y).max(1e-12);
         let exponent = (nu * h.x * h.x + nv * h.y * h.y) / sin_sq;
-        let density = ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * h.z.max(1e-6).powf(exponent);
+        let log = log_of_rest(f32x8::splat(sin_sq)).to_array()[0];
+        let density = ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * (0.5 * exponent * log).exp();
         density / (4.0 * wi.dot(h).abs().max(1e-4))
     }
 }

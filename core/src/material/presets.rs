@@ -27,12 +27,14 @@ pub struct Preset {
 impl Preset {
     /// `material` with this preset's model and values; name and sides stay, and the maps unless they are to be cleared.
     pub fn applied_to(&self, material: &Material, clear_maps: bool) -> Material {
-        Material {
-            model: self.model,
-            parameters: self.parameters.clone(),
-            maps: if clear_maps { MaterialMaps::default() } else { material.maps.clone() },
-            ..material.clone()
+        let mut changed = material.clone();
+        // Maps of quantities that have another name in this model go along.
+        changed.change_model(self.model);
+        changed.parameters = self.parameters.clone();
+        if clear_maps {
+            changed.maps = MaterialMaps::default();
         }
+        changed
     }
 
     /// As a material of its own.
@@ -330,5 +332,12 @@ mod tests {
         assert_eq!((kept.name.as_str(), kept.double_sided, &kept.maps), ("Knob", true, &material.maps));
         assert_eq!(kept.parameters.number("metalness"), 1.0);
         assert_eq!(gold.applied_to(&material, true).maps, MaterialMaps::default());
+        let rough =
+            Material { maps: MaterialMaps::from([("roughness", TextureSlot::default())]), ..Default::default() };
+        let leather = PRESETS.iter().find(|p| p.name == "Leather").unwrap();
+        assert!(
+            leather.applied_to(&rough, false).maps.get("specular_roughness").is_some(),
+            "the map of the same quantity"
+        );
     }
 }

@@ -167,8 +167,9 @@ impl GpuBackend {
     /// Builds the passes anew if the materials have other models than they are compiled for.
     fn compile_for(&mut self, models: ModelSet) -> Result<(), BackendError> {
         if models != self.shaders.models {
-            self.shaders.models = models;
-            self.passes = Passes::new(&self.gpu, &self.shaders, &self.passes.variants())?;
+            let shaders = Shaders { models, source: self.shaders.source.clone() };
+            self.passes = Passes::new(&self.gpu, &shaders, &self.passes.variants())?;
+            self.shaders = shaders;
             self.local_lights.forget_shadows();
         }
         Ok(())
@@ -320,8 +321,8 @@ impl Backend for GpuBackend {
             false => vec![0],
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
-        self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
         self.compile_for(ModelSet::of(&appearance))?;
+        self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);

@@ -57,7 +57,7 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
     };
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
     for (packed, declared) in parameters.iter_mut().zip(m.model.parameters()) {
-        let value = declared.sanitized(m.parameters.value(declared)).color();
+        let value = m.parameters.value(declared).color();
         *packed = MaterialParameter { value: value.to_array(), map: slot(declared.name), ..Default::default() };
     }
     Material {

@@ -25,8 +25,8 @@ pub struct SequenceArgs {
     #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::args::values::finite, allow_hyphen_values = true, requires = "turn")]
     degrees: f32,
     /// Parameter to vary from the first frame to the last: NAME=FROM..TO in equal steps, or NAME=log:FROM..TO in
-    /// equal ratios; may be given several times. NAME is roughness, base-color, metalness, specular, ior, anisotropy,
-    /// bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure, illum-cut
+    /// equal ratios; may be given several times. NAME is a parameter of a BRDF model, as roughness, base-color or coat-weight
+    /// (`lapidary models` lists them, with _ for -), bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure, illum-cut
     /// (with --brdf refine or once), lit-cuts, light-intensity (a factor; of all lights, or of one with @LIGHT), light-position, light-target (X,Y,Z..X,Y,Z),
     /// eye, target or fov
     #[arg(long, value_name = "SWEEP", allow_hyphen_values = true)]

@@ -52,6 +52,14 @@ pub enum SweepError {
         /// Which map.
         map: &'static str,
     },
+    /// A parameter that no model of the materials has.
+    #[error(
+        "no material has a model with the parameter \"{parameter}\"; `lapidary models` lists the parameters of each"
+    )]
+    NotRead {
+        /// Which.
+        parameter: String,
+    },
     /// No light, or none of that name.
     #[error("there is no local light \"{wanted}\" to sweep; there are {names}")]
     NoLight {

@@ -144,10 +144,11 @@ impl Parameter {
     pub fn set(self, look: &mut Look, of: Option<&str>, value: Value) -> Result<(), SweepError> {
         let (number, vector) = (value.number(), value.vector());
         match self {
-            Self::Brdf(name) => each_material(look, of, |material| {
+            Self::Brdf(name) => {
                 let is_color = self.domain() == Domain::Color;
-                material.parameters.set(name, if is_color { vector.into() } else { brdf::Value::from(number) });
-            }),
+                let value = if is_color { vector.into() } else { brdf::Value::from(number) };
+                each_brdf(look, of, name, value)
+            }
             Self::Bump => each_map(look, of, "bump", number),
             Self::Normal => each_map(look, of, "normal", number),
             Self::LightIntensity => each_light(look, of, |light| light.intensity *= number),
@@ -198,6 +199,20 @@ fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut 
     }
     let names = || names(look.appearance.materials.iter().map(|m| m.name.as_str()));
     if found { Ok(()) } else { Err(SweepError::NoMaterial { wanted: of.unwrap_or_default().into(), names: names() }) }
+}
+
+/// Materials whose model has the quantity under another name change that.
+fn each_brdf(look: &mut Look, of: Option<&str>, name: &'static str, value: brdf::Value) -> Result<(), SweepError> {
+    let quantity = BrdfModel::declared(name).map_or(name, |parameter| parameter.quantity);
+    let mut found = false;
+    each_material(look, of, |material| {
+        let read = material.model.parameter(name).or_else(|| material.model.parameter_for(quantity));
+        if let Some(parameter) = read {
+            material.parameters.set(parameter.name, parameter.sanitized(value));
+            found = true;
+        }
+    })?;
+    if found { Ok(()) } else { Err(SweepError::NotRead { parameter: name.replace('_', "-") }) }
 }
 
 fn each_map(look: &mut Look, of: Option<&str>, map: &'static str, strength: f32) -> Result<(), SweepError> {

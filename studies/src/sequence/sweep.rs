@@ -170,6 +170,7 @@ impl Sweep {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::brdf::BrdfModel;
     use lapidary_render::{BrdfSampling, test_looks::look};
 
     fn sweep(text: &str) -> Sweep {
@@ -261,6 +262,10 @@ mod tests {
             let stored = sweep.parameter == Parameter::IllumCut;
             let mut changed =
                 Look { sampling: if stored { BrdfSampling::Refine } else { BrdfSampling::Lit }, ..look() };
+            if let Parameter::Brdf(name) = sweep.parameter {
+                let reads = BrdfModel::ALL.iter().find(|model| model.parameter(name).is_some()).unwrap();
+                changed.appearance.materials.iter_mut().for_each(|material| material.change_model(*reads));
+            }
             sweep.apply(&mut changed, 1.0).unwrap();
             let shown = shown(&changed);
             assert!(!seen.contains(&shown), "{text} changes nothing, or what another does");
@@ -280,6 +285,16 @@ mod tests {
             assert_eq!(message("illum-cut=1..9", stored), "", "negative control");
         }
         assert_eq!(message("lit-cuts=log:0.001..1", BrdfSampling::Lit), "", "negative control");
+    }
+
+    #[test]
+    fn a_quantity_is_swept_under_the_name_of_the_model_and_one_that_none_has_is_refused() {
+        let mut changed = look();
+        changed.appearance.materials.iter_mut().for_each(|material| material.change_model(BrdfModel::OpenPbr));
+        sweep("roughness=0..0.9").apply(&mut changed, 1.0).unwrap();
+        assert_eq!(changed.appearance.materials[0].parameters.number("specular_roughness"), 0.9);
+        let refused = sweep("coat-weight=0..1").apply(&mut look(), 1.0).unwrap_err().to_string();
+        assert!(refused.contains("coat-weight") && refused.contains("lapidary models"), "{refused}");
     }
 
     #[test]

@@ -96,6 +96,8 @@ fn figure(parameter: &Parameter, value: f32) -> String {
 fn unread(material: &Material, parameter: &Parameter) -> Option<&'static str> {
     let metalness = material.model.parameter_for("metalness")?;
     let is_metal = material.parameters.value(metalness).number() >= 1.0 && material.maps.get(metalness.name).is_none();
-    (is_metal && ["ior", "specular"].contains(&parameter.quantity))
+    // That of OpenPBR scales what a metal reflects as well.
+    let of_dielectrics = ["ior", "specular", "specular_ior"];
+    (is_metal && of_dielectrics.contains(&parameter.name))
         .then_some("No effect now: a full metal's reflectance is its base color.")
 }

@@ -105,7 +105,9 @@ fn material_of(text: &str, target: &Material) -> Option<Material> {
     // Every field has a default; without this, any empty object would be a material.
     object.get("parameters").or(object.get("model"))?;
     let file: MaterialFile = serde_json::from_value(object.into()).ok()?;
-    Some(Material { model: file.model, parameters: file.parameters.sanitized(), ..target.clone() })
+    let mut pasted = target.clone();
+    pasted.change_model(file.model);
+    Some(Material { parameters: file.parameters.sanitized(), ..pasted })
 }
 
 /// Text that was pasted while no field was edited.
