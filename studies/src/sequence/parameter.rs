@@ -162,9 +162,11 @@ impl Parameter {
         }
     }
 
-    /// Whether a sweep of it changes pictures of a look: they may not merge the cuts whose setting it is.
+    /// Whether a sweep of it changes pictures of a look: a material must read it, and they must merge the cuts whose setting
+    /// it is.
     pub fn applies_to(self, look: &Look) -> bool {
-        self.check_cuts(look.sampling).is_ok()
+        let is_read = |name| look.appearance.materials.iter().any(|m| read_by(m, name).is_some());
+        self.check_cuts(look.sampling).is_ok() && !matches!(self, Self::Brdf(name) if !is_read(name))
     }
 
     /// A setting of cuts that are not merged would be swept through equal pictures.
@@ -201,13 +203,17 @@ fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut 
     if found { Ok(()) } else { Err(SweepError::NoMaterial { wanted: of.unwrap_or_default().into(), names: names() }) }
 }
 
+/// The parameter of a material's model by this name, or for the same quantity.
+fn read_by(material: &Material, name: &str) -> Option<&'static brdf::Parameter> {
+    let quantity = BrdfModel::declared(name).map_or(name, |parameter| parameter.quantity);
+    material.model.parameter(name).or_else(|| material.model.parameter_for(quantity))
+}
+
 /// Materials whose model has the quantity under another name change that.
 fn each_brdf(look: &mut Look, of: Option<&str>, name: &'static str, value: brdf::Value) -> Result<(), SweepError> {
-    let quantity = BrdfModel::declared(name).map_or(name, |parameter| parameter.quantity);
     let mut found = false;
     each_material(look, of, |material| {
-        let read = material.model.parameter(name).or_else(|| material.model.parameter_for(quantity));
-        if let Some(parameter) = read {
+        if let Some(parameter) = read_by(material, name) {
             material.parameters.set(parameter.name, parameter.sanitized(value));
             found = true;
         }
