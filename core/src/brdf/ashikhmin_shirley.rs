@@ -6,7 +6,7 @@
 
 use super::{
     Brdf, LightsX8, Lobes, Model, Parameter, Values,
-    microfacet::{HalfVectors, Schlick, glossy_share, is_seen, widths},
+    microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
     parameter::parameters,
     phong_lobe::PhongLobe,
     shared,
@@ -14,7 +14,6 @@ use super::{
 use crate::{
     color::luminance,
     simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
 };
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -110,16 +109,10 @@ impl Brdf for AshikhminShirley {
     }
 
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
-        if u.z < self.glossy_share(wo) {
-            let h = self.lobe.sample_half_vector(u.x, u.y);
-            2.0 * wo.dot(h) * h - wo
-        } else {
-            cosine_direction(u.x, u.y)
-        }
+        self.lobe.sample_over_base(self.glossy_share(wo), wo, u)
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let p = self.glossy_share(wo);
-        p * self.lobe.pdf(wi, wo) + (1.0 - p) * wi.z.max(0.0) * FRAC_1_PI
+        self.lobe.pdf_over_base(self.glossy_share(wo), wi, wo)
     }
 }

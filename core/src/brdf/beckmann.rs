@@ -7,17 +7,15 @@ use super::{
     Brdf, LightsX8, Lobes, Model, Parameter, Values,
     albedo::Albedo,
     gaussian_lobe::GaussianLobe,
-    microfacet::{DiffuseBase, HalfVectors, Interface, Sym2x8, glossy_share, is_seen, widths},
+    microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Interface, Sym2x8, glossy_share, is_seen, widths},
     parameter::parameters,
     shared,
 };
 use crate::{
     color::luminance,
     simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
 };
 use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
 parameters! {
@@ -117,16 +115,10 @@ impl Brdf for Beckmann {
     }
 
     fn sample(&self, wo: Vec3, u: Vec3) -> Vec3 {
-        if u.z < self.glossy_share(wo) {
-            let h = self.lobe.sample_half_vector(u.x, u.y);
-            2.0 * wo.dot(h) * h - wo
-        } else {
-            cosine_direction(u.x, u.y)
-        }
+        self.lobe.sample_over_base(self.glossy_share(wo), wo, u)
     }
 
     fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
-        let p = self.glossy_share(wo);
-        p * self.lobe.pdf(wi, wo) + (1.0 - p) * wi.z.max(0.0) * FRAC_1_PI
+        self.lobe.pdf_over_base(self.glossy_share(wo), wi, wo)
     }
 }

@@ -1,6 +1,6 @@
 //! A lobe whose half vectors have normally distributed slopes: the distribution of Beckmann and of Ward.
 
-use super::microfacet::{HalfVectors, Sym2x8};
+use super::microfacet::{HalfVectorLobe, HalfVectors, Sym2x8};
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -69,5 +69,15 @@ impl GaussianLobe {
         let [ax, ay] = self.alpha;
         let slope_sq = ((h.x / ax).powi(2) + (h.y / ay).powi(2)) / (h.z * h.z);
         (-slope_sq).exp() / (PI * ax * ay * h.z.powi(3)) / (4.0 * wi.dot(h).abs().max(1e-4))
+    }
+}
+
+impl HalfVectorLobe for GaussianLobe {
+    fn half_vector(&self, _wo: Vec3, u: f32, v: f32) -> Vec3 {
+        self.sample_half_vector(u, v)
+    }
+
+    fn density(&self, wi: Vec3, wo: Vec3) -> f32 {
+        self.pdf(wi, wo)
     }
 }

@@ -6,7 +6,7 @@
 
 use super::{
     LightsX8,
-    microfacet::{HalfVectors, Sym2x8},
+    microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes},
 };
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
@@ -24,12 +24,7 @@ impl GgxLobe {
     /// Of widths up to 1.
     #[inline]
     pub fn new(alpha: [f32; 2]) -> Self {
-        // An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
-        let slope = |alpha: f32| {
-            let sq = (alpha * alpha).min(0.9998);
-            sq / (1.0 - sq)
-        };
-        Self { alpha, slope: alpha.map(slope) }
+        Self { alpha, slope: slopes(alpha) }
     }
 
     /// The widths.
@@ -118,5 +113,15 @@ impl GgxLobe {
     fn root(&self, w: Vec3) -> f32 {
         let [ax2, ay2] = self.alpha.map(|alpha| alpha * alpha);
         (w.z * w.z + ax2 * w.x * w.x + ay2 * w.y * w.y).sqrt()
+    }
+}
+
+impl HalfVectorLobe for GgxLobe {
+    fn half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3 {
+        self.sample_half_vector(wo, u, v)
+    }
+
+    fn density(&self, wi: Vec3, wo: Vec3) -> f32 {
+        self.pdf(wi, wo)
     }
 }

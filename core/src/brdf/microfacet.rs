@@ -4,7 +4,10 @@ use super::{
     Albedo, LightsX8,
     fresnel::{Metal, dielectric_x8},
 };
-use crate::simd::{Lanes, Vec3x8};
+use crate::{
+    simd::{Lanes, Vec3x8},
+    sphere::cosine_direction,
+};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -180,6 +183,40 @@ impl DiffuseBase {
     /// Albedo without what is above.
     pub fn own_albedo(&self) -> Vec3 {
         self.albedo
+    }
+}
+
+/// `alpha² / (1 - alpha²)`: the widths of a lobe in projected slope space.
+#[inline]
+pub fn slopes(alpha: [f32; 2]) -> [f32; 2] {
+    // An alpha of one has infinite slope width; 0.9999 is indistinguishable from it.
+    let slope = |alpha: f32| {
+        let sq = (alpha * alpha).min(0.9998);
+        sq / (1.0 - sq)
+    };
+    alpha.map(slope)
+}
+
+/// A lobe of which half vectors can be drawn.
+pub trait HalfVectorLobe {
+    /// A half vector for an outgoing direction, from two numbers in [0, 1).
+    fn half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3;
+    /// Density of the light direction that it mirrors to, per solid angle.
+    fn density(&self, wi: Vec3, wo: Vec3) -> f32;
+
+    /// A light direction by the lobe, as often as `share` says, or else by the base below it.
+    fn sample_over_base(&self, share: f32, wo: Vec3, u: Vec3) -> Vec3 {
+        if u.z < share {
+            let h = self.half_vector(wo, u.x, u.y);
+            2.0 * wo.dot(h) * h - wo
+        } else {
+            cosine_direction(u.x, u.y)
+        }
+    }
+
+    /// Density of [`Self::sample_over_base`].
+    fn pdf_over_base(&self, share: f32, wi: Vec3, wo: Vec3) -> f32 {
+        share * self.density(wi, wo) + (1.0 - share) * wi.z.max(0.0) * FRAC_1_PI
     }
 }
 

@@ -1,6 +1,6 @@
 //! A lobe whose half vectors are distributed as a power of their cosine, with two exponents (Ashikhmin and Shirley 2000).
 
-use super::microfacet::{HalfVectors, Sym2x8};
+use super::microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes};
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -47,11 +47,7 @@ fn log_of_rest<L: Lanes>(s: L) -> L {
 impl PhongLobe {
     /// With exponents `2 / alpha² - 2`, whose lobes are as wide as microfacets of these widths.
     pub fn new(alpha: [f32; 2]) -> Self {
-        let slope = |alpha: f32| {
-            let sq = (alpha * alpha).min(0.9998);
-            sq / (1.0 - sq)
-        };
-        Self { slope: alpha.map(slope), narrow: alpha[0].min(alpha[1]) }
+        Self { slope: slopes(alpha), narrow: alpha[0].min(alpha[1]) }
     }
 
     /// The narrower microfacet width.
@@ -113,5 +109,15 @@ impl PhongLobe {
         let log = log_of_rest(f32x8::splat(sin_sq)).to_array()[0];
         let density = ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * (0.5 * exponent * log).exp();
         density / (4.0 * wi.dot(h).abs().max(1e-4))
+    }
+}
+
+impl HalfVectorLobe for PhongLobe {
+    fn half_vector(&self, _wo: Vec3, u: f32, v: f32) -> Vec3 {
+        self.sample_half_vector(u, v)
+    }
+
+    fn density(&self, wi: Vec3, wo: Vec3) -> f32 {
+        self.pdf(wi, wo)
     }
 }
