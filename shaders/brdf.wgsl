@@ -6,11 +6,13 @@
 //   struct Name                                     what of its parameters does not depend on the light;
 //   fn name_of(p: NameParameters) -> Name           from the declared parameters;
 //   fn name_reflect(brdf: Name, light: Light, wo)   f_r times the cosine;
-//   fn name_lobes(brdf: Name) -> vec3<f32>          widths of its lobes around the mirror's direction, 0 for none;
+//   fn name_lobes(brdf: Name) -> mat3x2<f32>        widths of its lobes around the mirror's direction along tangent and
+//                                                   bitangent, NO_LOBE for none;
 //   fn name_albedo(brdf: Name) -> vec3<f32>         albedo for light from the normal.
 
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
+const NO_LOBE: vec2<f32> = vec2<f32>(0.0);
 
 // Microfacet widths along tangent and bitangent. Twin of core/src/brdf/microfacet.rs, as what follows.
 fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {

@@ -34,7 +34,8 @@ struct FrameUniforms {
     lets_light_through: u32,
     // Weights of the channels in that share.
     share_weights: vec3<f32>,
-    padding: u32,
+    // Whether sharp lobes read the map.
+    mirrors: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

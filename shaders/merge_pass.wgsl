@@ -6,6 +6,8 @@
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
+// The map that the distant lights are samples of, with all its levels.
+@group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
@@ -23,7 +25,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
     }
     let point = surface_point(g, pixel, direction);
-    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    var shaded = no_light();
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
@@ -65,6 +67,13 @@ struct Shaded {
     radiance: vec3<f32>,
     merged_nodes: u32,
     brdf_evaluations: u32,
+    // Of the window of a mirror: what of it is seen, and all.
+    window_seen: vec3<f32>,
+    window_all: vec3<f32>,
+}
+
+fn no_light() -> Shaded {
+    return Shaded(vec3(0.0), 0u, 0u, vec3(0.0), vec3(0.0));
 }
 
 // Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
@@ -87,19 +96,20 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var l = illumination_cursor();
     let w = point.weights;
     let lobes = lobes_to_follow(point);
+    let mirror = mirror_at(point);
     var first = 0u;
     var visibility = 0.0;
     // The node of the merged cut, and the part of it that is looked at.
     var root = 0u;
     var node = 0u;
-    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    var shaded = no_light();
     loop {
         while node == 0u && first < leaves {
             let end = min(min(a.end, b.end), min(c.end, l.end));
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
             shaded.merged_nodes += 1u;
-            if visibility > 0.0 {
-                root = (leaves + first) >> firstTrailingBit(end - first);
+            root = (leaves + first) >> firstTrailingBit(end - first);
+            if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
             }
             first = end;
@@ -112,17 +122,17 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
         }
         if node == 0u { break; }
         let part = first_fine(point, seen_from(point, node), lobes);
-        shaded.radiance += reflected_light(point, part, visibility);
-        shaded.brdf_evaluations += 1u;
+        add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
-    shaded.radiance *= leaf_solid_angle();
+    finish(&shaded, point, mirror);
     return shaded;
 }
 
 // Widths of the lobes that refinement follows; 0 for none.
 fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
-    let lobes = lobes_of(point.brdf);
+    let all = lobes_of(point.brdf);
+    let lobes = vec3(min(all[0].x, all[0].y), min(all[1].x, all[1].y), min(all[2].x, all[2].y));
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
 }
 
@@ -138,6 +148,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
     let lobes = lobes_to_follow(point);
+    let mirror = mirror_at(point);
     var first = 0u;
     // Up to this leaf the stored cuts are merged.
     var stored_end = 0u;
@@ -150,7 +161,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var visibility = 0.0;
     var root = 0u;
     var node = 0u;
-    var shaded = Shaded(vec3(0.0), 0u, 0u);
+    var shaded = no_light();
     loop {
         while node == 0u && first < leaves {
             is_lit = first >= stored_end;
@@ -178,14 +189,14 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             shaded.merged_nodes += 1u;
             interval = vec2(first, end);
             first = end;
-            if visibility > 0.0 {
-                root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
+            root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
+            if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
             }
         }
         if node == 0u { break; }
         let whole = seen_from(point, node);
-        if is_lit && node == root && shows_in_lobe(point, whole, lobes) {
+        if is_lit && visibility > 0.0 && node == root && shows_in_lobe(point, whole, lobes) {
             first = interval.x;
             stored_end = interval.y;
             seek_visibility(&stored_a, offsets.x, lit_a, first);
@@ -196,11 +207,10 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             continue;
         }
         let part = first_fine(point, whole, lobes);
-        shaded.radiance += reflected_light(point, part, visibility);
-        shaded.brdf_evaluations += 1u;
+        add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
-    shaded.radiance *= leaf_solid_angle();
+    finish(&shaded, point, mirror);
     return shaded;
 }
 
@@ -250,9 +260,46 @@ fn first_fine(point: SurfacePoint, whole: SeenNode, lobes: vec3<f32>) -> SeenNod
     return part;
 }
 
-// Light that reaches the eye from a node, for leaves of a solid angle of 1.
-fn reflected_light(point: SurfacePoint, seen: SeenNode, visibility: f32) -> vec3<f32> {
-    let light = received_light(point, seen.cone.direction, seen.wi, select(0.0, seen.cone.inv_kappa, REFINE));
-    let weight = visibility * node_size(seen.node);
-    return reflection_of(point.brdf, light, point.wo) * weight * nodes[seen.node].radiance;
+// Adds the light that reaches the eye from a node, for leaves of a solid angle of 1.
+fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode, visibility: f32, mirror: Mirror) {
+    var light = received_light(point, seen.cone.direction, seen.wi, select(0.0, seen.cone.inv_kappa, REFINE));
+    var window = 0.0;
+    if mirror.share > 0.0 {
+        window = mirror_window(mirror, seen.wi, point.wo);
+        light.inv_kappa = mirror_spread(mirror, window, light.inv_kappa);
+    }
+    let unshadowed = reflection_of(point.brdf, light, point.wo) * nodes[seen.node].radiance * node_size(seen.node);
+    (*shaded).radiance += unshadowed * visibility;
+    (*shaded).brdf_evaluations += 1u;
+    if mirror.share > 0.0 {
+        (*shaded).window_seen += unshadowed * (window * visibility);
+        (*shaded).window_all += unshadowed * window;
+    }
+}
+
+fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
+    (*shaded).radiance *= leaf_solid_angle();
+    if mirror.share > 0.0 {
+        let seen = (*shaded).window_seen * leaf_solid_angle();
+        let all = (*shaded).window_all * leaf_solid_angle();
+        (*shaded).radiance = sharpened(mirror, (*shaded).radiance, seen, all, unshadowed_window(mirror, point));
+    }
+}
+
+// The sharp lobes of a point, if they read the map.
+fn mirror_at(point: SurfacePoint) -> Mirror {
+    var mirror = mirror_of(lobes_of(point.brdf), point.wo);
+    if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrors == 0u {
+        mirror.share = 0.0;
+    }
+    return mirror;
+}
+
+// Whether a node without visible light reaches into the window of a mirror.
+fn shows_in_window(point: SurfacePoint, mirror: Mirror, node: u32) -> bool {
+    if !(mirror.share > 0.0) {
+        return false;
+    }
+    let seen = seen_from(point, node);
+    return reaches_window(mirror, seen.wi, seen.cone.radius, point.wo);
 }

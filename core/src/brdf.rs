@@ -31,6 +31,7 @@ pub use beckmann::{Beckmann, BeckmannParameters};
 pub use blinn_phong::{BlinnPhong, BlinnPhongParameters};
 pub use fresnel::Metal;
 pub use ggx::{Ggx, GgxParameters};
+pub use ggx_lobe::GgxLobe;
 pub use lambert::{Lambert, LambertParameters};
 pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
 pub use microfacet::{MIN_ALPHA, widths};
@@ -46,8 +47,16 @@ use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Widths of a model's lobes around the direction of the mirror, as the narrower microfacet `alpha`; 0 for none.
-pub type Lobes = [f32; 3];
+/// Widths of a model's lobes around the direction of the mirror, as microfacet `alpha` along the tangent and the bitangent.
+pub type Lobes = [[f32; 2]; 3];
+
+/// The widths of a lobe that a model lacks.
+pub const NO_LOBE: [f32; 2] = [0.0; 2];
+
+/// The narrower width of each lobe; 0 for none.
+pub fn narrow_widths(lobes: Lobes) -> [f32; 3] {
+    lobes.map(|[along, across]| along.min(across))
+}
 
 /// A reflectance model with its parameters.
 pub trait Brdf {
@@ -70,7 +79,7 @@ pub trait Brdf {
 
     /// Width of the narrowest lobe, if there is one.
     fn narrowest_lobe(&self) -> Option<f32> {
-        self.lobes().into_iter().filter(|&width| width > 0.0).reduce(f32::min)
+        narrow_widths(self.lobes()).into_iter().filter(|&width| width > 0.0).reduce(f32::min)
     }
 
     /// Albedo for light from the normal: the share of light that a bounce reflects.

@@ -14,9 +14,11 @@ use thiserror::Error;
 
 mod blur;
 mod procedural;
+mod pyramid;
 mod sun;
 
 pub use procedural::{constant, orientation, studio, sun_and_sky};
+pub use pyramid::Pyramid;
 pub use sun::{MOST_SUNS, Sun, SunSettings, Suns};
 
 /// Largest radiance of an environment: ten thousand times that of the sun, and sums of its light stay numbers of 32 bits.
@@ -127,15 +129,25 @@ impl Environment {
 
     /// Radiance from a unit direction, bilinear between texels; wraps in longitude.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        let (w, h) = (self.map.width() as i64, self.map.height() as i64);
-        let p = uv_from_direction(direction) * Vec2::new(w as f32, h as f32) - 0.5;
-        let (base, f) = (p.floor(), p - p.floor());
-        let texel = |x: i64, y: i64| self.map.at(x.rem_euclid(w) as usize, y.clamp(0, h - 1) as usize);
-        let (x, y) = (base.x as i64, base.y as i64);
-        let top = texel(x, y).lerp(texel(x + 1, y), f.x);
-        let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), f.x);
-        top.lerp(bottom, f.y)
+        bilinear(&self.map, direction)
     }
+
+    /// The map at ever coarser resolutions. It is made at the first call.
+    pub fn pyramid(&self) -> Arc<Pyramid> {
+        self.known.pyramid.get_or_init(|| Pyramid::new(&self.map).into()).clone()
+    }
+}
+
+/// The value of a latitude-longitude map in a unit direction, bilinear between texels; wraps in longitude.
+fn bilinear(map: &Image, direction: Vec3) -> Vec3 {
+    let (w, h) = (map.width() as i64, map.height() as i64);
+    let p = uv_from_direction(direction) * Vec2::new(w as f32, h as f32) - 0.5;
+    let (base, f) = (p.floor(), p - p.floor());
+    let texel = |x: i64, y: i64| map.at(x.rem_euclid(w) as usize, y.clamp(0, h - 1) as usize);
+    let (x, y) = (base.x as i64, base.y as i64);
+    let top = texel(x, y).lerp(texel(x + 1, y), f.x);
+    let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), f.x);
+    top.lerp(bottom, f.y)
 }
 
 fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {

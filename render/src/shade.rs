@@ -2,6 +2,7 @@
 
 pub(crate) mod background;
 pub(crate) mod merge;
+pub mod mirror;
 pub(crate) mod node_field;
 pub(crate) mod node_row;
 pub(crate) mod painter;

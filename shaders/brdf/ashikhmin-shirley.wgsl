@@ -35,8 +35,8 @@ fn ashikhmin_shirley_reflect(brdf: AshikhminShirley, light: Light, wo: vec3<f32>
     return schlick_fresnel(brdf.schlick, half.wi_dot_h) * lobe + base;
 }
 
-fn ashikhmin_shirley_lobes(brdf: AshikhminShirley) -> vec3<f32> {
-    return vec3(min(brdf.alpha.x, brdf.alpha.y), 0.0, 0.0);
+fn ashikhmin_shirley_lobes(brdf: AshikhminShirley) -> mat3x2<f32> {
+    return mat3x2(brdf.alpha, NO_LOBE, NO_LOBE);
 }
 
 fn ashikhmin_shirley_albedo(brdf: AshikhminShirley) -> vec3<f32> {

@@ -34,8 +34,8 @@ fn beckmann_reflect(brdf: Beckmann, light: Light, wo: vec3<f32>) -> vec3<f32> {
     return interface_fresnel(brdf.surface, half.wi_dot_h) * lobe + base_reflect(brdf.base, light, wo);
 }
 
-fn beckmann_lobes(brdf: Beckmann) -> vec3<f32> {
-    return vec3(min(brdf.alpha.x, brdf.alpha.y), 0.0, 0.0);
+fn beckmann_lobes(brdf: Beckmann) -> mat3x2<f32> {
+    return mat3x2(brdf.alpha, NO_LOBE, NO_LOBE);
 }
 
 fn beckmann_albedo(brdf: Beckmann) -> vec3<f32> {

@@ -25,8 +25,8 @@ fn blinn_phong_reflect(brdf: BlinnPhong, light: Light, wo: vec3<f32>) -> vec3<f3
     return schlick_fresnel(brdf.schlick, half.wi_dot_h) * lobe + base_reflect(brdf.base, light, wo);
 }
 
-fn blinn_phong_lobes(brdf: BlinnPhong) -> vec3<f32> {
-    return vec3(brdf.alpha, 0.0, 0.0);
+fn blinn_phong_lobes(brdf: BlinnPhong) -> mat3x2<f32> {
+    return mat3x2(vec2(brdf.alpha), NO_LOBE, NO_LOBE);
 }
 
 fn blinn_phong_albedo(brdf: BlinnPhong) -> vec3<f32> {

@@ -33,8 +33,8 @@ fn ggx_reflect(brdf: Ggx, light: Light, wo: vec3<f32>) -> vec3<f32> {
     return single + multiple + base_reflect(brdf.base, light, wo);
 }
 
-fn ggx_lobes(brdf: Ggx) -> vec3<f32> {
-    return vec3(min(brdf.alpha.x, brdf.alpha.y), 0.0, 0.0);
+fn ggx_lobes(brdf: Ggx) -> mat3x2<f32> {
+    return mat3x2(brdf.alpha, NO_LOBE, NO_LOBE);
 }
 
 fn ggx_albedo(brdf: Ggx) -> vec3<f32> {

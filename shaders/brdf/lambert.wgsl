@@ -12,8 +12,8 @@ fn lambert_reflect(brdf: Lambert, light: Light, wo: vec3<f32>) -> vec3<f32> {
     return brdf.albedo * FRAC_1_PI * light.cosine;
 }
 
-fn lambert_lobes(brdf: Lambert) -> vec3<f32> {
-    return vec3(0.0);
+fn lambert_lobes(brdf: Lambert) -> mat3x2<f32> {
+    return mat3x2(NO_LOBE, NO_LOBE, NO_LOBE);
 }
 
 fn lambert_albedo(brdf: Lambert) -> vec3<f32> {

@@ -148,9 +148,9 @@ fn openpbr_reflect(brdf: OpenPbr, light: Light, wo: vec3<f32>) -> vec3<f32> {
     return value;
 }
 
-fn openpbr_lobes(brdf: OpenPbr) -> vec3<f32> {
-    let coat = select(0.0, min(brdf.coat_alpha.x, brdf.coat_alpha.y), brdf.coat_weight > 0.0);
-    return vec3(min(brdf.alpha.x, brdf.alpha.y), coat, 0.0);
+fn openpbr_lobes(brdf: OpenPbr) -> mat3x2<f32> {
+    let coat = select(NO_LOBE, brdf.coat_alpha, brdf.coat_weight > 0.0);
+    return mat3x2(brdf.alpha, coat, NO_LOBE);
 }
 
 fn openpbr_albedo(brdf: OpenPbr) -> vec3<f32> {

@@ -12,8 +12,8 @@ fn oren_nayar_reflect(brdf: OrenNayar, light: Light, wo: vec3<f32>) -> vec3<f32>
     return rough_diffuse_value(brdf.rough, light.wi, wo) * light.cosine;
 }
 
-fn oren_nayar_lobes(brdf: OrenNayar) -> vec3<f32> {
-    return vec3(0.0);
+fn oren_nayar_lobes(brdf: OrenNayar) -> mat3x2<f32> {
+    return mat3x2(NO_LOBE, NO_LOBE, NO_LOBE);
 }
 
 fn oren_nayar_albedo(brdf: OrenNayar) -> vec3<f32> {

@@ -20,8 +20,8 @@ fn ward_reflect(brdf: Ward, light: Light, wo: vec3<f32>) -> vec3<f32> {
     return brdf.diffuse * FRAC_1_PI * light.cosine + brdf.specular * lobe;
 }
 
-fn ward_lobes(brdf: Ward) -> vec3<f32> {
-    return vec3(min(brdf.alpha.x, brdf.alpha.y), 0.0, 0.0);
+fn ward_lobes(brdf: Ward) -> mat3x2<f32> {
+    return mat3x2(brdf.alpha, NO_LOBE, NO_LOBE);
 }
 
 fn ward_albedo(brdf: Ward) -> vec3<f32> {

@@ -5,7 +5,7 @@
 //! as microfacets of the same roughness.
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
     parameter::parameters,
     phong_lobe::PhongLobe,
@@ -97,7 +97,7 @@ impl Brdf for AshikhminShirley {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

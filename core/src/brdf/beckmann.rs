@@ -4,7 +4,7 @@
 //! rational fit of Smith's shadowing for each direction by itself (Walter et al., Eq. 27).
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::Albedo,
     gaussian_lobe::GaussianLobe,
     microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Interface, Sym2x8, glossy_share, is_seen, widths},
@@ -106,7 +106,7 @@ impl Brdf for Beckmann {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

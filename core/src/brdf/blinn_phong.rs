@@ -4,7 +4,7 @@
 //! exponent is `2 / alpha² - 2`, so that lobes are as wide as microfacets of the same roughness.
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::Albedo,
     microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
     parameter::parameters,
@@ -81,7 +81,7 @@ impl Brdf for BlinnPhong {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

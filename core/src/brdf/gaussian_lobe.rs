@@ -32,11 +32,6 @@ impl GaussianLobe {
         self.alpha
     }
 
-    /// The narrower width.
-    pub fn narrow(&self) -> f32 {
-        self.alpha[0].min(self.alpha[1])
-    }
-
     /// Widened by the spread of the lights: in the space of half vectors variances add up.
     #[inline(always)]
     pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {

@@ -5,7 +5,7 @@
 //! the base reflects what a dielectric leaves: in even light of 1 a white material shows 1.
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::{Albedo, multiple_reflectance},
     ggx_lobe::GgxLobe,
     microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
@@ -91,7 +91,7 @@ impl Brdf for Ggx {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

@@ -33,12 +33,6 @@ impl GgxLobe {
         self.alpha
     }
 
-    /// The narrower width.
-    #[inline]
-    pub fn narrow(&self) -> f32 {
-        self.alpha[0].min(self.alpha[1])
-    }
-
     /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
     #[inline(always)]
     fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {

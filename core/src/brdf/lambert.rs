@@ -1,6 +1,8 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
-use super::{Brdf, LightsX8, Lobes, Model, Parameter, Values, microfacet::is_seen, parameter::parameters, shared};
+use super::{
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values, microfacet::is_seen, parameter::parameters, shared,
+};
 use crate::{
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
@@ -50,7 +52,7 @@ impl Brdf for Lambert {
     }
 
     fn lobes(&self) -> Lobes {
-        [0.0; 3]
+        [NO_LOBE; 3]
     }
 
     fn albedo(&self) -> Vec3 {

@@ -10,7 +10,7 @@
 //!   what is reflected inside, as the specification says (sections on coat roughening and darkening).
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::{Albedo, multiple_reflectance},
     fresnel::{MEAN_NODES, MEAN_WEIGHTS, dielectric_x8},
     fuzz,
@@ -281,8 +281,8 @@ impl Brdf for OpenPbr {
     }
 
     fn lobes(&self) -> Lobes {
-        let coat = if self.coat_weight > 0.0 { self.coat.narrow() } else { 0.0 };
-        [self.lobe.narrow(), coat, 0.0]
+        let coat = if self.coat_weight > 0.0 { self.coat.alpha() } else { NO_LOBE };
+        [self.lobe.alpha(), coat, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

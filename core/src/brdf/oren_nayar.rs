@@ -1,7 +1,9 @@
 //! Rough diffuse reflection that preserves energy (Portsmouth, Kutz and Hill 2024, *EON: A Practical Energy-Preserving Rough
 //! Diffuse BRDF*): Fujii's improved Oren-Nayar and what is reflected among its facets several times.
 
-use super::{Brdf, LightsX8, Lobes, Model, Parameter, Values, microfacet::is_seen, parameter::parameters, shared};
+use super::{
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values, microfacet::is_seen, parameter::parameters, shared,
+};
 use crate::{
     simd::{Lanes, Vec3x8},
     sphere::cosine_direction,
@@ -97,7 +99,7 @@ impl Brdf for OrenNayar {
     }
 
     fn lobes(&self) -> Lobes {
-        [0.0; 3]
+        [NO_LOBE; 3]
     }
 
     fn albedo(&self) -> Vec3 {

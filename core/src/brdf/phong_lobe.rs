@@ -6,11 +6,12 @@ use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use wide::f32x8;
 
-/// `2 / n` for the exponents along the tangent and the bitangent: its width in projected slope space, as that of GGX.
+/// Widths along the tangent and the bitangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongLobe {
+    /// `2 / n` for the exponents: its width in projected slope space, as that of GGX.
     slope: [f32; 2],
-    narrow: f32,
+    alpha: [f32; 2],
 }
 
 /// The lobe filtered by the spread of eight lights.
@@ -47,12 +48,12 @@ fn log_of_rest<L: Lanes>(s: L) -> L {
 impl PhongLobe {
     /// With exponents `2 / alpha² - 2`, whose lobes are as wide as microfacets of these widths.
     pub fn new(alpha: [f32; 2]) -> Self {
-        Self { slope: slopes(alpha), narrow: alpha[0].min(alpha[1]) }
+        Self { slope: slopes(alpha), alpha }
     }
 
-    /// The narrower microfacet width.
-    pub fn narrow(&self) -> f32 {
-        self.narrow
+    /// The microfacet widths.
+    pub fn alpha(&self) -> [f32; 2] {
+        self.alpha
     }
 
     fn exponents(&self) -> [f32; 2] {

@@ -4,7 +4,7 @@
 //! no Fresnel factor: `s` is the reflectance at normal incidence. It loses energy toward grazing angles.
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::Albedo,
     gaussian_lobe::GaussianLobe,
     microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
@@ -87,7 +87,7 @@ impl Brdf for Ward {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

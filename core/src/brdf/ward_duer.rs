@@ -4,7 +4,7 @@
 //! model has no Fresnel factor: `s` is the reflectance at normal incidence.
 
 use super::{
-    Brdf, LightsX8, Lobes, Model, Parameter, Values,
+    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     gaussian_lobe::GaussianLobe,
     microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
     parameter::parameters,
@@ -80,7 +80,7 @@ impl Brdf for WardDuer {
     }
 
     fn lobes(&self) -> Lobes {
-        [self.lobe.narrow(), 0.0, 0.0]
+        [self.lobe.alpha(), NO_LOBE, NO_LOBE]
     }
 
     fn albedo(&self) -> Vec3 {

@@ -4,7 +4,7 @@
 //! What is brighter than a threshold goes to the sun, and the map is cut off there, as Blender does it with the sun of a world. A
 //! sun is as large as a disc whose light is spread as wide. All that is taken out of the map is in its sun.
 
-use super::{Environment, texel_direction, texel_solid_angle};
+use super::{Environment, Pyramid, texel_direction, texel_solid_angle};
 use crate::{color::luminance, image::Image, sphere::SPHERE};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashSet;
@@ -177,6 +177,8 @@ pub(super) struct MapCache {
     suns: Mutex<Vec<(SunSettings, Arc<Suns>)>>,
     /// See [`Environment::irradiance_from_above`].
     pub from_above: OnceLock<Vec3>,
+    /// See [`Environment::pyramid`].
+    pub pyramid: OnceLock<Arc<Pyramid>>,
 }
 
 /// Settings whose suns are kept.

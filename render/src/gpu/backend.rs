@@ -347,7 +347,8 @@ impl Backend for GpuBackend {
         let known = self.light.as_ref().is_some_and(|(_, e)| Arc::ptr_eq(e, &light.environment));
         self.picture = None;
         let Some(Loaded { scene, .. }) = &self.scene else { return Ok(Vec::new()) };
-        let lit = GpuLight::new(&self.gpu, &self.passes.lit, scene, light, lighting)?;
+        let lit =
+            GpuLight::new(&self.gpu, &self.passes.lit, scene, light, lighting, self.light.as_ref().map(|(l, _)| l))?;
         self.light = Some((lit, light.environment.clone()));
         self.gpu.check()?;
         let message = scaled_map(&light.environment, self.gpu.limits.max_texture_dimension_2d);

@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     layout::Node,
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_texture, extent, storage, write_rows},
+    scene::{GpuScene, SourceCuts, cut_texture, extent, storage},
 };
 use crate::{
     backend::BackendError,
@@ -15,7 +15,11 @@ use crate::{
     },
 };
 use glam::Vec3;
-use lapidary_core::{cut::packed::pack_node, environment::Environment, image::Image};
+use lapidary_core::{
+    cut::packed::pack_node,
+    environment::{Environment, Pyramid},
+    image::Image,
+};
 use std::{borrow::Cow, sync::Arc};
 
 /// Light of one scene.
@@ -29,10 +33,29 @@ pub struct GpuLight {
     pub max_nodes: u32,
     pub rotation: f32,
     pub intensity: f32,
+    /// The map for sharp lobes.
+    pub mirrored: Option<GpuPyramid>,
+}
+
+/// All levels of a map.
+#[derive(Clone)]
+pub struct GpuPyramid {
+    pyramid: Arc<Pyramid>,
+    pub view: wgpu::TextureView,
+}
+
+impl GpuPyramid {
+    /// Uploads the levels, unless `before` is the same.
+    fn new(gpu: &GpuDevice, pyramid: &Arc<Pyramid>, before: Option<&Self>) -> Self {
+        if let Some(same) = before.filter(|before| Arc::ptr_eq(&before.pyramid, pyramid)) {
+            return same.clone();
+        }
+        Self { pyramid: pyramid.clone(), view: upload(gpu, "levels of the environment", pyramid.levels()) }
+    }
 }
 
 impl GpuLight {
-    /// Uploads a few megabytes, and makes the lit cuts of a scene.
+    /// Uploads a few megabytes, and makes the lit cuts of a scene. What of `before` is the same is kept.
     ///
     /// # Errors
     /// A lost device.
@@ -42,7 +65,9 @@ impl GpuLight {
         scene: &GpuScene,
         light: &Illumination,
         lighting: &SceneLighting,
+        before: Option<&Self>,
     ) -> Result<Self, BackendError> {
+        let before = before.and_then(|before| before.mirrored.as_ref());
         let nodes = storage(gpu, "light tree", bytemuck::cast_slice(&nodes(lighting)));
         let stored = (&scene.cuts, scene.tree_height);
         Ok(Self {
@@ -53,6 +78,7 @@ impl GpuLight {
             max_nodes: lighting.max_nodes,
             rotation: light.rotation,
             intensity: light.intensity,
+            mirrored: lighting.mirrored.as_ref().map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
         })
     }
 
@@ -67,6 +93,7 @@ impl GpuLight {
             max_nodes: 0,
             rotation: 0.0,
             intensity: 0.0,
+            mirrored: None,
         }
     }
 }
@@ -145,7 +172,7 @@ impl GpuMap {
             Some(width) => Cow::Owned(environment.blurred(width).map),
             None => fitted(&environment.map, gpu.limits.max_texture_dimension_2d),
         };
-        Self { environment: environment.clone(), blur, view: upload(gpu, &shown) }
+        Self { environment: environment.clone(), blur, view: upload(gpu, "environment", std::slice::from_ref(&*shown)) }
     }
 }
 
@@ -171,18 +198,27 @@ fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
     Cow::Owned(Image::from_fn(size, |x, y| map.at((x * step) as usize, (y * step) as usize)))
 }
 
-fn upload(gpu: &GpuDevice, map: &Image) -> wgpu::TextureView {
+/// A texture of these levels.
+fn upload(gpu: &GpuDevice, label: &str, levels: &[Image]) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("environment"),
-        size: extent(map.size),
-        mip_level_count: 1,
+        label: Some(label),
+        size: extent(levels[0].size),
+        mip_level_count: levels.len() as u32,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::Rgba32Float,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
-    write_rows(gpu, &texture, 16 * map.width(), bytemuck::cast_slice(&texels));
+    for (level, map) in levels.iter().enumerate() {
+        let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * map.size[0]),
+            rows_per_image: Some(map.size[1]),
+        };
+        let target = wgpu::TexelCopyTextureInfo { mip_level: level as u32, ..texture.as_image_copy() };
+        gpu.queue.write_texture(target, bytemuck::cast_slice(&texels), layout, extent(map.size));
+    }
     texture.create_view(&Default::default())
 }

@@ -110,10 +110,10 @@ fn reflection_of(brdf: Brdf, light: Light, wo: vec3<f32>) -> vec3<f32> {{
     }}
 }}
 
-// Widths of its lobes, 0 for none.
-fn lobes_of(brdf: Brdf) -> vec3<f32> {{
+// Widths of its lobes along tangent and bitangent, NO_LOBE for none.
+fn lobes_of(brdf: Brdf) -> mat3x2<f32> {{
     switch brdf.model {{
-{lobes}        default: {{ return vec3(0.0); }}
+{lobes}        default: {{ return mat3x2(NO_LOBE, NO_LOBE, NO_LOBE); }}
     }}
 }}
 

@@ -132,7 +132,7 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
         parameters: layout("parameters", &[Uint, Float]),
-        merge: layout("merge", &[Uint, Float, Float, Float, Uint, Float]),
+        merge: layout("merge", &[Uint, Float, Float, Float, Uint, Float, Float]),
         addition: layout("addition", &[Uint, Float, Float, Float, Uint]),
         display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
         lattice: layout("lattice", &[Float, Uint, Float]),

@@ -35,6 +35,7 @@ parts!(
     "lit_pass",
     "materials",
     "merge_pass",
+    "mirror",
     "parameters_pass",
     "past",
     "predict_pass",
@@ -105,7 +106,10 @@ pub const PARAMETERS: Program = Program {
 /// The merge of cuts.
 pub const MERGE: Program = Program {
     name: "merge_pass",
-    parts: [SHADING, &["receiver", "tree", "cut", "lit_cut", "refine", "environment", "wireframe", "merge_pass"]],
+    parts: [
+        SHADING,
+        &["receiver", "tree", "cut", "lit_cut", "refine", "environment", "mirror", "wireframe", "merge_pass"],
+    ],
 };
 /// Lit cuts.
 pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "tree", "cut", "lit_pass"]] };

@@ -1,7 +1,10 @@
 //! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
 //! recomputes.
 
-use crate::{light::brightness, shade::node_row::NodeRow};
+use crate::{
+    light::brightness,
+    shade::{mirror::MirroredMap, node_row::NodeRow},
+};
 use glam::{Quat, Vec3};
 use lapidary_core::{
     color::luminance,
@@ -72,6 +75,8 @@ pub struct SceneLighting {
     pub brightness: Vec<f32>,
     /// Direction, inverse concentration, radiance and brightness of each node side by side, for pixels.
     pub(crate) rows: Vec<NodeRow>,
+    /// The map that the leaves are samples of, for sharp lobes.
+    pub mirrored: Option<MirroredMap>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
     /// Solid angle of one leaf in steradians.
@@ -93,7 +98,8 @@ impl SceneLighting {
         let brightness = brightness(&means, &nodes.luminance_sq);
         let rows = NodeRow::of_all(&nodes.direction, &nodes.inv_kappa, &nodes.radiance, &brightness);
         let leaf_solid_angle = tree.leaf_solid_angle();
-        Self { nodes, radii, cut, lit, brightness, rows, max_nodes: illum_cut, leaf_solid_angle }
+        let mirrored = None;
+        Self { nodes, radii, cut, lit, brightness, rows, mirrored, max_nodes: illum_cut, leaf_solid_angle }
     }
 
     /// The same light with lit cuts of another `tau`, see [`LitCuts`].
@@ -124,7 +130,10 @@ impl LightRig {
         let resample = || (sampled.clone(), self.sampler.grid_energy(&sampled));
         let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
         let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
-        SceneLighting::with_radii(&self.tree, self.radii.clone(), &leaves, illum_cut)
+        SceneLighting {
+            mirrored: Some(MirroredMap::new(&sampled, light.rotation, light.intensity)),
+            ..SceneLighting::with_radii(&self.tree, self.radii.clone(), &leaves, illum_cut)
+        }
     }
 }
 

@@ -8,13 +8,14 @@
 //! same terms in the same order.
 
 use crate::shade::{
+    mirror::{Mirror, MirroredMap},
     node_field::{EightLights, NodeField},
     refine::{Refinement, is_too_wide_for_a_cosine},
     surface::{ReceiverX8, SurfacePoint},
 };
 use glam::{Mat3, Vec3};
 use lapidary_core::{
-    brdf::{Brdf, BrdfVisitor},
+    brdf::{Brdf, BrdfVisitor, NO_LOBE},
     cut::{
         merge::{Interval, merge, merge_within},
         packed::{PackedCursor, PackedCuts},
@@ -68,14 +69,19 @@ impl AddAssign for Work {
 }
 
 /// A node to evaluate.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Term {
     /// Heap index.
     pub node: u32,
-    /// Interpolated value of the vertices' cuts; zero in padding alone.
+    /// Interpolated value of the vertices' cuts; zero in padding, and for nodes that only a [`Mirror`] asks for.
     pub visibility: f32,
     /// Whether it comes from lit cuts: then the value is a mean weighted by the light.
     pub is_lit: bool,
+}
+
+impl Term {
+    /// What fills up eight: the root without visibility.
+    const PADDING: Self = Self { node: 1, visibility: 0.0, is_lit: false };
 }
 
 /// Eight terms of the sum, evaluated.
@@ -83,12 +89,16 @@ pub(crate) struct EightTerms<'t, L = f32x8> {
     pub terms: &'t [Term],
     /// Unit directions to the nodes in world space.
     pub direction: Vec3x8<L>,
+    /// The same in the local frame.
+    pub wi: Vec3x8<L>,
     /// Mean radiance of the nodes.
     pub radiance: Vec3x8<L>,
     /// BRDF times cosine at their directions.
     pub brdf_cos: Vec3x8<L>,
     /// Visibility times number of leaves; zero where the direction is below the smooth normal's horizon.
     pub weight: L,
+    /// Number of leaves; zero in padding.
+    pub leaves: L,
 }
 
 impl<L: Lanes> EightTerms<'_, L> {
@@ -96,6 +106,12 @@ impl<L: Lanes> EightTerms<'_, L> {
     #[inline(always)]
     pub fn reflected(&self) -> Vec3x8<L> {
         self.brdf_cos.scale(self.radiance) * self.weight
+    }
+
+    /// The same if all of the nodes were seen.
+    #[inline(always)]
+    fn unshadowed(&self) -> Vec3x8<L> {
+        self.brdf_cos.scale(self.radiance) * self.leaves
     }
 }
 
@@ -137,8 +153,17 @@ impl<'a, F: NodeField> Shader<'a, F> {
         self.instructions.run(Shade { shader: self, point })
     }
 
-    /// Visits the terms that [`Self::shade`] sums, left to right, and before them the nodes of the merged cut without
-    /// visible light.
+    /// The sharp lobes of a point that read the map of the light, if it has one.
+    fn mirror(&self, point: &SurfacePoint) -> Option<(Mirror, &'a MirroredMap)>
+    where
+        F: 'a,
+    {
+        let map = self.field.mirrored().filter(|_| self.sampling != BrdfSampling::Once)?;
+        Some((Mirror::of(point.brdf.as_brdf().lobes(), point.wo, self.field.solid_angle())?, map))
+    }
+
+    /// Visits the terms that are summed without a [`Mirror`], left to right, and before them the nodes of the merged cut
+    /// without visible light.
     #[inline(always)]
     pub fn traverse<L: Lanes>(
         &mut self,
@@ -146,25 +171,42 @@ impl<'a, F: NodeField> Shader<'a, F> {
         dark: impl FnMut(Interval),
         visit: impl FnMut(&EightTerms<L>),
     ) {
+        self.traverse_with(point, None, dark, visit);
+    }
+
+    /// As [`Self::traverse`], also with the nodes without visible light that reach into the window of a mirror.
+    #[inline(always)]
+    fn traverse_with<L: Lanes>(
+        &mut self,
+        point: &SurfacePoint,
+        mirror: Option<&Mirror>,
+        dark: impl FnMut(Interval),
+        visit: impl FnMut(&EightTerms<L>),
+    ) {
         let mut terms = std::mem::take(&mut self.terms);
         terms.clear();
-        let merged = Merged::new(self, point);
+        let merged = Merged::new(self, point, mirror);
         self.work.merged_nodes += match self.sampling {
             BrdfSampling::Lit => merged.lit(&mut terms, dark),
             BrdfSampling::Once | BrdfSampling::Refine => merged.stored(&mut terms, dark),
         };
         self.work.brdf_evaluations += terms.len() as u64;
-        self.evaluate(point, &mut terms, visit);
+        self.evaluate(point, mirror, &mut terms, visit);
         self.terms = terms;
     }
 
     /// Evaluates the terms, eight at a time.
     #[inline(always)]
-    fn evaluate<L: Lanes>(&self, point: &SurfacePoint, terms: &mut Vec<Term>, visit: impl FnMut(&EightTerms<L>)) {
-        // Padding repeats the root without visibility.
-        terms.resize(terms.len().next_multiple_of(8), Term { node: 1, visibility: 0.0, is_lit: false });
+    fn evaluate<L: Lanes>(
+        &self,
+        point: &SurfacePoint,
+        mirror: Option<&Mirror>,
+        terms: &mut Vec<Term>,
+        visit: impl FnMut(&EightTerms<L>),
+    ) {
+        terms.resize(terms.len().next_multiple_of(8), Term::PADDING);
         let terms = terms.as_chunks::<8>().0;
-        point.brdf.visit(Evaluate { shader: self, point, terms, visit, lanes: PhantomData::<L> });
+        point.brdf.visit(Evaluate { shader: self, point, mirror, terms, visit, lanes: PhantomData::<L> });
     }
 
     #[inline(always)]
@@ -172,6 +214,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         &self,
         brdf: &impl Brdf,
         point: &SurfacePoint,
+        mirror: Option<&Mirror>,
         terms: &[[Term; 8]],
         mut visit: impl FnMut(&EightTerms<L>),
     ) {
@@ -183,23 +226,28 @@ impl<'a, F: NodeField> Shader<'a, F> {
                 *node = term.node as usize;
             }
             let EightLights { direction, inv_kappa, radiance } = self.field.light::<L>(nodes, point.position, spread);
-            let lights = match self.knows_horizon {
+            let mut lights = match self.knows_horizon {
                 true => receiver.lights(direction, inv_kappa),
                 false => receiver.lights_at_centers(direction, inv_kappa),
             };
-            let (brdf_cos, weight) = (brdf.reflect(&lights, point.wo), self.weight(terms));
-            visit(&EightTerms { terms, direction, radiance, brdf_cos, weight });
+            if let Some(mirror) = mirror {
+                lights.inv_kappa = mirror.spread(lights.wi, lights.inv_kappa);
+            }
+            let (brdf_cos, [weight, leaves]) = (brdf.reflect(&lights, point.wo), self.weights(terms));
+            visit(&EightTerms { terms, direction, wi: lights.wi, radiance, brdf_cos, weight, leaves });
         }
     }
 
-    /// Visibility times number of leaves.
+    /// Visibility times number of leaves, and number of leaves.
     #[inline(always)]
-    fn weight<L: Lanes>(&self, terms: &[Term; 8]) -> L {
-        let mut weight = [0.0; 8];
-        for (weight, term) in weight.iter_mut().zip(terms) {
-            *weight = term.visibility * (1_u32 << (self.height - term.node.ilog2())) as f32;
+    fn weights<L: Lanes>(&self, terms: &[Term; 8]) -> [L; 2] {
+        let (mut weights, mut leaves) = ([0.0; 8], [0.0; 8]);
+        for ((weight, leaves), term) in weights.iter_mut().zip(&mut leaves).zip(terms) {
+            let below = (1_u32 << (self.height - term.node.ilog2())) as f32;
+            *weight = term.visibility * below;
+            *leaves = if *term == Term::PADDING { 0.0 } else { below };
         }
-        L::new(weight)
+        [L::new(weights), L::new(leaves)]
     }
 }
 
@@ -207,6 +255,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
 struct Evaluate<'s, 'a, 't, F, L, V> {
     shader: &'s Shader<'a, F>,
     point: &'s SurfacePoint,
+    mirror: Option<&'s Mirror>,
     terms: &'t [[Term; 8]],
     visit: V,
     lanes: PhantomData<L>,
@@ -215,7 +264,7 @@ struct Evaluate<'s, 'a, 't, F, L, V> {
 impl<F: NodeField, L: Lanes, V: FnMut(&EightTerms<L>)> BrdfVisitor for Evaluate<'_, '_, '_, F, L, V> {
     #[inline(always)]
     fn visit(self, brdf: &impl Brdf) {
-        self.shader.evaluate_with::<L>(brdf, self.point, self.terms, self.visit);
+        self.shader.evaluate_with::<L>(brdf, self.point, self.mirror, self.terms, self.visit);
     }
 }
 
@@ -230,14 +279,28 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec3 {
-        let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
-        self.shader.traverse::<L>(
-            self.point,
+        let Self { shader, point } = self;
+        let mirror = shader.mirror(point);
+        let mut sums = [Vec3x8::<L>::splat(Vec3::ZERO); 3];
+        let [reflected, seen, all] = &mut sums;
+        shader.traverse_with::<L>(
+            point,
+            mirror.as_ref().map(|(mirror, _)| mirror),
             |_| (),
             #[inline(always)]
-            |eight| sum = sum + eight.reflected(),
+            |eight| {
+                *reflected = *reflected + eight.reflected();
+                if let Some((mirror, _)) = &mirror {
+                    let window = mirror.window(eight.wi);
+                    *seen = *seen + eight.reflected() * window;
+                    *all = *all + eight.unshadowed() * window;
+                }
+            },
         );
-        sum.reduce_add() * self.shader.field.solid_angle()
+        let per_leaf = shader.field.solid_angle();
+        let [reflected, seen, all] = [reflected, seen, all].map(|sum| sum.reduce_add() * per_leaf);
+        let Some((mirror, map)) = mirror else { return reflected };
+        mirror.sharpened(reflected, seen, all, mirror.unshadowed::<L>(point, map))
     }
 }
 
@@ -252,16 +315,19 @@ struct Merged<'a, 'p, F> {
     refinement: Option<Refinement>,
     /// Whether nodes are halved where one direction is too few.
     is_refined: bool,
+    /// What also needs nodes without visible light.
+    mirror: Option<&'p Mirror>,
 }
 
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
-    fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
+    fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint, mirror: Option<&'p Mirror>) -> Self {
         let &Shader { field, cuts, height, sampling, .. } = shader;
         let lobes = point.brdf.as_brdf().lobes();
-        let refinement = (sampling != BrdfSampling::Once && lobes[0] > 0.0).then(|| Refinement::new(lobes, point.wo));
+        let refinement =
+            (sampling != BrdfSampling::Once && lobes[0] != NO_LOBE).then(|| Refinement::new(lobes, point.wo));
         let local_from_world = point.world_from_local.transpose();
         let is_refined = sampling != BrdfSampling::Once;
-        Self { field, cuts, height, point, local_from_world, refinement, is_refined }
+        Self { field, cuts, height, point, local_from_world, refinement, is_refined, mirror }
     }
 
     fn leaves(&self) -> u32 {
@@ -328,10 +394,22 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         dark: &mut impl FnMut(Interval),
     ) {
         let visibility = self.interpolated(|i| cursors[i].stored_value());
+        let node = interval.heap_index(self.leaves());
         if visibility > 0.0 {
-            self.halve(Term { node: interval.heap_index(self.leaves()), visibility, is_lit: false }, terms);
+            self.halve(Term { node, visibility, is_lit: false }, terms);
         } else {
             dark(interval);
+            self.add_dark(node, terms);
+        }
+    }
+
+    /// Adds a node without visible light if it reaches into the window of a mirror.
+    #[inline(always)]
+    fn add_dark(&self, node: u32, terms: &mut Vec<Term>) {
+        let Some(mirror) = self.mirror else { return };
+        let cone = self.field.cone(node as usize, self.point.position);
+        if mirror.overlaps(self.local_from_world * cone.direction, cone.radius) {
+            self.halve(Term { node, visibility: 0.0, is_lit: false }, terms);
         }
     }
 
@@ -351,6 +429,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
                 let node = interval.heap_index(self.leaves());
                 if !(visibility > 0.0) {
                     dark(interval);
+                    self.add_dark(node, terms);
                 } else if self.shows_in_lobe(node) {
                     for (stored, cursor) in stored.iter_mut().zip(cursors) {
                         stored.seek(cursor.node().stored(), cursor.first(), interval.first);

@@ -3,7 +3,7 @@
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},
-    shade::node_row::NodeRow,
+    shade::{mirror::MirroredMap, node_row::NodeRow},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -38,6 +38,10 @@ pub(crate) trait NodeField: Copy {
     fn radiance(&self, node: usize) -> Vec3;
     /// Centre of a node's light, if it is not infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
+    /// The map that its samples stand for, if there is one.
+    fn mirrored<'m>(self) -> Option<&'m MirroredMap>
+    where
+        Self: 'm;
 }
 
 /// Light that arrives from eight nodes.
@@ -122,6 +126,13 @@ impl NodeField for &SceneLighting {
 
     fn center(&self, _node: usize) -> Option<Vec3> {
         None
+    }
+
+    fn mirrored<'m>(self) -> Option<&'m MirroredMap>
+    where
+        Self: 'm,
+    {
+        self.mirrored.as_ref()
     }
 }
 
@@ -212,6 +223,13 @@ impl NodeField for SourceField<'_> {
 
     fn center(&self, node: usize) -> Option<Vec3> {
         Some(self.lighting.nodes.center[node])
+    }
+
+    fn mirrored<'m>(self) -> Option<&'m MirroredMap>
+    where
+        Self: 'm,
+    {
+        None
     }
 }
 

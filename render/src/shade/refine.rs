@@ -5,7 +5,7 @@
 //! tree, which holds the means of all halves. That is an implicit BRDF cut, merged with the others.
 
 use glam::Vec3;
-use lapidary_core::brdf::Lobes;
+use lapidary_core::brdf::{Lobes, narrow_widths};
 
 /// Narrowest lobe that refinement follows. For narrower ones the light samples themselves are too coarse, and the
 /// filtered lobe is used.
@@ -34,8 +34,8 @@ pub fn is_too_wide_for_a_cosine(wi: Vec3, radius: f32) -> bool {
 
 /// The criterion for one pixel.
 pub struct Refinement {
-    /// Their widths, at least [`NARROWEST`]; 0 for none.
-    lobes: Lobes,
+    /// Their narrower widths, at least [`NARROWEST`]; 0 for none.
+    lobes: [f32; 3],
     /// Direction of the lobe's peak, mirrored at the normal.
     mirrored: Vec3,
 }
@@ -43,7 +43,7 @@ pub struct Refinement {
 impl Refinement {
     /// For lobes seen from the local direction `wo`.
     pub fn new(lobes: Lobes, wo: Vec3) -> Self {
-        let lobes = lobes.map(|width| if width > 0.0 { width.max(NARROWEST) } else { 0.0 });
+        let lobes = narrow_widths(lobes).map(|width| if width > 0.0 { width.max(NARROWEST) } else { 0.0 });
         Self { lobes, mirrored: Vec3::new(-wo.x, -wo.y, wo.z) }
     }
 

@@ -152,6 +152,13 @@ impl<L: Lanes> ReceiverX8<L> {
         Vec3x8 { x: direction.dot(x), y: direction.dot(y), z: direction.dot(z) }
     }
 
+    /// Local directions in world space.
+    #[inline(always)]
+    pub fn world(&self, local: Vec3x8<L>) -> Vec3x8<L> {
+        let [x, y, z] = self.axes;
+        x * local.x + y * local.y + z * local.z
+    }
+
     /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
     /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
     #[inline(always)]

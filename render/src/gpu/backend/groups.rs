@@ -40,6 +40,8 @@ impl GpuBackend {
         let layouts = &self.passes.layouts;
         let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
         let (scene, materials) = (&loaded.scene, &loaded.materials);
+        // Without levels the pass reads none.
+        let mirrored = light.mirrored.as_ref().map_or(map, |mirrored| &mirrored.view);
         let merge = |from: &Sums| {
             let inputs = [
                 View(&targets.geometry.view),
@@ -48,6 +50,7 @@ impl GpuBackend {
                 View(&from.value.view),
                 View(&from.work.view),
                 View(map),
+                View(mirrored),
             ];
             group("merge", &layouts.merge, &inputs)
         };

@@ -114,7 +114,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 caught_per_radiance,
                 lets_light_through,
                 share_weights,
-                padding
+                mirrors
             ),
         ),
         (
@@ -274,8 +274,11 @@ fn constant(modules: &[(&str, Module)], name: &str) -> Vec<f64> {
 #[test]
 fn shared_constants_have_the_same_values() {
     let modules = modules();
-    let mut expected: Vec<(String, f64)> =
-        crate::shade::refine::CONSTANTS.iter().map(|&(n, x)| (n.into(), x.into())).collect();
+    let mut expected: Vec<(String, f64)> = [&crate::shade::refine::CONSTANTS[..], &crate::shade::mirror::CONSTANTS]
+        .concat()
+        .into_iter()
+        .map(|(n, x)| (n.into(), x.into()))
+        .collect();
     for (name, value) in [
         ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
         ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),

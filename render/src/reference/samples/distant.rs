@@ -4,12 +4,17 @@ use crate::{
     light::environment::SceneLighting,
     renderer::Renderer,
     shade::{
+        mirror::{Mirror, MirroredMap},
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
     },
 };
 use glam::Vec3;
-use lapidary_core::{light_tree::LightTree, ray::DirectionSet, simd::Vec3x8};
+use lapidary_core::{
+    light_tree::LightTree,
+    ray::DirectionSet,
+    simd::{Lanes, Vec3x8},
+};
 use wide::f32x8;
 
 /// Light samples in tree order, padded to whole groups of eight.
@@ -17,6 +22,9 @@ pub(crate) struct LightSamples {
     directions: DirectionSet,
     wi: Vec<Vec3x8>,
     radiance: Vec<Vec3x8>,
+    /// Spread of the directions that a sample stands for, for sharp lobes.
+    inv_kappa: Vec<f32x8>,
+    mirrored: Option<MirroredMap>,
     solid_angle: f32,
 }
 
@@ -28,10 +36,14 @@ impl LightSamples {
             let lane = |chunk: &[Vec3], i: usize| chunk.get(i).copied().unwrap_or(Vec3::ZERO);
             values.chunks(8).map(|c| Vec3x8::from_array(std::array::from_fn(|i| lane(c, i)))).collect()
         };
+        let spreads = lighting.nodes.inv_kappa[tree.len()..].chunks(8);
+        let spread = |chunk: &[f32]| f32x8::new(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0)));
         Self {
             directions: DirectionSet::new(tree.leaf_directions()),
             wi: eight(tree.leaf_directions()),
             radiance: eight(leaf_radiance),
+            inv_kappa: spreads.map(spread).collect(),
+            mirrored: lighting.mirrored.clone(),
             solid_angle: tree.leaf_solid_angle(),
         }
     }
@@ -56,16 +68,51 @@ struct DistantShader<'a> {
 
 impl PointShader for DistantShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
-        let Self { samples, renderer, visible } = self;
-        trace_lights(renderer, &samples.directions, point, visible);
-        let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
+        trace_lights(self.renderer, &self.samples.directions, point, &mut self.visible);
+        let map = self.samples.mirrored.as_ref();
+        let mirror = |map| Some((Mirror::of(point.brdf.as_brdf().lobes(), point.wo, self.samples.solid_angle)?, map));
+        match map.and_then(mirror) {
+            Some((mirror, map)) => self.mirrored(point, &mirror, map),
+            None => self.sum(point),
+        }
+    }
+}
+
+impl DistantShader<'_> {
+    /// Whether eight samples are seen: 1 or 0 each.
+    fn seen(&self, i: usize) -> f32x8 {
+        let seen = |k| self.visible.get(8 * i + k).map_or(0.0, |&v| f32::from(v));
+        f32x8::new(std::array::from_fn(seen))
+    }
+
+    /// The light of all samples that are seen.
+    fn sum(&self, point: &SurfacePoint) -> Vec3 {
+        let Self { samples, visible, .. } = self;
+        let (receiver, brdf) = (ReceiverX8::new(point), point.brdf.as_brdf());
         let mut sum = Vec3x8::splat(Vec3::ZERO);
-        for (i, seen) in visible.chunks(8).enumerate().filter(|(_, seen)| seen.iter().any(|&v| v != 0)) {
+        for (i, _) in visible.chunks(8).enumerate().filter(|(_, seen)| seen.iter().any(|&v| v != 0)) {
             let wi = receiver.local(samples.wi[i]);
-            let weight = f32x8::new(std::array::from_fn(|k| f32::from(seen.get(k).copied().unwrap_or(0))));
-            sum = sum + brdf.brdf_cos_x8(wi, point.wo, f32x8::ZERO).scale(samples.radiance[i]) * weight;
+            sum = sum + brdf.brdf_cos_x8(wi, point.wo, f32x8::ZERO).scale(samples.radiance[i]) * self.seen(i);
         }
         sum.reduce_add() * samples.solid_angle
+    }
+
+    /// The same where sharp lobes read the map, with the visibility of the samples around the mirror's direction.
+    fn mirrored(&self, point: &SurfacePoint, mirror: &Mirror, map: &MirroredMap) -> Vec3 {
+        let samples = self.samples;
+        let (receiver, brdf) = (ReceiverX8::new(point), point.brdf.as_brdf());
+        let [mut sum, mut seen, mut all] = [Vec3x8::splat(Vec3::ZERO); 3];
+        for (i, &direction) in samples.wi.iter().enumerate() {
+            let wi = receiver.local(direction);
+            let spread = mirror.sample_spread(wi, samples.inv_kappa[i]);
+            let light = brdf.brdf_cos_x8(wi, point.wo, spread).scale(samples.radiance[i])
+                * Lanes::select(receiver.receives(direction), f32x8::ONE, f32x8::ZERO);
+            let (reflected, window) = (light * self.seen(i), mirror.window(wi));
+            sum = sum + reflected;
+            seen = seen + reflected * window;
+            all = all + light * window;
+        }
+        let [sum, seen, all] = [sum, seen, all].map(|sum| sum.reduce_add() * samples.solid_angle);
+        mirror.sharpened(sum, seen, all, mirror.unshadowed::<f32x8>(point, map))
     }
 }

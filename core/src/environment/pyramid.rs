@@ -1,0 +1,113 @@
+//! A map with ever coarser copies of itself, for means over patches of directions (mip maps).
+
+use super::{bilinear, texel_solid_angle};
+use crate::image::Image;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// Widest finest level: a texel of it is as wide as the sharpest lobe, 0.003 radians.
+const WIDEST: u32 = 2048;
+
+/// The levels of a map, each half as wide and high as the one before, to a single texel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pyramid {
+    levels: Vec<Image>,
+}
+
+impl Pyramid {
+    /// Of a latitude-longitude map. The finest level is the map itself, halved until it is at most 2,048 texels wide.
+    pub fn new(map: &Image) -> Self {
+        let mut finest = map.clone();
+        while finest.size[0] > WIDEST {
+            finest = halved(&finest);
+        }
+        let mut levels = vec![finest];
+        while let Some(coarsest) = levels.last().filter(|level| level.size != [1, 1]) {
+            levels.push(halved(coarsest));
+        }
+        Self { levels }
+    }
+
+    /// From the finest to the coarsest.
+    pub fn levels(&self) -> &[Image] {
+        &self.levels
+    }
+
+    /// Mean radiance over a patch of about `solid_angle` steradians around a unit direction. Twin of `patch_radiance` in
+    /// `shaders/mirror.wgsl`.
+    pub fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
+        // Texels are as high everywhere. Near the poles they are narrower than they are high, so that a patch skips some.
+        let texels = solid_angle.sqrt() * self.levels[0].height() as f32 / PI;
+        let level = texels.max(1.0).log2().min((self.levels.len() - 1) as f32);
+        let (fine, rest) = (level as usize, level.fract());
+        let coarse = (fine + 1).min(self.levels.len() - 1);
+        bilinear(&self.levels[fine], direction).lerp(bilinear(&self.levels[coarse], direction), rest)
+    }
+}
+
+/// In half the size: means of the texels that each new one covers, weighted by their solid angles.
+fn halved(map: &Image) -> Image {
+    let size = map.size.map(|side| (side / 2).max(1));
+    let covered = |i: u32, axis: usize| {
+        let at = |i: u32| i as usize * map.size[axis] as usize / size[axis] as usize;
+        at(i)..at(i + 1)
+    };
+    let weights: Vec<f32> = (0..map.size[1]).map(|row| texel_solid_angle(row, map.size)).collect();
+    let texel = |i: u32| {
+        let (x, y) = (i % size[0], i / size[0]);
+        let (mut sum, mut weight) = (Vec3::ZERO, 0.0);
+        for row in covered(y, 1) {
+            for column in covered(x, 0) {
+                sum += map.at(column, row) * weights[row];
+                weight += weights[row];
+            }
+        }
+        sum / weight
+    };
+    Image { size, pixels: (0..size[0] * size[1]).into_par_iter().map(texel).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::{constant, texel_direction};
+
+    fn mean(map: &Image) -> Vec3 {
+        let texel = |i: usize| map.pixels[i] * texel_solid_angle(i as u32 / map.size[0], map.size);
+        (0..map.pixels.len()).map(texel).sum::<Vec3>() / (4.0 * PI)
+    }
+
+    #[test]
+    fn all_levels_have_the_light_of_the_map() {
+        for size in [[64, 32], [37, 20], [5, 9], [1, 1]] {
+            let map = Image::from_fn(size, |x, y| Vec3::new(x as f32, y as f32, ((x * 7 + y * 3) % 5) as f32));
+            let pyramid = Pyramid::new(&map);
+            assert_eq!(pyramid.levels().last().unwrap().size, [1, 1]);
+            for level in pyramid.levels() {
+                let [of_level, of_map] = [mean(level), mean(&map)];
+                let tolerance = if size == [64, 32] { 1e-5 } else { 0.03 };
+                assert!((of_level - of_map).abs().max_element() <= tolerance * of_map.max_element(), "{size:?}");
+            }
+        }
+        assert_eq!(Pyramid::new(&constant(Vec3::ONE)).radiance(Vec3::Y, 1.0), Vec3::ONE);
+    }
+
+    #[test]
+    fn a_patch_has_the_mean_of_its_directions() {
+        let map = Image::from_fn([256, 128], |x, y| Vec3::splat(f32::from((x / 2 + y / 2) % 2 == 0)));
+        let pyramid = Pyramid::new(&map);
+        let direction = texel_direction(70, 60, map.size);
+        let texel = texel_solid_angle(60, map.size);
+        assert!((pyramid.radiance(direction, 64.0 * texel).x - 0.5).abs() < 0.02);
+        let point = pyramid.radiance(direction, 0.01 * texel).x;
+        assert!((point - map.at(70, 60).x).abs() < 1e-3 && (point - 0.5).abs() > 0.4, "negative control: {point}");
+    }
+
+    #[test]
+    fn a_wide_map_is_halved_first() {
+        let pyramid = Pyramid::new(&Image::from_fn([4096, 8], |x, _| Vec3::splat((x % 2) as f32)));
+        assert_eq!(pyramid.levels()[0].size, [2048, 4]);
+        assert!(pyramid.levels()[0].pixels.iter().all(|p| *p == Vec3::splat(0.5)));
+    }
+}

@@ -1,0 +1,208 @@
+//! Sharp lobes: below a few light samples in width, a lobe reads the map of the environment itself.
+//!
+//! Light samples are too coarse for them: filtered, they blur a mirror by the distance between samples. Around the mirror's
+//! direction there is a window `w`, as wide as the lobe and a sample together. The light in it is replaced:
+//!
+//! `∫ f L V w  =  ∫ f L w · (Σ f̃ L V w / Σ f̃ L w)`
+//!
+//! The first factor has no visibility. It is read from the map by importance samples of the lobe, each from a level of the
+//! pyramid as coarse as the samples are apart (Krivanek and Colbert 2008, *Real-time Shading with Filtered Importance
+//! Sampling*). The second is the share of this light that is seen, over the nodes of the merged cut. Any model has both,
+//! since nothing of it but the widths of its lobes is asked for. Twin of `shaders/mirror.wgsl`.
+
+use crate::shade::surface::{ReceiverX8, SurfacePoint};
+use glam::{Mat3, Quat, Vec3};
+use lapidary_core::{
+    brdf::{Brdf, BrdfVisitor, GgxLobe, Lobes, MIN_ALPHA, NO_LOBE},
+    environment::{Environment, Pyramid},
+    simd::{Lanes, Vec3x8},
+};
+use std::{f32::consts::PI, sync::Arc};
+use wide::f32x8;
+
+/// A lobe below this many radii of a light sample in width is sharp, and reads the map alone.
+const SHARP: f32 = 3.0;
+/// A lobe above this many reads light samples alone.
+const SOFT: f32 = 5.0;
+/// Half-width of the window in widths of what is in it: less than a twentieth of a GGX lobe lies outside.
+const WINDOW: f32 = 6.0;
+/// Most directions that are read; a multiple of eight.
+const SAMPLES: usize = 16;
+/// Turn from sample to sample, in turns: the golden section, for which discs are filled evenly.
+const GOLDEN: f32 = 0.618_034;
+
+/// The shader's copies of these are compared with them in a test.
+#[cfg(test)]
+pub(crate) const CONSTANTS: [(&str, f32); 5] =
+    [("SHARP", SHARP), ("SOFT", SOFT), ("WINDOW", WINDOW), ("MIRROR_SAMPLES", SAMPLES as f32), ("GOLDEN", GOLDEN)];
+
+/// The map that sharp lobes read, turned and scaled.
+#[derive(Clone, Debug)]
+pub struct MirroredMap {
+    pyramid: Arc<Pyramid>,
+    map_from_world: Mat3,
+    intensity: f32,
+}
+
+impl MirroredMap {
+    /// Of a map that is turned by `rotation` radians, counter-clockwise seen from +Y.
+    pub fn new(environment: &Environment, rotation: f32, intensity: f32) -> Self {
+        let map_from_world = Mat3::from_quat(Quat::from_rotation_y(-rotation));
+        Self { pyramid: environment.pyramid(), map_from_world, intensity }
+    }
+
+    /// Its levels.
+    pub(crate) fn pyramid(&self) -> &Arc<Pyramid> {
+        &self.pyramid
+    }
+
+    fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
+        self.pyramid.radiance(self.map_from_world * direction, solid_angle) * self.intensity
+    }
+}
+
+/// The sharp lobes of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mirror {
+    /// How much of the window's light is replaced: less than all of it where lobes begin to be soft.
+    share: f32,
+    /// The widths of what is sampled; the first `count` count.
+    lobes: [[f32; 2]; 3],
+    count: usize,
+    /// Inverse squares of the window's half-axes, in slopes of half vectors.
+    axes: [f32; 2],
+    /// Largest angle in radians from the mirror's direction to the window's rim.
+    reach: f32,
+    wo: Vec3,
+}
+
+impl Mirror {
+    /// Of a model's lobes, seen from the local direction `wo`, among light samples of a solid angle in steradians.
+    pub fn of(lobes: Lobes, wo: Vec3, leaf_solid_angle: f32) -> Option<Self> {
+        let sample_radius = (leaf_solid_angle / PI).sqrt();
+        let (mut sharp, mut count, mut share, mut widest) = ([[MIN_ALPHA; 2]; 3], 0, 0.0_f32, [0.0_f32; 2]);
+        for [along, across] in lobes.into_iter().filter(|&lobe| lobe != NO_LOBE) {
+            let sharpness = sharpness(along.min(across) / sample_radius);
+            if sharpness > 0.0 {
+                sharp[count] = [along.max(MIN_ALPHA), across.max(MIN_ALPHA)];
+                widest = [widest[0].max(along), widest[1].max(across)];
+                count += 1;
+                share = share.max(sharpness);
+            }
+        }
+        // What a sample adds to the width in the space of half vectors, more so at grazing angles.
+        let added = sample_radius / wo.z.max(0.1);
+        let half_axes = widest.map(|width| WINDOW * (width * width + 0.125 * added * added).sqrt());
+        let reach = 2.0 * half_axes[0].max(half_axes[1]).atan();
+        let axes = half_axes.map(|axis| 1.0 / (axis * axis));
+        (share > 0.0 && wo.z > 0.0).then_some(Self { share, lobes: sharp, count, axes, reach, wo })
+    }
+
+    /// How much eight local directions belong to the window: 1 around the mirror's direction, 0 outside.
+    #[inline(always)]
+    pub fn window<L: Lanes>(&self, wi: Vec3x8<L>) -> L {
+        let half = wi + Vec3x8::splat(self.wo);
+        let slopes = half.x * half.x * L::splat(self.axes[0]) + half.y * half.y * L::splat(self.axes[1]);
+        let distance = slopes / (half.z * half.z).at_least(1e-6);
+        // Smooth from the half of the half-axes to their ends.
+        let t = ((L::splat(1.0) - distance) * L::splat(4.0 / 3.0)).at_least(0.0).fast_min(L::splat(1.0));
+        t * t * (L::splat(3.0) - t - t)
+    }
+
+    /// The spread of eight lights that widens lobes: none outside the window. A lobe that is widened has too bright tails.
+    #[inline(always)]
+    pub fn spread<L: Lanes>(&self, wi: Vec3x8<L>, inv_kappa: L) -> L {
+        let outside = L::splat(1.0) - self.window(wi);
+        inv_kappa * (L::splat(1.0) - outside * L::splat(self.share))
+    }
+
+    /// The spread that widens lobes for eight light samples, which are single directions for soft lobes.
+    pub fn sample_spread(&self, wi: Vec3x8, inv_kappa: f32x8) -> f32x8 {
+        inv_kappa * (self.window(wi) * f32x8::splat(self.share))
+    }
+
+    /// Whether the cone of `radius` around the local direction `wi` reaches into the window.
+    #[inline(always)]
+    pub fn overlaps(&self, wi: Vec3, radius: f32) -> bool {
+        let mirrored = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
+        wi.dot(mirrored) > (self.reach + radius).min(PI).cos()
+    }
+
+    /// `∫ f L w`: light of the window without any shadow.
+    #[inline(always)]
+    pub fn unshadowed<L: Lanes>(&self, point: &SurfacePoint, map: &MirroredMap) -> Vec3 {
+        let (receiver, mut sum) = (ReceiverX8::<L>::new(point), Vec3::ZERO);
+        point.brdf.visit(Unshadowed { mirror: self, receiver, map, sum: &mut sum });
+        sum
+    }
+
+    #[inline(always)]
+    fn unshadowed_with<L: Lanes>(&self, brdf: &impl Brdf, receiver: &ReceiverX8<L>, map: &MirroredMap) -> Vec3 {
+        let samples = self.samples();
+        let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
+        for eight in samples.as_chunks::<8>().0 {
+            let (mut wi, mut per_density) = ([Vec3::Z; 8], [0.0; 8]);
+            for (lane, sample) in eight.iter().enumerate() {
+                (wi[lane], per_density[lane]) = *sample;
+            }
+            let local = Vec3x8::<L>::from_array(wi);
+            let direction = receiver.world(local);
+            let mut radiance = [Vec3::ZERO; 8];
+            for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| per_density[*lane] > 0.0) {
+                *radiance = map.radiance(direction.lane(lane), per_density[lane]);
+            }
+            let lights = receiver.lights_at_centers(direction, L::splat(0.0));
+            let light = brdf.reflect(&lights, self.wo).scale(Vec3x8::from_array(radiance));
+            sum = sum + light * (self.window(local) * L::new(per_density));
+        }
+        sum.reduce_add()
+    }
+
+    /// Local directions above the horizon by the lobes, and the solid angles that they stand for; 0 for none.
+    fn samples(&self) -> [(Vec3, f32); SAMPLES] {
+        let per_lobe = SAMPLES / self.count;
+        let lobes = self.lobes.map(GgxLobe::new);
+        let lobes = &lobes[..self.count];
+        let mut samples = [(Vec3::Z, 0.0); SAMPLES];
+        for (i, sample) in samples.iter_mut().enumerate().take(per_lobe * self.count) {
+            let j = (i / self.count) as f32;
+            let half =
+                lobes[i % self.count].sample_half_vector(self.wo, (j + 0.5) / per_lobe as f32, (j * GOLDEN).fract());
+            let wi = 2.0 * self.wo.dot(half) * half - self.wo;
+            if wi.z > 0.0 {
+                let density: f32 = lobes.iter().map(|lobe| lobe.pdf(wi, self.wo)).sum();
+                *sample = (wi, 1.0 / (per_lobe as f32 * density.max(1e-6)));
+            }
+        }
+        samples
+    }
+
+    /// All light of a point with that of the window replaced: `reflected` of the nodes, `seen` of it in the window, `all` of the
+    /// window if everything were seen, and [`Self::unshadowed`].
+    pub fn sharpened(&self, reflected: Vec3, seen: Vec3, all: Vec3, unshadowed: Vec3) -> Vec3 {
+        let share = |seen: f32, all: f32| if all > 0.0 { (seen / all).min(1.0) } else { 0.0 };
+        let shares = Vec3::new(share(seen.x, all.x), share(seen.y, all.y), share(seen.z, all.z));
+        reflected + (shares * unshadowed - seen) * self.share
+    }
+}
+
+/// [`Mirror::unshadowed`] for each model.
+struct Unshadowed<'m, L> {
+    mirror: &'m Mirror,
+    receiver: ReceiverX8<L>,
+    map: &'m MirroredMap,
+    sum: &'m mut Vec3,
+}
+
+impl<L: Lanes> BrdfVisitor for Unshadowed<'_, L> {
+    #[inline(always)]
+    fn visit(self, brdf: &impl Brdf) {
+        *self.sum = self.mirror.unshadowed_with(brdf, &self.receiver, self.map);
+    }
+}
+
+/// 1 for lobes that are sharp, of a width in radii of a light sample; 0 for soft ones.
+fn sharpness(width: f32) -> f32 {
+    let t = ((SOFT - width) / (SOFT - SHARP)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

@@ -1,0 +1,155 @@
+// Sharp lobes: they read the map of the environment itself. Twin of render/src/shade/mirror.rs, which says how, and of
+// core/src/environment/pyramid.rs. A pass declares `mirrored_map`, with all its levels.
+
+const SHARP: f32 = 3.0;
+const SOFT: f32 = 5.0;
+const WINDOW: f32 = 6.0;
+const MIRROR_SAMPLES: u32 = 16u;
+const GOLDEN: f32 = 0.618034;
+
+// The sharp lobes of one pixel.
+struct Mirror {
+    // How much of the window's light is replaced; 0 for none.
+    share: f32,
+    // The widths of what is sampled; the first `count` count.
+    lobes: mat3x2<f32>,
+    count: u32,
+    // Inverse squares of the window's half-axes, in slopes of half vectors.
+    axes: vec2<f32>,
+    // Largest angle in radians from the mirror's direction to the window's rim.
+    reach: f32,
+}
+
+// Of a model's lobes, seen from the local direction `wo`.
+fn mirror_of(lobes: mat3x2<f32>, wo: vec3<f32>) -> Mirror {
+    let sample_radius = sqrt(frame.leaf_solid_angle / PI);
+    let least = vec2(MIN_ALPHA);
+    var mirror = Mirror(0.0, mat3x2(least, least, least), 0u, vec2(0.0), 0.0);
+    var widest = vec2(0.0);
+    for (var i = 0u; i < 3u; i += 1u) {
+        let lobe = lobes[i];
+        let t = clamp((SOFT - min(lobe.x, lobe.y) / sample_radius) / (SOFT - SHARP), 0.0, 1.0);
+        let sharpness = t * t * (3.0 - 2.0 * t);
+        if any(lobe != NO_LOBE) && sharpness > 0.0 {
+            mirror.lobes[mirror.count] = max(lobe, least);
+            mirror.count += 1u;
+            mirror.share = max(mirror.share, sharpness);
+            widest = max(widest, lobe);
+        }
+    }
+    let added = sample_radius / max(wo.z, 0.1);
+    let half_axes = WINDOW * sqrt(widest * widest + 0.125 * added * added);
+    mirror.reach = 2.0 * atan(max(half_axes.x, half_axes.y));
+    mirror.axes = 1.0 / (half_axes * half_axes);
+    if !(wo.z > 0.0) {
+        mirror.share = 0.0;
+    }
+    return mirror;
+}
+
+// How much a local direction belongs to the window: 1 around the mirror's direction, 0 outside.
+fn mirror_window(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let half = wi + wo;
+    let distance = dot(half.xy * half.xy, mirror.axes) / max(half.z * half.z, 1e-6);
+    let t = clamp((1.0 - distance) * (4.0 / 3.0), 0.0, 1.0);
+    return t * t * (3.0 - t - t);
+}
+
+// The spread of a light that widens lobes: none outside the window. A lobe that is widened has too bright tails.
+fn mirror_spread(mirror: Mirror, window: f32, inv_kappa: f32) -> f32 {
+    return inv_kappa * (1.0 - (1.0 - window) * mirror.share);
+}
+
+// Whether the cone of a radius around the local direction `wi` reaches into the window.
+fn reaches_window(mirror: Mirror, wi: vec3<f32>, radius: f32, wo: vec3<f32>) -> bool {
+    return dot(wi, vec3(-wo.xy, wo.z)) > cos(min(mirror.reach + radius, PI));
+}
+
+// Light of the window without any shadow.
+fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
+    let wo = point.wo;
+    let per_lobe = MIRROR_SAMPLES / mirror.count;
+    var sum = vec3(0.0);
+    for (var i = 0u; i < per_lobe * mirror.count; i += 1u) {
+        let j = f32(i / mirror.count);
+        let lobe = mirror.lobes[i % mirror.count];
+        let half = ggx_visible_normal(lobe, wo, (j + 0.5) / f32(per_lobe), fract(j * GOLDEN));
+        let wi = 2.0 * dot(wo, half) * half - wo;
+        let direction = point.world_from_local * wi;
+        if !(wi.z > 0.0 && dot(direction, point.smooth_normal) > 0.0) {
+            continue;
+        }
+        var density = 0.0;
+        for (var k = 0u; k < mirror.count; k += 1u) {
+            density += ggx_density(mirror.lobes[k], wi, wo);
+        }
+        let solid_angle = 1.0 / (f32(per_lobe) * max(density, 1e-6));
+        let light = reflection_of(point.brdf, Light(wi, 0.0, wi.z, true), wo) * patch_radiance(direction, solid_angle);
+        sum += light * (mirror_window(mirror, wi, wo) * solid_angle);
+    }
+    return sum;
+}
+
+// Mean radiance of the map over a patch of about a solid angle around a world direction.
+fn patch_radiance(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
+    let texels = sqrt(solid_angle) * f32(textureDimensions(mirrored_map).y) / PI;
+    let last = textureNumLevels(mirrored_map) - 1u;
+    let level = min(log2(max(texels, 1.0)), f32(last));
+    let fine = u32(level);
+    let uv = uv_from_direction(to_environment(direction));
+    let radiance = mix(level_radiance(uv, fine), level_radiance(uv, min(fine + 1u, last)), fract(level));
+    return radiance * frame.environment_intensity;
+}
+
+fn level_radiance(uv: vec2<f32>, level: u32) -> vec3<f32> {
+    let size = vec2<i32>(textureDimensions(mirrored_map, level));
+    let p = uv * vec2<f32>(size) - 0.5;
+    let base = floor(p);
+    let f = p - base;
+    let x0 = (i32(base.x) + size.x) % size.x;
+    let x1 = (x0 + 1) % size.x;
+    let y0 = max(i32(base.y), 0);
+    let y1 = min(i32(base.y) + 1, size.y - 1);
+    let top = mix(level_texel(x0, y0, level), level_texel(x1, y0, level), f.x);
+    let bottom = mix(level_texel(x0, y1, level), level_texel(x1, y1, level), f.x);
+    return mix(top, bottom, f.y);
+}
+
+fn level_texel(x: i32, y: i32, level: u32) -> vec3<f32> {
+    return textureLoad(mirrored_map, vec2(x, y), level).xyz;
+}
+
+// All light of a point with that of the window replaced.
+fn sharpened(mirror: Mirror, reflected: vec3<f32>, seen: vec3<f32>, all: vec3<f32>, unshadowed: vec3<f32>) -> vec3<f32> {
+    let shares = select(vec3(0.0), min(seen / max(all, vec3(1e-38)), vec3(1.0)), all > vec3(0.0));
+    return reflected + (shares * unshadowed - seen) * mirror.share;
+}
+
+// A visible normal of a GGX lobe, from two numbers in [0, 1). Twin of core/src/brdf/ggx_lobe.rs, as what follows.
+fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
+    let stretched = normalize(vec3(alpha * wo.xy, wo.z));
+    var t1 = vec3(-stretched.y, stretched.x, 0.0);
+    if stretched.z < 0.9999 {
+        t1 = normalize(t1);
+    } else {
+        let a = -1.0 / (1.0 + stretched.z);
+        t1 = vec3(1.0 + stretched.x * stretched.x * a, stretched.x * stretched.y * a, -stretched.x);
+    }
+    let t2 = cross(stretched, t1);
+    let r = sqrt(u);
+    let s = 0.5 * (1.0 + stretched.z);
+    let p1 = r * cos(2.0 * PI * v);
+    let p2 = (1.0 - s) * sqrt(max(1.0 - p1 * p1, 0.0)) + s * r * sin(2.0 * PI * v);
+    let n = t1 * p1 + t2 * p2 + stretched * sqrt(max(1.0 - p1 * p1 - p2 * p2, 0.0));
+    return normalize(vec3(alpha * n.xy, max(n.z, 1e-6)));
+}
+
+// Density of the light direction when half vectors are visible normals.
+fn ggx_density(alpha: vec2<f32>, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    let h = normalize(wi + wo);
+    let squared = alpha * alpha;
+    let e = dot(h.xy * h.xy, 1.0 / squared) + h.z * h.z;
+    let d = FRAC_1_PI / (alpha.x * alpha.y * e * e);
+    let root = sqrt(wo.z * wo.z + dot(squared, wo.xy * wo.xy));
+    return select(0.0, d / (2.0 * (wo.z + root)), h.z > 0.0);
+}
