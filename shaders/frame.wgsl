@@ -34,8 +34,8 @@ struct FrameUniforms {
     lets_light_through: u32,
     // Weights of the channels in that share.
     share_weights: vec3<f32>,
-    // Whether sharp lobes read the map.
-    mirrors: u32,
+    // Height of the finest level of the map that sharp lobes read; 0 for none.
+    mirrored_height: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

@@ -25,12 +25,15 @@ struct MaterialParameter {
 
 // Most parameters of a model.
 const MOST_PARAMETERS: u32 = 32u;
+const MOST_LUMINANCE: f32 = 1e6;
 
 struct Material {
     model: u32,
     // -1 if the normal map has green down, else 1.
     normal_y: f32,
-    padding: vec2<u32>,
+    // Index of the first parameter of surfaces, which all models have.
+    surface: u32,
+    padding: u32,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
     // In the order in which the model declares them.
@@ -124,4 +127,14 @@ fn material_number(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, l
         return clamp(value, range.x, range.y);
     }
     return clamp(least + (value - least) * sample_slot(map, uv)[map.channel], range.x, range.y);
+}
+
+// Radiance that a material sends by itself. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
+fn material_emission(material: u32, uv: vec2<f32>) -> vec3<f32> {
+    let first = materials[material].surface;
+    if materials[material].parameters[first + 1u].value.x == 0.0 {
+        return vec3(0.0);
+    }
+    let color = material_color(material, first, uv, vec2(0.0, 1.0), 0.0);
+    return color * material_number(material, first + 1u, uv, vec2(0.0, MOST_LUMINANCE), 0.0);
 }

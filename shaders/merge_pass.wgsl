@@ -6,7 +6,7 @@
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
-// The map that the distant lights are samples of, with all its levels.
+// The map that the distant lights are samples of, an atlas of its levels.
 @group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
 @fragment
@@ -54,7 +54,7 @@ fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32
         case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
-        default: { return shaded.radiance; }
+        default: { return shaded.radiance + select(vec3(0.0), point.emission, IS_FIRST); }
     }
 }
 
@@ -289,7 +289,7 @@ fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
 // The sharp lobes of a point, if they read the map.
 fn mirror_at(point: SurfacePoint) -> Mirror {
     var mirror = mirror_of(lobes_of(point.brdf), point.wo);
-    if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrors == 0u {
+    if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrored_height == 0u {
         mirror.share = 0.0;
     }
     return mirror;

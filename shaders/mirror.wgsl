@@ -1,5 +1,6 @@
 // Sharp lobes: they read the map of the environment itself. Twin of render/src/shade/mirror.rs, which says how, and of
-// core/src/environment/pyramid.rs. A pass declares `mirrored_map`, with all its levels.
+// core/src/environment/pyramid.rs. A pass declares `mirrored_map`, an atlas of all its levels: not the levels of one
+// texture, of which software adapters read the same at neighbouring pixels.
 
 const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
@@ -92,17 +93,23 @@ fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
 
 // Mean radiance of the map over a patch of about a solid angle around a world direction.
 fn patch_radiance(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
-    let texels = sqrt(solid_angle) * f32(textureDimensions(mirrored_map).y) / PI;
-    let last = textureNumLevels(mirrored_map) - 1u;
+    let size = vec2(textureDimensions(mirrored_map).x, frame.mirrored_height);
+    let texels = sqrt(solid_angle) * f32(size.y) / PI;
+    let last = firstLeadingBit(min(size.x, size.y));
     let level = min(log2(max(texels, 1.0)), f32(last));
     let fine = u32(level);
     let uv = uv_from_direction(to_environment(direction));
-    let radiance = mix(level_radiance(uv, fine), level_radiance(uv, min(fine + 1u, last)), fract(level));
-    return radiance * frame.environment_intensity;
+    let finer = level_radiance(uv, size, fine);
+    let coarser = level_radiance(uv, size, min(fine + 1u, last));
+    return mix(finer, coarser, fract(level)) * frame.environment_intensity;
 }
 
-fn level_radiance(uv: vec2<f32>, level: u32) -> vec3<f32> {
-    let size = vec2<i32>(textureDimensions(mirrored_map, level));
+fn level_radiance(uv: vec2<f32>, finest: vec2<u32>, level: u32) -> vec3<f32> {
+    let size = vec2<i32>(finest >> vec2(level));
+    var place = vec2(0);
+    if level > 0u {
+        place = vec2<i32>(vec2(finest.x - (finest.x >> (level - 1u)), finest.y));
+    }
     let p = uv * vec2<f32>(size) - 0.5;
     let base = floor(p);
     let f = p - base;
@@ -110,13 +117,13 @@ fn level_radiance(uv: vec2<f32>, level: u32) -> vec3<f32> {
     let x1 = (x0 + 1) % size.x;
     let y0 = max(i32(base.y), 0);
     let y1 = min(i32(base.y) + 1, size.y - 1);
-    let top = mix(level_texel(x0, y0, level), level_texel(x1, y0, level), f.x);
-    let bottom = mix(level_texel(x0, y1, level), level_texel(x1, y1, level), f.x);
+    let top = mix(mirrored_texel(place + vec2(x0, y0)), mirrored_texel(place + vec2(x1, y0)), f.x);
+    let bottom = mix(mirrored_texel(place + vec2(x0, y1)), mirrored_texel(place + vec2(x1, y1)), f.x);
     return mix(top, bottom, f.y);
 }
 
-fn level_texel(x: i32, y: i32, level: u32) -> vec3<f32> {
-    return textureLoad(mirrored_map, vec2(x, y), level).xyz;
+fn mirrored_texel(place: vec2<i32>) -> vec3<f32> {
+    return textureLoad(mirrored_map, place, 0).xyz;
 }
 
 // All light of a point with that of the window replaced.

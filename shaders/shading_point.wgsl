@@ -46,6 +46,8 @@ struct SurfacePoint {
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,
     brdf: Brdf,
+    // Radiance that it sends by itself.
+    emission: vec3<f32>,
 }
 
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
@@ -57,10 +59,14 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
     var brdf: Brdf;
+    var emission = vec3(0.0);
     if (g.w & FLAG_CATCHER) != 0u {
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
-        brdf = brdf_of(triangle.material & ~TWO_SIDED, interpolated_uv(corners, hit.barycentric));
+        let material = triangle.material & ~TWO_SIDED;
+        let uv = interpolated_uv(corners, hit.barycentric);
+        brdf = brdf_of(material, uv);
+        emission = material_emission(material, uv);
     }
     return SurfacePoint(
         corners,
@@ -71,5 +77,6 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         local,
         -direction * local,
         brdf,
+        emission,
     );
 }

@@ -22,6 +22,7 @@ mod parameter;
 mod parameters;
 mod phong_lobe;
 mod shared;
+mod surface;
 mod ward;
 mod ward_duer;
 
@@ -40,6 +41,7 @@ pub use openpbr::{OpenPbr, OpenPbrParameters};
 pub use oren_nayar::{OrenNayar, OrenNayarParameters};
 pub use parameter::{MOST_NUMBERS, MapUse, Parameter, Value, Values};
 pub use parameters::Parameters;
+pub use surface::SurfaceParameters;
 pub use ward::{Ward, WardParameters};
 pub use ward_duer::{WardDuer, WardDuerParameters};
 

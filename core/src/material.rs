@@ -12,7 +12,7 @@ pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map
 pub use presets::{PRESETS, Preset};
 
 use crate::{
-    brdf::{Parameters, SurfaceBrdf, Values},
+    brdf::{Parameters, SurfaceBrdf, SurfaceParameters, Values},
     texture::TextureSlot,
 };
 use glam::{Vec3, Vec4};
@@ -138,6 +138,11 @@ impl Material {
             values.push(parameter.sanitized(value));
         }
         values
+    }
+
+    /// Whether its constants send light.
+    pub fn shines(&self) -> bool {
+        SurfaceParameters::from(&self.parameters).emission() != Vec3::ZERO
     }
 
     /// The reflectance of its constants, as if it had no maps.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::{SurfaceBrdf, Values},
+    brdf::{SurfaceBrdf, SurfaceParameters, Values},
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
@@ -52,11 +52,22 @@ impl Appearance {
 
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
+        let (material, uv) = self.at(mesh, place);
+        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
+    }
+
+    /// Radiance in W/(m² sr) that a point of `mesh` sends by itself.
+    pub fn emission(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
+        let (material, uv) = self.at(mesh, place);
+        if material.shines() { SurfaceParameters::of(&self.values(material, uv)).emission() } else { Vec3::ZERO }
+    }
+
+    /// Material and texture coordinates of a point.
+    fn at(&self, mesh: &Mesh, place: MeshPlace) -> (&Material, Vec2) {
         let triangle = place.triangle as usize;
-        let material = &self.materials[mesh.triangle_material[triangle] as usize];
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
         let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
+        (&self.materials[mesh.triangle_material[triangle] as usize], uv)
     }
 
     /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,

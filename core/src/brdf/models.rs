@@ -2,8 +2,8 @@
 //! its line here.
 
 use super::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters, Value,
-    Values, Ward, WardDuer,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters,
+    SurfaceParameters, Value, Values, Ward, WardDuer, surface::with_surface,
 };
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub trait Model: Brdf + Sized {
     /// Its parameters.
     const PARAMETERS: &'static [Parameter];
 
-    /// With values in the order of [`Self::PARAMETERS`] and in their ranges.
+    /// With values in the order of [`Self::PARAMETERS`] and in their ranges. Others may follow them.
     fn from_values(values: &Values) -> Self;
 }
 
@@ -47,9 +47,22 @@ macro_rules! models {
                 match self { $(Self::$variant => <$ty as Model>::SUMMARY,)* }
             }
 
-            /// Its parameters.
-            pub const fn parameters(self) -> &'static [Parameter] {
+            /// The parameters of its reflectance.
+            pub const fn own_parameters(self) -> &'static [Parameter] {
                 match self { $(Self::$variant => <$ty as Model>::PARAMETERS,)* }
+            }
+
+            /// The parameters of its materials: its own, and then those of [`SurfaceParameters`].
+            pub const fn parameters(self) -> &'static [Parameter] {
+                match self {
+                    $(Self::$variant => {
+                        const ALL: &[Parameter] =
+                            &with_surface::<{ <$ty as Model>::PARAMETERS.len() + SurfaceParameters::LIST.len() }>(
+                                <$ty as Model>::PARAMETERS,
+                            );
+                        ALL
+                    })*
+                }
             }
 
             /// Its text in the language of shaders: what `shaders/brdf.wgsl` says that a model has.

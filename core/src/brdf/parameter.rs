@@ -206,6 +206,14 @@ impl Values {
         }
     }
 
+    /// The last of the numbers, as values of their own.
+    #[inline]
+    pub(super) fn last(&self, count: usize) -> Self {
+        let mut last = Self { len: count, ..Self::default() };
+        last.numbers[..count].copy_from_slice(&self.numbers[self.len - count..self.len]);
+        last
+    }
+
     /// The value of a parameter whose numbers begin at `first`.
     pub(super) fn at(&self, first: usize, parameter: &Parameter) -> Value {
         match parameter.is_color() {

@@ -6,24 +6,24 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// Widest finest level: a texel of it is as wide as the sharpest lobe, 0.003 radians.
-const WIDEST: u32 = 2048;
+/// Longest side of the finest level: a texel of it is as wide as the sharpest lobe, 0.003 radians.
+const LONGEST: u32 = 2048;
 
-/// The levels of a map, each half as wide and high as the one before, to a single texel.
+/// The levels of a map, each half as wide and high as the one before, until one side is a single texel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pyramid {
     levels: Vec<Image>,
 }
 
 impl Pyramid {
-    /// Of a latitude-longitude map. The finest level is the map itself, halved until it is at most 2,048 texels wide.
+    /// Of a latitude-longitude map. The finest level is the map itself, halved until no side is longer than 2,048 texels.
     pub fn new(map: &Image) -> Self {
         let mut finest = map.clone();
-        while finest.size[0] > WIDEST {
+        while finest.size.into_iter().any(|side| side > LONGEST) {
             finest = halved(&finest);
         }
         let mut levels = vec![finest];
-        while let Some(coarsest) = levels.last().filter(|level| level.size != [1, 1]) {
+        while let Some(coarsest) = levels.last().filter(|level| !level.size.contains(&1)) {
             levels.push(halved(coarsest));
         }
         Self { levels }
@@ -32,6 +32,27 @@ impl Pyramid {
     /// From the finest to the coarsest.
     pub fn levels(&self) -> &[Image] {
         &self.levels
+    }
+
+    /// All levels in one map: the finest, and below it the others side by side; see [`Self::place`].
+    pub fn atlas(&self) -> Image {
+        let [width, height] = self.levels[0].size;
+        let below = self.levels.get(1).map_or(0, |level| level.size[1]);
+        let mut atlas = Image::filled([width, height + below], Vec3::ZERO);
+        for (i, level) in self.levels.iter().enumerate() {
+            let [left, top] = self.place(i);
+            for (row, texels) in level.pixels.chunks(level.width()).enumerate() {
+                let first = (top as usize + row) * width as usize + left as usize;
+                atlas.pixels[first..first + texels.len()].copy_from_slice(texels);
+            }
+        }
+        atlas
+    }
+
+    /// The top left texel of a level in the atlas.
+    fn place(&self, level: usize) -> [u32; 2] {
+        let [width, height] = self.levels[0].size;
+        if level == 0 { [0, 0] } else { [width - (width >> (level - 1)), height] }
     }
 
     /// Mean radiance over a patch of about `solid_angle` steradians around a unit direction. Twin of `patch_radiance` in
@@ -83,7 +104,7 @@ mod tests {
         for size in [[64, 32], [37, 20], [5, 9], [1, 1]] {
             let map = Image::from_fn(size, |x, y| Vec3::new(x as f32, y as f32, ((x * 7 + y * 3) % 5) as f32));
             let pyramid = Pyramid::new(&map);
-            assert_eq!(pyramid.levels().last().unwrap().size, [1, 1]);
+            assert!(pyramid.levels().last().unwrap().size.contains(&1));
             for level in pyramid.levels() {
                 let [of_level, of_map] = [mean(level), mean(&map)];
                 let tolerance = if size == [64, 32] { 1e-5 } else { 0.03 };
@@ -102,6 +123,23 @@ mod tests {
         assert!((pyramid.radiance(direction, 64.0 * texel).x - 0.5).abs() < 0.02);
         let point = pyramid.radiance(direction, 0.01 * texel).x;
         assert!((point - map.at(70, 60).x).abs() < 1e-3 && (point - 0.5).abs() > 0.4, "negative control: {point}");
+    }
+
+    #[test]
+    fn an_atlas_has_all_levels_apart() {
+        for size in [[64, 32], [37, 20], [6, 9], [1, 4], [2, 2]] {
+            let pyramid = Pyramid::new(&Image::from_fn(size, |x, y| Vec3::splat((1 + x + 7 * y) as f32)));
+            let atlas = pyramid.atlas();
+            let mut taken = vec![false; atlas.pixels.len()];
+            for (i, level) in pyramid.levels().iter().enumerate() {
+                let [left, top] = pyramid.place(i);
+                for (j, texel) in level.pixels.iter().enumerate() {
+                    let (x, y) = (left as usize + j % level.width(), top as usize + j / level.width());
+                    assert_eq!(atlas.at(x, y), *texel, "{size:?} {i}");
+                    assert!(!std::mem::replace(&mut taken[y * atlas.width() + x], true), "{size:?} {i}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -144,7 +144,7 @@ impl SenderSamples {
     }
 
     /// Mean of the samples of each sender.
-    fn means(&self, values: &[Vec3]) -> Vec<Vec3> {
+    pub fn means(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mean = |sender: usize| self.shares.product(sender, values);
         (0..self.shares.len()).into_par_iter().with_min_len(512).map(mean).collect()
     }

@@ -121,14 +121,34 @@ impl Solver {
         reflectance: &[Vec3],
         settings: SolveSettings,
     ) -> Solution {
+        self.solve_with_emission(bake, irradiance, reflectance, &vec![Vec3::ZERO; irradiance.len()], settings)
+    }
+
+    /// [`Self::solve`] where the senders also send radiance by themselves, `emission` in W/(m² sr).
+    ///
+    /// # Panics
+    /// As [`Self::solve`].
+    pub fn solve_with_emission(
+        &self,
+        bake: &MeshlessBake,
+        irradiance: &[Vec3],
+        reflectance: &[Vec3],
+        emission: &[Vec3],
+        settings: SolveSettings,
+    ) -> Solution {
         let points = bake.basis.sender_points();
+        assert_eq!(emission.len(), points.len(), "one value per sender");
         assert!(irradiance.len() == points.len() && reflectance.len() == points.len(), "one value per sender");
         let mut arriving: Vec<Vec3> = irradiance.iter().copied().map(finite).collect();
         let mut sent = vec![Vec3::ZERO; points.len()];
         let mut coefficients = vec![Mat3A::ZERO; points.len()];
         let mut mean_irradiance = vec![self.mean(bake, &arriving)];
-        for _ in 0..settings.bounces.clamp(1, SolveSettings::MOST_BOUNCES) {
-            let radiance = self.radiance(&arriving, reflectance);
+        let emitted = self.projection.pull_push(&emission.iter().copied().map(usable).collect::<Vec<_>>());
+        for bounce in 0..settings.bounces.clamp(1, SolveSettings::MOST_BOUNCES) {
+            let mut radiance = self.radiance(&arriving, reflectance);
+            if bounce == 0 {
+                radiance.iter_mut().zip(&emitted).for_each(|(sum, emitted)| *sum += *emitted);
+            }
             sent.iter_mut().zip(&radiance).for_each(|(sum, r)| *sum += *r);
             let received = bake.transport.apply(&radiance, threshold(&radiance, settings), 0..points.len());
             coefficients.iter_mut().zip(&received).for_each(|(sum, vector)| *sum += *vector);

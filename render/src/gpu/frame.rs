@@ -5,7 +5,7 @@ use super::{
         self,
         constants::{BACKGROUND_FLAT, BACKGROUND_MAP},
     },
-    light::GpuLight,
+    light::{GpuLight, GpuPyramid},
     scene::GpuScene,
 };
 use crate::{
@@ -57,7 +57,7 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
         caught_per_radiance: lit.catches.unwrap_or_default().to_array(),
         lets_light_through: u32::from(view.background == Background::Transparent),
         share_weights: lit.catches.map_or(Vec3::ZERO, share_weights).to_array(),
-        mirrors: u32::from(lit.shown.is_some_and(|light| light.mirrored.is_some())),
+        mirrored_height: lit.shown.and_then(|light| light.mirrored.as_ref()).map_or(0, GpuPyramid::height),
     }
 }
 

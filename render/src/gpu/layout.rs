@@ -35,8 +35,8 @@ pub struct FrameUniforms {
     pub caught_per_radiance: [f32; 3],
     pub lets_light_through: u32,
     pub share_weights: [f32; 3],
-    /// Whether sharp lobes read the map.
-    pub mirrors: u32,
+    /// Height of the finest level of the map that sharp lobes read; 0 for none.
+    pub mirrored_height: u32,
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.
@@ -108,7 +108,9 @@ pub struct MaterialParameter {
 pub struct Material {
     pub model: u32,
     pub normal_y: f32,
-    pub padding: [u32; 2],
+    /// Index of the first parameter of surfaces.
+    pub surface: u32,
+    pub padding: u32,
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
     pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],

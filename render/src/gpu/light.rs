@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     layout::Node,
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_texture, extent, storage},
+    scene::{GpuScene, SourceCuts, cut_texture, extent, storage, write_rows},
 };
 use crate::{
     backend::BackendError,
@@ -37,7 +37,7 @@ pub struct GpuLight {
     pub mirrored: Option<GpuPyramid>,
 }
 
-/// All levels of a map.
+/// All levels of a map, in an atlas.
 #[derive(Clone)]
 pub struct GpuPyramid {
     pyramid: Arc<Pyramid>,
@@ -50,7 +50,12 @@ impl GpuPyramid {
         if let Some(same) = before.filter(|before| Arc::ptr_eq(&before.pyramid, pyramid)) {
             return same.clone();
         }
-        Self { pyramid: pyramid.clone(), view: upload(gpu, "levels of the environment", pyramid.levels()) }
+        Self { pyramid: pyramid.clone(), view: upload(gpu, "levels of the environment", &pyramid.atlas()) }
+    }
+
+    /// Of the finest level.
+    pub fn height(&self) -> u32 {
+        self.pyramid.levels()[0].size[1]
     }
 }
 
@@ -172,7 +177,7 @@ impl GpuMap {
             Some(width) => Cow::Owned(environment.blurred(width).map),
             None => fitted(&environment.map, gpu.limits.max_texture_dimension_2d),
         };
-        Self { environment: environment.clone(), blur, view: upload(gpu, "environment", std::slice::from_ref(&*shown)) }
+        Self { environment: environment.clone(), blur, view: upload(gpu, "environment", &shown) }
     }
 }
 
@@ -198,27 +203,18 @@ fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
     Cow::Owned(Image::from_fn(size, |x, y| map.at((x * step) as usize, (y * step) as usize)))
 }
 
-/// A texture of these levels.
-fn upload(gpu: &GpuDevice, label: &str, levels: &[Image]) -> wgpu::TextureView {
+fn upload(gpu: &GpuDevice, label: &str, map: &Image) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
-        size: extent(levels[0].size),
-        mip_level_count: levels.len() as u32,
+        size: extent(map.size),
+        mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::Rgba32Float,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    for (level, map) in levels.iter().enumerate() {
-        let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(16 * map.size[0]),
-            rows_per_image: Some(map.size[1]),
-        };
-        let target = wgpu::TexelCopyTextureInfo { mip_level: level as u32, ..texture.as_image_copy() };
-        gpu.queue.write_texture(target, bytemuck::cast_slice(&texels), layout, extent(map.size));
-    }
+    let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
+    write_rows(gpu, &texture, 16 * map.width(), bytemuck::cast_slice(&texels));
     texture.create_view(&Default::default())
 }

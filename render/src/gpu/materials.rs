@@ -63,7 +63,8 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
     Material {
         model: m.model as u32,
         normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
-        padding: [0; 2],
+        surface: m.model.own_parameters().len() as u32,
+        padding: 0,
         normal_map: slot(NORMAL),
         bump_map: slot(BUMP),
         parameters,

@@ -155,8 +155,8 @@ fn parameters(model: BrdfModel) -> String {
         let [low, high] = p.range;
         format!("        {function}(material, {index}u, uv, vec2({low:?}, {high:?}), {least:?}),\n")
     };
-    let fields: String = model.parameters().iter().map(field).collect();
-    let reads: String = model.parameters().iter().enumerate().map(read).collect();
+    let fields: String = model.own_parameters().iter().map(field).collect();
+    let reads: String = model.own_parameters().iter().enumerate().map(read).collect();
     format!(
         "
 struct {ty}Parameters {{

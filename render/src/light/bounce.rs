@@ -147,7 +147,8 @@ impl SourceRig {
     /// nodes.
     pub fn lighting(&self, illum_cut: u32) -> SourceLighting {
         let irradiance = self.irradiance_of_parts();
-        let sent = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
+        let reflected = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
+        let sent = reflected.zip(self.lit.emission()).map(|(reflected, emitted)| reflected + emitted);
         SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
     }
 }

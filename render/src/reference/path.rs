@@ -1,9 +1,11 @@
 //! Reference (b): light paths of any number of bounces, from the continuous environment and from local lights.
 //!
 //! Every vertex of a path gathers direct light by multiple importance sampling (Veach 1997): of the environment by its
-//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF. It uses neither light
+//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF, of surfaces that shine by
+//! their power and by the BRDF. It uses neither light
 //! samples nor cuts, so it shows the whole error. Random numbers are seeded by pixel and pass.
 
+mod emitters;
 mod environment_sampling;
 mod halves;
 mod light_choice;

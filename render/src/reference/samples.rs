@@ -43,13 +43,13 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums two kinds of samples, of which each may be left out.
+/// Sums what a point sends by itself and two kinds of samples, of which each may be left out.
 struct Sum<A, B>(Option<A>, Option<B>);
 
 impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         let first = self.0.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point));
-        first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
+        point.emission + first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
     }
 }
 

@@ -91,7 +91,7 @@ impl<'a> Painter<'a> {
 
     fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
         match self.mode {
-            ViewMode::Shaded => self.reflected(point),
+            ViewMode::Shaded => self.reflected(point) + point.emission,
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.base_color,
             ViewMode::Roughness => Vec3::splat(point.roughness),

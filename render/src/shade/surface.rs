@@ -3,7 +3,7 @@
 use crate::appearance::Appearance;
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::{Lambert, LightsX8, LobeMomentsX8, SurfaceBrdf, Value},
+    brdf::{Lambert, LightsX8, LobeMomentsX8, SurfaceBrdf, SurfaceParameters, Value},
     dataset::Dataset,
     material::Material,
     ray::{Hit, Intersector, offset},
@@ -39,6 +39,8 @@ pub struct SurfacePoint {
     pub roughness: f32,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
+    /// Radiance that it sends by itself.
+    pub emission: Vec3,
     /// Whether it belongs to a ground that catches shadows.
     pub is_catcher: bool,
 }
@@ -54,6 +56,7 @@ impl SurfacePoint {
             base_color: reflectance,
             roughness: 1.0,
             brdf: SurfaceBrdf::Lambert(Lambert::new(reflectance)),
+            emission: Vec3::ZERO,
             is_catcher: true,
             ..self
         }
@@ -95,6 +98,8 @@ pub(crate) struct PlaceLook {
     pub roughness: f32,
     /// Reflectance with these parameters.
     pub brdf: SurfaceBrdf,
+    /// Radiance that it sends by itself.
+    pub emission: Vec3,
 }
 
 impl SurfacePlace {
@@ -106,7 +111,8 @@ impl SurfacePlace {
         let brdf = SurfaceBrdf::new(material.model, &values);
         let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
         let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
-        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf }
+        let emission = SurfaceParameters::of(&values).emission();
+        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf, emission }
     }
 
     /// The normal after normal map and bump map.
@@ -304,6 +310,7 @@ impl<'a> Surfaces<'a> {
             base_color: looks.base_color,
             roughness: looks.roughness,
             brdf: looks.brdf,
+            emission: looks.emission,
             is_catcher: false,
         }
     }

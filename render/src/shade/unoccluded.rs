@@ -37,14 +37,14 @@ impl<'a> UnoccludedShader<'a> {
         Self { appearance, shader: Shader::unoccluded(lighting, &FULL_VISIBILITY) }
     }
 
-    /// Radiance that a surface position with the material of this index reflects toward `wo`, a unit direction in world
+    /// Radiance that a surface position with the material of this index sends and reflects toward `wo`, a unit direction in world
     /// space.
     ///
     /// # Panics
     /// If there is no such material.
     pub fn shade(&mut self, place: &SurfacePlace, material: usize, wo: Vec3) -> Vec3 {
         let looks = place.under(self.appearance, &self.appearance.materials[material], wo);
-        self.shader.shade(&SurfacePoint {
+        let reflected = self.shader.shade(&SurfacePoint {
             material: material as u32,
             vertices: [0; 3],
             corners: [place.position; 3],
@@ -58,8 +58,10 @@ impl<'a> UnoccludedShader<'a> {
             base_color: looks.base_color,
             roughness: looks.roughness,
             brdf: looks.brdf,
+            emission: looks.emission,
             is_catcher: false,
-        })
+        });
+        looks.emission + reflected
     }
 }
 

@@ -5,7 +5,7 @@ use crate::gpu::{
     models::ModelSet,
     shaders::{DISPLAY, PROGRAMS, RAYS, ShaderSource},
 };
-use lapidary_core::brdf::{BrdfModel, MIN_ALPHA};
+use lapidary_core::brdf::{BrdfModel, MIN_ALPHA, SurfaceParameters};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -114,7 +114,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 caught_per_radiance,
                 lets_light_through,
                 share_weights,
-                mirrors
+                mirrored_height
             ),
         ),
         (
@@ -137,7 +137,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             "TextureSlot",
             shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
         ),
-        ("Material", shape!(layout::Material, model, normal_y, padding, normal_map, bump_map, parameters)),
+        ("Material", shape!(layout::Material, model, normal_y, surface, padding, normal_map, bump_map, parameters)),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
         ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
@@ -303,6 +303,7 @@ fn shared_constants_have_the_same_values() {
     }
     for (name, value) in [
         ("MIN_ALPHA", MIN_ALPHA),
+        ("MOST_LUMINANCE", SurfaceParameters::LIST[1].range[1]),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
         ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::shade::node_field::LEAST_DISTANCE),

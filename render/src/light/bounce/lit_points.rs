@@ -17,6 +17,7 @@ pub(super) struct LitPoints {
     normals: Vec<Vec3>,
     area_samples: u32,
     albedo: Vec<Vec3>,
+    emission: Vec<Vec3>,
     /// Irradiance of the points from local lights.
     pub(super) lights: LightGroups,
     environment: Option<Vec<Vec3>>,
@@ -27,9 +28,11 @@ impl LitPoints {
     /// each of their sides.
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
         let dataset = &baked.dataset;
-        let (albedo, lights) = (Vec::new(), LightGroups::default());
+        let (albedo, emission, lights) = (Vec::new(), Vec::new(), LightGroups::default());
         let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
-        let mut lit = Self { baked: baked.clone(), points, normals, area_samples, albedo, lights, environment: None };
+        let baked_scene = baked.clone();
+        let mut lit =
+            Self { baked: baked_scene, points, normals, area_samples, albedo, emission, lights, environment: None };
         lit.set_appearance(&Appearance::of(&baked.dataset.scene));
         lit
     }
@@ -39,11 +42,17 @@ impl LitPoints {
         &self.albedo
     }
 
-    /// Gives the points the reflectance of other materials; materials that do not fit keep that of the dataset.
+    /// Radiance in W/(m² sr) that the points send by themselves.
+    pub fn emission(&self) -> &[Vec3] {
+        &self.emission
+    }
+
+    /// Gives the points the reflectance and the emission of other materials; materials that do not fit keep that of the dataset.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         let scene = &self.baked.dataset.scene;
         let (fitted, _) = appearance.fitted(&scene.materials);
         self.albedo = self.points.par_iter().map(|p| fitted.albedo(&scene.mesh, p.place)).collect();
+        self.emission = self.points.par_iter().map(|p| fitted.emission(&scene.mesh, p.place)).collect();
     }
 
     /// Shines local lights on the points, by rays, which only lights that have changed cast. Returns whether any has.

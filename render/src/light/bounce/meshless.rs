@@ -114,7 +114,9 @@ impl MeshlessRig {
             let (mut direct, albedo) = self.samples.fit(&self.solver, &self.lit.irradiance(), self.lit.albedo());
             let environment = self.environment.iter().flatten();
             direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
-            self.solved = Some(self.solver.solve(bake, &direct, &albedo, SolveSettings::default()));
+            let emitted = self.samples.means(self.lit.emission());
+            let settings = SolveSettings::default();
+            self.solved = Some(self.solver.solve_with_emission(bake, &direct, &albedo, &emitted, settings));
         }
         Some(dataset)
     }

@@ -1,6 +1,9 @@
 //! One light path from the eye: direct light at each vertex, then a reflection by the BRDF.
 
-use super::{environment_sampling::EnvironmentDistribution, light_choice::LightChoice, settings::PathSettings};
+use super::{
+    emitters::Emitters, environment_sampling::EnvironmentDistribution, light_choice::LightChoice,
+    settings::PathSettings,
+};
 use crate::{
     light::{direct::arrives, environment::Illumination},
     renderer::Renderer,
@@ -26,6 +29,7 @@ pub struct Tracer<'a> {
     sky: Sky<'a>,
     environment: EnvironmentDistribution,
     lights: LightChoice<'a>,
+    emitters: Emitters,
     settings: PathSettings,
 }
 
@@ -54,6 +58,7 @@ impl<'a> Tracer<'a> {
             sky: Sky::new(light),
             environment: EnvironmentDistribution::new(&light.environment.map),
             lights: LightChoice::new(lights, radius),
+            emitters: Emitters::new(&renderer.dataset().scene.mesh, &renderer.appearance),
             settings,
         }
     }
@@ -63,11 +68,14 @@ impl<'a> Tracer<'a> {
         let wanted = self.settings.components;
         let bounces = if wanted.indirect { self.settings.bounces } else { 0 };
         let mut gathered = Gathered { environment: wanted.environment, lights: wanted.direct };
-        let (mut sum, mut throughput) = (Vec3::ZERO, Vec3::ONE);
+        let (mut sum, mut throughput) = (seen.emission, Vec3::ONE);
         let mut reflected: Box<SurfacePoint>;
         let mut point = seen;
         for bounce in 0..=bounces {
             sum += throughput * self.by_light(point, gathered, rng);
+            if bounce < bounces {
+                sum += throughput * self.by_emitters(point, rng);
+            }
             let Some(scattered) = self.scatter(point, rng) else { break };
             throughput *= scattered.weight;
             if gathered.lights {
@@ -80,7 +88,10 @@ impl<'a> Tracer<'a> {
                 break;
             }
             match self.surfaces.seen_along(point.ray_origin, scattered.world) {
-                FirstHit::Surface(next) if leaves_face(point, scattered.world) => reflected = next,
+                FirstHit::Surface(next) if leaves_face(point, scattered.world) => {
+                    sum += throughput * self.emission_along(point, &scattered, &next);
+                    reflected = next;
+                }
                 FirstHit::Background => {
                     if gathered.environment {
                         sum += throughput * self.environment_along(&scattered);
@@ -132,6 +143,33 @@ impl<'a> Tracer<'a> {
             }
         }
         sum
+    }
+
+    /// Light of surfaces that shine, by a sample of them.
+    fn by_emitters(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+        if self.emitters.is_empty() {
+            return Vec3::ZERO;
+        }
+        let mesh = &self.renderer.dataset().scene.mesh;
+        let u = Vec3::new(rng.f32(), rng.f32(), rng.f32());
+        let Some(sample) = self.emitters.sample(&self.surfaces, mesh, point.ray_origin, u) else { return Vec3::ZERO };
+        let (reflected, other) = reflection(point, sample.direction);
+        let value = reflected * sample.radiance;
+        if value == Vec3::ZERO || !arrives(self.renderer.intersector(), point, sample.direction, sample.distance) {
+            return Vec3::ZERO;
+        }
+        value * (power_heuristic(sample.pdf, other) / sample.pdf)
+    }
+
+    /// What the surface at the end of a reflection sends by itself, weighted against its samples.
+    fn emission_along(&self, point: &SurfacePoint, scattered: &Scattered, next: &SurfacePoint) -> Vec3 {
+        if next.emission == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let [a, b, c] = next.corners;
+        let cosine = (b - a).cross(c - a).normalize_or_zero().dot(scattered.world);
+        let distance = next.position.distance(point.ray_origin);
+        next.emission * power_heuristic(scattered.pdf, self.emitters.pdf(next.material, distance, cosine))
     }
 
     /// A reflection by importance; `None` if it leads nowhere.

@@ -1,0 +1,51 @@
+//! What all materials have, whatever their model: light of their own, and openings.
+
+use super::{Parameter, Values, parameter::parameters};
+use glam::Vec3;
+
+parameters! {
+    /// Parameters of a surface beside its reflectance, with the names of OpenPBR.
+    pub struct SurfaceParameters {
+        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
+            .in_section("Emission"),
+        emission_luminance: f32 = Parameter::number(
+            "Emission luminance", [0.0, 1e6], 0.0,
+            "How bright the surface shines by itself, in the unit of the environment. With bounces it lights others.",
+        ).with_slider([0.0, 20.0]).in_section("Emission"),
+    }
+}
+
+impl SurfaceParameters {
+    /// How many numbers they are.
+    const NUMBERS: usize = {
+        let (mut sum, mut i) = (0, 0);
+        while i < Self::LIST.len() {
+            sum += Self::LIST[i].numbers();
+            i += 1;
+        }
+        sum
+    };
+
+    /// From the values of a material, of which they are the last.
+    #[inline]
+    pub fn of(values: &Values) -> Self {
+        Self::new(&values.last(Self::NUMBERS))
+    }
+
+    /// Radiance that the surface sends in all directions, in W/(m² sr).
+    #[inline]
+    pub fn emission(&self) -> Vec3 {
+        self.emission_color * self.emission_luminance
+    }
+}
+
+/// The parameters of a model followed by those of surfaces, `N` in all.
+pub(super) const fn with_surface<const N: usize>(own: &[Parameter]) -> [Parameter; N] {
+    let mut all = [SurfaceParameters::LIST[0]; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < own.len() { own[i] } else { SurfaceParameters::LIST[i - own.len()] };
+        i += 1;
+    }
+    all
+}
