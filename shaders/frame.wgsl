@@ -36,6 +36,8 @@ struct FrameUniforms {
     share_weights: vec3<f32>,
     // Height of the finest level of the map that sharp lobes read; 0 for none.
     mirrored_height: u32,
+    // Whether the light is shown that surfaces send by themselves.
+    shows_emission: u32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

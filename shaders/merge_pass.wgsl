@@ -54,7 +54,7 @@ fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32
         case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
-        default: { return shaded.radiance + select(vec3(0.0), point.emission, IS_FIRST); }
+        default: { return shaded.radiance + select(vec3(0.0), point.emission, IS_FIRST && frame.shows_emission != 0u); }
     }
 }
 

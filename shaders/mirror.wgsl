@@ -6,7 +6,9 @@ const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
 const WINDOW: f32 = 6.0;
 const MIRROR_SAMPLES: u32 = 16u;
-const GOLDEN: f32 = 0.618034;
+// Cosine and sine of the golden section of a turn.
+const GOLDEN_COS: f32 = -0.7373688;
+const GOLDEN_SIN: f32 = -0.67549026;
 
 // The sharp lobes of one pixel.
 struct Mirror {
@@ -71,10 +73,14 @@ fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
     let wo = point.wo;
     let per_lobe = MIRROR_SAMPLES / mirror.count;
     var sum = vec3(0.0);
+    var turn = vec2(1.0, 0.0);
     for (var i = 0u; i < per_lobe * mirror.count; i += 1u) {
-        let j = f32(i / mirror.count);
         let lobe = mirror.lobes[i % mirror.count];
-        let half = ggx_visible_normal(lobe, wo, (j + 0.5) / f32(per_lobe), fract(j * GOLDEN));
+        let radius = sqrt((f32(i / mirror.count) + 0.5) / f32(per_lobe));
+        let half = ggx_visible_normal(lobe, wo, radius * turn);
+        if i % mirror.count == mirror.count - 1u {
+            turn = vec2(turn.x * GOLDEN_COS - turn.y * GOLDEN_SIN, turn.x * GOLDEN_SIN + turn.y * GOLDEN_COS);
+        }
         let wi = 2.0 * dot(wo, half) * half - wo;
         let direction = point.world_from_local * wi;
         if !(wi.z > 0.0 && dot(direction, point.smooth_normal) > 0.0) {
@@ -96,12 +102,12 @@ fn patch_radiance(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
     let size = vec2(textureDimensions(mirrored_map).x, frame.mirrored_height);
     let texels = sqrt(solid_angle) * f32(size.y) / PI;
     let last = firstLeadingBit(min(size.x, size.y));
-    let level = min(log2(max(texels, 1.0)), f32(last));
-    let fine = u32(level);
+    let fine = min(firstLeadingBit(u32(max(texels, 1.0))), last);
+    let rest = clamp(texels / f32(1u << fine) - 1.0, 0.0, 1.0);
     let uv = uv_from_direction(to_environment(direction));
     let finer = level_radiance(uv, size, fine);
     let coarser = level_radiance(uv, size, min(fine + 1u, last));
-    return mix(finer, coarser, fract(level)) * frame.environment_intensity;
+    return mix(finer, coarser, rest) * frame.environment_intensity;
 }
 
 fn level_radiance(uv: vec2<f32>, finest: vec2<u32>, level: u32) -> vec3<f32> {
@@ -132,8 +138,8 @@ fn sharpened(mirror: Mirror, reflected: vec3<f32>, seen: vec3<f32>, all: vec3<f3
     return reflected + (shares * unshadowed - seen) * mirror.share;
 }
 
-// A visible normal of a GGX lobe, from two numbers in [0, 1). Twin of core/src/brdf/ggx_lobe.rs, as what follows.
-fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
+// A visible normal of a GGX lobe, from a point of the unit disc. Twin of core/src/brdf/ggx_lobe.rs, as what follows.
+fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, disc: vec2<f32>) -> vec3<f32> {
     let stretched = normalize(vec3(alpha * wo.xy, wo.z));
     var t1 = vec3(-stretched.y, stretched.x, 0.0);
     if stretched.z < 0.9999 {
@@ -143,10 +149,9 @@ fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: f32, v: f32) -> vec3<f
         t1 = vec3(1.0 + stretched.x * stretched.x * a, stretched.x * stretched.y * a, -stretched.x);
     }
     let t2 = cross(stretched, t1);
-    let r = sqrt(u);
     let s = 0.5 * (1.0 + stretched.z);
-    let p1 = r * cos(2.0 * PI * v);
-    let p2 = (1.0 - s) * sqrt(max(1.0 - p1 * p1, 0.0)) + s * r * sin(2.0 * PI * v);
+    let p1 = disc.x;
+    let p2 = (1.0 - s) * sqrt(max(1.0 - p1 * p1, 0.0)) + s * disc.y;
     let n = t1 * p1 + t2 * p2 + stretched * sqrt(max(1.0 - p1 * p1 - p2 * p2, 0.0));
     return normalize(vec3(alpha * n.xy, max(n.z, 1e-6)));
 }

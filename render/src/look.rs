@@ -4,7 +4,7 @@ use crate::{
     Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View,
     shade::background::caught_per_radiance,
 };
-use lapidary_core::{cut::lit::DEFAULT_TAU, ground::Ground, lights::Light, scene::Scene};
+use lapidary_core::{cut::lit::DEFAULT_TAU, ground::Ground, lights::Light, material::Material, scene::Scene};
 use std::sync::Arc;
 
 /// All that decides a picture of a baked scene. A copy shares texels and maps.
@@ -119,8 +119,11 @@ impl Redo {
         let catches = new.view.ground == Ground::Shadow;
         let ground = catches && (sky || environment != old.components.environment);
         let bounced = sky || lights || old.solution != new.solution;
+        // What surfaces send by themselves is shown with local lights, but summed with what needs no merge.
+        let shines = |look: &Look| look.components.direct && look.appearance.materials.iter().any(Material::shines);
+        let background = environment != old.components.environment || environment && sky || shines(old) != shines(new);
         Stale {
-            environment: looks.and(Pixels::all_if(environment != old.components.environment || environment && sky)),
+            environment: looks.and(Pixels::all_if(background)),
             // `LitScene` adds those that the light of a changed material reaches.
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && (bounced || ground))),
             direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && ground)),

@@ -45,7 +45,7 @@ impl DataFolder {
 
     /// The scenes that the window offers, the still life first.
     pub fn scenes(&self) -> Vec<PathBuf> {
-        let others = ["interior", "color-box"].map(|name| self.scene(name));
+        let others = ["interior", "color-box", "material-study"].map(|name| self.scene(name));
         iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
     }
 

@@ -9,7 +9,7 @@ use super::{
     microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes},
 };
 use crate::simd::{Lanes, Vec3x8};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// Widths along the tangent and the bitangent.
@@ -64,6 +64,13 @@ impl GgxLobe {
 
     /// A visible normal (Heitz 2018, *Sampling the GGX Distribution of Visible Normals*).
     pub fn sample_half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3 {
+        let (sin, cos) = (TAU * v).sin_cos();
+        self.visible_normal(wo, u.sqrt() * Vec2::new(cos, sin))
+    }
+
+    /// The visible normal of a point of the unit disc: they are distributed as the lobe where the points are distributed
+    /// evenly.
+    pub fn visible_normal(&self, wo: Vec3, disc: Vec2) -> Vec3 {
         let [ax, ay] = self.alpha;
         let stretched = Vec3::new(ax * wo.x, ay * wo.y, wo.z).normalize();
         // The pair must have t1 level, so that the half disc is the lower one.
@@ -73,11 +80,9 @@ impl GgxLobe {
         } else {
             stretched.any_orthonormal_pair()
         };
-        let r = u.sqrt();
-        let (sin, cos) = (TAU * v).sin_cos();
         let s = 0.5 * (1.0 + stretched.z);
-        let p1 = r * cos;
-        let p2 = (1.0 - s) * (1.0 - p1 * p1).max(0.0).sqrt() + s * r * sin;
+        let p1 = disc.x;
+        let p2 = (1.0 - s) * (1.0 - p1 * p1).max(0.0).sqrt() + s * disc.y;
         let n = t1 * p1 + t2 * p2 + stretched * (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
         Vec3::new(ax * n.x, ay * n.y, n.z.max(1e-6)).normalize()
     }

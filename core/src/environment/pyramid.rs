@@ -60,9 +60,11 @@ impl Pyramid {
     pub fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
         // Texels are as high everywhere. Near the poles they are narrower than they are high, so that a patch skips some.
         let texels = solid_angle.sqrt() * self.levels[0].height() as f32 / PI;
-        let level = texels.max(1.0).log2().min((self.levels.len() - 1) as f32);
-        let (fine, rest) = (level as usize, level.fract());
-        let coarse = (fine + 1).min(self.levels.len() - 1);
+        // Between levels by the size of the patch, not its logarithm, which is another in shaders.
+        let last = self.levels.len() - 1;
+        let fine = (texels.max(1.0) as u32).ilog2().min(last as u32) as usize;
+        let rest = (texels / (1_u32 << fine) as f32 - 1.0).clamp(0.0, 1.0);
+        let coarse = (fine + 1).min(last);
         bilinear(&self.levels[fine], direction).lerp(bilinear(&self.levels[coarse], direction), rest)
     }
 }

@@ -15,6 +15,7 @@ mod gem;
 mod gltf_writer;
 mod interior;
 mod knot;
+mod material_study;
 mod mesh;
 mod noise;
 mod pear;
@@ -70,6 +71,7 @@ fn write_bundle(out: &Path, cloth_resolution: usize) -> Result<()> {
     write_textures(&folder(out, "textures")?)?;
     write_still_life(&folder(out, "still-life")?, cloth_resolution)?;
     write_interior(&folder(out, "interior")?)?;
+    write_scene(&material_study::material_study(), &folder(out, "material-study")?)?;
     write_scene(&color_box::color_box(), &folder(out, "color-box")?)
 }
 

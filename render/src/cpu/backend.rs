@@ -105,6 +105,7 @@ fn light_of<'a>(
     let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
     PictureLight {
         environment: environment.map(|(_, lighting)| &**lighting),
+        emission: local.components.direct,
         sources: local.shown_indirect().map(|lighting| &**lighting),
         vertex_irradiance: local.shown_vertex_irradiance().map(|vertices| &**vertices),
         local: shown(&lights.direct),

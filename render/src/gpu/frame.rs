@@ -21,6 +21,8 @@ pub struct Lit<'a> {
     pub shown: Option<&'a GpuLight>,
     /// The environment, shown or not.
     pub behind: Option<&'a GpuLight>,
+    /// Whether the light is shown that surfaces send by themselves.
+    pub emission: bool,
     /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
     pub catches: Option<Vec3>,
 }
@@ -58,6 +60,8 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
         lets_light_through: u32::from(view.background == Background::Transparent),
         share_weights: lit.catches.map_or(Vec3::ZERO, share_weights).to_array(),
         mirrored_height: lit.shown.and_then(|light| light.mirrored.as_ref()).map_or(0, GpuPyramid::height),
+        shows_emission: lit.emission.into(),
+        padding: [0; 3],
     }
 }
 

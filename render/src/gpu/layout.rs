@@ -37,6 +37,8 @@ pub struct FrameUniforms {
     pub share_weights: [f32; 3],
     /// Height of the finest level of the map that sharp lobes read; 0 for none.
     pub mirrored_height: u32,
+    pub shows_emission: u32,
+    pub padding: [u32; 3],
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.

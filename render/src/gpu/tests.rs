@@ -2,6 +2,7 @@
 
 mod bounce;
 mod direct;
+mod emission;
 mod ground;
 mod kept;
 mod reflection;

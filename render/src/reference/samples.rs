@@ -43,13 +43,14 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums what a point sends by itself and two kinds of samples, of which each may be left out.
-struct Sum<A, B>(Option<A>, Option<B>);
+/// Sums two kinds of samples, and what a point sends by itself. Each may be left out.
+struct Sum<A, B>(Option<A>, Option<B>, bool);
 
 impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         let first = self.0.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point));
-        point.emission + first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
+        let emitted = if self.2 { point.emission } else { Vec3::ZERO };
+        emitted + first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
     }
 }
 
@@ -60,6 +61,8 @@ pub struct SampledLight<'a> {
     pub environment: Option<&'a Illumination>,
     /// Their direct light.
     pub lights: &'a [Light],
+    /// Whether what surfaces send by themselves is shown.
+    pub emission: bool,
     /// All of them.
     pub sources: Option<&'a SourceLighting>,
     /// A picture of other light, which is added.
@@ -87,7 +90,7 @@ impl Renderer {
         let backdrop = Backdrop::new(view, light.environment, light.environment.is_some(), &mut BlurCache::default());
         let shader = || {
             let distant = distant.as_ref().map(|samples| samples.shader(self));
-            Sum(distant, sources.as_ref().map(|samples| samples.shader(self)))
+            Sum(distant, sources.as_ref().map(|samples| samples.shader(self)), light.emission)
         };
         let suns = light.environment.map_or_else(Vec::new, Illumination::suns);
         let lights = [light.lights, &suns].concat();

@@ -11,7 +11,7 @@
 //! since nothing of it but the widths of its lobes is asked for. Twin of `shaders/mirror.wgsl`.
 
 use crate::shade::surface::{ReceiverX8, SurfacePoint};
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, GgxLobe, Lobes, MIN_ALPHA, NO_LOBE},
     environment::{Environment, Pyramid},
@@ -28,13 +28,19 @@ const SOFT: f32 = 5.0;
 const WINDOW: f32 = 6.0;
 /// Most directions that are read; a multiple of eight.
 const SAMPLES: usize = 16;
-/// Turn from sample to sample, in turns: the golden section, for which discs are filled evenly.
-const GOLDEN: f32 = 0.618_034;
+/// Turn from sample to sample, as cosine and sine: the golden section of a full turn, for which discs are filled evenly.
+const GOLDEN: Vec2 = Vec2::new(-0.737_368_8, -0.675_490_26);
 
 /// The shader's copies of these are compared with them in a test.
 #[cfg(test)]
-pub(crate) const CONSTANTS: [(&str, f32); 5] =
-    [("SHARP", SHARP), ("SOFT", SOFT), ("WINDOW", WINDOW), ("MIRROR_SAMPLES", SAMPLES as f32), ("GOLDEN", GOLDEN)];
+pub(crate) const CONSTANTS: [(&str, f32); 6] = [
+    ("SHARP", SHARP),
+    ("SOFT", SOFT),
+    ("WINDOW", WINDOW),
+    ("MIRROR_SAMPLES", SAMPLES as f32),
+    ("GOLDEN_COS", GOLDEN.x),
+    ("GOLDEN_SIN", GOLDEN.y),
+];
 
 /// The map that sharp lobes read, turned and scaled.
 #[derive(Clone, Debug)]
@@ -164,10 +170,13 @@ impl Mirror {
         let lobes = self.lobes.map(GgxLobe::new);
         let lobes = &lobes[..self.count];
         let mut samples = [(Vec3::Z, 0.0); SAMPLES];
+        let mut turn = Vec2::X;
         for (i, sample) in samples.iter_mut().enumerate().take(per_lobe * self.count) {
-            let j = (i / self.count) as f32;
-            let half =
-                lobes[i % self.count].sample_half_vector(self.wo, (j + 0.5) / per_lobe as f32, (j * GOLDEN).fract());
+            let radius = (((i / self.count) as f32 + 0.5) / per_lobe as f32).sqrt();
+            let half = lobes[i % self.count].visible_normal(self.wo, radius * turn);
+            if i % self.count == self.count - 1 {
+                turn = GOLDEN.rotate(turn);
+            }
             let wi = 2.0 * self.wo.dot(half) * half - self.wo;
             if wi.z > 0.0 {
                 let density: f32 = lobes.iter().map(|lobe| lobe.pdf(wi, self.wo)).sum();
@@ -206,3 +215,6 @@ fn sharpness(width: f32) -> f32 {
     let t = ((SOFT - width) / (SOFT - SHARP)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
+
+#[cfg(test)]
+mod tests;

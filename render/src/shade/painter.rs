@@ -23,6 +23,8 @@ use std::f32::consts::FRAC_1_PI;
 pub(crate) struct PictureLight<'a> {
     /// Direct light of the environment.
     pub environment: Option<&'a SceneLighting>,
+    /// Whether the light is shown that surfaces send by themselves.
+    pub emission: bool,
     /// Bounced light, for a dataset that has sources.
     pub sources: Option<&'a SourceLighting>,
     /// Bounced light at the vertices, as vector irradiance.
@@ -52,6 +54,7 @@ pub(crate) struct Painter<'a> {
     dataset: &'a Dataset,
     /// `None` without a light: values that depend on it are black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
+    emission: bool,
     sources: Option<Shader<'a, SourceField<'a>>>,
     vertex_irradiance: Option<&'a VertexIrradiance>,
     local: Option<(&'a [Light], &'a Intersector)>,
@@ -69,6 +72,7 @@ impl<'a> Painter<'a> {
             mode,
             dataset,
             environment,
+            emission: light.emission,
             sources,
             vertex_irradiance: light.vertex_irradiance,
             local: light.local,
@@ -91,7 +95,7 @@ impl<'a> Painter<'a> {
 
     fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
         match self.mode {
-            ViewMode::Shaded => self.reflected(point) + point.emission,
+            ViewMode::Shaded => self.reflected(point) + self.emitted(point),
             ViewMode::Normals => 0.5 * point.world_from_local.z_axis + 0.5,
             ViewMode::Albedo => point.base_color,
             ViewMode::Roughness => Vec3::splat(point.roughness),
@@ -104,6 +108,10 @@ impl<'a> Painter<'a> {
     /// Direct light of the environment.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
         self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default()
+    }
+
+    fn emitted(&self, point: &SurfacePoint) -> Vec3 {
+        if self.emission { point.emission } else { Vec3::ZERO }
     }
 
     /// Work since the last call.

@@ -43,6 +43,7 @@ pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &
     let light = SampledLight {
         environment: components.environment.then_some(&look.light),
         lights: if components.direct { &look.lights } else { &[] },
+        emission: components.direct,
         sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.indirect.as_deref()),
         base: base.as_ref(),
     };

@@ -24,7 +24,12 @@ impl GpuBackend {
     pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.picture();
         let light = self.shown_environment().map(|(light, _)| light);
-        let lit = Lit { shown: light, behind: self.light.as_ref().map(|(light, _)| light), catches: picture.catches };
+        let lit = Lit {
+            shown: light,
+            behind: self.light.as_ref().map(|(light, _)| light),
+            emission: self.local.components.direct,
+            catches: picture.catches,
+        };
         let uniforms = frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
     }

@@ -114,7 +114,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 caught_per_radiance,
                 lets_light_through,
                 share_weights,
-                mirrored_height
+                mirrored_height,
+                shows_emission
             ),
         ),
         (

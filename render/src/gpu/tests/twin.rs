@@ -209,7 +209,7 @@ impl Rig {
     }
 
     fn lit(&self) -> PictureLight<'_> {
-        PictureLight { environment: Some(&self.lighting), ..Default::default() }
+        PictureLight { environment: Some(&self.lighting), emission: true, ..Default::default() }
     }
 
     fn look(&mut self, appearance: Appearance) {

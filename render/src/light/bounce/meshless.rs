@@ -168,6 +168,23 @@ mod tests {
     }
 
     #[test]
+    fn a_linked_wall_that_shines_gives_the_floor_s_vertices_its_radiance() {
+        let baked = Baked::from(linked_floor_and_wall());
+        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let mut appearance = Appearance::of(&baked.dataset.scene);
+        let wall = baked.dataset.scene.mesh.triangle_material[rig.lit.points[0].place.triangle as usize] as usize;
+        appearance.materials[wall].parameters.set("emission_luminance", 2.5);
+        rig.set_appearance(&appearance);
+        let found = rig.at_vertices().unwrap();
+        let up = baked.dataset.scene.mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        let received = super::irradiance(&found.front[up], Vec3::Y);
+        let expected = Vec3::splat(2.5 * LINK.y);
+        assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
+        rig.set_appearance(&Appearance::of(&baked.dataset.scene));
+        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no lamp");
+    }
+
+    #[test]
     fn senders_have_the_light_of_the_finer_points_under_them() {
         let mut dataset = linked_floor_and_wall();
         let meshless = dataset.meshless.as_mut().unwrap();

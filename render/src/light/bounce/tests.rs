@@ -78,6 +78,29 @@ fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
     assert!(rel_rmse(&brighter, &expected) > 0.08, "negative control");
 }
 
+/// The floor of this scene is white, so that the wall's radiance alone decides.
+#[test]
+fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
+    let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
+    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let shines = |luminance: f32| {
+        let mut appearance = Appearance::of(&dataset.scene);
+        appearance.materials[1].parameters.set("emission_color", Vec3::new(1.0, 0.5, 0.0));
+        appearance.materials[1].parameters.set("emission_luminance", luminance);
+        appearance
+    };
+    let view = from_above(24);
+    let expected = floor_image(&view, |p| Vec3::new(4.0, 2.0, 0.0) * (form_factor(p) / PI));
+    let mut shown = |luminance: f32| {
+        rig.set_appearance(&shines(luminance));
+        picture(&dataset, &rig.lighting(SOURCES as u32), &view, BrdfSampling::Refine)
+    };
+    let found = shown(4.0);
+    assert!(rel_rmse(&found, &expected) < 0.02, "{}", rel_rmse(&found, &expected));
+    assert!(rel_rmse(&shown(4.4), &expected) > 0.08, "negative control: a brighter wall");
+    assert_eq!(rel_rmse(&shown(0.0), &expected), 1.0, "negative control: a dark wall");
+}
+
 #[test]
 fn full_cuts_are_the_sum_over_all_sources() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));

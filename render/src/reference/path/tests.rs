@@ -86,6 +86,40 @@ fn one_bounce_from_a_wall_is_its_form_factor() {
     assert_eq!(mean(&direct), 0.0, "the light grazes the floor");
 }
 
+/// A black wall that shines by itself, so that the floor shows its form factor: found by samples of it, and by the BRDF.
+#[test]
+fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
+    let (albedo, shines) = (0.8, 3.0);
+    let mut mesh = plates();
+    let half = mesh.triangles.len() / 2;
+    mesh.triangle_material[half..].fill(1);
+    let mut dataset = dataset(mesh, grey(albedo));
+    let mut lamp = dataset.scene.materials[0].clone();
+    lamp.parameters = grey(0.0).into();
+    lamp.parameters.set("emission_luminance", shines);
+    dataset.scene.materials.push(lamp);
+    let renderer = Renderer::new(dataset);
+    let view = view(Vec3::new(1.0, 3.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 25.0, 12);
+    let wall = [(0.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 1.0)].map(|(y, z)| Vec3::new(0.0, y, z));
+    let at = |x: u32, y: u32| {
+        let direction = view.camera.direction_through(Vec2::new(x as f32, y as f32) + 0.5, view.size);
+        let floor = view.camera.eye - direction * (view.camera.eye.y / direction.y);
+        Vec3::splat(albedo * FRAC_1_PI * shines * polygon_irradiance(&wall, floor, Vec3::Y) as f32)
+    };
+    let expected = mean(&Image::from_fn(view.size, at));
+    let shown = |components, bounces| {
+        mean(&renderer.path_reference(&view, &dark(), &[], only(components, bounces, 256), &Quiet))
+    };
+    let error = |expected: f32| (shown("indirect", 1) / expected - 1.0).abs();
+    assert!(error(expected) < 0.02, "{} of {expected}", shown("indirect", 1));
+    assert!(error(1.1 * expected) > 0.05, "negative control: a brighter wall");
+    assert_eq!(shown("indirect", 0), 0.0, "a bounce carries it");
+    let at_wall = self::view(Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.0), 25.0, 4);
+    let seen = |components| renderer.path_reference(&at_wall, &dark(), &[], only(components, 0, 4), &Quiet).pixels[5];
+    assert!((seen("direct") - shines).abs().max_element() < 1e-5, "it is seen with the local lights");
+    assert_eq!(seen("environment"), Vec3::ZERO);
+}
+
 #[test]
 fn components_sum_to_the_whole() {
     let mut dataset = dataset(plates(), GgxParameters { roughness: 0.4, ..grey(0.7) });

@@ -68,7 +68,8 @@ impl<'a> Tracer<'a> {
         let wanted = self.settings.components;
         let bounces = if wanted.indirect { self.settings.bounces } else { 0 };
         let mut gathered = Gathered { environment: wanted.environment, lights: wanted.direct };
-        let (mut sum, mut throughput) = (seen.emission, Vec3::ONE);
+        let emitted = if wanted.direct { seen.emission } else { Vec3::ZERO };
+        let (mut sum, mut throughput) = (emitted, Vec3::ONE);
         let mut reflected: Box<SurfacePoint>;
         let mut point = seen;
         for bounce in 0..=bounces {

@@ -1,0 +1,132 @@
+//! Sharp lobes against light paths, which read the whole map, and against lobes that need no map.
+
+use super::*;
+use crate::{
+    Quiet, Renderer,
+    light::environment::Illumination,
+    reference::path::settings::PathSettings,
+    shade::merge::BrdfSampling,
+    test_scenes::{dataset, from_the_side, illumination, mean, mesh, rel_rmse},
+    view::View,
+};
+use lapidary_core::{
+    brdf::{BrdfModel, GgxParameters, OpenPbrParameters, Parameters, SurfaceBrdf},
+    image::Image,
+};
+
+/// Bright stripes, three to a light sample.
+fn stripes() -> Illumination {
+    illumination([512, 256], |x, y| Vec3::splat(if (x / 2 + y / 2) % 2 == 0 { 1.5 } else { 0.1 }))
+}
+
+fn metal(alpha: f32) -> GgxParameters {
+    GgxParameters {
+        base_color: Vec3::new(0.9, 0.7, 0.5),
+        roughness: alpha.sqrt(),
+        metalness: 1.0,
+        ..Default::default()
+    }
+}
+
+fn view() -> View {
+    View { aa: 4, ..from_the_side(32) }
+}
+
+/// Against paths in the same places of the pixels.
+fn error(renderer: &Renderer, light: &Illumination, shown: &Image) -> f64 {
+    let settings = PathSettings {
+        positions: crate::reference::path::settings::SamplePositions::Shared,
+        ..PathSettings::direct(1024)
+    };
+    rel_rmse(shown, &renderer.path_reference(&view(), light, &[], settings, &Quiet))
+}
+
+#[test]
+fn mirrors_show_what_light_samples_cannot() {
+    let light = stripes();
+    for alpha in [0.0025, 0.01, 0.03] {
+        let renderer = Renderer::new(dataset(mesh(32, true), metal(alpha)));
+        let lighting = renderer.lighting(&light, 256);
+        let blurred = crate::SceneLighting { mirrored: None, ..lighting.clone() };
+        let [sharp, blurred] = [&lighting, &blurred].map(|lighting| {
+            error(&renderer, &light, &renderer.render_lit(&view(), &light, lighting, BrdfSampling::Lit).0)
+        });
+        assert!(sharp < 0.1, "{alpha}: {sharp}");
+        println!("{alpha} {sharp} {blurred}");
+        assert!(blurred > 3.0 * sharp, "negative control: without the map, {alpha}: {blurred}");
+    }
+}
+
+#[test]
+fn the_reference_by_samples_has_the_same_mirrors() {
+    let (light, renderer) = (stripes(), Renderer::new(dataset(mesh(32, true), metal(0.01))));
+    let reference = renderer.samples_reference(&view(), &light, &Quiet);
+    let error = error(&renderer, &light, &reference);
+    assert!(error < 0.1, "{error}");
+}
+
+/// In even light all widths show the same but for what a rougher surface loses.
+#[test]
+fn no_energy_is_lost_or_won_and_there_is_no_seam() {
+    let light = illumination([64, 32], |_, _| Vec3::ONE);
+    let shown = |alpha: f32| {
+        let renderer = Renderer::new(dataset(mesh(32, false), metal(alpha)));
+        mean(&renderer.render(&view(), &light, 256, BrdfSampling::Lit).0)
+    };
+    let means: Vec<f32> = (1..=60).step_by(3).map(|step| shown(0.005 * step as f32)).collect();
+    let largest = means.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).fold(0.0, f32::max);
+    assert!(largest < 0.01, "{means:?}");
+    let of_paths = {
+        let renderer = Renderer::new(dataset(mesh(4, false), metal(0.005)));
+        mean(&renderer.path_reference(&view(), &light, &[], PathSettings::direct(64), &Quiet))
+    };
+    assert!((means[0] / of_paths - 1.0).abs() < 0.01, "{} for {of_paths}", means[0]);
+}
+
+#[test]
+fn only_sharp_lobes_are_mirrors() {
+    let wo = Vec3::new(0.6, 0.0, 0.8);
+    let leaf = 4.0 * PI / 32_768.0;
+    let of = |model: BrdfModel, parameters: Parameters| {
+        let brdf = SurfaceBrdf::new(model, &model.values(&parameters));
+        Mirror::of(brdf.as_brdf().lobes(), wo, leaf)
+    };
+    assert_eq!(of(BrdfModel::Ggx, metal(0.01).into()).unwrap().share, 1.0);
+    assert!(of(BrdfModel::Ggx, metal(0.2).into()).is_none() && of(BrdfModel::Lambert, Parameters::default()).is_none());
+    let coated = OpenPbrParameters { coat_weight: 1.0, specular_roughness: 0.5, ..Default::default() };
+    let coat = of(BrdfModel::OpenPbr, coated.into()).unwrap();
+    assert_eq!((coat.count, coat.share), (1, 1.0), "the coat over a rough base");
+    assert!(Mirror::of([[0.01; 2]; 3], -wo, leaf).is_none(), "seen from below");
+}
+
+/// The window is whole around the mirror's direction, empty where [`Mirror::overlaps`] says so, and falls between.
+#[test]
+fn windows_lie_around_the_direction_of_the_mirror() {
+    let wo = Vec3::new(0.6, 0.0, 0.8);
+    let mirror = Mirror::of([[0.01, 0.02], NO_LOBE, NO_LOBE], wo, 4.0 * PI / 32_768.0).unwrap();
+    let at = |direction: Vec3| mirror.window::<f32x8>(Vec3x8::splat(direction.normalize())).to_array()[0];
+    let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);
+    assert_eq!(at(mirrored), 1.0);
+    let mut inside = 0;
+    for i in 0..10_000 {
+        let [u, v] = [(i as f32 + 0.5) / 1e4, (i as f32 * 0.618_034).fract()];
+        let d = lapidary_core::sphere::cosine_direction(u, v);
+        assert!(at(d) == 0.0 || mirror.overlaps(d, 1e-3), "{d}");
+        inside += usize::from(at(d) > 0.0);
+    }
+    assert!((10..1000).contains(&inside), "{inside}");
+}
+
+#[test]
+fn samples_follow_the_lobe() {
+    let wo = Vec3::new(0.3, 0.2, 0.93).normalize();
+    for lobe in [[0.02, 0.02], [0.005, 0.03]] {
+        let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], wo, 4.0 * PI / 32_768.0).unwrap();
+        let ggx = GgxLobe::new(lobe);
+        // Their solid angles weighted by the density add up to one.
+        let sum: f32 = mirror.samples().iter().map(|&(wi, area)| ggx.pdf(wi, wo) * area).sum();
+        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+        let off: Vec2 = mirror.samples().iter().map(|(wi, _)| (*wi + wo).normalize().truncate()).sum();
+        assert!(off.length() / SAMPLES as f32 <= lobe[1], "{off}");
+    }
+}
