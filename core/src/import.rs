@@ -11,6 +11,7 @@ use crate::{
     input,
     lights::Light,
     material::Material,
+    materialx::MaterialXError,
     scene::{MeshError, Object, Scene},
     texture::Texture,
 };
@@ -33,7 +34,9 @@ mod repair;
 mod tangents;
 mod textures;
 
-pub use material_file::{MapFiles, MaterialFile, SlotFile, load_material, pictures_of_material};
+pub use material_file::{
+    MapFiles, MaterialFile, SlotFile, is_materialx, load_material, material_in_file, pictures_of_material,
+};
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
 const MAX_ELEMENTS: u64 = 100_000_000;
@@ -104,6 +107,14 @@ pub enum ImportError {
         path: PathBuf,
         /// The files, as it names them.
         names: Vec<String>,
+    },
+    /// A document of several materials has none of the name that was asked for.
+    #[error("{source} ({})", path.display())]
+    NoSuchMaterial {
+        /// Which file.
+        path: PathBuf,
+        /// What was asked for, and what there is.
+        source: MaterialXError,
     },
     /// A picture that a material names cannot be read.
     #[error("a map of the material cannot be read: {source} ({})", path.display())]
@@ -259,7 +270,7 @@ fn check_count(what: &'static str, count: u64, path: &Path) -> Result<(), Import
 }
 
 /// Names for a warning: a few of them, and how many more there are.
-fn listed(names: &[String]) -> String {
+pub(crate) fn listed(names: &[String]) -> String {
     const SHOWN: usize = 5;
     let shown = names.iter().take(SHOWN).map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
     if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }

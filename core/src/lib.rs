@@ -22,7 +22,7 @@
 //! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
 //! * [`material`]: parameters and maps; [`texture`]: the images that maps read
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
-//! * [`import`]: scenes and materials from files of other programs
+//! * [`import`]: scenes and materials from files of other programs; [`materialx`]: materials in and out of MaterialX documents
 //! * [`image`]: pictures and their files
 //!
 //! The papers:
@@ -53,6 +53,7 @@ pub mod light_tree;
 pub mod lights;
 pub mod lock;
 pub mod material;
+pub mod materialx;
 pub mod memory;
 pub mod meshless;
 pub mod output;

@@ -8,6 +8,7 @@ pub mod json;
 pub mod numbers;
 pub mod tensors;
 pub mod text;
+pub mod xml;
 
 use crate::choices::Choices;
 

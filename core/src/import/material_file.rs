@@ -1,4 +1,4 @@
-//! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it.
+//! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it. Or one of a MaterialX document.
 
 use super::{
     ImportError, ImportOptions, ImportReport,
@@ -11,6 +11,7 @@ use crate::{
     image::{ImageError, decode, footprint},
     input,
     material::{Maps, Material, MaterialOf, map_color_space},
+    materialx::{self, MaterialXError, ReadMaterial},
     scene::Scene,
     texture::{Channel, ColorSpace, TextureSlot},
 };
@@ -64,7 +65,22 @@ fn full_strength() -> f32 {
     1.0
 }
 
-/// Reads a material file, and adds its pictures to the textures of `scene` unless they are there already. Also returns what
+/// The file of a material's path, and the name of the material in it: a MaterialX document holds several, and `FILE.mtlx#NAME` is
+/// one of them.
+pub fn material_in_file(path: &Path) -> (&Path, Option<&str>) {
+    let split = path.to_str().filter(|_| !path.is_file()).and_then(|text| text.rsplit_once('#'));
+    match split {
+        Some((file, name)) if is_materialx(Path::new(file)) => (Path::new(file), Some(name)),
+        _ => (path, None),
+    }
+}
+
+/// Whether a file is a MaterialX document, by its extension.
+pub fn is_materialx(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mtlx"))
+}
+
+/// Reads a material file, JSON or MaterialX ([`material_in_file`]), and adds its pictures to the textures of `scene` unless they are there already. Also returns what
 /// is to be told, in sentences.
 ///
 /// # Errors
@@ -75,9 +91,10 @@ pub fn load_material(
     options: &ImportOptions,
 ) -> Result<(Material, Vec<String>), ImportError> {
     let before = scene.textures.len();
+    let (path, wanted) = material_in_file(path);
     let mut loader =
         MaterialLoader { path, scene, files: Files::beside(path, options), report: ImportReport::default() };
-    let loaded = loader.load();
+    let loaded = loader.load(wanted);
     let MaterialLoader { files, mut report, .. } = loader;
     files.tell(&mut report);
     match loaded {
@@ -91,7 +108,8 @@ pub fn load_material(
 
 /// The pictures that a material file names, so far as they are there; none of a file that cannot be read.
 pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
-    let read = input::read(path).ok().and_then(|bytes| serde_json::from_slice::<MaterialFile>(&bytes).ok());
+    let (path, wanted) = material_in_file(path);
+    let read = input::read(path).ok().and_then(|bytes| contents(path, &bytes, wanted).ok()).map(|read| read.material);
     // Which file a name refers to depends on whether files outside are allowed.
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
@@ -99,6 +117,20 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
         slots.filter_map(move |slot| files.find(&slot.file).ok())
     });
     found.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// What a material file holds.
+fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMaterial, ImportError> {
+    let parse_error = |format, reason| ImportError::Parse { path: path.into(), format, reason };
+    if is_materialx(path) {
+        let text = std::str::from_utf8(bytes).map_err(|e| parse_error("MaterialX", e.to_string()))?;
+        return materialx::read(text, wanted).map_err(|error| match error {
+            MaterialXError::NoSuchMaterial { .. } => ImportError::NoSuchMaterial { path: path.into(), source: error },
+            other => parse_error("MaterialX", other.to_string()),
+        });
+    }
+    let material = serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
+    Ok(ReadMaterial { material, remarks: Vec::new() })
 }
 
 struct MaterialLoader<'a> {
@@ -109,14 +141,11 @@ struct MaterialLoader<'a> {
 }
 
 impl MaterialLoader<'_> {
-    fn load(&mut self) -> Result<Material, ImportError> {
+    fn load(&mut self, wanted: Option<&str>) -> Result<Material, ImportError> {
         let path = self.path;
-        let parse_error = |e: serde_json::Error| ImportError::Parse {
-            path: path.into(),
-            format: "a material",
-            reason: e.to_string(),
-        };
-        let file: MaterialFile = serde_json::from_slice(&read_file(path, &mut self.files)?).map_err(parse_error)?;
+        let bytes = read_file(path, &mut self.files)?;
+        let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted)?;
+        self.report.warnings.extend(remarks);
         self.check_outside(&file.maps)?;
         let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
         let mut material = file.with_maps(maps);

@@ -12,7 +12,7 @@ mod repair;
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    import::{ImportError, ImportOptions, Imported, import, import_with, load_material},
+    import::{ImportError, ImportOptions, Imported, import, import_with, load_material, pictures_of_material},
     lights::Emission,
     material::BrdfModel,
     scene::{MeshError, Scene},

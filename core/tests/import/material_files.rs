@@ -87,3 +87,68 @@ fn numbers_of_a_material_file_are_kept_in_range_aloud() {
     let good = files.add("y.json", text.replace("1e31", "3").replace("1e30", "3").replace('7', "0.5"));
     assert_eq!(load_material(&good, &mut Scene::default(), &ImportOptions::default()).unwrap().1, [""; 0]);
 }
+
+/// A document of two materials, the first of which has a map.
+const MATERIALX: &str = r#"<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709">
+  <image name="picture" type="color3">
+    <input name="file" type="filename" value="maps/a.png" colorspace="srgb_texture"/>
+  </image>
+  <open_pbr_surface name="SR_wood" type="surfaceshader">
+    <input name="base_color" type="color3" nodename="picture"/>
+    <input name="specular_roughness" type="float" value="0.25"/>
+  </open_pbr_surface>
+  <surfacematerial name="wood" type="material"><input name="surfaceshader" type="surfaceshader" nodename="SR_wood"/></surfacematerial>
+  <standard_surface name="SR_gold" type="surfaceshader"><input name="metalness" type="float" value="1"/></standard_surface>
+  <surfacematerial name="gold" type="material"><input name="surfaceshader" type="surfaceshader" nodename="SR_gold"/></surfacematerial>
+</materialx>
+"#;
+
+#[test]
+fn a_material_of_a_materialx_document_is_chosen_by_its_name() {
+    let files = Files::new();
+    files.add_png("maps/a.png", [0.5; 3]);
+    let path = files.add("two.mtlx", MATERIALX);
+    let named = |name: &str| {
+        let mut path = path.clone().into_os_string();
+        path.push(name);
+        std::path::PathBuf::from(path)
+    };
+    let mut scene = Scene::default();
+    let (first, warnings) = load_material(&path, &mut scene, &ImportOptions::default()).unwrap();
+    assert_eq!((first.name.as_str(), first.model, scene.textures.len()), ("wood", BrdfModel::OpenPbr, 1));
+    assert_eq!(first.parameters.number("specular_roughness"), 0.25);
+    assert_eq!(first.maps.get("base_color").unwrap().color_space, ColorSpace::Srgb);
+    assert!(warnings[0].contains("has 2 materials") && warnings[0].contains("\"gold\""), "{warnings:?}");
+    let gold = load(&named("#gold"), &mut scene).unwrap();
+    assert_eq!((gold.name.as_str(), gold.parameters.number("base_metalness"), scene.textures.len()), ("gold", 1.0, 1));
+    let error = load(&named("#lead"), &mut scene).unwrap_err().to_string();
+    assert!(error.contains("no material \"lead\", but wood, gold") && error.contains("two.mtlx"), "{error}");
+    assert_eq!(pictures_of_material(&named("#wood")).len(), 1);
+    assert!(pictures_of_material(&named("#gold")).is_empty());
+}
+
+#[test]
+fn a_materialx_document_that_is_wrong_is_told_with_its_file_and_line() {
+    let files = Files::new();
+    files.add_png("maps/a.png", [0.5; 3]);
+    let with = |from: &str, to: &str| {
+        let path = files.add("bad.mtlx", MATERIALX.replace(from, to));
+        load_material(&path, &mut Scene::default(), &ImportOptions::default())
+    };
+    let refused = |from: &str, to: &str| with(from, to).unwrap_err().to_string();
+    for (from, to, expected) in [
+        ("maps/a.png", "maps/gone.png", "maps/gone.png"),
+        ("maps/a.png", "../a.png", "../a.png"),
+        ("0.25", "dull", "line 8"),
+        ("</materialx>", "", "root"),
+        ("<?xml version=\"1.0\"?>", "<!DOCTYPE m [<!ENTITY a \"b\">]>", "DTD"),
+    ] {
+        let message = refused(from, to);
+        assert!(message.contains(expected) && message.contains("bad.mtlx"), "{message}");
+    }
+    let (material, warnings) = with("0.25", "nan").unwrap();
+    assert!(warnings.iter().any(|warning| warning.contains("out of range")), "{warnings:?}");
+    assert_eq!(material.parameters.number("specular_roughness"), 0.3);
+    assert!(with("0.25", "0.5").unwrap().1.len() == 1, "negative control");
+}

@@ -13,9 +13,10 @@ use crate::{
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
-    import::{MaterialFile, SlotFile},
+    import::{MaterialFile, SlotFile, is_materialx},
     input,
     material::{Material, map_label},
+    materialx::{self, Surface},
     output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
 };
@@ -118,9 +119,12 @@ impl EditorState {
         }
         let Some(material) = self.document.materials.get(index) else { return };
         let (file, left_out) = material_file(material, &self.document, path);
-        match write_material(&file, path) {
-            Ok(()) if left_out == 0 => self.messages.note(format!("Material written ({})", path.display())),
-            Ok(()) => self.messages.warning(format!(
+        let written = write_material(&file, path);
+        let remarks = written.as_ref().map_or(Vec::new(), Clone::clone);
+        remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+        match written {
+            Ok(_) if left_out == 0 => self.messages.note(format!("Material written ({})", path.display())),
+            Ok(_) => self.messages.warning(format!(
                 "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
                  them first ({})",
                 path.display()
@@ -253,11 +257,18 @@ fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
     }
 }
 
-fn write_material(file: &MaterialFile, path: &Path) -> Result<()> {
-    let text = serde_json::to_string_pretty(file)?;
-    write_atomically(path, format!("{text}\n").as_bytes()).with_context(|| {
+/// As MaterialX or JSON, by the extension. Returns what the file does not hold.
+fn write_material(file: &MaterialFile, path: &Path) -> Result<Vec<String>> {
+    let (text, remarks) = if is_materialx(path) {
+        let materialx::Written { text, remarks } = materialx::write(std::slice::from_ref(file), Surface::OpenPbr)?;
+        (text, remarks)
+    } else {
+        (format!("{}\n", serde_json::to_string_pretty(file)?), Vec::new())
+    };
+    write_atomically(path, text.as_bytes()).with_context(|| {
         format!("cannot write the material; check the free space and permissions ({})", path.display())
-    })
+    })?;
+    Ok(remarks)
 }
 
 /// Uses a picture for the base colour of a material.
@@ -268,7 +279,7 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{import::load_material, texture::ColorSpace};
+    use lapidary_core::{import::load_material, material::BrdfModel, texture::ColorSpace};
 
     fn document(file: Option<PathBuf>) -> Document {
         let texture = Arc::new(Texture::missing("wood.png"));
@@ -288,13 +299,16 @@ mod tests {
         let path = folder.path().join("wood.json");
         let (file, left_out) = material_file(&document.materials[0], &document, &path);
         assert_eq!((left_out, file.maps.get("base_color").unwrap().file.as_str()), (0, "wood.png"));
-        write_material(&file, &path).unwrap();
-        let read = load_material(&path, &mut Default::default(), &Default::default()).unwrap().0;
-        let (a, b) = (
-            read.maps.get("base_color").cloned().unwrap(),
-            document.materials[0].maps.get("base_color").cloned().unwrap(),
-        );
-        assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
+        for path in [path, folder.path().join("wood.mtlx")] {
+            assert_eq!(write_material(&file, &path).unwrap(), [""; 0]);
+            let read = load_material(&path, &mut Default::default(), &Default::default()).unwrap().0;
+            let (a, b) = (
+                read.maps.get("base_color").cloned().unwrap(),
+                document.materials[0].maps.get("base_color").cloned().unwrap(),
+            );
+            assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
+            assert_eq!(read.model == BrdfModel::OpenPbr, is_materialx(&path));
+        }
     }
 
     #[test]

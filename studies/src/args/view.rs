@@ -14,7 +14,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
     ground::Ground,
-    import::{load_material, pictures_of_material},
+    import::{load_material, material_in_file, pictures_of_material},
     material::{BrdfModel, Material, PRESETS, Preset},
     memory,
     scene::{Scene, camera_named},
@@ -48,8 +48,9 @@ struct MaterialArgs {
     /// Metalness of a GGX material, 0 to 1 [default if another is given: 0]
     #[arg(long, value_name = "M", value_parser = values::fraction)]
     metalness: Option<f32>,
-    /// Material of any model, with textures, as a JSON file; or preset:NAME, which `lapidary models` lists
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["roughness", "base_color", "metalness"])]
+    /// Material of any model, with textures, as a JSON file or a MaterialX document (FILE.mtlx, or FILE.mtlx#NAME for one of
+    /// several); or preset:NAME, which `lapidary models` lists
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["roughness", "base_color", "metalness"])]
     material: Option<PathBuf>,
     #[command(flatten)]
     outside: OutsideArgs,
@@ -144,7 +145,9 @@ impl ViewArgs {
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
         let material = self.material.material.as_ref().filter(|path| preset_name(path).is_none());
-        files.reads(material).reads(material.iter().flat_map(|path| pictures_of_material(path)))
+        files
+            .reads(material.map(|path| material_in_file(path).0))
+            .reads(material.iter().flat_map(|path| pictures_of_material(path)))
     }
 
     /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.

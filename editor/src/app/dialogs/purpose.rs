@@ -34,7 +34,7 @@ pub struct Purpose {
 }
 
 const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
-const MATERIALS: &[&str] = &["json"];
+const MATERIALS: &[&str] = &["json", "mtlx"];
 const LIGHTS: &[&str] = &["json"];
 
 impl Purpose {

@@ -34,6 +34,7 @@ pub fn kind_of(path: &Path) -> Kind {
         "hdr" | "exr" => Kind::Environment,
         "png" | "jpg" | "jpeg" | "tga" => kind_of_picture(path),
         "json" => kind_of_json(path),
+        "mtlx" => Kind::Material,
         _ => Kind::Unknown,
     }
 }
@@ -70,7 +71,7 @@ pub fn foreign(path: &Path) -> String {
     let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
     format!(
         "{what}; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an environment \
-         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json) or lights (.json) ({})",
+         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx) or lights (.json) ({})",
         path.display()
     )
 }
@@ -92,6 +93,7 @@ mod tests {
             ("a.lapidary", Kind::Session),
             ("a.EXR", Kind::Environment),
             ("a.hdr", Kind::Environment),
+            ("a.MTLX", Kind::Material),
             ("a.fbx", Kind::Unknown),
             ("cuts", Kind::Unknown),
             ("", Kind::Unknown),

@@ -1,0 +1,21 @@
+//! MaterialX documents (Academy Software Foundation, version 1.39 and back to 1.38): the surfaces `open_pbr_surface`,
+//! `standard_surface` and `gltf_pbr`, with values and pictures, to and from materials of the model `openpbr`.
+//!
+//! `open_pbr_surface` is read and written name by name. The others follow the translations that MaterialX publishes
+//! (`libraries/bxdf/translation`) but for four things. A coat stays on a metal, and its colour tints once. The width of a
+//! stretched lobe is kept, not the number that stretches it; see [`stretch`]. The coat's darkening is what the coat does to colours.
+//!
+//! Coordinates of MaterialX begin at the bottom of a picture, here at the top; see [`placement`].
+
+mod graph;
+mod placement;
+mod read;
+pub(crate) mod stretch;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod write;
+
+pub use read::{MaterialXError, ReadMaterial, read};
+pub use surface::Surface;
+pub use write::{Written, write};
